@@ -1,0 +1,14 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+namespace snowbough::python {
+
+/// read_tree, build_tree_mesh, Skeleton, TreeMesh.
+void bind_tree(pybind11::module_& module);
+/// SnowSimulation, gpu_info.
+void bind_snow(pybind11::module_& module);
+/// read_exr, write_exr.
+void bind_image(pybind11::module_& module);
+
+}  // namespace snowbough::python

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <array>
+#include <memory>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace snowbough::python {
+
+/// C-contiguous input; other layouts and dtypes are converted once.
+template <typename Scalar>
+using InputArray =
+    pybind11::array_t<Scalar, pybind11::array::c_style | pybind11::array::forcecast>;
+
+/// Moves a vector into a numpy array of `shape` without copying: a capsule owns the vector.
+/// `Scalar` is the element type seen from Python; Element may be a packed struct of Scalars.
+template <typename Scalar, typename Element>
+pybind11::array_t<Scalar> to_numpy(std::vector<Element>&& values,
+                                   std::vector<pybind11::ssize_t> shape) {
+  static_assert(sizeof(Element) % sizeof(Scalar) == 0);
+  auto owner = std::make_unique<std::vector<Element>>(std::move(values));
+  auto* data = reinterpret_cast<Scalar*>(owner->data());
+  pybind11::capsule capsule(owner.release(),
+                            [](void* p) { delete static_cast<std::vector<Element>*>(p); });
+  return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
+}
+
+/// A read-only view of a vector that `owner` keeps alive.
+template <typename Scalar, typename Element>
+pybind11::array_t<Scalar> view_numpy(const std::vector<Element>& values,
+                                     std::vector<pybind11::ssize_t> shape,
+                                     pybind11::handle owner) {
+  static_assert(sizeof(Element) % sizeof(Scalar) == 0);
+  pybind11::array_t<Scalar> view(std::move(shape), reinterpret_cast<const Scalar*>(values.data()),
+                                 owner);
+  pybind11::detail::array_proxy(view.ptr())->flags &=
+      ~pybind11::detail::npy_api::NPY_ARRAY_WRITEABLE_;
+  return view;
+}
+
+/// Copies an (N, Columns) array into packed structs. @throws std::invalid_argument naming `what`.
+template <typename Element, typename Scalar, int Columns>
+std::vector<Element> rows_from_numpy(const InputArray<Scalar>& array, const std::string& what) {
+  static_assert(sizeof(Element) == sizeof(Scalar) * Columns);
+  if (array.ndim() != 2 || array.shape(1) != Columns) {
+    throw std::invalid_argument(what + " must have shape (N, " + std::to_string(Columns) + ")");
+  }
+  const auto* begin = reinterpret_cast<const Element*>(array.data());
+  return std::vector<Element>(begin, begin + array.shape(0));
+}
+
+}  // namespace snowbough::python

@@ -1,0 +1,1 @@
+#include "tree/skeleton.h"
