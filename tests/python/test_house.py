@@ -1,0 +1,90 @@
+"""The set-up itself: the module is built, and the README names everything it needs."""
+
+import os
+import subprocess
+from pathlib import Path
+
+import pytest
+
+import snowbough_native
+
+ROOT = Path(__file__).resolve().parents[2]
+
+
+def dependencies():
+    for line in (ROOT / "tools" / "dependencies.txt").read_text().splitlines():
+        if line and not line.startswith("#"):
+            yield line.split(None, 1)
+
+
+def test_module_comes_from_this_checkout():
+    assert Path(snowbough_native.__file__).parent == ROOT / "build" / "python"
+
+
+def test_module_version_is_the_add_ons():
+    add_on = (ROOT / "addon" / "snowbough" / "__init__.py").read_text()
+    major, minor, patch = snowbough_native.__version__.split(".")
+    assert f'"version": ({major}, {minor}, {patch})' in add_on
+
+
+def test_readme_names_every_dependency():
+    readme = (ROOT / "README.md").read_text()
+    assert [package for package, _ in dependencies() if f"`{package}`" not in readme] == []
+
+
+def test_every_dependency_says_what_it_is_for():
+    assert [line for line in dependencies() if len(line) != 2] == []
+
+
+@pytest.mark.parametrize(
+    "arguments, complaint",
+    [(["nonsense"], "unknown argument 'nonsense'"), (["--blender", "2.79"], "not '2.79'")],
+)
+def test_test_script_refuses_unknown_arguments(arguments, complaint):
+    ended = subprocess.run(
+        [ROOT / "tools" / "test.sh", *arguments],
+        capture_output=True,
+        text=True,
+        env={**os.environ, "SNOWBOUGH_SETUP": "0"},
+    )
+    assert ended.returncode == 2
+    assert complaint in ended.stderr
+
+
+def test_summary_counts_a_layer_that_crashed(tmp_path):
+    (tmp_path / "blender.exit").write_text("139\n")
+    ended = subprocess.run(
+        ["/usr/bin/python3", ROOT / "tools" / "test_summary.py", tmp_path, "blender"],
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 1
+    assert ended.stdout.splitlines()[-1] == "0 passed, 1 failed, 0 skipped"
+
+
+def test_summary_gives_googletest_and_pytest_reasons_for_skips(tmp_path):
+    for layer, case in (
+        (
+            "native",
+            '<skipped message="SKIP_REGULAR_EXPRESSION_MATCHED"/><system-out>'
+            "[ RUN      ] Tree.RealFile\ntree_test.cpp:7: Skipped\n../shared/data is absent\n\n"
+            "[  SKIPPED ] Tree.RealFile (0 ms)</system-out>",
+        ),
+        ("python", '<skipped type="pytest.skip" message="no EGL"/>'),
+    ):
+        (tmp_path / f"{layer}.exit").write_text("0\n")
+        (tmp_path / f"{layer}.xml").write_text(
+            f'<testsuite><testcase classname="a" name="b">{case}</testcase>'
+            '<testcase classname="a" name="c"/></testsuite>'
+        )
+    ended = subprocess.run(
+        ["/usr/bin/python3", ROOT / "tools" / "test_summary.py", tmp_path, "native", "python"],
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 0
+    assert ended.stdout.splitlines() == [
+        "skipped: native: 1 x ../shared/data is absent",
+        "skipped: python: 1 x no EGL",
+        "2 passed, 0 failed, 2 skipped",
+    ]

@@ -1,0 +1,66 @@
+#!/usr/bin/env bash
+# Sets a Debian 12 machine up for Snowbough: installs the packages that are missing, then builds.
+#
+#   ./tools/setup.sh
+#
+# Afterwards `PYTHONPATH=build/python /usr/bin/python3 -c "import snowbough_native"` works. Nothing is
+# installed when everything is there, and only what changed is built again.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+is_installed() {
+  [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
+}
+
+# apt-get as root, never asking anything: this also runs where nobody can answer.
+as_root_apt_get() {
+  local sudo=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "setup: installing needs root and there is no sudo. As root, run: apt-get install ${missing[*]}" >&2
+      exit 1
+    fi
+    sudo=(sudo)
+    [ "${CI:-}" = true ] && sudo+=(-n)
+  fi
+  "${sudo[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "$@" </dev/null
+}
+
+if ! command -v dpkg-query >/dev/null; then
+  echo "setup: this script knows Debian's packages only; tools/dependencies.txt lists what to install" >&2
+  exit 1
+fi
+
+missing=()
+while read -r package reason; do
+  case "$package" in '' | '#'*) continue ;; esac
+  if ! is_installed "$package"; then
+    [ ${#missing[@]} -gt 0 ] || echo "setup: to be installed with apt-get:"
+    printf '  %-17s %s\n' "$package" "$reason"
+    missing+=("$package")
+  fi
+done <tools/dependencies.txt
+
+if [ ${#missing[@]} -gt 0 ]; then
+  # A machine's package lists may be absent or name versions that the mirror has dropped: fetch them
+  # only then.
+  install=(install -y --no-install-recommends "${missing[@]}")
+  if ! as_root_apt_get "${install[@]}"; then
+    echo "setup: apt-get could not install these with the package lists it has; fetching new ones"
+    as_root_apt_get update
+    as_root_apt_get "${install[@]}"
+  fi
+else
+  echo "setup: all packages are installed"
+fi
+
+launcher=()
+if command -v ccache >/dev/null; then
+  launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+fi
+cmake --preset release "${launcher[@]}"
+cmake --build --preset release
+
+PYTHONPATH=build/python /usr/bin/python3 -c "
+import snowbough_native
+print('setup: snowbough_native', snowbough_native.__version__, 'is built in build/python')"

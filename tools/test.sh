@@ -1,0 +1,98 @@
+#!/usr/bin/env bash
+# Sets up (tools/setup.sh) and runs the tests.
+#
+#   ./tools/test.sh                        all layers
+#   ./tools/test.sh native|python|blender|ui [...]   only these
+#   ./tools/test.sh --blender 5.2          tests/blender in Debian sid's Blender (made under build/)
+#   ./tools/test.sh --blender bpy          tests/blender in PyPI's official bpy for this Python
+#
+# The last lines say why tests were skipped and `N passed, N failed, N skipped`; the exit code is 0
+# only when nothing failed. SNOWBOUGH_SETUP=0 leaves the set-up out.
+set -uo pipefail
+cd "$(dirname "$0")/.."
+# Absolute: the layers run in different folders.
+results="$PWD/build/tests"
+
+usage() {
+  sed -n '2,10s/^# \{0,1\}//p' "$0"
+}
+
+layers=()
+blender=
+while [ $# -gt 0 ]; do
+  case "$1" in
+    native | python | blender | ui) layers+=("$1") ;;
+    --blender)
+      blender="${2:-}"
+      shift
+      ;;
+    -h | --help)
+      usage
+      exit 0
+      ;;
+    *)
+      echo "test: unknown argument '$1'" >&2
+      usage >&2
+      exit 2
+      ;;
+  esac
+  shift
+done
+case "$blender" in
+  '') [ ${#layers[@]} -gt 0 ] || layers=(native python) ;;
+  5.2 | bpy)
+    if [ "${layers[*]:-blender}" != blender ]; then
+      echo "test: --blender $blender runs the layer blender only" >&2
+      exit 2
+    fi
+    layers=(blender)
+    ;;
+  *)
+    echo "test: --blender takes 5.2 (Debian sid) or bpy (PyPI), not '$blender'" >&2
+    exit 2
+    ;;
+esac
+
+# What follows must not depend on the caller's Python.
+unset PYTHONPATH PYTHONHOME
+export PYTHONUNBUFFERED=1
+
+run_native() {
+  ctest --test-dir build/release --output-on-failure --timeout 120 \
+    -j "$(nproc)" --output-junit "$results/native.xml"
+}
+
+run_python() {
+  PYTHONPATH=build/python /usr/bin/python3 -m pytest tests/python -v -rfE \
+    -o junit_family=xunit2 --junitxml="$results/python.xml"
+}
+
+run_blender() {
+  case "$blender" in
+    5.2) tools/blender_sid.sh "$results/blender.xml" ;;
+    bpy) tools/blender_bpy.sh "$results/blender.xml" ;;
+    *) /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --junitxml "$results/blender.xml" ;;
+  esac
+}
+
+run_ui() {
+  /usr/bin/python3 -m pytest tests/ui -v -rfE -o junit_family=xunit2 --junitxml="$results/ui.xml"
+}
+
+rm -rf "$results"
+mkdir -p "$results"
+if [ "${SNOWBOUGH_SETUP:-1}" != 0 ]; then
+  tools/setup.sh || exit 1
+fi
+
+for layer in "${layers[@]}"; do
+  echo
+  echo "== $layer =="
+  started=$SECONDS
+  "run_$layer" </dev/null
+  echo $? >"$results/$layer.exit"
+  echo "== $layer: $((SECONDS - started)) s =="
+done
+
+echo
+/usr/bin/python3 tools/test_summary.py "$results" "${layers[@]}"
