@@ -1,7 +1,122 @@
+#include <pybind11/stl.h>
+
 #include "bindings.h"
+#include "image/exr.h"
+#include "image/png.h"
+#include "numpy_arrays.h"
+
+namespace py = pybind11;
 
 namespace snowbough::python {
+namespace {
 
-void bind_image(pybind11::module_& module) { (void)module; }
+struct PixelShape {
+  int32_t height = 0;
+  int32_t width = 0;
+  int32_t channels = 0;
+};
+
+PixelShape pixel_shape(const py::array& pixels) {
+  if (pixels.ndim() != 2 && pixels.ndim() != 3) {
+    throw std::invalid_argument("pixels must have shape (H, W) or (H, W, channels)");
+  }
+  return {static_cast<int32_t>(pixels.shape(0)), static_cast<int32_t>(pixels.shape(1)),
+          pixels.ndim() == 3 ? static_cast<int32_t>(pixels.shape(2)) : 1};
+}
+
+std::vector<std::string> default_channels(int32_t count) {
+  switch (count) {
+    case 1:
+      return {"Y"};
+    case 3:
+      return {"R", "G", "B"};
+    case 4:
+      return {"R", "G", "B", "A"};
+    default:
+      throw std::invalid_argument("name the channels of an image with " + std::to_string(count) +
+                                  " values a pixel");
+  }
+}
+
+image::ExrCompression compression_named(const std::string& name) {
+  if (name == "NONE") return image::ExrCompression::kNone;
+  if (name == "RLE") return image::ExrCompression::kRle;
+  if (name == "ZIPS") return image::ExrCompression::kZips;
+  if (name == "ZIP") return image::ExrCompression::kZip;
+  if (name == "PIZ") return image::ExrCompression::kPiz;
+  throw std::invalid_argument("compression must be NONE, RLE, ZIPS, ZIP or PIZ, not '" + name +
+                              "'");
+}
+
+void write_exr(const std::string& path, const InputArray<float>& pixels,
+               const std::vector<std::string>& channels, bool half,
+               const std::map<std::string, std::string>& attributes,
+               const std::string& compression) {
+  const PixelShape shape = pixel_shape(pixels);
+  image::ExrLayout layout;
+  layout.width = shape.width;
+  layout.height = shape.height;
+  layout.channels = channels.empty() ? default_channels(shape.channels) : channels;
+  if (layout.channels.size() != static_cast<size_t>(shape.channels)) {
+    throw std::invalid_argument("as many channel names as values a pixel are needed");
+  }
+  layout.type = half ? image::ExrPixelType::kHalf : image::ExrPixelType::kFloat;
+  layout.compression = compression_named(compression);
+  layout.attributes = attributes;
+  const float* data = pixels.data();
+  py::gil_scoped_release unlocked;
+  image::write_exr(path, layout, data);
+}
+
+py::tuple read_exr(const std::string& path) {
+  image::ExrImage image;
+  {
+    py::gil_scoped_release unlocked;
+    image = image::read_exr(path);
+  }
+  const image::ExrLayout& layout = image.layout;
+  std::vector<py::ssize_t> shape{layout.height, layout.width};
+  if (layout.channels.size() > 1) shape.push_back(static_cast<py::ssize_t>(layout.channels.size()));
+  py::dict header;
+  header["channels"] = layout.channels;
+  header["half"] = layout.type == image::ExrPixelType::kHalf;
+  header["attributes"] = layout.attributes;
+  return py::make_tuple(to_numpy<float>(std::move(image.pixels), std::move(shape)), header);
+}
+
+void write_png(const std::string& path, const py::array& pixels) {
+  const PixelShape shape = pixel_shape(pixels);
+  if (py::isinstance<py::array_t<uint8_t>>(pixels)) {
+    const auto samples = InputArray<uint8_t>::ensure(pixels);
+    const uint8_t* data = samples.data();
+    py::gil_scoped_release unlocked;
+    image::write_png8(path, shape.width, shape.height, shape.channels, data);
+  } else if (py::isinstance<py::array_t<uint16_t>>(pixels)) {
+    const auto samples = InputArray<uint16_t>::ensure(pixels);
+    const uint16_t* data = samples.data();
+    py::gil_scoped_release unlocked;
+    image::write_png16(path, shape.width, shape.height, shape.channels, data);
+  } else {
+    throw std::invalid_argument("a PNG image needs an array of uint8 or uint16");
+  }
+}
+
+}  // namespace
+
+void bind_image(py::module_& module) {
+  module.def(
+      "write_exr", &write_exr, py::arg("path"), py::arg("pixels"),
+      py::arg("channels") = std::vector<std::string>{}, py::arg("half") = false,
+      py::arg("attributes") = std::map<std::string, std::string>{}, py::arg("compression") = "ZIP",
+      "Writes (H, W) or (H, W, channels) float pixels, row 0 = v 0, as an EXR file: whole or "
+      "not at all, the same bytes for the same input. Channels default to Y, RGB or RGBA. "
+      "ValueError for wrong shapes, RuntimeError with path and reason when the disk refuses.");
+  module.def(
+      "read_exr", &read_exr, py::arg("path"),
+      "Returns (pixels, header): float32 (H, W) or (H, W, channels), row 0 = v 0, and a dict "
+      "with channels, half, attributes (the header's text attributes).");
+  module.def("write_png", &write_png, py::arg("path"), py::arg("pixels"),
+             "Writes (H, W) or (H, W, 1 to 4) uint8 or uint16 samples, row 0 at the bottom.");
+}
 
 }  // namespace snowbough::python

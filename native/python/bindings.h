@@ -8,7 +8,7 @@ namespace snowbough::python {
 void bind_tree(pybind11::module_& module);
 /// SnowSimulation, gpu_info.
 void bind_snow(pybind11::module_& module);
-/// read_exr, write_exr.
+/// read_exr, write_exr, write_png, texel_table.
 void bind_image(pybind11::module_& module);
 
 }  // namespace snowbough::python

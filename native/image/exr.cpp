@@ -1,0 +1,236 @@
+#include "image/exr.h"
+
+#include <ImfChannelList.h>
+#include <ImfFrameBuffer.h>
+#include <ImfHeader.h>
+#include <ImfIO.h>
+#include <ImfInputFile.h>
+#include <ImfOutputFile.h>
+#include <ImfStringAttribute.h>
+#include <half.h>
+
+#include <algorithm>
+#include <cstring>
+#include <stdexcept>
+
+#include "image/atomic_file.h"
+
+namespace snowbough::image {
+namespace {
+
+/// Collects the file in memory, so that only atomic_write touches the disk.
+class MemoryWriter : public Imf::OStream {
+ public:
+  MemoryWriter() : Imf::OStream("memory") {}
+
+  void write(const char bytes[], int count) override {
+    const size_t end = position_ + static_cast<size_t>(count);
+    if (end > bytes_.size()) bytes_.resize(end);
+    std::memcpy(bytes_.data() + position_, bytes, static_cast<size_t>(count));
+    position_ = end;
+  }
+  uint64_t tellp() override { return position_; }
+  void seekp(uint64_t position) override { position_ = position; }
+
+  const std::string& bytes() const { return bytes_; }
+
+ private:
+  std::string bytes_;
+  size_t position_ = 0;
+};
+
+class MemoryReader : public Imf::IStream {
+ public:
+  MemoryReader(const std::string& path, const std::string& bytes)
+      : Imf::IStream(path.c_str()), bytes_(bytes) {}
+
+  bool read(char target[], int count) override {
+    if (position_ + static_cast<size_t>(count) > bytes_.size()) {
+      throw std::runtime_error("the file is truncated");
+    }
+    std::memcpy(target, bytes_.data() + position_, static_cast<size_t>(count));
+    position_ += static_cast<size_t>(count);
+    return position_ < bytes_.size();
+  }
+  uint64_t tellg() override { return position_; }
+  void seekg(uint64_t position) override { position_ = position; }
+
+ private:
+  const std::string& bytes_;
+  size_t position_ = 0;
+};
+
+Imf::Compression to_imf(ExrCompression compression) {
+  switch (compression) {
+    case ExrCompression::kNone:
+      return Imf::NO_COMPRESSION;
+    case ExrCompression::kRle:
+      return Imf::RLE_COMPRESSION;
+    case ExrCompression::kZips:
+      return Imf::ZIPS_COMPRESSION;
+    case ExrCompression::kZip:
+      return Imf::ZIP_COMPRESSION;
+    case ExrCompression::kPiz:
+      return Imf::PIZ_COMPRESSION;
+  }
+  throw std::invalid_argument("unknown EXR compression");
+}
+
+void check_layout(const ExrLayout& layout) {
+  if (layout.width < 1 || layout.height < 1 || layout.channels.empty()) {
+    throw std::invalid_argument("an EXR image needs a width, a height and at least one channel");
+  }
+  std::vector<std::string> sorted = layout.channels;
+  std::sort(sorted.begin(), sorted.end());
+  if (sorted.front().empty() || std::adjacent_find(sorted.begin(), sorted.end()) != sorted.end()) {
+    throw std::invalid_argument("the channels of an EXR image need different names");
+  }
+  if (layout.compression_level < 1 || layout.compression_level > 9) {
+    throw std::invalid_argument("compression_level must be from 1 to 9");
+  }
+}
+
+Imf::Header make_header(const ExrLayout& layout) {
+  Imf::Header header(layout.width, layout.height);
+  header.compression() = to_imf(layout.compression);
+  header.zipCompressionLevel() = layout.compression_level;
+  for (const auto& [name, text] : layout.attributes) {
+    if (name.empty() || header.find(name.c_str()) != header.end()) {
+      throw std::invalid_argument("the EXR attribute '" + name + "' is reserved by the format");
+    }
+    header.insert(name.c_str(), Imf::StringAttribute(text));
+  }
+  const Imf::PixelType type = layout.type == ExrPixelType::kHalf ? Imf::HALF : Imf::FLOAT;
+  for (const std::string& channel : layout.channels) {
+    header.channels().insert(channel.c_str(), Imf::Channel(type));
+  }
+  return header;
+}
+
+/// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at
+/// that array's last row and the rows run backwards.
+template <typename Scalar>
+Imf::FrameBuffer flipped_frame_buffer(const std::vector<std::string>& channels, Imf::PixelType type,
+                                      const Scalar* pixels, int32_t width, int32_t height,
+                                      int32_t min_x, int32_t min_y) {
+  const auto pixel_stride = static_cast<ptrdiff_t>(sizeof(Scalar) * channels.size());
+  const ptrdiff_t row_stride = pixel_stride * width;
+  Imf::FrameBuffer frame;
+  for (size_t c = 0; c < channels.size(); ++c) {
+    // OpenEXR never writes through an output file's frame buffer; its interface is not const.
+    char* base = reinterpret_cast<char*>(const_cast<Scalar*>(pixels + c));
+    base += row_stride * (height - 1 + min_y) - pixel_stride * min_x;
+    frame.insert(channels[c].c_str(), Imf::Slice(type, base, static_cast<size_t>(pixel_stride),
+                                                 static_cast<size_t>(-row_stride)));
+  }
+  return frame;
+}
+
+std::string encode(const ExrLayout& layout, const float* pixels) {
+  MemoryWriter stream;
+  {
+    Imf::OutputFile file(stream, make_header(layout), 0);
+    if (layout.type == ExrPixelType::kHalf) {
+      const size_t count = static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
+                           layout.channels.size();
+      std::vector<half> halves(pixels, pixels + count);
+      file.setFrameBuffer(flipped_frame_buffer(layout.channels, Imf::HALF, halves.data(),
+                                               layout.width, layout.height, 0, 0));
+      file.writePixels(layout.height);
+    } else {
+      file.setFrameBuffer(flipped_frame_buffer(layout.channels, Imf::FLOAT, pixels, layout.width,
+                                               layout.height, 0, 0));
+      file.writePixels(layout.height);
+    }
+  }
+  return stream.bytes();
+}
+
+ExrCompression from_imf(Imf::Compression compression) {
+  switch (compression) {
+    case Imf::NO_COMPRESSION:
+      return ExrCompression::kNone;
+    case Imf::RLE_COMPRESSION:
+      return ExrCompression::kRle;
+    case Imf::ZIPS_COMPRESSION:
+      return ExrCompression::kZips;
+    case Imf::PIZ_COMPRESSION:
+      return ExrCompression::kPiz;
+    default:
+      return ExrCompression::kZip;
+  }
+}
+
+ExrImage decode(const std::string& path, const std::string& bytes) {
+  MemoryReader stream(path, bytes);
+  Imf::InputFile file(stream, 0);
+  const Imf::Header& header = file.header();
+  const Imath::Box2i window = header.dataWindow();
+
+  ExrImage image;
+  ExrLayout& layout = image.layout;
+  layout.width = window.max.x - window.min.x + 1;
+  layout.height = window.max.y - window.min.y + 1;
+  layout.compression = from_imf(header.compression());
+  bool all_half = true;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
+      throw std::runtime_error(std::string("the channel ") + channel.name() + " is subsampled");
+    }
+    all_half = all_half && channel.channel().type == Imf::HALF;
+    layout.channels.emplace_back(channel.name());
+  }
+  layout.type = all_half ? ExrPixelType::kHalf : ExrPixelType::kFloat;
+  for (auto attribute = header.begin(); attribute != header.end(); ++attribute) {
+    const auto* text = dynamic_cast<const Imf::StringAttribute*>(&attribute.attribute());
+    if (text != nullptr) layout.attributes[attribute.name()] = text->value();
+  }
+
+  image.pixels.resize(static_cast<size_t>(layout.width) * static_cast<size_t>(layout.height) *
+                      layout.channels.size());
+  file.setFrameBuffer(flipped_frame_buffer(layout.channels, Imf::FLOAT, image.pixels.data(),
+                                           layout.width, layout.height, window.min.x,
+                                           window.min.y));
+  file.readPixels(window.min.y, window.max.y);
+  return image;
+}
+
+}  // namespace
+
+void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels) {
+  check_layout(layout);
+  atomic_write(path, encode(layout, pixels));
+}
+
+void write_height_exr(const std::string& path, int32_t resolution, const float* height,
+                      const std::map<std::string, std::string>& attributes) {
+  ExrLayout layout;
+  layout.width = layout.height = resolution;
+  layout.channels = {"Y"};
+  layout.attributes = attributes;
+  write_exr(path, layout, height);
+}
+
+void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
+                      const std::map<std::string, std::string>& attributes) {
+  ExrLayout layout;
+  layout.width = layout.height = resolution;
+  layout.channels = {"R", "G", "B"};
+  layout.type = ExrPixelType::kHalf;
+  layout.attributes = attributes;
+  const size_t count = 3 * static_cast<size_t>(resolution) * static_cast<size_t>(resolution);
+  std::vector<float> encoded(count);
+  for (size_t i = 0; i < count; ++i) encoded[i] = 0.5f + 0.5f * normals[i];
+  write_exr(path, layout, encoded.data());
+}
+
+ExrImage read_exr(const std::string& path) {
+  const std::string bytes = read_file(path);
+  try {
+    return decode(path, bytes);
+  } catch (const std::exception& error) {
+    throw std::runtime_error("cannot read '" + path + "' as an EXR image: " + error.what());
+  }
+}
+
+}  // namespace snowbough::image

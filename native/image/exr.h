@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace snowbough::image {
+
+enum class ExrPixelType : uint8_t { kFloat, kHalf };
+
+/// How pixels are packed. All are read by every Blender version; figures in docs/formats.md.
+enum class ExrCompression : uint8_t { kNone, kRle, kZips, kZip, kPiz };
+
+/// An image without its pixels.
+struct ExrLayout {
+  int32_t width = 0;
+  int32_t height = 0;
+  /// Channel names in the order in which a pixel's values are stored in memory ("Y", or "R", "G",
+  /// "B"). In the file they are sorted by name, as the format demands.
+  std::vector<std::string> channels;
+  ExrPixelType type = ExrPixelType::kFloat;
+  ExrCompression compression = ExrCompression::kZip;
+  /// zlib's level for kZip and kZips, 1 to 9; the pixels are the same with each.
+  int32_t compression_level = 1;
+  /// Text attributes of the header, by name.
+  std::map<std::string, std::string> attributes;
+};
+
+/// An image in memory: height x width x channels, row 0 = v 0 (the file's last scanline).
+struct ExrImage {
+  ExrLayout layout;
+  std::vector<float> pixels;
+};
+
+/// Writes `pixels` (height x width x channels, row 0 = v 0) as a scanline file, atomically. The
+/// same input gives the same bytes: no dates, and the packing does not depend on threads. Uses no
+/// threads of its own and leaves OpenEXR's global pool alone.
+/// @throws std::invalid_argument for sizes below 1 or without channels, doubled or empty names, and
+///         attribute names that the format keeps for itself; std::runtime_error as atomic_write.
+void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels);
+
+/// A height map in metres: one float32 channel `Y`, resolution x resolution, row 0 = v 0.
+void write_height_exr(const std::string& path, int32_t resolution, const float* height,
+                      const std::map<std::string, std::string>& attributes = {});
+
+/// Tangent-space normals (resolution x resolution x 3, each -1 to 1): half channels R, G, B encoded
+/// as 0.5 + 0.5 n, which is what Blender's Normal Map node expects.
+void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
+                      const std::map<std::string, std::string>& attributes = {});
+
+/// Reads any scanline or tiled single-part EXR file of float or half channels without subsampling;
+/// channels in the file's order (by name).
+/// @throws std::runtime_error with path and reason where it is missing, no EXR file, or damaged.
+ExrImage read_exr(const std::string& path);
+
+}  // namespace snowbough::image
