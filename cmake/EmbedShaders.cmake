@@ -1,0 +1,14 @@
+# snowbough_embed_shaders(TARGET): compiles every file in shaders/ into TARGET as text, so that the
+# module needs no files beside it. gpu/shader_source.h finds them by name.
+function(snowbough_embed_shaders target)
+  file(GLOB shader_files CONFIGURE_DEPENDS "${CMAKE_SOURCE_DIR}/shaders/*.glsl" "${CMAKE_SOURCE_DIR}/shaders/*.h")
+  set(generated "${CMAKE_CURRENT_BINARY_DIR}/embedded_shaders.cpp")
+  add_custom_command(
+    OUTPUT "${generated}"
+    COMMAND ${CMAKE_COMMAND} "-DFILES=${shader_files}" "-DOUTPUT=${generated}"
+            -P "${CMAKE_SOURCE_DIR}/cmake/WriteEmbeddedShaders.cmake"
+    DEPENDS ${shader_files} "${CMAKE_SOURCE_DIR}/cmake/WriteEmbeddedShaders.cmake"
+    COMMENT "Embedding the shaders"
+    VERBATIM)
+  target_sources(${target} PRIVATE "${generated}")
+endfunction()

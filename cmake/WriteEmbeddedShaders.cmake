@@ -1,0 +1,10 @@
+# Script: writes OUTPUT, a C++ file that holds the text of FILES as a table of name and source.
+set(code "#include \"gpu/shader_source.h\"\n\nnamespace snowbough::gpu {\n\n")
+string(APPEND code "const EmbeddedShader kEmbeddedShaders[] = {\n")
+foreach(path IN LISTS FILES)
+  get_filename_component(name "${path}" NAME)
+  file(READ "${path}" text)
+  string(APPEND code "    {\"${name}\", R\"glsl(${text})glsl\"},\n")
+endforeach()
+string(APPEND code "    {nullptr, nullptr},\n};\n\n}  // namespace snowbough::gpu\n")
+file(WRITE "${OUTPUT}" "${code}")

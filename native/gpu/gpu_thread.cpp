@@ -1,0 +1,93 @@
+#include "gpu/gpu_thread.h"
+
+#include <epoxy/gl.h>
+
+#include <map>
+#include <optional>
+#include <stdexcept>
+
+namespace snowbough::gpu {
+
+std::shared_ptr<GpuThread> GpuThread::shared(const std::string& device) {
+  // Never destroyed: a simulation that outlives main must not find it gone.
+  static auto* mutex = new std::mutex();
+  static auto* threads = new std::map<std::string, std::weak_ptr<GpuThread>>();
+  const std::scoped_lock lock(*mutex);
+  std::weak_ptr<GpuThread>& slot = (*threads)[device];
+  std::shared_ptr<GpuThread> thread = slot.lock();
+  if (thread == nullptr) {
+    thread = std::make_shared<GpuThread>(device);
+    slot = thread;
+  }
+  return thread;
+}
+
+GpuThread::GpuThread(const std::string& device) {
+  std::promise<GpuInfo> started;
+  std::future<GpuInfo> future = started.get_future();
+  thread_ = std::thread(
+      [this, device, started = std::move(started)]() mutable { loop(device, std::move(started)); });
+  try {
+    info_ = future.get();
+  } catch (...) {
+    thread_.join();
+    throw;
+  }
+}
+
+GpuThread::~GpuThread() {
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_one();
+  thread_.join();
+}
+
+void GpuThread::enqueue(std::function<void()> task) {
+  {
+    const std::scoped_lock lock(mutex_);
+    queue_.push_back(std::move(task));
+  }
+  wake_.notify_one();
+}
+
+void GpuThread::loop(const std::string& device, std::promise<GpuInfo> started) {
+  std::optional<EglContext> context;
+  try {
+    context.emplace(device);
+  } catch (...) {
+    started.set_exception(std::current_exception());
+    return;
+  }
+  started.set_value(context->info());
+  while (true) {
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
+    if (queue_.empty()) {
+      return;
+    }
+    const std::function<void()> task = std::move(queue_.front());
+    queue_.pop_front();
+    lock.unlock();
+    task();
+  }
+}
+
+void GpuThread::throw_gl_errors() {
+  const GLenum error = glGetError();
+  if (error == GL_NO_ERROR) {
+    return;
+  }
+  while (glGetError() != GL_NO_ERROR) {
+  }
+  char code[16];
+  std::snprintf(code, sizeof code, "0x%04x", error);
+  throw std::runtime_error(
+      error == GL_OUT_OF_MEMORY
+          ? std::string("the GPU ran out of memory: use smaller maps, fewer receivers or a larger "
+                        "pixel_size")
+          : std::string("OpenGL error ") + code + " in a pass");
+}
+
+}  // namespace snowbough::gpu

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <condition_variable>
+#include <deque>
+#include <functional>
+#include <future>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <type_traits>
+
+#include "gpu/egl_context.h"
+
+namespace snowbough::gpu {
+
+/// A thread that owns an EGL context and runs closures on it one after the other, in the order they
+/// were handed in. Every GL object is made, used and destroyed in such closures, so the caller's
+/// thread (Blender's main thread with Blender's own context) sees no GL call.
+class GpuThread {
+ public:
+  /// The process's thread for `device` (see EglContext); made on first use and ended with the last
+  /// owner, so that simulations share one context. @throws std::runtime_error when there is none.
+  static std::shared_ptr<GpuThread> shared(const std::string& device = "");
+
+  explicit GpuThread(const std::string& device);
+  /// Runs what is still queued, then destroys the context and joins the thread. Not to be called on
+  /// the thread itself.
+  ~GpuThread();
+  GpuThread(const GpuThread&) = delete;
+  GpuThread& operator=(const GpuThread&) = delete;
+
+  /// Runs `work` on the thread, waits, and returns its result or throws its exception. A GL error
+  /// that it leaves behind becomes a std::runtime_error. Called on the thread itself it just runs.
+  template <typename Work>
+  std::invoke_result_t<Work> run(Work&& work) {
+    using Result = std::invoke_result_t<Work>;
+    if (is_current()) {
+      return work();
+    }
+    // Shared, because the thread is still inside the task when the caller has its result.
+    auto task = std::make_shared<std::packaged_task<Result()>>([&work]() -> Result {
+      if constexpr (std::is_void_v<Result>) {
+        work();
+        throw_gl_errors();
+      } else {
+        Result result = work();
+        throw_gl_errors();
+        return result;
+      }
+    });
+    std::future<Result> future = task->get_future();
+    enqueue([task] { (*task)(); });
+    return future.get();
+  }
+
+  /// True on the thread itself.
+  bool is_current() const { return std::this_thread::get_id() == thread_.get_id(); }
+  const GpuInfo& info() const { return info_; }
+
+ private:
+  static void throw_gl_errors();
+  void enqueue(std::function<void()> task);
+  void loop(const std::string& device, std::promise<GpuInfo> started);
+
+  std::mutex mutex_;
+  std::condition_variable wake_;
+  std::deque<std::function<void()>> queue_;
+  bool stopping_ = false;
+  GpuInfo info_;
+  std::thread thread_;
+};
+
+}  // namespace snowbough::gpu

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <cstdint>
+#include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gpu/resources.h"
+
+namespace snowbough::gpu {
+
+/// A linked shader program whose inputs are set by name and checked by reflection: a name that the
+/// program does not have is an error, and so is one that is not set when it runs. Used like this:
+///
+///   program.use();                         // forgets the bindings of the run before
+///   program.set("pixel_size", 0.01f);      // uniforms keep their value from run to run
+///   program.bind("TexelSurface", buffer);  // storage or uniform block, by block name
+///   program.bind_image("height", texture, GL_READ_WRITE);
+///   program.bind_texture("occlusion", texture);
+///   program.dispatch(groups);              // or draw(...)
+///
+/// Shaders write no `binding =`: units are numbered here.
+class Program {
+ public:
+  /// `files` are names in shaders/, the stage between the last dots: "stability.comp.glsl"; stages
+  /// are vert, tesc, tese, geom, frag, comp. `defines` go to all of them.
+  /// @throws std::runtime_error with the driver's log when it does not compile or link.
+  explicit Program(const std::vector<std::string>& files,
+                   const std::vector<std::string>& defines = {});
+  ~Program();
+  Program(const Program&) = delete;
+  Program& operator=(const Program&) = delete;
+
+  void use();
+
+  // All setters: @throws std::invalid_argument when the program has no such input.
+  void set(const std::string& name, float value);
+  void set(const std::string& name, int32_t value);
+  void set(const std::string& name, uint32_t value);
+  void set(const std::string& name, const glm::vec2& value);
+  void set(const std::string& name, const glm::vec3& value);
+  void set(const std::string& name, const glm::vec4& value);
+  void set(const std::string& name, const glm::ivec2& value);
+  void set(const std::string& name, const glm::uvec2& value);
+  void set(const std::string& name, const glm::mat4& value);
+
+  /// Binds a whole buffer, or `bytes` from `offset`, to a storage or uniform block.
+  void bind(const std::string& block, const Buffer& buffer);
+  void bind(const std::string& block, const Buffer& buffer, int64_t offset, int64_t bytes);
+  /// Binds a texture to a sampler.
+  void bind_texture(const std::string& sampler, const Texture& texture);
+  void bind_texture(const std::string& sampler, const BufferTexture& texture);
+  /// Binds mip level 0 of a texture (all layers of an array, or the one layer named) to an image.
+  void bind_image(const std::string& image, const Texture& texture, GLenum access,
+                  int32_t layer = -1);
+
+  /// Runs a compute program. @throws std::logic_error naming inputs that were not set.
+  void dispatch(int32_t groups_x, int32_t groups_y = 1, int32_t groups_z = 1);
+  /// Draws `count` vertices with the bound vertex array. @throws as dispatch.
+  void draw(GLenum mode, int32_t first, int32_t count);
+
+ private:
+  enum class Kind { kUniform, kSampler, kImage, kStorage, kUniformBlock };
+  struct Input {
+    Kind kind = Kind::kUniform;
+    GLint location = -1;
+    GLuint unit = 0;
+    bool ready = false;
+  };
+
+  void reflect();
+  Input& find(const std::string& name, Kind kind, const char* what);
+  void require_ready() const;
+
+  GLuint id_ = 0;
+  std::string name_;
+  std::map<std::string, Input> inputs_;
+};
+
+/// ceil(count / size): the number of work groups that cover `count` items.
+constexpr int32_t group_count(int64_t count, int32_t size) {
+  return static_cast<int32_t>((count + size - 1) / size);
+}
+
+}  // namespace snowbough::gpu

@@ -1,0 +1,126 @@
+#pragma once
+
+#include <epoxy/gl.h>
+
+#include <cstdint>
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace snowbough::gpu {
+
+// Owners of GL objects. All of their functions, destructors included, run on the GPU thread.
+
+/// A GL name that is moved, never copied, and deleted once.
+class Handle {
+ public:
+  Handle() = default;
+  explicit Handle(GLuint id) : id_(id) {}
+  Handle(Handle&& other) noexcept : id_(std::exchange(other.id_, 0)) {}
+  Handle& operator=(Handle&& other) noexcept {
+    std::swap(id_, other.id_);
+    return *this;
+  }
+  GLuint id() const { return id_; }
+
+ protected:
+  GLuint id_ = 0;
+};
+
+/// A block of GPU memory.
+class Buffer : public Handle {
+ public:
+  Buffer() = default;
+  /// `bytes` of memory (at least 16 are taken, so that an empty scene needs no special case);
+  /// with `data` null it is filled with zeros. @throws std::runtime_error when memory runs out.
+  explicit Buffer(int64_t bytes, const void* data = nullptr);
+  template <typename Element>
+  explicit Buffer(const std::vector<Element>& elements)
+      : Buffer(static_cast<int64_t>(elements.size() * sizeof(Element)), elements.data()) {}
+  Buffer(Buffer&&) noexcept = default;
+  Buffer& operator=(Buffer&&) noexcept = default;
+  ~Buffer();
+
+  int64_t bytes() const { return bytes_; }
+  void write(int64_t offset, int64_t bytes, const void* data);
+  void read(int64_t offset, int64_t bytes, void* data) const;
+  /// Fills everything, or the first `bytes`, with zeros.
+  void clear(int64_t bytes = -1);
+  template <typename Element>
+  std::vector<Element> read_all() const {
+    std::vector<Element> elements(static_cast<size_t>(bytes_) / sizeof(Element));
+    read(0, static_cast<int64_t>(elements.size() * sizeof(Element)), elements.data());
+    return elements;
+  }
+
+ private:
+  int64_t bytes_ = 0;
+};
+
+/// A two-dimensional texture, or an array of them, with one mip level and nearest or linear
+/// filtering, clamped at its edges.
+class Texture : public Handle {
+ public:
+  Texture() = default;
+  /// `layers` 0 makes GL_TEXTURE_2D, 1 and more GL_TEXTURE_2D_ARRAY. Its content is zero.
+  /// `internal_format` is a sized one, e.g. GL_R32F. @throws std::runtime_error when memory runs out.
+  Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers = 0,
+          GLenum filter = GL_NEAREST);
+  Texture(Texture&&) noexcept = default;
+  Texture& operator=(Texture&&) noexcept = default;
+  ~Texture();
+
+  GLenum format() const { return format_; }
+  int32_t width() const { return width_; }
+  int32_t height() const { return height_; }
+  /// Number of layers; 0 when it is not an array.
+  int32_t layers() const { return layers_; }
+  /// Fills every texel with zeros.
+  void clear();
+  /// Fills one layer with zeros.
+  void clear_layer(int32_t layer);
+  /// Copies one layer (0 for a plain texture) in or out, row 0 first, tightly packed. `format` and
+  /// `type` say how the data lies in memory, e.g. GL_RED and GL_FLOAT.
+  void write(int32_t layer, GLenum format, GLenum type, const void* data);
+  void read(int32_t layer, GLenum format, GLenum type, int64_t bytes, void* data) const;
+
+ private:
+  GLenum format_ = 0;
+  int32_t width_ = 0;
+  int32_t height_ = 0;
+  int32_t layers_ = 0;
+};
+
+/// A buffer seen as a one-dimensional texture, for shaders of OpenGL 4.1.
+class BufferTexture : public Handle {
+ public:
+  BufferTexture() = default;
+  BufferTexture(const Buffer& buffer, GLenum internal_format);
+  BufferTexture(BufferTexture&&) noexcept = default;
+  BufferTexture& operator=(BufferTexture&&) noexcept = default;
+  ~BufferTexture();
+};
+
+/// Where the render pipeline draws: colour textures and an optional depth texture. An array texture
+/// is attached with all its layers, so that a geometry shader chooses one by gl_Layer.
+class Framebuffer : public Handle {
+ public:
+  Framebuffer() = default;
+  /// @throws std::runtime_error when the driver refuses the combination.
+  explicit Framebuffer(const std::vector<const Texture*>& colors, const Texture* depth = nullptr);
+  Framebuffer(Framebuffer&&) noexcept = default;
+  Framebuffer& operator=(Framebuffer&&) noexcept = default;
+  ~Framebuffer();
+};
+
+/// An empty vertex array: the shaders fetch their vertices themselves.
+class VertexArray : public Handle {
+ public:
+  VertexArray();
+  VertexArray(VertexArray&&) noexcept = default;
+  VertexArray& operator=(VertexArray&&) noexcept = default;
+  ~VertexArray();
+};
+
+}  // namespace snowbough::gpu

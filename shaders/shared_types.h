@@ -1,0 +1,23 @@
+#pragma once
+
+// What lets one header be compiled by C++ and GLSL: the vector types get the same names in both.
+// Structs in std430 storage blocks match C++ when they have only scalars, vec2 and vec4 members
+// that fill whole 16-byte rows (never a bare vec3); their sizes are asserted beside them.
+#ifdef SNOWBOUGH_GLSL
+#define SNOWBOUGH_SHARED_SIZE(type, bytes)
+#else
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+namespace snowbough::shared {
+using uint = uint32_t;
+using glm::ivec2;
+using glm::ivec4;
+using glm::uvec2;
+using glm::uvec4;
+using glm::vec2;
+using glm::vec4;
+}  // namespace snowbough::shared
+#define SNOWBOUGH_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == bytes)
+#endif
