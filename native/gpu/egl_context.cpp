@@ -102,8 +102,8 @@ std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::
   for (const Candidate& candidate : all) {
     const bool by_index = candidate.label == "EGL device " + wanted ||
                           candidate.label.starts_with("EGL device " + wanted + " ");
-    const bool by_file = wanted.starts_with("/") &&
-                         candidate.label.find("(" + wanted + ")") != std::string::npos;
+    const bool by_file =
+        wanted.starts_with("/") && candidate.label.find("(" + wanted + ")") != std::string::npos;
     const bool by_kind = (wanted == "software" && candidate.software) ||
                          (wanted == "surfaceless" && candidate.device == nullptr);
     if (by_index || by_file || by_kind) {
@@ -115,8 +115,8 @@ std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::
     for (const Candidate& candidate : all) {
       names += (names.empty() ? "" : ", ") + candidate.label;
     }
-    throw std::runtime_error("no EGL device matches '" + wanted + "' (there are: " +
-                             (names.empty() ? "none" : names) +
+    throw std::runtime_error("no EGL device matches '" + wanted +
+                             "' (there are: " + (names.empty() ? "none" : names) +
                              "); write a number, 'software', 'surfaceless' or a /dev/dri file");
   }
   return chosen;

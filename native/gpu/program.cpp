@@ -110,7 +110,9 @@ Program::Program(const std::vector<std::string>& files, const std::vector<std::s
   reflect();
 }
 
-Program::~Program() { glDeleteProgram(id_); }
+Program::~Program() {
+  glDeleteProgram(id_);
+}
 
 void Program::reflect() {
   GLint count = 0;
@@ -199,16 +201,14 @@ void Program::set(const std::string& name, const glm::mat4& value) {
 
 void Program::bind(const std::string& block, const Buffer& buffer) {
   const Input& input = find(block, Kind::kStorage, "block");
-  glBindBufferBase(
-      input.kind == Kind::kStorage ? GL_SHADER_STORAGE_BUFFER : GL_UNIFORM_BUFFER, input.unit,
-      buffer.id());
+  glBindBufferBase(input.kind == Kind::kStorage ? GL_SHADER_STORAGE_BUFFER : GL_UNIFORM_BUFFER,
+                   input.unit, buffer.id());
 }
 
 void Program::bind(const std::string& block, const Buffer& buffer, int64_t offset, int64_t bytes) {
   const Input& input = find(block, Kind::kStorage, "block");
-  glBindBufferRange(
-      input.kind == Kind::kStorage ? GL_SHADER_STORAGE_BUFFER : GL_UNIFORM_BUFFER, input.unit,
-      buffer.id(), offset, bytes);
+  glBindBufferRange(input.kind == Kind::kStorage ? GL_SHADER_STORAGE_BUFFER : GL_UNIFORM_BUFFER,
+                    input.unit, buffer.id(), offset, bytes);
 }
 
 void Program::bind_texture(const std::string& sampler, const Texture& texture) {

@@ -10,10 +10,10 @@ namespace {
 void require_memory(int64_t bytes, const std::string& what) {
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) {
-    throw std::runtime_error(
-        "the GPU has no room for " + what + " of " + std::to_string(bytes >> 20) +
-        " MiB (OpenGL error " + std::to_string(error) +
-        "): use smaller maps, fewer receivers or a larger pixel_size");
+    throw std::runtime_error("the GPU has no room for " + what + " of " +
+                             std::to_string(bytes >> 20) + " MiB (OpenGL error " +
+                             std::to_string(error) +
+                             "): use smaller maps, fewer receivers or a larger pixel_size");
   }
 }
 
@@ -192,7 +192,9 @@ Framebuffer::~Framebuffer() {
   }
 }
 
-VertexArray::VertexArray() { glCreateVertexArrays(1, &id_); }
+VertexArray::VertexArray() {
+  glCreateVertexArrays(1, &id_);
+}
 
 VertexArray::~VertexArray() {
   if (id_ != 0) {
