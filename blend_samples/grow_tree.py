@@ -195,6 +195,7 @@ def grow_shoot(species, level, root, heading, length, height, rng):
         pull = UP - heading * np.dot(UP, heading)
         heading = normalised(heading + (wander - heading * np.dot(wander, heading))
                              + pull * rules.tropism * step * 6.0 / height)
+        yielded = np.zeros(3)
         while places and places[0][0] < (number + 1) * step:
             along, azimuth = places.pop(0)
             azimuth = flattened(azimuth, rules.flatness, len(born)) if rules.flatness else azimuth
@@ -203,8 +204,9 @@ def grow_shoot(species, level, root, heading, length, height, rng):
             angle = rules.angle_low + (rules.angle_high - rules.angle_low) * share + rng.normal() * 0.08
             born.append((points[-1] + heading * (along - number * step),
                          normalised(heading * np.cos(angle) + out * np.sin(angle)), share))
-            heading = normalised(heading - out * rules.yielding)
+            yielded = yielded - out * rules.yielding
         points.append(points[-1] + heading * step)
+        heading = normalised(heading + yielded)
     shoot = Shoot(level, np.array(points))
     for at, outward, share in born:
         spread = 1.0 + rng.uniform(-rules.length_spread, rules.length_spread)
