@@ -4,7 +4,9 @@
 
 namespace snowbough::python {
 
-/// read_tree, build_tree_mesh, Skeleton, TreeMesh.
+/// read_tree, Skeleton.
+void bind_skeleton(pybind11::module_& module);
+/// build_tree_mesh, TreeMesh.
 void bind_tree(pybind11::module_& module);
 /// SnowSimulation, gpu_info.
 void bind_snow(pybind11::module_& module);

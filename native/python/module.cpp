@@ -6,6 +6,7 @@
 PYBIND11_MODULE(snowbough_native, module) {
   module.doc() = "Snowbough's native core: trees from OBJ, and snow that stays where it fell.";
   module.attr("__version__") = SNOWBOUGH_VERSION;
+  snowbough::python::bind_skeleton(module);
   snowbough::python::bind_tree(module);
   snowbough::python::bind_snow(module);
   snowbough::python::bind_image(module);

@@ -1,0 +1,266 @@
+#include <pybind11/functional.h>
+#include <pybind11/stl.h>
+
+#include <cstring>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "bindings.h"
+#include "numpy_arrays.h"
+#include "tree/progress.h"
+#include "tree/read_tree.h"
+#include "tree/skeleton.h"
+
+namespace py = pybind11;
+
+namespace snowbough::python {
+namespace {
+
+using tree::Branch;
+using tree::Foliage;
+using tree::FoliageMaterial;
+using tree::ImportReport;
+using tree::ReadTreeOptions;
+using tree::Simplify;
+using tree::Skeleton;
+using tree::UpAxis;
+
+UpAxis up_axis_from(const std::string& name) {
+  if (name == "AUTO") return UpAxis::kAuto;
+  if (name == "Y") return UpAxis::kY;
+  if (name == "Z") return UpAxis::kZ;
+  throw std::invalid_argument("up_axis must be AUTO, Y or Z, not '" + name + "'");
+}
+
+Simplify simplify_from(const std::string& name) {
+  if (name == "NONE") return Simplify::kNone;
+  if (name == "THESIS") return Simplify::kThesis;
+  if (name == "TOLERANCE") return Simplify::kTolerance;
+  throw std::invalid_argument("simplify must be NONE, THESIS or TOLERANCE, not '" + name + "'");
+}
+
+/// Calls Python's progress(share) with the GIL; a false return or a pending Ctrl-C stops the work.
+/// What Python raised is kept and raised again once the C++ work has unwound.
+class PythonProgress {
+ public:
+  explicit PythonProgress(py::object callback) : callback_(std::move(callback)) {}
+
+  bool operator()(float share) {
+    py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) {
+      raised_ = std::make_unique<py::error_already_set>();
+      return false;
+    }
+    if (callback_.is_none()) return true;
+    try {
+      const py::object answer = callback_(share);
+      return answer.is_none() || py::cast<bool>(py::bool_(answer));
+    } catch (py::error_already_set& error) {
+      raised_ = std::make_unique<py::error_already_set>(error);
+      return false;
+    }
+  }
+
+  /// To be called with the GIL when the work ended with Cancelled.
+  [[noreturn]] void raise() {
+    if (raised_) throw py::error_already_set(*raised_);
+    PyErr_SetString(PyExc_KeyboardInterrupt, "cancelled");
+    throw py::error_already_set();
+  }
+
+ private:
+  py::object callback_;
+  std::unique_ptr<py::error_already_set> raised_;
+};
+
+Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
+                   const std::string& simplify, float tolerance, bool foliage,
+                   const py::object& progress) {
+  ReadTreeOptions options;
+  options.up_axis = up_axis_from(up_axis);
+  options.levels = levels;
+  options.simplify = simplify_from(simplify);
+  options.tolerance = tolerance;
+  options.foliage = foliage;
+  // os.fsdecode takes str, bytes and pathlib.Path.
+  const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
+  PythonProgress python_progress(progress);
+  options.progress = [&](float share) { return python_progress(share); };
+  bool cancelled = false;
+  Skeleton skeleton;
+  {
+    py::gil_scoped_release release;
+    try {
+      skeleton = tree::read_tree(file, options);
+    } catch (const tree::Cancelled&) {
+      cancelled = true;
+    }
+  }
+  if (cancelled) python_progress.raise();
+  return skeleton;
+}
+
+std::vector<float> floats_from(const py::handle& object, const std::string& what) {
+  const auto array = InputArray<float>::ensure(object);
+  if (!array || array.ndim() != 1) {
+    PyErr_Clear();
+    throw std::invalid_argument(what + " must be numbers of shape (N,)");
+  }
+  return std::vector<float>(array.data(), array.data() + array.size());
+}
+
+glm::vec3 point_from(const py::handle& object, const std::string& what) {
+  const std::vector<float> values = floats_from(object, what);
+  if (values.size() != 3) throw std::invalid_argument(what + " must have shape (3,)");
+  return {values[0], values[1], values[2]};
+}
+
+py::handle required(const py::dict& fields, const char* key, const std::string& what) {
+  if (!fields.contains(key)) throw std::invalid_argument(what + " lacks '" + key + "'");
+  return fields[key];
+}
+
+/// Reads one dict with name, level, parent, attach_point, points, radii, areas.
+Branch branch_from_dict(const py::dict& fields, size_t index) {
+  const std::string what = "branch " + std::to_string(index);
+  Branch branch;
+  try {
+    branch.name = required(fields, "name", what).cast<std::string>();
+    branch.level = required(fields, "level", what).cast<int32_t>();
+    branch.parent = required(fields, "parent", what).cast<int32_t>();
+  } catch (const py::cast_error&) {
+    throw std::invalid_argument(what + ": name must be a string, level and parent integers");
+  }
+  const auto points = InputArray<float>::ensure(required(fields, "points", what));
+  if (!points) {
+    PyErr_Clear();
+    throw std::invalid_argument(what + ": points must be numbers of shape (N, 3)");
+  }
+  branch.points = rows_from_numpy<glm::vec3, float, 3>(points, what + ": points");
+  branch.radii = floats_from(required(fields, "radii", what), what + ": radii");
+  branch.areas = floats_from(required(fields, "areas", what), what + ": areas");
+  branch.attach_point =
+      point_from(required(fields, "attach_point", what), what + ": attach_point");
+  return branch;
+}
+
+Skeleton skeleton_from_branches(const py::sequence& branches) {
+  Skeleton skeleton;
+  for (size_t i = 0; i < branches.size(); ++i) {
+    if (!py::isinstance<py::dict>(branches[i])) {
+      throw std::invalid_argument("branch " + std::to_string(i) + " must be a dict");
+    }
+    skeleton.branches.push_back(branch_from_dict(branches[i].cast<py::dict>(), i));
+  }
+  skeleton.report.form = "FROM_BRANCHES";
+  skeleton.report.up_axis = "Z";
+  tree::complete_skeleton(skeleton);
+  return skeleton;
+}
+
+py::dict report_dict(const ImportReport& report) {
+  py::list skipped;
+  for (const auto& [name, why] : report.skipped_parts) {
+    skipped.append(py::dict(py::arg("name") = name, py::arg("reason") = why));
+  }
+  return py::dict(py::arg("form") = report.form, py::arg("up_axis") = report.up_axis,
+                  py::arg("branches_per_level") = report.branches_per_level,
+                  py::arg("skipped_parts") = skipped,
+                  py::arg("extra_roots") = report.extra_roots,
+                  py::arg("foliage_parts") = report.foliage_parts,
+                  py::arg("warnings") = report.warnings);
+}
+
+py::ssize_t count_of(const auto& values) { return static_cast<py::ssize_t>(values.size()); }
+
+/// A read-only (N,) or (N, Columns) view of a member vector, kept alive by the object that has it.
+template <typename Class, typename Scalar, int Columns, typename Element>
+auto array_view(std::vector<Element> Class::*member) {
+  return [member](const py::object& self) {
+    const std::vector<Element>& values = self.cast<const Class&>().*member;
+    std::vector<py::ssize_t> shape{count_of(values)};
+    if constexpr (Columns > 1) shape.push_back(Columns);
+    return view_numpy<Scalar>(values, std::move(shape), self);
+  };
+}
+
+py::array_t<float> point_array(const glm::vec3& point) {
+  py::array_t<float> array(3);
+  std::memcpy(array.mutable_data(), &point, sizeof(point));
+  return array;
+}
+
+}  // namespace
+
+void bind_skeleton(py::module_& module) {
+  py::class_<Branch>(module, "Branch", "One limb from its root to its tip; metres, Z up.")
+      .def_readonly("name", &Branch::name)
+      .def_readonly("level", &Branch::level, "0 is the trunk.")
+      .def_readonly("parent", &Branch::parent, "Index of the branch it grows from, -1 for a root.")
+      .def_property_readonly(
+          "attach_point", [](const Branch& branch) { return point_array(branch.attach_point); },
+          "(3,): where on the parent's centreline it sits.")
+      .def_property_readonly("points", array_view<Branch, float, 3>(&Branch::points),
+                             "(N, 3): centres of the rings, root to tip.")
+      .def_property_readonly("radii", array_view<Branch, float, 1>(&Branch::radii), "(N,)")
+      .def_property_readonly("areas", array_view<Branch, float, 1>(&Branch::areas), "(N,) in m2.");
+
+  py::class_<FoliageMaterial>(module, "FoliageMaterial")
+      .def_readonly("name", &FoliageMaterial::name)
+      .def_property_readonly(
+          "diffuse", [](const FoliageMaterial& material) { return point_array(material.diffuse); })
+      .def_readonly("opacity", &FoliageMaterial::opacity)
+      .def_readonly("diffuse_texture", &FoliageMaterial::diffuse_texture)
+      .def_readonly("alpha_texture", &FoliageMaterial::alpha_texture);
+
+  py::class_<Foliage>(module, "Foliage", "Leaves, needles and flowers as they stand in the file.")
+      .def_property_readonly("vertices", array_view<Foliage, float, 3>(&Foliage::vertices), "(V, 3)")
+      .def_property_readonly("face_begin", array_view<Foliage, int32_t, 1>(&Foliage::face_begin),
+                             "(F + 1,): face f owns corners [face_begin[f], face_begin[f + 1]).")
+      .def_property_readonly("corner_vertex",
+                             array_view<Foliage, int32_t, 1>(&Foliage::corner_vertex), "(C,)")
+      .def_property_readonly("corner_uv", array_view<Foliage, float, 2>(&Foliage::corner_uv), "(C, 2)")
+      .def_property_readonly("face_material",
+                             array_view<Foliage, int32_t, 1>(&Foliage::face_material),
+                             "(F,): index into materials, -1 = none.")
+      .def_property_readonly("face_leaf", array_view<Foliage, int32_t, 1>(&Foliage::face_leaf), "(F,)")
+      .def_property_readonly("leaf_branch", array_view<Foliage, int32_t, 1>(&Foliage::leaf_branch),
+                             "(L,): index into the skeleton's branches.")
+      .def_property_readonly("leaf_attach_point",
+                             array_view<Foliage, float, 3>(&Foliage::leaf_attach_point), "(L, 3)")
+      .def_readonly("materials", &Foliage::materials);
+
+  py::class_<Skeleton>(module, "Skeleton",
+                       "Branches sorted so that a parent comes before its children.")
+      .def_property_readonly(
+          "branches",
+          [](const py::object& self) {
+            py::list branches;
+            for (const Branch& branch : self.cast<const Skeleton&>().branches) {
+              branches.append(
+                  py::cast(&branch, py::return_value_policy::reference_internal, self));
+            }
+            return branches;
+          })
+      .def_property_readonly(
+          "report", [](const Skeleton& skeleton) { return report_dict(skeleton.report); },
+          "dict: form, up_axis, branches_per_level, skipped_parts, extra_roots, foliage_parts, "
+          "warnings")
+      .def_readonly("height", &Skeleton::height, "Extent of the wood along Z in metres.")
+      .def_readonly("foliage", &Skeleton::foliage)
+      .def_static("from_branches", &skeleton_from_branches, py::arg("branches"),
+                  "A skeleton from dicts with name, level, parent (index or -1), attach_point (3,), "
+                  "points (N, 3), radii (N,) and areas (N,); metres, Z up, parents before children. "
+                  "Raises ValueError for anything else.");
+
+  module.def("read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO",
+             py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
+             py::arg("foliage") = true, py::arg("progress") = py::none(),
+             "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
+             "progress(share) is called now and then; a return of False (not None) cancels with "
+             "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
+}
+
+}  // namespace snowbough::python

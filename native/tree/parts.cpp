@@ -1,0 +1,94 @@
+#include "tree/parts.h"
+
+#include <numeric>
+
+namespace snowbough::tree {
+namespace {
+
+/// Union-find whose representative is the smallest index of its set: independent of the union order.
+class SmallestRepresentative {
+ public:
+  explicit SmallestRepresentative(size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  int32_t find(int32_t x) {
+    while (parent_[x] != x) {
+      parent_[x] = parent_[parent_[x]];
+      x = parent_[x];
+    }
+    return x;
+  }
+
+  void join(int32_t a, int32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a < b) {
+      parent_[b] = a;
+    } else {
+      parent_[a] = b;
+    }
+  }
+
+ private:
+  std::vector<int32_t> parent_;
+};
+
+/// Sorts 0..count-1 into buckets, keeping their order: `bucket(i)` is a bucket's number or -1.
+template <typename Bucket>
+void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vector<int32_t>& sorted,
+                 std::vector<int32_t>& begin) {
+  begin.assign(static_cast<size_t>(buckets) + 1, 0);
+  for (int32_t i = 0; i < count; ++i) {
+    if (const int32_t b = bucket(i); b >= 0) ++begin[b + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  sorted.resize(begin.back());
+  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+  for (int32_t i = 0; i < count; ++i) {
+    if (const int32_t b = bucket(i); b >= 0) sorted[next[b]++] = i;
+  }
+}
+
+}  // namespace
+
+Parts split_parts(const ObjScene& scene) {
+  const int32_t face_count = scene.face_count();
+  const auto vertex_count = static_cast<int32_t>(scene.positions.size());
+  SmallestRepresentative sets(scene.positions.size());
+  for (int32_t f = 0; f < face_count; ++f) {
+    const int32_t first = scene.corner_vertex[scene.face_begin[f]];
+    for (int32_t c = scene.face_begin[f] + 1; c < scene.face_begin[f + 1]; ++c) {
+      sets.join(first, scene.corner_vertex[c]);
+    }
+  }
+
+  Parts parts;
+  // Number the parts by their first face; the number is kept at the representative.
+  std::vector<int32_t> part_of(scene.positions.size(), -1);
+  int32_t run = 0;
+  for (int32_t f = 0; f < face_count; ++f) {
+    while (run + 1 < static_cast<int32_t>(scene.runs.size()) &&
+           scene.runs[run + 1].first_face <= f) {
+      ++run;
+    }
+    int32_t& part = part_of[sets.find(scene.corner_vertex[scene.face_begin[f]])];
+    if (part < 0) {
+      part = parts.count();
+      parts.run.push_back(run);
+    }
+  }
+  // Every vertex of a used set learns the number: representatives are the smallest, hence come first.
+  for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[sets.find(v)];
+
+  bucket_sort(
+      face_count, parts.count(),
+      [&](int32_t f) { return part_of[scene.corner_vertex[scene.face_begin[f]]]; }, parts.faces,
+      parts.face_begin);
+  bucket_sort(
+      vertex_count, parts.count(), [&](int32_t v) { return part_of[v]; }, parts.vertices,
+      parts.vertex_begin);
+  return parts;
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "tree/skeleton.h"
+
+namespace snowbough::tree {
+
+/// Where on a centreline a point is nearest.
+struct NearestSegment {
+  /// -1 when no branch qualifies.
+  int32_t branch = -1;
+  int32_t segment = 0;
+  /// 0..1 along the segment.
+  float t = 0.0f;
+  glm::vec3 point{0.0f};
+  float distance = 0.0f;
+  /// Limb radius there, interpolated.
+  float radius = 0.0f;
+  /// distance, or distance / (radius + radius_floor) for a relative search.
+  double cost = 0.0;
+};
+
+/// The centreline segments of all branches in a bounding volume hierarchy.
+class SegmentTree {
+ public:
+  /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks for.
+  ///   Branches of one point count as a segment of no length; branches without points are left out.
+  /// @param radius_floor added to radii in relative searches, so that a limb of no thickness can win too.
+  SegmentTree(const std::vector<Branch>& branches, std::vector<int32_t> order, float radius_floor);
+
+  /// The nearest segment among branches whose order is below `below_order`. Of equals the one whose
+  /// branch, then segment, has the smallest index.
+  /// @param relative measure distances in radii of the limb found instead of in metres.
+  NearestSegment nearest(const glm::vec3& point, int32_t below_order, bool relative) const;
+
+ private:
+  struct Segment {
+    glm::vec3 a, b;
+    float radius_a, radius_b;
+    int32_t branch, segment;
+  };
+  struct Node {
+    glm::vec3 low, high;
+    float largest_radius;
+    int32_t smallest_order;
+    /// Leaf: segments [begin, end). Inner: children `begin` and `end`.
+    int32_t begin, end;
+    bool leaf;
+  };
+
+  int32_t build(int32_t begin, int32_t end);
+
+  std::vector<Segment> segments_;
+  std::vector<Node> nodes_;
+  std::vector<int32_t> order_;
+  float radius_floor_;
+};
+
+}  // namespace snowbough::tree

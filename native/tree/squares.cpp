@@ -1,0 +1,103 @@
+#include "tree/squares.h"
+
+#include <algorithm>
+#include <array>
+
+namespace snowbough::tree {
+namespace {
+
+std::vector<glm::vec3> face_corners(const ObjScene& scene, int32_t face) {
+  std::vector<glm::vec3> corners;
+  for (int32_t c = scene.face_begin[face]; c < scene.face_begin[face + 1]; ++c) {
+    corners.push_back(scene.positions[scene.corner_vertex[c]]);
+  }
+  return corners;
+}
+
+/// Two triangles with two corners in common make a quad: the second's own corner goes between the
+/// shared ones. `same(i, j)`: corner i of the first is corner j of the second.
+template <typename Same>
+std::optional<CrossSection> join_triangles(const std::vector<glm::vec3>& first,
+                                           const std::vector<glm::vec3>& second, const Same& same) {
+  std::array<bool, 3> shared_first{};
+  std::array<bool, 3> shared_second{};
+  int count = 0;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      if (!shared_first[i] && !shared_second[j] && same(i, j)) {
+        shared_first[i] = shared_second[j] = true;
+        ++count;
+      }
+    }
+  }
+  if (count == 3) {
+    // Both in one place, as where the limb has no thickness.
+    return CrossSection{first};
+  }
+  if (count != 2) return std::nullopt;
+  const auto own_first = std::find(shared_first.begin(), shared_first.end(), false);
+  const auto own_second = std::find(shared_second.begin(), shared_second.end(), false);
+  const auto i = static_cast<size_t>(own_first - shared_first.begin());
+  const auto j = static_cast<size_t>(own_second - shared_second.begin());
+  return CrossSection{{first[i], first[(i + 1) % 3], second[j], first[(i + 2) % 3]}};
+}
+
+}  // namespace
+
+std::optional<CrossSection> read_cross_section(const ObjScene& scene, const Parts& parts,
+                                               int32_t part) {
+  const std::span<const int32_t> faces = parts.part_faces(part);
+  if (faces.size() == 1) {
+    std::vector<glm::vec3> corners = face_corners(scene, faces[0]);
+    if (corners.size() < 4) return std::nullopt;
+    return CrossSection{std::move(corners)};
+  }
+  if (faces.size() != 2) return std::nullopt;
+  const std::vector<glm::vec3> first = face_corners(scene, faces[0]);
+  const std::vector<glm::vec3> second = face_corners(scene, faces[1]);
+  if (first.size() != 3 || second.size() != 3) return std::nullopt;
+  const int32_t* a = scene.corner_vertex.data() + scene.face_begin[faces[0]];
+  const int32_t* b = scene.corner_vertex.data() + scene.face_begin[faces[1]];
+  return join_triangles(first, second, [&](int i, int j) { return a[i] == b[j]; });
+}
+
+std::vector<CrossSection> read_cross_sections(const ObjScene& scene, const Parts& parts,
+                                              std::span<const int32_t> branch_parts,
+                                              std::vector<int32_t>& unread) {
+  std::vector<CrossSection> sections;
+  std::optional<std::vector<glm::vec3>> half;
+  int32_t half_part = -1;
+  for (const int32_t part : branch_parts) {
+    if (std::optional<CrossSection> section = read_cross_section(scene, parts, part)) {
+      sections.push_back(std::move(*section));
+      continue;
+    }
+    const std::span<const int32_t> faces = parts.part_faces(part);
+    if (faces.size() != 1) {
+      unread.push_back(part);
+      continue;
+    }
+    std::vector<glm::vec3> triangle = face_corners(scene, faces[0]);
+    if (half) {
+      if (std::optional<CrossSection> section = join_triangles(
+              *half, triangle, [&](int i, int j) { return (*half)[i] == triangle[j]; })) {
+        sections.push_back(std::move(*section));
+        half.reset();
+        continue;
+      }
+      unread.push_back(half_part);
+    }
+    half = std::move(triangle);
+    half_part = part;
+  }
+  if (half) unread.push_back(half_part);
+  return sections;
+}
+
+Limb limb_from_cross_sections(std::span<const CrossSection> sections) {
+  Limb limb;
+  for (const CrossSection& section : sections) append_ring(section.corners, limb);
+  return limb;
+}
+
+}  // namespace snowbough::tree
