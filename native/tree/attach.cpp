@@ -47,7 +47,8 @@ bool reaches(const Branch& child, const NearestSegment& found, float size) {
          kReachInRadii * (found.radius + child.radii.front()) + kReachInSizes * size;
 }
 
-/// Feet of two stems side by side: the nearest point is the other's root and lies outside both limbs.
+/// Feet of two stems side by side: the nearest point is the other's root and lies outside both
+/// limbs.
 bool stands_beside(const Branch& child, const Branch& parent, const NearestSegment& found) {
   return parent.parent < 0 && found.segment == 0 && found.t == 0.0f &&
          found.distance > found.radius + child.radii.front();
@@ -66,9 +67,8 @@ int32_t depth_of(const std::vector<Branch>& branches, int32_t branch) {
 void sort_by_level(std::vector<Branch>& branches) {
   std::vector<int32_t> order(branches.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
-    return branches[a].level < branches[b].level;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int32_t a, int32_t b) { return branches[a].level < branches[b].level; });
   std::vector<int32_t> number(branches.size());
   for (size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<int32_t>(i);
   std::vector<Branch> sorted;

@@ -16,7 +16,9 @@
 namespace snowbough::tree {
 namespace {
 
-bool is_blank(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f'; }
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
 
 /// A cursor over one logical line.
 struct Line {
@@ -124,7 +126,8 @@ class ObjParser {
           name_ + ": holds no vertices and no faces; it is empty or no Wavefront OBJ file");
     }
     if (scene_.face_count() == 0) {
-      throw std::invalid_argument(name_ + ": holds vertices but no faces; export the tree as polygons");
+      throw std::invalid_argument(name_ +
+                                  ": holds vertices but no faces; export the tree as polygons");
     }
     return std::move(scene_);
   }
@@ -289,11 +292,12 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
   bool at_end = false;
   bool first = true;
   while (!at_end) {
-    report_progress(options.progress,
-                    options.total_size == 0
-                        ? 0.0f
-                        : std::min(1.0f, static_cast<float>(static_cast<double>(bytes_read) /
-                                                            static_cast<double>(options.total_size))));
+    report_progress(
+        options.progress,
+        options.total_size == 0
+            ? 0.0f
+            : std::min(1.0f, static_cast<float>(static_cast<double>(bytes_read) /
+                                                static_cast<double>(options.total_size))));
     // One byte is kept free for the line break that ends the last line.
     if (held + 1 >= buffer.size()) buffer.resize(buffer.size() * 2 + 1);
     stream.read(buffer.data() + held, static_cast<std::streamsize>(buffer.size() - held - 1));

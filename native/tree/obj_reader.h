@@ -20,8 +20,8 @@ struct ObjReadOptions {
 /// Reads a Wavefront OBJ in one pass through a small buffer; the text is never held as a whole.
 ///
 /// Takes what real files hold: double and trailing blanks, tabs, LF or CRLF, line continuation by
-/// `\`, bare `g`, names with blanks, `v`, `v/vt`, `v//vn` and `v/vt/vn`, negative (relative) and forward
-/// indices, exponents, a leading `+`, vertex colours, a byte order mark, unknown keywords.
+/// `\`, bare `g`, names with blanks, `v`, `v/vt`, `v//vn` and `v/vt/vn`, negative (relative) and
+/// forward indices, exponents, a leading `+`, vertex colours, a byte order mark, unknown keywords.
 ///
 /// @param name what errors call the source, usually the file's path.
 /// @throws std::invalid_argument "<name>:<line>: ..." for malformed or non-finite numbers and for
@@ -30,7 +30,8 @@ struct ObjReadOptions {
 /// @throws Cancelled when progress says stop.
 ///
 /// Format: Wavefront, "Advanced Visualizer Manual", appendix B1, "Object Files (.obj)".
-ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOptions& options = {});
+ObjScene read_obj(std::istream& stream, const std::string& name,
+                  const ObjReadOptions& options = {});
 
 /// The same for a file. @throws std::invalid_argument when it cannot be opened.
 ObjScene read_obj_file(const std::string& path, ObjReadOptions options = {});

@@ -5,7 +5,8 @@
 namespace snowbough::tree {
 namespace {
 
-/// Union-find whose representative is the smallest index of its set: independent of the union order.
+/// Union-find whose representative is the smallest index of its set: independent of the union
+/// order.
 class SmallestRepresentative {
  public:
   explicit SmallestRepresentative(size_t count) : parent_(count) {
@@ -78,7 +79,8 @@ Parts split_parts(const ObjScene& scene) {
       parts.run.push_back(run);
     }
   }
-  // Every vertex of a used set learns the number: representatives are the smallest, hence come first.
+  // Every vertex of a used set learns the number: representatives are the smallest, hence come
+  // first.
   for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[sets.find(v)];
 
   bucket_sort(

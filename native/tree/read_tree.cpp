@@ -31,6 +31,7 @@ void move_limb(Limb&& limb, Branch& branch) {
 }  // namespace
 
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
+  check_tolerance(options.tolerance);
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
   if (options.progress) {
@@ -66,7 +67,8 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
     skeleton.report.form = "MERGED_TUBES";
     for (int32_t p = 0; p < parts.count(); ++p) {
       std::string why;
-      std::optional<Limb> limb = trace_tube(scene, parts.part_faces(p), parts.part_vertices(p), why);
+      std::optional<Limb> limb =
+          trace_tube(scene, parts.part_faces(p), parts.part_vertices(p), why);
       if (!limb) {
         skeleton.report.skipped_parts.emplace_back(group_name(scene, parts, p), why);
         continue;
@@ -96,6 +98,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   skeleton.report.up_axis = y_up ? "Y" : "Z";
   if (y_up) turn_y_up_to_z_up(skeleton.branches);
   complete_skeleton(skeleton);
+  simplify_skeleton(skeleton, options.simplify, options.tolerance);
   report_progress(options.progress, 1.0f);
   return skeleton;
 }

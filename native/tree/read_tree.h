@@ -4,19 +4,18 @@
 #include <string>
 
 #include "tree/progress.h"
+#include "tree/simplify.h"
 #include "tree/skeleton.h"
 
 namespace snowbough::tree {
 
 enum class UpAxis { kAuto, kY, kZ };
 
-/// See simplify.h.
-enum class Simplify { kNone, kThesis, kTolerance };
-
 struct ReadTreeOptions {
   UpAxis up_axis = UpAxis::kAuto;
-  /// Level names from the trunk on, separated by commas ("trunk,branch,limb"): a group belongs to the
-  /// level whose name it starts with (the longest one wins). Empty: found from the groups themselves.
+  /// Level names from the trunk on, separated by commas ("trunk,branch,limb"): a group belongs to
+  /// the level whose name it starts with (the longest one wins). Empty: found from the groups
+  /// themselves.
   std::string levels;
   Simplify simplify = Simplify::kNone;
   /// For kTolerance: largest distance from the original centreline, in local radii.
@@ -28,11 +27,12 @@ struct ReadTreeOptions {
   Progress progress;
 };
 
-/// Reads a tree that Xfrog or a similar modeller exported as Wavefront OBJ: finds out which of the six
-/// forms it has, traces the branches, connects them and gathers the foliage. Lengths are the file's own
-/// units, taken as metres; the result is Z up.
+/// Reads a tree that Xfrog or a similar modeller exported as Wavefront OBJ: finds out which of the
+/// six forms it has, traces the branches, connects them and gathers the foliage. Lengths are the
+/// file's own units, taken as metres; the result is Z up.
 ///
-/// @throws std::invalid_argument with file and line for malformed content; with the file and what to do
+/// @throws std::invalid_argument with file and line for malformed content; with the file and what
+/// to do
 ///   for one that holds no branches.
 /// @throws Cancelled when progress says stop.
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options = {});
@@ -40,7 +40,8 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options = {})
 /// Checks a skeleton that was put together elsewhere, makes names unique and fills `height` and the
 /// report's `branches_per_level`.
 /// @throws std::invalid_argument naming the branch and what is wrong with it: no points, arrays of
-///   different length, non-finite values, negative radii or areas, a parent that does not come before it.
+///   different length, non-finite values, negative radii or areas, a parent that does not come
+///   before it.
 void complete_skeleton(Skeleton& skeleton);
 
 }  // namespace snowbough::tree

@@ -40,11 +40,10 @@ LocalMesh extract(const ObjScene& scene, std::span<const int32_t> faces,
   for (const int32_t f : faces) {
     for (int32_t c = scene.face_begin[f]; c < scene.face_begin[f + 1]; ++c) {
       const int32_t v = scene.corner_vertex[c];
-      mesh.corners.push_back(contiguous
-                                 ? v - vertices.front()
-                                 : static_cast<int32_t>(
-                                       std::lower_bound(vertices.begin(), vertices.end(), v) -
-                                       vertices.begin()));
+      mesh.corners.push_back(
+          contiguous ? v - vertices.front()
+                     : static_cast<int32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
+                                            vertices.begin()));
     }
     mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()));
   }
@@ -57,8 +56,8 @@ LocalMesh weld_equal_positions(const LocalMesh& mesh) {
   std::map<std::array<float, 3>, int32_t> numbers;
   std::vector<int32_t> renumbered;
   for (const glm::vec3& p : mesh.positions) {
-    const auto [found, added] = numbers.try_emplace(
-        {p.x, p.y, p.z}, static_cast<int32_t>(welded.positions.size()));
+    const auto [found, added] =
+        numbers.try_emplace({p.x, p.y, p.z}, static_cast<int32_t>(welded.positions.size()));
     if (added) welded.positions.push_back(p);
     renumbered.push_back(found->second);
   }
@@ -80,8 +79,8 @@ LocalMesh weld_equal_positions(const LocalMesh& mesh) {
   return welded;
 }
 
-/// Whether rows of `k` consecutive vertices, with or without a single tip vertex, are this tube's rings:
-/// between each two rows stands a full belt of faces (2k triangles' worth; k at the tip).
+/// Whether rows of `k` consecutive vertices, with or without a single tip vertex, are this tube's
+/// rings: between each two rows stands a full belt of faces (2k triangles' worth; k at the tip).
 bool rows_are_rings(const LocalMesh& mesh, int32_t k) {
   const auto count = static_cast<int32_t>(mesh.positions.size());
   if (count % k > 1 || count < k + 1) return false;
@@ -140,7 +139,8 @@ Topology build_topology(const LocalMesh& mesh) {
   std::partial_sum(topology.vertex_face_begin.begin(), topology.vertex_face_begin.end(),
                    topology.vertex_face_begin.begin());
   topology.vertex_faces.resize(mesh.corners.size());
-  std::vector<int32_t> next(topology.vertex_face_begin.begin(), topology.vertex_face_begin.end() - 1);
+  std::vector<int32_t> next(topology.vertex_face_begin.begin(),
+                            topology.vertex_face_begin.end() - 1);
   std::vector<std::pair<int32_t, int32_t>> edges;
   for (int32_t f = 0; f < mesh.face_count(); ++f) {
     const std::span<const int32_t> face = mesh.face(f);
@@ -205,8 +205,8 @@ Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<
   return layers;
 }
 
-/// Whether a layer hangs together through faces that hold only this layer and its neighbours' vertices
-/// along an edge: a branching surface falls into several sets.
+/// Whether a layer hangs together through faces that hold only this layer and its neighbours'
+/// vertices along an edge: a branching surface falls into several sets.
 bool is_one_ring(const LocalMesh& mesh, const Topology& topology, const std::vector<int32_t>& layer,
                  const std::vector<int32_t>& layer_of) {
   if (layer.size() == 1) return true;
@@ -311,7 +311,8 @@ std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int
   return ordered;
 }
 
-/// Where a closed tube can be entered: at a single vertex, at a face, or at the flat patch around one.
+/// Where a closed tube can be entered: at a single vertex, at a face, or at the flat patch around
+/// one.
 std::vector<std::vector<int32_t>> closed_ends(const LocalMesh& mesh, const Topology& topology) {
   // The two ends are the farthest apart along the surface.
   int32_t end = 0;
@@ -320,7 +321,8 @@ std::vector<std::vector<int32_t>> closed_ends(const LocalMesh& mesh, const Topol
     const Layers layers = walk_layers(mesh, topology, {end});
     end = layers.back().front();
     starts.push_back({end});
-    for (int32_t i = topology.vertex_face_begin[end]; i < topology.vertex_face_begin[end + 1]; ++i) {
+    for (int32_t i = topology.vertex_face_begin[end]; i < topology.vertex_face_begin[end + 1];
+         ++i) {
       const int32_t seed = topology.vertex_faces[i];
       const auto normal_of = [&](int32_t f) {
         const std::span<const int32_t> face = mesh.face(f);
@@ -459,8 +461,8 @@ void append_ring(std::span<const glm::vec3> ring, Limb& limb) {
     area += glm::cross(d, ring[(i + 1) % ring.size()] - centre);
   }
   // A ring in one place has no thickness, whatever rounding makes of its mean.
-  const bool point = std::all_of(ring.begin(), ring.end(),
-                                 [&](const glm::vec3& p) { return p == ring.front(); });
+  const bool point =
+      std::all_of(ring.begin(), ring.end(), [&](const glm::vec3& p) { return p == ring.front(); });
   limb.points.push_back(point ? ring.front() : centre);
   limb.radii.push_back(point ? 0.0f : static_cast<float>(radius / count));
   limb.areas.push_back(point ? 0.0f : 0.5f * glm::length(area));

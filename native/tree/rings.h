@@ -17,8 +17,8 @@ struct Limb {
   std::vector<glm::vec3> points;
   std::vector<float> radii;
   std::vector<float> areas;
-  /// Both ends look alike (both open or both closed, nearly equally thick): root and tip may be swapped
-  /// by whoever knows the surroundings.
+  /// Both ends look alike (both open or both closed, nearly equally thick): root and tip may be
+  /// swapped by whoever knows the surroundings.
   bool reversible = false;
 };
 
@@ -33,10 +33,10 @@ float limb_length(const Limb& limb);
 
 /// Finds the rings of a tube, given as one index-connected component.
 ///
-/// Rows of k consecutive vertices, as modellers write them, are the fast path. Otherwise the rings are
-/// the layers that a walk over the faces meets, starting at a boundary loop, or at an end where the tube
-/// is closed. A tube that was split along its texture seam is closed again by welding equal positions
-/// inside the component, never beyond it.
+/// Rows of k consecutive vertices, as modellers write them, are the fast path. Otherwise the rings
+/// are the layers that a walk over the faces meets, starting at a boundary loop, or at an end where
+/// the tube is closed. A tube that was split along its texture seam is closed again by welding
+/// equal positions inside the component, never beyond it.
 ///
 /// The thicker end is the root; the open one where the other ends in a single vertex.
 ///

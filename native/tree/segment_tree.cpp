@@ -110,19 +110,22 @@ NearestSegment SegmentTree::nearest(const glm::vec3& point, int32_t below_order,
       const glm::dvec3 a(s.a);
       const glm::dvec3 along = glm::dvec3(s.b) - a;
       const double squared = glm::dot(along, along);
-      const double t =
-          squared > 0.0
-              ? std::clamp(glm::dot(glm::dvec3(point) - a, along) / squared, 0.0, 1.0)
-              : 0.0;
+      const double t = squared > 0.0
+                           ? std::clamp(glm::dot(glm::dvec3(point) - a, along) / squared, 0.0, 1.0)
+                           : 0.0;
       const glm::dvec3 foot = a + t * along;
       const double distance = glm::length(glm::dvec3(point) - foot);
       const auto radius = static_cast<float>(s.radius_a + t * (s.radius_b - s.radius_a));
       const double cost = cost_of(distance, radius);
-      if (cost < best.cost ||
-          (cost == best.cost &&
-           std::tie(s.branch, s.segment) < std::tie(best.branch, best.segment))) {
-        best = {s.branch, s.segment, static_cast<float>(t), glm::vec3(foot),
-                static_cast<float>(distance), radius, cost};
+      if (cost < best.cost || (cost == best.cost && std::tie(s.branch, s.segment) <
+                                                        std::tie(best.branch, best.segment))) {
+        best = {s.branch,
+                s.segment,
+                static_cast<float>(t),
+                glm::vec3(foot),
+                static_cast<float>(distance),
+                radius,
+                cost};
       }
     }
   }

@@ -26,9 +26,11 @@ struct NearestSegment {
 /// The centreline segments of all branches in a bounding volume hierarchy.
 class SegmentTree {
  public:
-  /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks for.
+  /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks
+  /// for.
   ///   Branches of one point count as a segment of no length; branches without points are left out.
-  /// @param radius_floor added to radii in relative searches, so that a limb of no thickness can win too.
+  /// @param radius_floor added to radii in relative searches, so that a limb of no thickness can
+  /// win too.
   SegmentTree(const std::vector<Branch>& branches, std::vector<int32_t> order, float radius_floor);
 
   /// The nearest segment among branches whose order is below `below_order`. Of equals the one whose

@@ -17,7 +17,8 @@ bool finite(const glm::vec3& p) {
 
 void check_branch(const Branch& branch, size_t index) {
   const auto fail = [&](const std::string& what) {
-    throw std::invalid_argument("branch " + std::to_string(index) + " ('" + branch.name + "') " + what);
+    throw std::invalid_argument("branch " + std::to_string(index) + " ('" + branch.name + "') " +
+                                what);
   };
   if (branch.points.empty()) fail("has no points");
   if (branch.radii.size() != branch.points.size()) fail("needs as many radii as points");
@@ -59,7 +60,8 @@ void make_names_unique(std::vector<Branch>& branches) {
 }  // namespace
 
 void complete_skeleton(Skeleton& skeleton) {
-  if (skeleton.branches.empty()) throw std::invalid_argument("a skeleton needs at least one branch");
+  if (skeleton.branches.empty())
+    throw std::invalid_argument("a skeleton needs at least one branch");
   for (size_t i = 0; i < skeleton.branches.size(); ++i) check_branch(skeleton.branches[i], i);
   make_names_unique(skeleton.branches);
   float low = std::numeric_limits<float>::max();

@@ -18,13 +18,13 @@ struct CrossSection {
   std::vector<glm::vec3> corners;
 };
 
-/// Reads a component as a plane: one polygon of four or more corners, or two triangles that share an
-/// edge. Nothing for any other component.
+/// Reads a component as a plane: one polygon of four or more corners, or two triangles that share
+/// an edge. Nothing for any other component.
 std::optional<CrossSection> read_cross_section(const ObjScene& scene, const Parts& parts,
                                                int32_t part);
 
-/// The planes of one branch, in the order of the file. Single triangles are joined in pairs to planes
-/// when they share two positions.
+/// The planes of one branch, in the order of the file. Single triangles are joined in pairs to
+/// planes when they share two positions.
 /// @param unread receives the parts that are no planes.
 std::vector<CrossSection> read_cross_sections(const ObjScene& scene, const Parts& parts,
                                               std::span<const int32_t> branch_parts,

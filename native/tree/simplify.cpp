@@ -1,0 +1,155 @@
+#include "tree/simplify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+#include <utility>
+#include <vector>
+
+#include "tree/centreline.h"
+#include "tree/width.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// The branch with its children's attach points among its points.
+struct Refined {
+  Branch branch;
+  /// Per point: a child sits here.
+  std::vector<bool> has_child;
+  /// Per child, in the order given: the point it sits at.
+  std::vector<size_t> child_point;
+};
+
+Refined insert_attach_points(const Branch& branch, const std::vector<CentrelinePlace>& places) {
+  // Sorted from root to tip; places of one spot share a point.
+  std::vector<size_t> order(places.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const auto key = [&](size_t i) { return std::pair(places[i].segment, places[i].t); };
+  std::stable_sort(order.begin(), order.end(), [&](size_t i, size_t j) { return key(i) < key(j); });
+
+  Refined refined;
+  refined.child_point.resize(places.size());
+  const auto add = [&](const CentrelinePlace& place) {
+    refined.branch.points.push_back(place.point);
+    refined.branch.radii.push_back(radius_at(branch, place));
+    refined.branch.areas.push_back(area_at(branch, place));
+    refined.has_child.push_back(false);
+  };
+  const auto take_child = [&](size_t child) {
+    refined.has_child.back() = true;
+    refined.child_point[child] = refined.branch.points.size() - 1;
+  };
+  size_t next = 0;
+  for (size_t i = 0; i < branch.points.size(); ++i) {
+    refined.branch.points.push_back(branch.points[i]);
+    refined.branch.radii.push_back(branch.radii[i]);
+    refined.branch.areas.push_back(branch.areas[i]);
+    refined.has_child.push_back(false);
+    while (next < order.size() && i > 0 && places[order[next]].segment == i - 1) {
+      take_child(order[next++]);
+    }
+    while (next < order.size() && places[order[next]].segment == i) {
+      const CentrelinePlace& place = places[order[next]];
+      // At the segment's far end it sits at the next point, which is not there yet.
+      if (i + 1 < branch.points.size() && place.point == branch.points[i + 1]) break;
+      if (place.point != refined.branch.points.back()) add(place);
+      take_child(order[next++]);
+    }
+  }
+  return refined;
+}
+
+double distance_to_chord(const glm::vec3& point, const glm::vec3& from, const glm::vec3& to) {
+  const glm::dvec3 along = glm::dvec3(to) - glm::dvec3(from);
+  const glm::dvec3 offset = glm::dvec3(point) - glm::dvec3(from);
+  const double squared = glm::dot(along, along);
+  const double t = squared > 0.0 ? std::clamp(glm::dot(offset, along) / squared, 0.0, 1.0) : 0.0;
+  return glm::length(offset - t * along);
+}
+
+/// Marks the points between two kept ones that the chord would miss by more than is allowed.
+void keep_needed_points(const Branch& branch, float tolerance, float smallest_radius, size_t first,
+                        size_t last, std::vector<bool>& keep) {
+  std::vector<std::pair<size_t, size_t>> open{{first, last}};
+  while (!open.empty()) {
+    const auto [from, to] = open.back();
+    open.pop_back();
+    double worst = 1.0;
+    size_t split = from;
+    for (size_t i = from + 1; i < to; ++i) {
+      const double allowed =
+          static_cast<double>(tolerance) * std::max(branch.radii[i], smallest_radius);
+      const double away =
+          distance_to_chord(branch.points[i], branch.points[from], branch.points[to]);
+      if (away > allowed && (split == from || away / std::max(allowed, 1e-300) > worst)) {
+        worst = away / std::max(allowed, 1e-300);
+        split = i;
+      }
+    }
+    if (split == from) continue;
+    keep[split] = true;
+    open.emplace_back(from, split);
+    open.emplace_back(split, to);
+  }
+}
+
+}  // namespace
+
+void check_tolerance(float tolerance) {
+  if (!std::isfinite(tolerance) || tolerance < 0.0f) {
+    throw std::invalid_argument("tolerance must be a finite number of local radii, at least 0");
+  }
+}
+
+void simplify_skeleton(Skeleton& skeleton, Simplify mode, float tolerance) {
+  check_tolerance(tolerance);
+  if (mode == Simplify::kNone) return;
+  const float smallest_radius = kSmallestRadius * skeleton.height;
+  std::vector<std::vector<int32_t>> children(skeleton.branches.size());
+  for (size_t b = 0; b < skeleton.branches.size(); ++b) {
+    const int32_t parent = skeleton.branches[b].parent;
+    if (parent >= 0) children[parent].push_back(static_cast<int32_t>(b));
+  }
+
+  for (size_t b = 0; b < skeleton.branches.size(); ++b) {
+    Branch& branch = skeleton.branches[b];
+    if (children[b].empty() || branch.points.size() < 2) continue;
+    std::vector<CentrelinePlace> places;
+    for (const int32_t child : children[b]) {
+      places.push_back(nearest_place(branch, skeleton.branches[child].attach_point));
+    }
+    const Refined refined = insert_attach_points(branch, places);
+    const Branch& fine = refined.branch;
+    for (size_t c = 0; c < children[b].size(); ++c) {
+      skeleton.branches[children[b][c]].attach_point = fine.points[refined.child_point[c]];
+    }
+
+    std::vector<bool> keep = refined.has_child;
+    keep.front() = true;
+    const size_t last_child =
+        *std::max_element(refined.child_point.begin(), refined.child_point.end());
+    if (mode == Simplify::kTolerance || last_child == 0) keep.back() = true;
+    if (mode == Simplify::kTolerance) {
+      size_t from = 0;
+      for (size_t i = 1; i < fine.points.size(); ++i) {
+        if (!refined.has_child[i] && i + 1 < fine.points.size()) continue;
+        keep_needed_points(fine, tolerance, smallest_radius, from, i, keep);
+        from = i;
+      }
+    }
+
+    branch.points.clear();
+    branch.radii.clear();
+    branch.areas.clear();
+    for (size_t i = 0; i < fine.points.size(); ++i) {
+      if (!keep[i]) continue;
+      branch.points.push_back(fine.points[i]);
+      branch.radii.push_back(fine.radii[i]);
+      branch.areas.push_back(fine.areas[i]);
+    }
+  }
+}
+
+}  // namespace snowbough::tree
