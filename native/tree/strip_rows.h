@@ -1,0 +1,73 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tree/skeleton.h"
+#include "tree/tree_mesh.h"
+
+namespace snowbough::tree {
+
+/// One side of one row: a wall, four insets around a hole, or (all -1) a hole as wide as the side.
+struct StripCell {
+  int32_t wall = -1;
+  std::array<int32_t, 4> insets{-1, -1, -1, -1};
+
+  bool empty() const { return wall < 0 && insets[0] < 0; }
+};
+
+/// The four corners of a limb between two rows, anticlockwise seen from the tip.
+struct StripRing {
+  /// Vertex indices; -1 where every cell around the corner is a hole.
+  std::array<int32_t, 4> corners{-1, -1, -1, -1};
+  /// Length in metres of the side from corner k to corner k + 1.
+  std::array<double, 4> sides{};
+  /// How far corner k lies above the ring's centre, in metres.
+  std::array<double, 4> heights{};
+
+  double perimeter() const { return sides[0] + sides[1] + sides[2] + sides[3]; }
+};
+
+/// What lies between two rings.
+struct StripRow {
+  std::array<StripCell, 4> cells;
+  /// m2 of the row with its holes filled.
+  double area = 0.0;
+  int32_t branch = -1;
+};
+
+/// A limb and, one after another, the children that continue it from its end ring, as rows of one
+/// closed tube. Sides are counted in the first limb's order all the way.
+struct Strip {
+  /// One more than rows.
+  std::vector<StripRing> rings;
+  std::vector<StripRow> rows;
+  /// Quads that close it; -1 if open.
+  int32_t root_cap = -1;
+  int32_t tip_cap = -1;
+};
+
+/// Sorts the quads of a level-0 mesh into strips, in the order of their first branches.
+/// @throws std::invalid_argument if the origins contradict the quads.
+std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton);
+
+/// Part of a strip that becomes one chart: rows [first_row, last_row) cut open along one corner.
+struct StripPiece {
+  int32_t strip = 0;
+  int32_t first_row = 0;
+  int32_t last_row = 0;
+  /// Corner along which it is cut open: the lowest one, weighted by length, that leaves it
+  /// connected.
+  int32_t seam = 0;
+  bool has_root_cap = false;
+  bool has_tip_cap = false;
+};
+
+/// Cuts a strip into as few pieces of similar length as possible, none longer than `max_length`
+/// unless a single row is. Also cuts where holes on all sides separate two rows.
+/// @param row_lengths  one entry a row, in the unit of max_length.
+std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
+                                  const std::vector<double>& row_lengths, double max_length);
+
+}  // namespace snowbough::tree
