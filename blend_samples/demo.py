@@ -1,0 +1,160 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The main job from end to end, inside Blender in the background.
+
+    blender -b --factory-startup --python-exit-code 1 -P blend_samples/demo.py -- TREE.obj FOLDER
+
+Imports the tree, rigs it, lets it sway, puts it on the stage of demo_scene.py, lets snow fall for 48
+frames on bark, ground, bench and cart with 1024 x 1024 maps, wires the result and renders six frames.
+Leaves in FOLDER: snowbough.blend, the EXR sequences in snowbough_cache, frame_NNNN.png, and demo.json
+with what contact_sheet.py draws. Everything goes through the add-on's operators, as an artist's clicks
+would.
+"""
+
+import json
+import sys
+import time
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "addon")]
+
+import demo_scene  # noqa: E402  (both folders are known from here on)
+import snowbough  # noqa: E402
+
+RESOLUTION = 1024
+RENDERED_FRAMES = (1, 10, 20, 29, 38, 48)
+# The stage is built for a tree of this height, and of this reach around its foot.
+TREE_HEIGHT, TREE_REACH = 6.0, 3.6
+
+
+def say(message):
+    print(f"demo: {message}", flush=True)
+
+
+def import_tree(path):
+    """Imports the tree, lets it sway and fits it to the stage. Returns (armature, list of its meshes)."""
+    before = set(bpy.data.objects)
+    started = time.perf_counter()
+    bpy.ops.import_scene.xfrog_tree(filepath=str(path))
+    seconds = time.perf_counter() - started
+    new = [candidate for candidate in bpy.data.objects if candidate not in before]
+    armature = next(candidate for candidate in new if candidate.type == "ARMATURE")
+    meshes = [candidate for candidate in new if candidate.type == "MESH"]
+    bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
+    say(f"imported {path.name} in {seconds:.2f} s: {len(armature.data.bones)} bones, "
+        f"{len(bark.data.vertices)} vertices, {len(bark.data.polygons)} faces")
+
+    points = np.empty(len(bark.data.vertices) * 3, dtype=np.float32)
+    bark.data.vertices.foreach_get("co", points)
+    points = points.reshape(-1, 3)
+    low, high = points.min(axis=0), points.max(axis=0)
+    foot = points[points[:, 2] < low[2] + 0.02 * (high[2] - low[2])].mean(axis=0)
+    reach = np.abs(points[:, :2] - foot[:2]).max()
+    fit = float(min(TREE_HEIGHT / (high[2] - low[2]), TREE_REACH / reach))
+    armature.scale = (fit, fit, fit)
+    # A little into the ground, which is not level.
+    armature.location = (-fit * foot[0], -fit * foot[1], -fit * low[2] - 0.04)
+
+    bpy.ops.object.select_all(action="DESELECT")
+    armature.select_set(True)
+    bpy.context.view_layer.objects.active = armature
+    bpy.ops.snowbough.add_sway()
+    return armature, meshes, seconds
+
+
+def clothe(meshes):
+    """Bark for the wood; leaves keep what the export gave them."""
+    bark = demo_scene.make_material("bark", (0.15, 0.108, 0.078), 0.92, mottle=0.4, scale=9.0, bump=0.7,
+                                    stretch=(1.0, 1.0, 0.35))
+    for mesh in meshes:
+        if mesh.name.endswith("_bark"):
+            mesh.data.materials.clear()
+            mesh.data.materials.append(bark)
+
+
+def prepare_snowfall(receivers, backdrop):
+    """Puts the receivers on the scene's list and says how it snows."""
+    scene = bpy.context.scene
+    bpy.ops.object.select_all(action="DESELECT")
+    for receiver in receivers:
+        receiver.select_set(True)
+    bpy.context.view_layer.objects.active = receivers[0]
+    bpy.ops.snowbough.add_receivers()
+    settings = scene.snowbough
+    for entry in settings.receivers:
+        entry.resolution = str(RESOLUTION) if isinstance(entry.resolution, str) else RESOLUTION
+    for scenery in backdrop:
+        scenery.snowbough.occlude = False
+    settings.end_depth = 0.10
+    settings.fall_angle = np.radians(14.0)
+    settings.bearing = np.radians(60.0)
+    settings.pixel_size = 0.016
+    settings.seed = 7
+
+
+def rig_for_the_sheet(armature):
+    """Bones in the world at rest: [[head, tail, depth in the hierarchy], ...]."""
+    world = armature.matrix_world
+    bones = []
+    for bone in armature.data.bones:
+        level = bone.name.split(".")[0].rstrip("0123456789")
+        bones.append([list(world @ bone.head_local), list(world @ bone.tail_local), level])
+    return bones
+
+
+def main(tree, folder):
+    started = time.perf_counter()
+    folder.mkdir(parents=True, exist_ok=True)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    snowbough.register()
+    scene = bpy.context.scene
+    stage = demo_scene.build_stage()
+    armature, meshes, import_seconds = import_tree(tree)
+    clothe(meshes)
+    bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
+    prepare_snowfall([bark, stage.ground, stage.bench, stage.cart], stage.backdrop)
+    blend = folder / "snowbough.blend"
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
+
+    say(f"baking {demo_scene.FRAMES} frames of snow on {len(scene.snowbough.receivers)} objects, "
+        f"{RESOLUTION} x {RESOLUTION} each")
+    began = time.perf_counter()
+    bpy.ops.snowbough.bake()
+    bake_seconds = time.perf_counter() - began
+    bpy.ops.snowbough.setup_material()
+    bpy.ops.snowbough.setup_displacement()
+    bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
+
+    began = time.perf_counter()
+    for number, frame in enumerate(RENDERED_FRAMES, 1):
+        scene.frame_set(frame)
+        scene.render.filepath = str(folder / f"frame_{frame:04d}.png")
+        bpy.ops.render.render(write_still=True)
+        say(f"rendered frame {frame} ({number} of {len(RENDERED_FRAMES)})")
+    render_seconds = time.perf_counter() - began
+
+    scene.frame_set(1)
+    (folder / "demo.json").write_text(json.dumps({
+        "tree": str(tree),
+        "bones": rig_for_the_sheet(armature),
+        "vertices": len(bark.data.vertices),
+        "faces": len(bark.data.polygons),
+        "frames": RENDERED_FRAMES,
+        "last_frame": demo_scene.FRAMES,
+        "end_depth": scene.snowbough.end_depth,
+        "resolution": RESOLUTION,
+        "receivers": len(scene.snowbough.receivers),
+        "import_seconds": round(import_seconds, 2),
+        "bake_seconds": round(bake_seconds, 1),
+        "render_seconds": round(render_seconds, 1),
+    }))
+    say(f"import {import_seconds:.1f} s, bake {bake_seconds:.1f} s, renders {render_seconds:.1f} s, "
+        f"all in Blender {time.perf_counter() - started:.1f} s")
+
+
+if __name__ == "__main__":
+    given = sys.argv[sys.argv.index("--") + 1 :]
+    main(Path(given[0]).resolve(), Path(given[1]).resolve())

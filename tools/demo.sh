@@ -1,0 +1,36 @@
+#!/usr/bin/env bash
+# The main job from end to end: a tree from an OBJ file, rigged and swaying, in a snowy shot.
+#
+#   ./tools/demo.sh            with a maple grown by blend_samples/grow_tree.py
+#   ./tools/demo.sh FILE.obj   with your own tree
+#
+# Leaves in build/demo: snowbough.blend, the EXR sequences in snowbough_cache, six rendered frames and the
+# contact sheet snowbough.png. Sets the machine up first (tools/setup.sh).
+set -euo pipefail
+tree="${1:+$(realpath "$1")}"
+cd "$(dirname "$0")/.."
+
+if [ -n "$tree" ] && [ ! -f "$tree" ]; then
+  echo "demo: there is no file $tree" >&2
+  exit 1
+fi
+started=$SECONDS
+tools/setup.sh
+unset PYTHONPATH PYTHONHOME
+rm -rf build/demo
+mkdir -p build/demo
+if [ -z "$tree" ]; then
+  tree="$PWD/build/demo/maple.obj"
+  /usr/bin/python3 blend_samples/grow_tree.py --species maple --seed 1 "$tree"
+fi
+
+# Blender's chatter is kept in a file; what the demo says comes through as it happens.
+/usr/bin/blender -b --factory-startup --python-exit-code 1 -P blend_samples/demo.py -- "$tree" build/demo \
+  </dev/null 2>&1 | tee build/demo/blender.log |
+  grep --line-buffered -E '^(demo|snowbough|Snowbough|Error|RuntimeError|Traceback)' || {
+  echo "demo: Blender did not finish; its last words (all of them are in build/demo/blender.log):" >&2
+  tail -n 30 build/demo/blender.log >&2
+  exit 1
+}
+PYTHONPATH=build/python /usr/bin/python3 blend_samples/contact_sheet.py build/demo
+echo "demo: done in $((SECONDS - started)) s; look at build/demo/snowbough.png"
