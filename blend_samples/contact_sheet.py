@@ -28,6 +28,8 @@ FAINT = (134, 126, 116)
 LEVEL_COLOURS = ((71, 52, 43), (148, 74, 44), (44, 100, 112), (160, 128, 38), (96, 112, 58), (120, 80, 120))
 # Plates are drawn this much larger and scaled down: PIL does not smooth edges.
 OVERSAMPLING = 3
+# The plates look down a little, so that level squares show their faces.
+PITCH = np.radians(16.0)
 
 
 def font(size, bold=False):
@@ -54,36 +56,44 @@ def read_polygons(path):
     return [vertices[polygon] for polygon in polygons]
 
 
-class Plate:
-    """A white card that shows something seen from the front (from -Y), fitted to the given extent."""
+def projected(points):
+    """Positions (..., 3) seen from the front (from -Y) and a little above: to the right, and up."""
+    points = np.asarray(points)
+    return np.stack([points[..., 0], points[..., 2] * np.cos(PITCH) + points[..., 1] * np.sin(PITCH)], axis=-1)
 
-    def __init__(self, width, height, low, high):
+
+class Plate:
+    """A white card that shows something seen from the front, fitted to all the points given."""
+
+    def __init__(self, width, height, points):
         self.size = (width, height)
         self.image = Image.new("RGB", (width * OVERSAMPLING, height * OVERSAMPLING), (255, 255, 255))
         self.draw = ImageDraw.Draw(self.image)
         inner = np.array([width, height]) * OVERSAMPLING * 0.9
-        extent = np.maximum(np.array([high[0] - low[0], high[2] - low[2]]), 1e-9)
-        self.scale = float((inner / extent).min())
-        self.middle = np.array([(low[0] + high[0]) / 2.0, (low[2] + high[2]) / 2.0])
+        seen = projected(points)
+        low, high = seen.min(axis=0), seen.max(axis=0)
+        self.scale = float((inner / np.maximum(high - low, 1e-9)).min())
+        self.middle = (low + high) / 2.0
         self.centre = np.array([width, height]) * OVERSAMPLING / 2.0
 
     def place(self, point):
-        x, z = (np.array([point[0], point[2]]) - self.middle) * self.scale
-        return float(self.centre[0] + x), float(self.centre[1] - z)
+        right, up = (projected(point) - self.middle) * self.scale
+        return float(self.centre[0] + right), float(self.centre[1] - up)
 
-    def polygon(self, points, fill, outline=None):
-        self.draw.polygon([self.place(point) for point in points], fill=fill, outline=outline)
+    def polygon(self, points, fill, outline):
+        corners = [self.place(point) for point in points]
+        self.draw.polygon(corners, fill=fill)
+        self.draw.line([*corners, corners[0]], fill=outline, width=OVERSAMPLING)
 
     def limb(self, head, tail, head_radius, tail_radius, fill):
-        """A tapered stroke with round ends."""
+        """A tapered stroke with a round end."""
         a, b = np.array(self.place(head)), np.array(self.place(tail))
         first, second = (max(radius * self.scale, 0.5 * OVERSAMPLING) for radius in (head_radius, tail_radius))
         way = b - a
         across = np.array([-way[1], way[0]]) / max(np.linalg.norm(way), 1e-9)
         self.draw.polygon([tuple(corner) for corner in (a + across * first, b + across * second,
                                                          b - across * second, a - across * first)], fill=fill)
-        for at, radius in ((a, first), (b, second)):
-            self.draw.ellipse([*(at - radius), *(at + radius)], fill=fill)
+        self.draw.ellipse([*(b - second), *(b + second)], fill=fill)
 
     def bone(self, head, tail, fill):
         """The pointed shape in which Blender draws bones, and a joint at its head."""
@@ -102,20 +112,20 @@ class Plate:
         return self.image.resize(self.size, Image.LANCZOS)
 
 
-def raw_plate(polygons, size, low, high):
+def raw_plate(polygons, size):
     """The export as it is: every polygon, far ones first and paler."""
-    plate = Plate(*size, low, high)
+    plate = Plate(*size, np.concatenate(polygons))
     depths = np.array([polygon[:, 1].mean() for polygon in polygons])
     span = max(np.ptp(depths), 1e-9)
     for index in np.argsort(-depths):
         near = 1.0 - (depths[index] - depths.min()) / span
-        tone = tuple(int(210 - (210 - channel) * (0.45 + 0.55 * near)) for channel in INK)
-        plate.polygon(polygons[index], fill=tuple(min(255, channel + 95) for channel in tone), outline=tone)
+        tone = tuple(int(190 - (190 - channel) * (0.4 + 0.6 * near)) for channel in INK)
+        plate.polygon(polygons[index], fill=tuple(min(255, channel + 80) for channel in tone), outline=tone)
     return plate.finished()
 
 
-def skeleton_plate(branches, size, low, high):
-    plate = Plate(*size, low, high)
+def skeleton_plate(branches, size):
+    plate = Plate(*size, np.concatenate([np.asarray(branch.points) for branch in branches]))
     for branch in sorted(branches, key=lambda branch: -branch.level):
         colour = LEVEL_COLOURS[min(branch.level, len(LEVEL_COLOURS) - 1)]
         points, radii = np.asarray(branch.points), np.asarray(branch.radii)
@@ -125,8 +135,7 @@ def skeleton_plate(branches, size, low, high):
 
 
 def rig_plate(bones, levels, size):
-    points = np.array([end for head, tail, _ in bones for end in (head, tail)])
-    plate = Plate(*size, points.min(axis=0), points.max(axis=0))
+    plate = Plate(*size, np.array([end for head, tail, _ in bones for end in (head, tail)]))
     for head, tail, name in sorted(bones, key=lambda bone: -levels.get(bone[2], 0)):
         plate.bone(head, tail, LEVEL_COLOURS[min(levels.get(name, 0), len(LEVEL_COLOURS) - 1)])
     return plate.finished()
@@ -151,8 +160,6 @@ def compose(folder):
     polygons = read_polygons(demo["tree"])
     if skeleton.report["up_axis"] == "Y":
         polygons = [np.stack([polygon[:, 0], -polygon[:, 2], polygon[:, 1]], axis=1) for polygon in polygons]
-    points = np.concatenate(polygons)
-    low, high = points.min(axis=0), points.max(axis=0)
     levels = {branch.name.rstrip("0123456789"): branch.level for branch in branches}
 
     inside = WIDTH - 2 * MARGIN
@@ -172,9 +179,9 @@ def compose(folder):
     top = MARGIN + 62
     count = len(branches)
     plates = (
-        (raw_plate(polygons, plate_size, low, high), "As exported",
+        (raw_plate(polygons, plate_size), "As exported",
          f"{len(polygons)} polygons, {skeleton.report['form'].lower().replace('_', ' ')}"),
-        (skeleton_plate(branches, plate_size, low, high), "Found in it",
+        (skeleton_plate(branches, plate_size), "Found in it",
          f"{count} branches on {len(set(branch.level for branch in branches))} levels"),
         (rig_plate(demo["bones"], levels, plate_size), "The rig",
          f"{len(demo['bones'])} bones under one skin of {demo['faces']} quads"),
