@@ -217,6 +217,7 @@ void write_normal_exr(const std::string& path, int32_t resolution, const float* 
   layout.width = layout.height = resolution;
   layout.channels = {"R", "G", "B"};
   layout.type = ExrPixelType::kHalf;
+  layout.compression = ExrCompression::kZip;
   layout.attributes = attributes;
   const size_t count = 3 * static_cast<size_t>(resolution) * static_cast<size_t>(resolution);
   std::vector<float> encoded(count);

@@ -107,7 +107,7 @@ void bind_image(py::module_& module) {
   module.def(
       "write_exr", &write_exr, py::arg("path"), py::arg("pixels"),
       py::arg("channels") = std::vector<std::string>{}, py::arg("half") = false,
-      py::arg("attributes") = std::map<std::string, std::string>{}, py::arg("compression") = "ZIP",
+      py::arg("attributes") = std::map<std::string, std::string>{}, py::arg("compression") = "RLE",
       "Writes (H, W) or (H, W, channels) float pixels, row 0 = v 0, as an EXR file: whole or "
       "not at all, the same bytes for the same input. Channels default to Y, RGB or RGBA. "
       "ValueError for wrong shapes, RuntimeError with path and reason when the disk refuses.");

@@ -31,7 +31,8 @@ struct TexelTable {
   std::vector<int32_t> texel;
   /// Per owned texel: the triangle and the barycentric weights of its second and third corner at
   /// the texel's sample point: its centre where the chart covers it, else the centroid of the part
-  /// that is covered. World position and normal follow from the current vertices.
+  /// that is covered (of the largest fragment's part, where the whole part's centroid lies outside
+  /// the surface). World position and normal follow from the current vertices.
   std::vector<int32_t> triangle;
   std::vector<glm::vec2> barycentric;
   /// Per owned texel: its chart's number.
@@ -47,15 +48,22 @@ struct TexelTable {
   std::vector<float> fragment_share;
 
   int32_t chart_count = 0;
-  /// Number of triangles without area in UV space: they can hold no snow and are reported.
+  /// Number of triangles without area in UV space (less than a millionth of a texel high): they can
+  /// hold no snow, have no fragments and are reported.
   int32_t degenerate_triangles = 0;
-  /// Share of the covered texel area that more than one triangle claims (overlapping layout).
+  /// Number of charts that got no texel because every texel under them is some other chart's only
+  /// one: their area is credited to the texel's owner and their snow lands there. Reported.
+  int32_t homeless_charts = 0;
+  /// Share of the covered texel area that more than one triangle claims (overlapping layout),
+  /// measured on 8 x 8 sub-samples a texel.
   float overlap = 0.0f;
 };
 
-/// Builds the table. O(covered texels + triangles).
+/// Builds the table. O(covered texels + triangles). A chart too small to own any of its texels
+/// takes the one it covers most, if the owner there has another.
 /// @throws std::invalid_argument for index out of range, wrong array sizes, a resolution outside
-///         [64, 8192], or coordinates outside [0, 1] (by more than 1e-4; the message says how many).
+///         [64, 8192], or coordinates outside [0, 1] (by more than 1e-4; the message says how
+///         many).
 TexelTable build_texel_table(const MapTopology& topology);
 
 }  // namespace snowbough::snow
