@@ -59,27 +59,34 @@ AreaCentroid area_and_centroid(const ClipPolygon& polygon) {
   return result;
 }
 
-uint64_t sample_mask(const UvTriangle& triangle, glm::dvec2 corner) {
+SampleEdges::SampleEdges(const UvTriangle& triangle) {
+  for (int k = 0; k < 3; ++k) {
+    glm::dvec2 a = triangle[k];
+    glm::dvec2 b = triangle[(k + 1) % 3];
+    // One order of an edge's ends for both of its triangles gives both the same crossings.
+    if (b.y < a.y || (b.y == a.y && b.x < a.x)) std::swap(a, b);
+    edges[k] = {a, b.y, b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0};
+  }
+}
+
+uint64_t sample_mask(const SampleEdges& triangle, glm::dvec2 corner) {
   uint64_t mask = 0;
   for (int row = 0; row < 8; ++row) {
     const double y = corner.y + (row + 0.5) / 8.0;
-    double crossing[3];
-    int crossings = 0;
-    for (int k = 0; k < 3; ++k) {
-      glm::dvec2 a = triangle[k];
-      glm::dvec2 b = triangle[(k + 1) % 3];
-      // One order of an edge's ends for both of its triangles gives both the same crossing.
-      if (b.y < a.y || (b.y == a.y && b.x < a.x)) std::swap(a, b);
-      if (a.y <= y && y < b.y)
-        crossing[crossings++] = a.x + (b.x - a.x) * ((y - a.y) / (b.y - a.y));
+    double left = std::numeric_limits<double>::infinity();
+    double right = -left;
+    for (const SampleEdges::Edge& edge : triangle.edges) {
+      if (y < edge.low.y || y >= edge.high_y) continue;
+      const double crossing = edge.low.x + edge.slope * (y - edge.low.y);
+      left = std::min(left, crossing);
+      right = std::max(right, crossing);
     }
-    if (crossings < 2) continue;
-    const double left = std::min(crossing[0], crossing[1]);
-    const double right = std::max(crossing[0], crossing[1]);
-    // Samples at corner.x + (column + 0.5) / 8 in [left, right).
+    if (left >= right) continue;
+    // Samples at corner.x + (column + 0.5) / 8 in [left, right): columns first(left) on.
     const auto first = [&](double x) {
-      return std::clamp(
-          static_cast<int>(std::ceil(std::clamp((x - corner.x) * 8.0 - 0.5, -1.0, 9.0))), 0, 8);
+      const double column = std::clamp((x - corner.x) * 8.0 - 0.5, 0.0, 8.0);
+      const int whole = static_cast<int>(column);
+      return whole + (column > whole ? 1 : 0);
     };
     const uint64_t bits = ((uint64_t{1} << first(right)) - 1) & ~((uint64_t{1} << first(left)) - 1);
     mask |= bits << (8 * row);
@@ -89,6 +96,7 @@ uint64_t sample_mask(const UvTriangle& triangle, glm::dvec2 corner) {
 
 void cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolution, int32_t row_begin,
                   int32_t row_end, std::vector<Fragment>& fragments) {
+  const SampleEdges samples(triangle);
   ClipPolygon whole;
   whole.count = 3;
   for (int k = 0; k < 3; ++k) whole.points[k] = triangle[k];
@@ -129,7 +137,7 @@ void cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolution,
       }
       const AreaCentroid part = area_and_centroid(clip_to_slab(strip, 0, column, column + 1.0));
       if (part.area <= 0.0) continue;
-      fragments.push_back({texel, index, part.area, part.centroid, sample_mask(triangle, corner)});
+      fragments.push_back({texel, index, part.area, part.centroid, sample_mask(samples, corner)});
     }
   }
 }

@@ -25,10 +25,22 @@ struct AreaCentroid {
 };
 AreaCentroid area_and_centroid(const ClipPolygon& polygon);
 
+/// A triangle's edges, prepared for sample_mask.
+struct SampleEdges {
+  struct Edge {
+    glm::dvec2 low;
+    double high_y;
+    /// dx / dy.
+    double slope;
+  };
+  explicit SampleEdges(const UvTriangle& triangle);
+  std::array<Edge, 3> edges;
+};
+
 /// Which of a texel's 8 x 8 sub-samples the triangle holds: bit 8 * row + column. Half-open, so
 /// that of two triangles that share an edge exactly one holds a sample on it. `corner` is the
 /// texel's lower left corner; a texel is 1 x 1.
-uint64_t sample_mask(const UvTriangle& triangle, glm::dvec2 corner);
+uint64_t sample_mask(const SampleEdges& triangle, glm::dvec2 corner);
 
 /// The part of one triangle that lies in one texel; areas and positions in texels.
 struct Fragment {

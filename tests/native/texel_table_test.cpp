@@ -281,9 +281,21 @@ TEST(TexelTable, agreesWithDenseSamplingOnRandomTriangles) {
     // Only tiny charts that took a texel may own less than another covers.
     EXPECT_LE(disagreements, 10);
     for (const auto& [key, area] : cover) {
-      if (area > 0.05) EXPECT_TRUE(owned.count(key.first)) << "texel " << key.first;
+      if (area > 0.05) {
+        EXPECT_TRUE(owned.count(key.first)) << "texel " << key.first;
+      }
     }
-    EXPECT_THAT(share_sums(table, 40), Each(testing::DoubleNear(1.0, 1e-5)));
+    // Triangles that clamping to the map flattened have no shares.
+    int32_t without_shares = 0;
+    for (const double sum : share_sums(table, 40)) {
+      if (sum == 0.0) {
+        ++without_shares;
+      } else {
+        EXPECT_NEAR(sum, 1.0, 1e-5);
+      }
+    }
+    EXPECT_EQ(without_shares, table.degenerate_triangles);
+    EXPECT_LT(without_shares, 10);
   }
 }
 
