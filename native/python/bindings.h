@@ -8,6 +8,8 @@ namespace snowbough::python {
 void bind_skeleton(pybind11::module_& module);
 /// build_tree_mesh, TreeMesh.
 void bind_tree(pybind11::module_& module);
+/// leaf_uvs, layout_leaf_uvs, measure_uv_layout.
+void bind_tree_uvs(pybind11::module_& module);
 /// SnowSimulation, gpu_info.
 void bind_snow(pybind11::module_& module);
 /// read_exr, write_exr, write_png, texel_table.

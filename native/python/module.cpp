@@ -8,6 +8,7 @@ PYBIND11_MODULE(snowbough_native, module) {
   module.attr("__version__") = SNOWBOUGH_VERSION;
   snowbough::python::bind_skeleton(module);
   snowbough::python::bind_tree(module);
+  snowbough::python::bind_tree_uvs(module);
   snowbough::python::bind_snow(module);
   snowbough::python::bind_image(module);
 }

@@ -15,7 +15,9 @@
 namespace snowbough::tree {
 namespace {
 
-constexpr double kTouch = 1e-6;
+/// Share of a texel below which a chart does not count as touching it: float32 coordinates on a map
+/// of 8192 texels are rounded by up to 3e-4 of a texel.
+constexpr double kTouch = 5e-4;
 constexpr double kWideChart = 4.0;
 /// A texel covered by more than this is covered twice; leaves room for rounded corners.
 constexpr double kFullTexel = 1.0 + 1e-3;

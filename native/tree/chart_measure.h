@@ -41,7 +41,7 @@ struct UvLayoutMeasure {
 };
 
 /// Rasterises by exact clipping of every face against every texel. A chart touches a texel if it
-/// covers more than 1e-6 of it.
+/// covers more than 5e-4 of it (float32 coordinates are rounded by as much on large maps).
 /// @throws std::invalid_argument for inconsistent array sizes, indices out of range or a resolution
 ///   outside of 1 to 16384.
 UvLayoutMeasure measure_uv_layout(const UvSurface& surface, int resolution);
