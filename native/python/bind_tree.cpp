@@ -1,7 +1,217 @@
+#include <pybind11/stl.h>
+
+#include <memory>
+#include <string>
+
 #include "bindings.h"
+#include "numpy_arrays.h"
+#include "tree/bones.h"
+#include "tree/bones_reduce.h"
+#include "tree/build_tree_mesh.h"
+#include "tree/mesh_check.h"
+
+namespace py = pybind11;
 
 namespace snowbough::python {
+namespace {
 
-void bind_tree(pybind11::module_& module) { (void)module; }
+using namespace snowbough::tree;
+
+/// A mesh as Python sees it: the arrays, and what building it had to say.
+struct BoundMesh {
+  TreeMesh mesh;
+  MeshCheck check;
+  /// After reduce_bones: old bone -> new bone.
+  std::vector<int32_t> bone_map;
+};
+
+template <typename Choice>
+Choice choose(const std::string& option, const std::string& value,
+              std::initializer_list<std::pair<const char*, Choice>> choices) {
+  std::string known;
+  for (const auto& [name, choice] : choices) {
+    if (value == name) {
+      return choice;
+    }
+    known += (known.empty() ? "" : ", ") + std::string(name);
+  }
+  throw std::invalid_argument(option + " must be one of " + known + ", not '" + value + "'");
+}
+
+py::ssize_t size(size_t count) {
+  return static_cast<py::ssize_t>(count);
+}
+
+py::dict check_dict(const MeshCheck& check) {
+  py::dict dict;
+  dict["components"] = check.components;
+  dict["euler"] = check.euler;
+  dict["boundary_edges"] = check.boundary_edges;
+  dict["nonmanifold_edges"] = check.nonmanifold_edges;
+  dict["nonmanifold_faces"] = check.nonmanifold_faces;
+  dict["flipped_edges"] = check.flipped_edges;
+  dict["zero_area_faces"] = check.zero_area_faces;
+  dict["unused_vertices"] = check.unused_vertices;
+  dict["winding_ok"] = check.winding_ok;
+  dict["closed"] = check.closed();
+  dict["volume"] = check.volume;
+  return dict;
+}
+
+void bind_mesh_class(py::module_& module) {
+  using pybind11::object;
+  const auto view = [](auto get, auto scalar, std::vector<py::ssize_t> columns) {
+    using Scalar = decltype(scalar);
+    return [get, columns](object self) {
+      const auto& values = get(self.cast<const BoundMesh&>());
+      std::vector<py::ssize_t> shape{size(values.size())};
+      shape.insert(shape.end(), columns.begin(), columns.end());
+      return view_numpy<Scalar>(values, std::move(shape), self);
+    };
+  };
+#define SNOWBOUGH_FIELD(field)            \
+  [](const BoundMesh& m) -> const auto& { \
+    return m.mesh.field;                  \
+  }
+  const auto origins = [](auto get) {
+    return [get](const BoundMesh& m) {
+      std::vector<int32_t> values;
+      values.reserve(m.mesh.origins.size());
+      for (const FaceOrigin& origin : m.mesh.origins) {
+        values.push_back(static_cast<int32_t>(get(origin)));
+      }
+      const py::ssize_t count = size(values.size());
+      return to_numpy<int32_t>(std::move(values), {count});
+    };
+  };
+  py::class_<BoundMesh>(
+      module, "TreeMesh",
+      "One closed, rigged, unwrapped surface around a skeleton. Arrays are read-only "
+      "views. Metres, Z up.")
+      .def_property_readonly("vertices", view(SNOWBOUGH_FIELD(vertices), float{}, {3}))
+      .def_property_readonly("quads", view(SNOWBOUGH_FIELD(quads), int32_t{}, {4}))
+      .def_property_readonly("uv_bark", view(SNOWBOUGH_FIELD(uv_bark), float{}, {4, 2}))
+      .def_property_readonly("uv_snow", view(SNOWBOUGH_FIELD(uv_snow), float{}, {4, 2}))
+      .def_property_readonly("branch_level", view(SNOWBOUGH_FIELD(branch_level), int32_t{}, {}))
+      .def_property_readonly("bone_indices", view(SNOWBOUGH_FIELD(bone_indices), int32_t{}, {4}))
+      .def_property_readonly("bone_weights", view(SNOWBOUGH_FIELD(bone_weights), float{}, {4}))
+      .def_property_readonly("bone_heads", view(SNOWBOUGH_FIELD(bones.heads), float{}, {3}))
+      .def_property_readonly("bone_tails", view(SNOWBOUGH_FIELD(bones.tails), float{}, {3}))
+      .def_property_readonly("bone_parents", view(SNOWBOUGH_FIELD(bones.parents), int32_t{}, {}))
+      .def_property_readonly("bone_branches", view(SNOWBOUGH_FIELD(bones.branches), int32_t{}, {}))
+      .def_property_readonly("bone_levels", view(SNOWBOUGH_FIELD(bones.levels), int32_t{}, {}))
+      .def_property_readonly("bone_head_radii",
+                             view(SNOWBOUGH_FIELD(bones.head_radii), float{}, {}))
+      .def_property_readonly("bone_tail_radii",
+                             view(SNOWBOUGH_FIELD(bones.tail_radii), float{}, {}))
+      .def_property_readonly("bone_names", [](const BoundMesh& m) { return m.mesh.bones.names; })
+      .def_property_readonly(
+          "bone_map",
+          [](object self) -> object {
+            const auto& map = self.cast<const BoundMesh&>().bone_map;
+            if (map.empty()) {
+              return py::none();
+            }
+            return view_numpy<int32_t>(map, {size(map.size())}, self);
+          },
+          "After reduce_bones: per old bone the new one that does its work; else None.")
+      .def_property_readonly("continues_parent",
+                             view(SNOWBOUGH_FIELD(continues_parent), uint8_t{}, {}))
+      .def_property_readonly("branch_rows", view(SNOWBOUGH_FIELD(branch_rows), int32_t{}, {}))
+      .def_property_readonly("face_branch", origins([](const FaceOrigin& o) { return o.branch; }))
+      .def_property_readonly("face_row", origins([](const FaceOrigin& o) { return o.row; }))
+      .def_property_readonly("face_side", origins([](const FaceOrigin& o) { return o.side; }))
+      .def_property_readonly("face_inset", origins([](const FaceOrigin& o) { return o.inset; }))
+      .def_property_readonly("face_part", origins([](const FaceOrigin& o) { return o.part; }),
+                             "0 wall, 1 inset around a child's hole, 2 tip cap, 3 root cap")
+      .def_property_readonly("warnings", [](const BoundMesh& m) { return m.mesh.warnings; })
+      .def_property_readonly(
+          "report", [](const BoundMesh& m) { return check_dict(m.check); },
+          "What check_mesh finds on the four-sided base of this mesh.");
+#undef SNOWBOUGH_FIELD
+}
+
+void bind_mesh_functions(py::module_& module) {
+  module.def(
+      "build_tree_mesh",
+      [](const Skeleton& skeleton, const std::string& width, const std::string& species, int lod,
+         bool close_root, bool close_tips, int snow_resolution, int max_influences) {
+        TreeMeshOptions options;
+        options.width.mode = choose<WidthMode>(
+            "width", width, {{"ORIGINAL", WidthMode::kOriginal}, {"INVERSE", WidthMode::kInverse}});
+        options.width.species = choose<Species>(
+            "species", species,
+            {{"BROADLEAF", Species::kBroadleaf}, {"EVERGREEN", Species::kEvergreen}});
+        options.lod = lod;
+        options.close_root = close_root;
+        options.close_tips = close_tips;
+        options.snow_resolution = snow_resolution;
+        options.max_influences = max_influences;
+        py::gil_scoped_release release;
+        auto bound = std::make_unique<BoundMesh>();
+        bound->mesh = build_tree_mesh(skeleton, options, &bound->check);
+        return bound;
+      },
+      py::arg("skeleton"), py::arg("width") = "ORIGINAL", py::arg("species") = "BROADLEAF",
+      py::arg("lod") = 0, py::arg("close_root") = true, py::arg("close_tips") = true,
+      py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4,
+      "Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.\n\n"
+      "width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4.\n"
+      "Raises ValueError for options out of range.");
+
+  module.def(
+      "reduce_bones",
+      [](const BoundMesh& source, int max_bones, int max_bone_level) {
+        py::gil_scoped_release release;
+        auto bound = std::make_unique<BoundMesh>(source);
+        ReducedBones reduced = reduce_bones(source.mesh.bones, {max_bones, max_bone_level});
+        remap_weights(reduced.bone_map, bound->mesh.bone_indices, bound->mesh.bone_weights);
+        bound->mesh.bones = std::move(reduced.bones);
+        bound->bone_map = std::move(reduced.bone_map);
+        return bound;
+      },
+      py::arg("mesh"), py::arg("max_bones") = 1000, py::arg("max_bone_level") = -1,
+      "A copy of the mesh without its deepest bones (0 and -1: no limit); their weights go to the "
+      "nearest\n"
+      "kept ancestor. Its bone_map says for each old bone which one that is.");
+
+  module.def(
+      "leaf_bones",
+      [](const Skeleton& skeleton, const BoundMesh& mesh) {
+        std::vector<int32_t> bones;
+        {
+          py::gil_scoped_release release;
+          bones = leaf_bones(skeleton, mesh.mesh.bones);
+        }
+        const py::ssize_t count = size(bones.size());
+        return to_numpy<int32_t>(std::move(bones), {count});
+      },
+      py::arg("skeleton"), py::arg("mesh"),
+      "(L,) per leaf of skeleton.foliage: the bone of its branch nearest to where it hangs.");
+
+  module.def(
+      "check_mesh",
+      [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {
+        const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
+        const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
+        MeshCheck check;
+        {
+          py::gil_scoped_release release;
+          check = check_mesh(points, faces);
+        }
+        return check_dict(check);
+      },
+      py::arg("vertices"), py::arg("quads"),
+      "What is right and wrong with a quad mesh: components, euler (one number a component),\n"
+      "boundary_edges, nonmanifold_edges, nonmanifold_faces, flipped_edges, zero_area_faces,\n"
+      "unused_vertices, winding_ok, closed, volume.");
+}
+
+}  // namespace
+
+void bind_tree(py::module_& module) {
+  bind_mesh_class(module);
+  bind_mesh_functions(module);
+}
 
 }  // namespace snowbough::python

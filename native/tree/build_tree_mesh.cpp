@@ -1,0 +1,91 @@
+#include "tree/build_tree_mesh.h"
+
+#include <algorithm>
+#include <stdexcept>
+#include <string>
+
+#include "tree/bones.h"
+#include "tree/snow_uvs.h"
+#include "tree/surface.h"
+#include "tree/surface_bark_uvs.h"
+#include "tree/surface_path.h"
+#include "tree/weights.h"
+
+namespace snowbough::tree {
+namespace {
+
+void check_range(const char* name, int value, int low, int high) {
+  if (value < low || value > high) {
+    throw std::invalid_argument(std::string(name) + " must be from " + std::to_string(low) +
+                                " to " + std::to_string(high) + ", not " + std::to_string(value));
+  }
+}
+
+void check_options(const TreeMeshOptions& options) {
+  check_range("lod", options.lod, 0, 4);
+  check_range("snow_resolution", options.snow_resolution, 64, 16384);
+  check_range("max_influences", options.max_influences, 1, 4);
+}
+
+/// "a, b, c and 5 more"
+std::string some_names(const Skeleton& skeleton, const std::vector<int32_t>& branches) {
+  std::string text;
+  const size_t shown = std::min<size_t>(branches.size(), 3);
+  for (size_t i = 0; i < shown; ++i) {
+    text += (i > 0 ? ", " : "") + skeleton.branches[branches[i]].name;
+  }
+  return branches.size() > shown
+             ? text + " and " + std::to_string(branches.size() - shown) + " more"
+             : text;
+}
+
+TreeMesh to_mesh(const Skeleton& skeleton, const Surface& surface) {
+  TreeMesh mesh;
+  mesh.vertices.assign(surface.vertices.begin(), surface.vertices.end());
+  mesh.quads = surface.quads;
+  mesh.origins = surface.origins;
+  for (const FaceOrigin& origin : surface.origins) {
+    mesh.branch_level.push_back(skeleton.branches[origin.branch].level);
+  }
+  for (const LimbSurface& limb : surface.limbs) {
+    mesh.continues_parent.push_back(limb.continues_parent ? 1 : 0);
+    mesh.branch_rows.push_back(static_cast<int32_t>(limb.rings.size()) - 1);
+  }
+  if (!surface.clamped.empty()) {
+    mesh.warnings.push_back(
+        std::to_string(surface.clamped.size()) +
+        " branches are thicker than their parent where they leave it and were narrowed "
+        "to it there: " +
+        some_names(skeleton, surface.clamped));
+  }
+  return mesh;
+}
+
+}  // namespace
+
+TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options,
+                         MeshCheck* check) {
+  check_options(options);
+  const SurfaceScale scale = surface_scale(skeleton);
+  const Widths widths = limb_widths(skeleton, options.width);
+  const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
+
+  const SurfaceOptions surface_options{options.close_root, options.close_tips};
+  const std::vector<uint8_t> relief(paths.size(), 0);
+  const Surface surface = build_surface(skeleton, paths, scale, surface_options, relief);
+
+  TreeMesh mesh = to_mesh(skeleton, surface);
+  Armature armature = make_bones(skeleton, paths, scale);
+  VertexWeights weights = make_weights(surface, paths, armature, options.max_influences);
+  mesh.bone_indices = std::move(weights.indices);
+  mesh.bone_weights = std::move(weights.weights);
+  mesh.bones = std::move(armature.bones);
+  mesh.uv_bark = layout_bark_uvs(surface);
+  layout_snow_uvs(mesh, skeleton, options.snow_resolution);
+  if (check != nullptr) {
+    *check = check_mesh(mesh.vertices, mesh.quads);
+  }
+  return mesh;
+}
+
+}  // namespace snowbough::tree

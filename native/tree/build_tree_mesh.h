@@ -1,0 +1,38 @@
+#pragma once
+
+#include <vector>
+
+#include "tree/bones_reduce.h"
+#include "tree/mesh_check.h"
+#include "tree/skeleton.h"
+#include "tree/tree_mesh.h"
+#include "tree/width.h"
+
+namespace snowbough::tree {
+
+struct TreeMeshOptions {
+  WidthOptions width;
+  /// 0 = the four-sided base; each level up to 4 doubles the sides.
+  int lod = 0;
+  bool close_root = true;
+  bool close_tips = true;
+  /// Pixels across the square accumulation map that the snow UVs are laid out for.
+  int snow_resolution = 1024;
+  /// Most bones a vertex follows, 1 to 4.
+  int max_influences = 4;
+};
+
+/// Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh, one component a
+/// root. Same input, same bytes.
+///
+/// @param check receives what check_mesh finds on the four-sided base (subdivision keeps its
+/// topology).
+/// @throws std::invalid_argument for options out of range and for a skeleton that complete_skeleton
+/// would
+///   refuse.
+///
+/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.
+TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options = {},
+                         MeshCheck* check = nullptr);
+
+}  // namespace snowbough::tree

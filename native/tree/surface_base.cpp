@@ -1,0 +1,200 @@
+#include "tree/surface_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "tree/frames.h"
+#include "tree/surface_stations.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// The middle of a square ring's side is this much of a corner radius from the centre.
+const double kSideDistance = std::sqrt(0.5);
+/// A child's hole moves along the parent by at most this many corner radii, however flat it leaves.
+constexpr double kLargestShift = 2.0;
+/// A narrower hole than this share of the parent's side gets an inset.
+constexpr double kInsetBelow = 0.9;
+/// Share of the knuckle's length that a hole with an inset takes.
+constexpr double kHoleLength = 0.8;
+/// A child widens from its hole by at most this much a metre.
+constexpr double kWidening = 1.2;
+/// Each step of relief narrows the hole by this factor.
+constexpr double kReliefFactor = 0.7;
+
+glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& axis) {
+  return v - axis * glm::dot(v, axis);
+}
+
+/// First place on the child's path that lies outside the parent's round hull, and the parent's arc
+/// length nearest to it.
+struct Crossing {
+  glm::dvec3 point;
+  double parent_length;
+  double child_length;
+  bool starts_outside;
+};
+
+Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
+  Crossing crossing{child.points[0], nearest_length(parent, child.points[0]), 0.0, true};
+  double before = 0.0;
+  for (size_t i = 0; i < child.points.size(); ++i) {
+    const double s = nearest_length(parent, child.points[i]);
+    const double outside =
+        glm::distance(child.points[i], position_at(parent, s)) - corner_at(parent, s);
+    if (outside >= 0.0 || i + 1 == child.points.size()) {
+      if (i > 0) {
+        const double t = outside > 0.0 ? -before / (outside - before) : 1.0;
+        crossing.point = child.points[i - 1] + (child.points[i] - child.points[i - 1]) * t;
+        crossing.child_length =
+            child.lengths[i - 1] + (child.lengths[i] - child.lengths[i - 1]) * t;
+        crossing.parent_length = nearest_length(parent, crossing.point);
+        crossing.starts_outside = false;
+      }
+      return crossing;
+    }
+    before = outside;
+  }
+  return crossing;
+}
+
+/// Distance of a point from the parent's round hull; negative inside.
+double clearance(const LimbSurface& parent, const glm::dvec3& point) {
+  double best = 1e300;
+  for (size_t i = 0; i + 1 < parent.rings.size(); ++i) {
+    const Ring& a = parent.rings[i];
+    const Ring& b = parent.rings[i + 1];
+    const glm::dvec3 ab = b.centre - a.centre;
+    const double square = glm::dot(ab, ab);
+    const double t =
+        square > 0.0 ? std::clamp(glm::dot(point - a.centre, ab) / square, 0.0, 1.0) : 0.0;
+    best = std::min(
+        best, glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t));
+  }
+  return best;
+}
+
+/// Whether a ring stands clear: outside the parent, and the whole hole behind it.
+bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& centre,
+                 const glm::dvec3& normal, double corner, double margin) {
+  if (glm::dot(centre - hole.centre, hole.normal) <= margin ||
+      clearance(parent, centre) <= margin) {
+    return false;
+  }
+  for (const glm::dvec3& p : hole.corners) {
+    if (glm::dot(centre - p, normal) <= margin) {
+      return false;
+    }
+  }
+  const Frame frame = first_frame(normal);
+  for (int k = 0; k < 8; ++k) {
+    const double angle = 0.25 * M_PI * k;
+    const glm::dvec3 p = centre + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * corner;
+    if (clearance(parent, p) <= margin || glm::dot(p - hole.centre, hole.normal) <= margin) {
+      return false;
+    }
+  }
+  return true;
+}
+
+}  // namespace
+
+Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+               const SurfaceScale& scale, int relief) {
+  const Crossing crossing = first_outside(parent, child);
+  Exit exit;
+  exit.request.child = child_index;
+
+  // The parent's sides are nearer to its centreline than its round hull: go back along the ray.
+  double shift = crossing.parent_length - attach;
+  if (!crossing.starts_outside) {
+    shift *= kSideDistance;
+  }
+  const double reach = kLargestShift * corner_at(parent, attach);
+  exit.request.position =
+      std::clamp(attach + std::clamp(shift, -reach, reach), 0.0, parent.length());
+
+  const glm::dvec3 axis = direction_at(parent, crossing.parent_length);
+  glm::dvec3 off = across(crossing.point - position_at(parent, crossing.parent_length), axis);
+  if (glm::length(off) <= scale.coincident) {
+    off = across(child.points.back() - child.points.front(), axis);
+  }
+  if (glm::length(off) <= scale.coincident) {
+    off = first_frame(axis).u;
+  }
+  exit.request.direction = glm::normalize(off);
+
+  const double side = 2.0 * kSideDistance * corner_at(parent, exit.request.position);
+  const double wanted = 2.0 * kSideDistance * corner_at(child, crossing.child_length);
+  exit.clamped = wanted > 1.0001 * side;
+  exit.request.width = std::min(wanted, side);
+  for (int step = 0; step < relief; ++step) {
+    exit.request.width *= kReliefFactor;
+  }
+  exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
+  exit.request.length = exit.request.width < kInsetBelow * side
+                            ? std::min(exit.request.width / kHoleLength, side)
+                            : exit.request.width;
+  return exit;
+}
+
+LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+                      const SurfaceScale& scale, int relief) {
+  const double margin = scale.smallest_gap;
+  double narrowing = 1.0;
+  for (int step = 0; step < relief; ++step) {
+    narrowing *= kReliefFactor;
+  }
+  const size_t last = child.points.size() - 1;
+  size_t first = 0;
+  double first_corner = scale.smallest_corner;
+  glm::dvec3 first_point = child.points[last];
+  for (size_t i = 1; i <= last && first == 0; ++i) {
+    const glm::dvec3 normal = joint_normal(child, i);
+    for (double factor : {1.0, 0.75, 0.5, 0.3, 0.15, 0.0}) {
+      if (i < last && factor < 0.5) {
+        break;
+      }
+      const double corner = std::max(child.corners[i] * factor * narrowing, scale.smallest_corner);
+      if (ring_clears(parent, hole, child.points[i], normal, corner, margin)) {
+        first = i;
+        first_corner = corner;
+        first_point = child.points[i];
+        break;
+      }
+    }
+  }
+  if (first == 0) {
+    // The whole branch lies inside its parent, or behind it: what remains is a stub.
+    first = last;
+    first_corner =
+        std::max(scale.smallest_corner, std::min(child.corners[last], 0.5 * hole.corner));
+    first_point = hole.centre + hole.normal * std::max(hole.corner, 2.0 * scale.smallest_gap);
+  }
+
+  LimbPath path;
+  const double start = std::min(nearest_length(child, hole.centre), 0.999 * child.lengths[first]);
+  path.points.push_back(hole.centre);
+  path.corners.push_back(hole.corner);
+  path.bone_lengths.push_back(start);
+  path.points.push_back(first_point);
+  path.corners.push_back(first_corner);
+  path.bone_lengths.push_back(child.bone_lengths[first]);
+  path.points.insert(path.points.end(),
+                     child.points.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                     child.points.end());
+  path.corners.insert(path.corners.end(),
+                      child.corners.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                      child.corners.end());
+  path.bone_lengths.insert(path.bone_lengths.end(),
+                           child.bone_lengths.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                           child.bone_lengths.end());
+  measure(path);
+  for (size_t i = 1; i < path.points.size(); ++i) {
+    path.corners[i] = std::min(path.corners[i], hole.corner + kWidening * path.lengths[i]);
+  }
+  return path;
+}
+
+}  // namespace snowbough::tree
