@@ -65,6 +65,8 @@ void GpuThread::loop(const std::string& device, std::promise<GpuInfo> started) {
     std::unique_lock lock(mutex_);
     wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
     if (queue_.empty()) {
+      lock.unlock();
+      resources_.clear();
       return;
     }
     const std::function<void()> task = std::move(queue_.front());

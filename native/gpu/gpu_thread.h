@@ -4,11 +4,13 @@
 #include <deque>
 #include <functional>
 #include <future>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <type_traits>
+#include <typeindex>
 
 #include "gpu/egl_context.h"
 
@@ -54,6 +56,17 @@ class GpuThread {
     return future.get();
   }
 
+  /// The context's one object of type T (programs, say), made on first use and destroyed with the
+  /// context. Only on the thread itself.
+  template <typename T>
+  T& resource() {
+    std::shared_ptr<void>& slot = resources_[std::type_index(typeid(T))];
+    if (slot == nullptr) {
+      slot = std::make_shared<T>();
+    }
+    return *static_cast<T*>(slot.get());
+  }
+
   /// True on the thread itself.
   bool is_current() const { return std::this_thread::get_id() == thread_.get_id(); }
   const GpuInfo& info() const { return info_; }
@@ -68,6 +81,7 @@ class GpuThread {
   std::deque<std::function<void()>> queue_;
   bool stopping_ = false;
   GpuInfo info_;
+  std::map<std::type_index, std::shared_ptr<void>> resources_;
   std::thread thread_;
 };
 

@@ -1,7 +1,257 @@
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+
 #include "bindings.h"
+#include "numpy_arrays.h"
+#include "pybind11/stl.h"
+#include "snow/simulation.h"
+
+namespace py = pybind11;
 
 namespace snowbough::python {
+namespace {
 
-void bind_snow(pybind11::module_& module) { (void)module; }
+using snow::SnowSimulation;
+
+snow::DepositMapping mapping_from(const std::string& name) {
+  if (name == "COMPUTE") {
+    return snow::DepositMapping::kCompute;
+  }
+  if (name == "GEOMETRY") {
+    return snow::DepositMapping::kGeometry;
+  }
+  throw std::invalid_argument("mapping must be COMPUTE or GEOMETRY, not " + name);
+}
+
+std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
+                                                double flutter, double max_depth,
+                                                double slide_half_life, double blur_radius,
+                                                int64_t seed, const std::string& mapping,
+                                                int32_t tile_size, const std::string& device) {
+  snow::SimulationSettings settings{pixel_size,
+                                    noise_density,
+                                    flutter,
+                                    max_depth,
+                                    slide_half_life,
+                                    blur_radius,
+                                    static_cast<uint32_t>(seed),
+                                    mapping_from(mapping),
+                                    tile_size,
+                                    device};
+  const py::gil_scoped_release release;
+  return std::make_unique<SnowSimulation>(settings);
+}
+
+void add_object(SnowSimulation& simulation, const std::string& name,
+                const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                int32_t resolution, bool receive, bool occlude) {
+  if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
+    throw std::invalid_argument("object '" + name + "': triangles must have shape (T, 3)");
+  }
+  if (uv.ndim() != 3 || uv.shape(0) != triangles.shape(0) || uv.shape(1) != 3 || uv.shape(2) != 2) {
+    throw std::invalid_argument("object '" + name + "': uv must have shape (T, 3, 2), T = " +
+                                std::to_string(triangles.shape(0)));
+  }
+  snow::ObjectDescription description;
+  description.name = name;
+  description.topology.triangles.assign(triangles.data(), triangles.data() + triangles.size());
+  const auto* corners = reinterpret_cast<const glm::vec2*>(uv.data());
+  description.topology.corner_uv.assign(corners, corners + uv.size() / 2);
+  description.topology.resolution = resolution;
+  description.receive = receive;
+  description.occlude = occlude;
+  const py::gil_scoped_release release;
+  simulation.add_object(std::move(description));
+}
+
+void step(SnowSimulation& simulation, const py::dict& positions, double depth,
+          const std::array<double, 3>& direction, double dt) {
+  std::vector<InputArray<float>> arrays;  // keeps converted copies alive
+  snow::PositionMap map;
+  for (const auto& [key, value] : positions) {
+    const auto name = py::cast<std::string>(key);
+    auto array = InputArray<float>::ensure(value);
+    if (!array || array.ndim() != 2 || array.shape(1) != 3) {
+      PyErr_Clear();
+      throw std::invalid_argument("step: positions of object '" + name +
+                                  "' must have shape (N, 3)");
+    }
+    map[name] = {reinterpret_cast<const glm::vec3*>(array.data()),
+                 static_cast<size_t>(array.shape(0))};
+    arrays.push_back(std::move(array));
+  }
+  const py::gil_scoped_release release;
+  simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
+}
+
+py::array_t<float> square(std::vector<float>&& values, int32_t resolution) {
+  return to_numpy<float>(std::move(values), {resolution, resolution});
+}
+
+py::array_t<float> height(SnowSimulation& simulation, const std::string& name) {
+  std::vector<float> values;
+  int32_t resolution = 0;
+  {
+    const py::gil_scoped_release release;
+    values = simulation.height(name);
+    resolution = simulation.resolution(name);
+  }
+  return square(std::move(values), resolution);
+}
+
+py::array_t<float> texel_area(SnowSimulation& simulation, const std::string& name) {
+  std::vector<float> values;
+  int32_t resolution = 0;
+  {
+    const py::gil_scoped_release release;
+    values = simulation.texel_area(name);
+    resolution = simulation.resolution(name);
+  }
+  return square(std::move(values), resolution);
+}
+
+void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
+  dict["deposited_volume"] = balance.deposited_volume;
+  dict["slid_volume"] = balance.slid_volume;
+  dict["held_volume"] = balance.held_volume;
+  dict["stretched_volume"] = balance.stretched_volume;
+  dict["fallen_volume"] = balance.fallen_volume;
+  dict["lost_volume"] = balance.lost_volume;
+  dict["visible_area"] = balance.visible_area;
+  dict["back_face_share"] = balance.back_face_share;
+  dict["saturated_texels"] = static_cast<int64_t>(balance.saturated_texels);
+  dict["homeless_pixels"] = static_cast<int64_t>(balance.homeless_pixels);
+}
+
+py::dict balance_dict(const snow::StatisticsPair& pair) {
+  py::dict dict;
+  put_balance(dict, pair.step);
+  py::dict total;
+  put_balance(total, pair.total);
+  dict["total"] = total;
+  return dict;
+}
+
+py::dict statistics(SnowSimulation& simulation) {
+  snow::SnowStatistics statistics;
+  {
+    const py::gil_scoped_release release;
+    statistics = simulation.statistics();
+  }
+  py::dict dict = balance_dict(statistics.all);
+  dict["step_number"] = statistics.step_number;
+  py::dict objects;
+  for (const auto& [name, pair] : statistics.objects) {
+    objects[py::str(name)] = balance_dict(pair);
+  }
+  dict["objects"] = objects;
+  return dict;
+}
+
+py::dict memory_estimate(const SnowSimulation& simulation) {
+  const snow::MemoryEstimate estimate = simulation.memory_estimate();
+  py::dict dict;
+  dict["total"] = estimate.total();
+  dict["maps"] = estimate.maps;
+  dict["texels"] = estimate.texels;
+  dict["geometry"] = estimate.geometry;
+  dict["tile"] = estimate.tile;
+  dict["output"] = estimate.output;
+  dict["text"] = estimate.text();
+  return dict;
+}
+
+py::dict gpu_info(const std::string& device) {
+  gpu::GpuInfo info;
+  {
+    const py::gil_scoped_release release;
+    info = gpu::GpuThread::shared(device)->info();
+  }
+  py::dict dict;
+  dict["vendor"] = info.vendor;
+  dict["renderer"] = info.renderer;
+  dict["version"] = info.version;
+  dict["device"] = info.device;
+  dict["max_texture_size"] = info.max_texture_size;
+  dict["max_array_layers"] = info.max_array_layers;
+  dict["max_viewport"] = info.max_viewport;
+  dict["max_storage_buffer_bytes"] = info.max_storage_buffer_bytes;
+  return dict;
+}
+
+/// Waits for the GPU thread without the GIL when Python drops the last reference.
+struct ReleaseGil {
+  void operator()(SnowSimulation* simulation) const {
+    const py::gil_scoped_release release;
+    delete simulation;
+  }
+};
+
+}  // namespace
+
+void bind_snow(py::module_& module) {
+  using namespace py::literals;
+  module.def(
+      "gpu_info", &gpu_info, "device"_a = "",
+      "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises\n"
+      "RuntimeError, saying what to do, where no OpenGL 4.5 context can be made.");
+
+  using Holder = std::unique_ptr<SnowSimulation, ReleaseGil>;
+  py::class_<SnowSimulation, Holder>(
+      module, "SnowSimulation",
+      "Snow that accumulates on moving objects, each with a map in UV space.\n\n"
+      "pixel_size: edge of an occlusion pixel in metres. noise_density: share of pixels that snow "
+      "in\n"
+      "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
+      "level\n"
+      "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
+      "mapping: COMPUTE or GEOMETRY. tile_size (a power of two) and device change neither result\n"
+      "nor units. A context manager: leaving it closes the simulation.")
+      .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
+                       double slide_half_life, double blur_radius, int64_t seed,
+                       const std::string& mapping, int32_t tile_size, const std::string& device) {
+             return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
+                                           slide_half_life, blur_radius, seed, mapping, tile_size,
+                                           device)
+                               .release());
+           }),
+           "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
+           "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
+           "tile_size"_a = 2048, "device"_a = "")
+      .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
+           "receive"_a = true, "occlude"_a = true,
+           "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
+           "a\n"
+           "map of resolution x resolution texels, and occludes whatever `occlude` says.")
+      .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
+           "dt"_a = 1.0 / 24.0,
+           "Lets snow fall: depth in metres on open level ground, along direction, within dt "
+           "seconds.\n"
+           "positions: {name: (N, 3) metres} of the objects that moved; an object's first step "
+           "must\n"
+           "name it, later ones only when it moved.")
+      .def("height", &height, "name"_a,
+           "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0.")
+      .def("texel_area", &texel_area, "name"_a,
+           "Area in m2 that each texel covers now, (H, W) float32, 0 where there is no surface.")
+      .def(
+          "statistics", &statistics,
+          "Balance of the last step, under 'total' of all steps, and under 'objects' by receiver:\n"
+          "volumes in m3, areas in m2.")
+      .def("memory_estimate", &memory_estimate,
+           "What the simulation takes on the GPU, in bytes by kind, and as a line of text.")
+      .def(
+          "gpu_info", [](const SnowSimulation& self) { return self.gpu_info().renderer; },
+          "The renderer's name.")
+      .def("close", &SnowSimulation::close, py::call_guard<py::gil_scoped_release>(),
+           "Releases everything on the GPU. Further calls raise RuntimeError.")
+      .def(
+          "__enter__", [](SnowSimulation& self) -> SnowSimulation& { return self; },
+          py::return_value_policy::reference_internal)
+      .def("__exit__", [](SnowSimulation& self, const py::args&) {
+        const py::gil_scoped_release release;
+        self.close();
+      });
+}
 
 }  // namespace snowbough::python

@@ -1,0 +1,94 @@
+#include "snow/deposit_compute.h"
+
+namespace snowbough::snow {
+namespace {
+
+int32_t texel_groups(const TexelBatch& batch) {
+  return batch.count / static_cast<int32_t>(shared::kTexelGroup);
+}
+
+constexpr GLbitfield kBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
+                                 GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
+
+}  // namespace
+
+void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                               const OcclusionTarget& occlusion) {
+  if (weight_sum_.width() != occlusion.visible.width() ||
+      weight_sum_.height() != occlusion.visible.height()) {
+    weight_sum_ = gpu::Texture(GL_R32UI, occlusion.visible.width(), occlusion.visible.height());
+  }
+  const glm::ivec2 size = tile.pixels.size();
+  glClearTexSubImage(weight_sum_.id(), 0, 0, 0, 0, size.x, size.y, 1, GL_RED_INTEGER,
+                     GL_UNSIGNED_INT, nullptr);
+  for (TexelBatch& batch : scene.batches) {
+    weigh_.use();
+    weigh_.bind("Fall", fall);
+    weigh_.bind("Triangles", scene.triangles);
+    weigh_.bind("TriangleSurface", scene.triangle_surface);
+    weigh_.bind("Texels", batch.texels);
+    weigh_.bind("TexelSurface", batch.surface);
+    weigh_.bind("TexelTargets", batch.targets);
+    weigh_.bind_texture("occlusion", occlusion.visible);
+    weigh_.bind_image("weight_sum", weight_sum_, GL_READ_WRITE);
+    weigh_.set("tile_origin", tile.pixels.low);
+    weigh_.set("tile_size", size);
+    weigh_.dispatch(texel_groups(batch));
+  }
+  glMemoryBarrier(kBarriers);
+}
+
+void DepositComputePass::drop_on_pixels(SceneBuffers& scene, const gpu::Buffer& fall,
+                                        const Tile& tile, const OcclusionTarget& occlusion,
+                                        float step_depth) {
+  const glm::ivec2 size = tile.pixels.size();
+  int32_t counted_group = -1;
+  for (TexelBatch& batch : scene.batches) {
+    const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
+    pixels_.use();
+    pixels_.bind("Fall", fall);
+    pixels_.bind("Positions", scene.positions);
+    pixels_.bind("Triangles", scene.triangles);
+    pixels_.bind("TriangleSurface", scene.triangle_surface);
+    pixels_.bind("MapTriangles", scene.map_triangles);
+    pixels_.bind("MapOffsets", scene.map_offsets);
+    pixels_.bind("TexelSurface", batch.surface);
+    pixels_.bind("DepositUnits", batch.units);
+    pixels_.bind("Counts", scene.pixel_counts);
+    pixels_.bind_texture("occlusion", occlusion.visible);
+    pixels_.bind_texture("weight_sum", weight_sum_);
+    pixels_.bind_texture("owners", group.owners);
+    pixels_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
+    pixels_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
+    pixels_.set("counting", batch.group != counted_group ? 1 : 0);
+    pixels_.set("tile_origin", tile.pixels.low);
+    pixels_.set("tile_size", size);
+    pixels_.set("step_depth", step_depth);
+    pixels_.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
+    counted_group = batch.group;
+  }
+}
+
+void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile) {
+  for (TexelBatch& batch : scene.batches) {
+    share_.use();
+    share_.bind("Fall", fall);
+    share_.bind("TexelSurface", batch.surface);
+    share_.bind("TexelTargets", batch.targets);
+    share_.bind("DepositShare", batch.share);
+    share_.bind_texture("weight_sum", weight_sum_);
+    share_.set("tile_origin", tile.pixels.low);
+    share_.set("tile_size", tile.pixels.size());
+    share_.dispatch(texel_groups(batch));
+  }
+  glMemoryBarrier(kBarriers);
+}
+
+void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                             const OcclusionTarget& occlusion, float step_depth) {
+  weigh(scene, fall, tile, occlusion);
+  drop_on_pixels(scene, fall, tile, occlusion, step_depth);
+  share_out(scene, fall, tile);
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,36 @@
+#pragma once
+
+#include "gpu/program.h"
+#include "snow/fall_grid.h"
+#include "snow/occlusion.h"
+#include "snow/scene_buffers.h"
+
+namespace snowbough::snow {
+
+/// The formulation COMPUTE of the deposit: three compute passes a tile. All sums over pixels and
+/// texels are integers, so the result does not depend on the order in which the GPU runs them.
+///
+/// A texel takes part in the pixel that its sample point projects to, when the pixel shows its map,
+/// it faces the fall, and the depths agree within 1.5 pixels over the shallower slope. A pixel's
+/// snow is divided in proportion to projected area.
+class DepositComputePass {
+ public:
+  /// Adds the snow of one tile to the batches' `share` and `units`. `step_depth` in metres; GPU
+  /// thread.
+  void run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+           const OcclusionTarget& occlusion, float step_depth);
+
+ private:
+  void weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+             const OcclusionTarget& occlusion);
+  void drop_on_pixels(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                      const OcclusionTarget& occlusion, float step_depth);
+  void share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile);
+
+  gpu::Program weigh_{{"deposit_weigh.comp.glsl"}};
+  gpu::Program pixels_{{"deposit_pixels.comp.glsl"}};
+  gpu::Program share_{{"deposit_share.comp.glsl"}};
+  gpu::Texture weight_sum_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "shaders/snow_shared.h"
+
+namespace snowbough::snow {
+
+/// A box in world space, metres; empty while low > high.
+struct Bounds {
+  glm::dvec3 low{1e300};
+  glm::dvec3 high{-1e300};
+  bool empty() const { return low.x > high.x; }
+  void include(const glm::dvec3& point);
+  void include(const Bounds& other);
+};
+
+/// Half-open rectangle of local pixels.
+struct PixelRect {
+  glm::ivec2 low{0};
+  glm::ivec2 high{0};
+  glm::ivec2 size() const { return high - low; }
+  bool empty() const { return low.x >= high.x || low.y >= high.y; }
+};
+
+/// A part of the grid that is rendered at once.
+struct Tile {
+  PixelRect pixels;
+  /// Lower left corner of the viewport in local pixels. It is the same for every tile of a block,
+  /// so that a triangle is clipped in the same way whatever the tile size.
+  glm::ivec2 viewport_origin{0};
+};
+
+/// How one step falls.
+struct FallSettings {
+  /// Unit vector in which snow falls on average.
+  glm::dvec3 direction{0.0, 0.0, -1.0};
+  double pixel_size = 0.01;
+  /// Half the opening angle of the cone of directions, radians.
+  double flutter = 0.0;
+  double noise_density = 1.0;
+  /// Metres on open level ground.
+  double depth = 0.0;
+  uint32_t seed = 0;
+  uint32_t step_number = 0;
+};
+
+/// Width of the viewport in pixels and of a block: a block and a margin of half a block around it.
+inline constexpr int32_t kViewportSize = 16384;
+inline constexpr int32_t kBlockSize = 8192;
+
+/// The direction in which the flakes of one step fall: `direction` turned by a point of the
+/// low-discrepancy R sequence in the cone of `flutter`. The cone is narrowed so that it stays
+/// within 89.5 degrees of vertical where `direction` itself does.
+glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32_t seed,
+                             uint32_t step_number);
+
+/// Sub-pixel offset of the grid in a step, in [0, 1): the R2 sequence, shifted by the seed.
+/// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+glm::dvec2 grid_jitter(uint32_t seed, uint32_t step_number);
+
+/// Builds the frame that the shaders use: the grid lies perpendicular to the (fluttering) fall and
+/// is anchored at the world's origin; `scene` are the bounds of all objects.
+shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& scene);
+
+/// The local pixels that may show something of `bounds`, with a pixel to spare.
+PixelRect pixels_of(const Bounds& bounds, const shared::FallFrame& frame);
+
+/// Cuts the pixels of all receivers into tiles of at most `tile_size` squared that show at least
+/// one.
+/// @throws std::invalid_argument when the grid would be wider than 65,536 pixels (with what to do).
+std::vector<Tile> make_tiles(const std::vector<PixelRect>& receivers, int32_t tile_size);
+
+}  // namespace snowbough::snow

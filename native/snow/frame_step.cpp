@@ -1,0 +1,85 @@
+#include "snow/frame_step.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace snowbough::snow {
+namespace {
+
+bool overlap(const PixelRect& a, const PixelRect& b) {
+  return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
+}
+
+/// The objects that moved, their vertices uploaded.
+std::vector<int32_t> upload_moved(const std::vector<SceneObject*>& objects, SceneBuffers& scene) {
+  std::vector<int32_t> moved;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i]->moved) {
+      scene.positions.write(int64_t{12} * scene.first_vertex[i],
+                            static_cast<int64_t>(objects[i]->positions.size()) * 12,
+                            objects[i]->positions.data());
+      objects[i]->moved = false;
+      moved.push_back(static_cast<int32_t>(i));
+    }
+  }
+  return moved;
+}
+
+/// Triangles of the objects that may show in a tile; neighbours in one run.
+std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
+                                     const SceneBuffers& scene, const std::vector<PixelRect>& rects,
+                                     const PixelRect& tile) {
+  std::vector<TriangleRange> ranges;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const ObjectDescription& object = objects[i]->description;
+    if (!(object.receive || object.occlude) || !overlap(rects[i], tile)) {
+      continue;
+    }
+    const int32_t first = scene.first_triangle[i];
+    const int32_t count = objects[i]->triangle_count();
+    if (!ranges.empty() && ranges.back().first + ranges.back().count == first) {
+      ranges.back().count += count;
+    } else {
+      ranges.push_back({first, count});
+    }
+  }
+  return ranges;
+}
+
+}  // namespace
+
+void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scene,
+                    const Input& input) {
+  surface_.run(scene, upload_moved(objects, scene));
+
+  // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
+  Bounds bounds;
+  for (const SceneObject* object : objects) {
+    bounds.include(object->bounds);
+  }
+  const shared::FallFrame frame = make_fall_frame(input.fall, bounds);
+  fall_.write(0, sizeof frame, &frame);
+  std::vector<PixelRect> rects;
+  std::vector<PixelRect> receivers;
+  for (const SceneObject* object : objects) {
+    rects.push_back(pixels_of(object->bounds, frame));
+    if (object->description.receive) {
+      receivers.push_back(rects.back());
+    }
+  }
+
+  statistics_.open(scene);
+  const auto depth = static_cast<float>(input.fall.depth);
+  if (input.fall.depth > 0.0) {
+    for (const Tile& tile : make_tiles(receivers, input.tile_size)) {
+      occlusion_.run(scene, fall_, tile, ranges_in(objects, scene, rects, tile.pixels), target_);
+      deposit_compute_.run(scene, fall_, tile, target_, depth);
+    }
+  }
+  stability_.run(scene, input.stability, depth, static_cast<float>(input.dt));
+  const double pixel_area = input.fall.pixel_size * input.fall.pixel_size;
+  const double snow = frame.range.z / std::min(1.0, input.fall.noise_density);
+  statistics_.close(scene, static_cast<float>(pixel_area), static_cast<float>(pixel_area * snow));
+}
+
+}  // namespace snowbough::snow

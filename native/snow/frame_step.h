@@ -1,0 +1,49 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "snow/deposit_compute.h"
+#include "snow/fall_grid.h"
+#include "snow/occlusion.h"
+#include "snow/scene_buffers.h"
+#include "snow/stability.h"
+#include "snow/statistics.h"
+#include "snow/texel_surface.h"
+
+namespace snowbough::snow {
+
+/// How a deposit is computed; both give the same result.
+enum class DepositMapping {
+  /// Compute shaders and integer atomics: bit-deterministic.
+  kCompute,
+  /// Points, a geometry shader and additive blending, as in the thesis's Algorithm 1.
+  kGeometry,
+};
+
+/// One frame of snow, from vertices to heights.
+class FrameStep {
+ public:
+  struct Input {
+    FallSettings fall;
+    StabilitySettings stability;
+    /// Seconds.
+    double dt = 0.0;
+    DepositMapping mapping = DepositMapping::kCompute;
+    int32_t tile_size = 2048;
+  };
+
+  /// Moved objects' positions are uploaded. GPU thread.
+  void run(const std::vector<SceneObject*>& objects, SceneBuffers& scene, const Input& input);
+
+ private:
+  TexelSurfacePass surface_;
+  OcclusionPass occlusion_;
+  DepositComputePass deposit_compute_;
+  StabilityPass stability_;
+  StatisticsPass statistics_;
+  OcclusionTarget target_;
+  gpu::Buffer fall_{static_cast<int64_t>(sizeof(shared::FallFrame))};
+};
+
+}  // namespace snowbough::snow

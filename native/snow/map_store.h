@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/resources.h"
+#include "snow/scene_object.h"
+
+namespace snowbough::snow {
+
+/// Largest texture array in bytes; maps of one size that need more are spread over several.
+inline constexpr int64_t kLargestArrayBytes = int64_t{1} << 30;
+
+/// Maps of one size in one texture array. Objects with neighbouring slots share it.
+struct MapGroup {
+  int32_t resolution = 0;
+  /// Slots of its objects: [first_slot, end_slot); layer = slot - first_slot.
+  int32_t first_slot = 0;
+  int32_t end_slot = 0;
+  /// Snow thickness in metres, R32F.
+  gpu::Texture height;
+  /// Who owns a texel, RG32UI: x = 1 + index in the group (0 = nobody), y = chart << 8 | coverage.
+  gpu::Texture owners;
+
+  int32_t layers() const { return end_slot - first_slot; }
+};
+
+/// Where an object's map lies.
+struct MapPlace {
+  int32_t group = -1;
+  int32_t layer = 0;
+};
+
+/// The plan of which map lies where: receivers sorted by size, then name, get slots 0, 1, ...; what
+/// does not receive follows. It needs no GPU, so that memory can be told beforehand.
+struct MapPlan {
+  struct Group {
+    int32_t resolution = 0;
+    int32_t first_slot = 0;
+    int32_t end_slot = 0;
+  };
+  std::vector<Group> groups;
+  /// Per object (in the order given): its slot, and its group (-1 for what does not receive).
+  std::vector<int32_t> slot;
+  std::vector<int32_t> group;
+};
+
+/// `objects` are sorted by name. `max_layers` is the driver's limit.
+MapPlan plan_maps(const std::vector<const SceneObject*>& objects, int32_t max_layers);
+
+/// Allocates a group's textures, empty. GPU thread.
+MapGroup make_map_group(const MapPlan::Group& plan);
+
+}  // namespace snowbough::snow

@@ -1,0 +1,96 @@
+#include "snow/memory_estimate.h"
+
+#include <epoxy/gl.h>
+
+#include <algorithm>
+#include <fstream>
+#include <limits>
+#include <stdexcept>
+
+#include "shaders/snow_shared.h"
+
+namespace snowbough::snow {
+namespace {
+
+int64_t machine_memory() {
+  std::ifstream file("/proc/meminfo");
+  std::string key;
+  int64_t kibibytes = 0;
+  while (file >> key >> kibibytes) {
+    if (key == "MemAvailable:") {
+      return kibibytes << 10;
+    }
+    file.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  }
+  return 0;
+}
+
+std::string mebibytes(int64_t bytes) {
+  return std::to_string((bytes + (1 << 20) - 1) >> 20);
+}
+
+}  // namespace
+
+std::string MemoryEstimate::text() const {
+  return mebibytes(total()) + " MiB (maps " + mebibytes(maps) + ", texels " + mebibytes(texels) +
+         ", geometry " + mebibytes(geometry) + ", occlusion tile " + mebibytes(tile) + ", output " +
+         mebibytes(output) + ")";
+}
+
+MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size) {
+  constexpr int64_t kPerTexel =
+      sizeof(shared::Texel) + 4 + 16 + sizeof(shared::TexelTarget) + 4 + 4;
+  MemoryEstimate estimate;
+  int64_t largest_map = 0;
+  for (const SceneObject* object : objects) {
+    const MapTopology& topology = object->description.topology;
+    const auto triangles = static_cast<int64_t>(object->triangle_count());
+    const int64_t vertices =
+        std::max<int64_t>(static_cast<int64_t>(object->positions.size()), topology.vertex_count);
+    estimate.geometry += vertices * 12 + triangles * (16 + 16);
+    if (!object->description.receive) {
+      continue;
+    }
+    const int64_t map = int64_t{topology.resolution} * topology.resolution;
+    largest_map = std::max(largest_map, map);
+    estimate.maps += map * (4 + 8);
+    estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
+    const int64_t group = shared::kTexelGroup;
+    const int64_t texels =
+        (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
+    estimate.texels +=
+        texels * kPerTexel + texels / group * 16 +
+        static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
+  }
+  estimate.tile = int64_t{tile_size} * tile_size * (8 + 4 + 4);
+  // Two heights, a normal and its tables.
+  estimate.output = largest_map * (4 + 4 + 16 + 8);
+  return estimate;
+}
+
+int64_t available_memory(const gpu::GpuInfo& info) {
+  const bool software = info.renderer.find("llvmpipe") != std::string::npos ||
+                        info.renderer.find("softpipe") != std::string::npos;
+  if (!software && epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) {
+    GLint kibibytes = 0;
+    glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX, &kibibytes);
+    return int64_t{kibibytes} << 10;
+  }
+  if (!software && epoxy_has_gl_extension("GL_ATI_meminfo")) {
+    GLint kibibytes[4] = {0, 0, 0, 0};
+    glGetIntegerv(GL_TEXTURE_FREE_MEMORY_ATI, kibibytes);
+    return int64_t{kibibytes[0]} << 10;
+  }
+  return machine_memory();
+}
+
+void require_memory(const MemoryEstimate& estimate, int64_t available) {
+  if (available > 0 && estimate.total() > available) {
+    throw std::runtime_error(
+        "the snow takes " + estimate.text() + ", and " + mebibytes(available) +
+        " MiB are free: lower the resolution of the largest receivers (half the "
+        "resolution takes a quarter), or bake the receivers in several runs");
+  }
+}
+
+}  // namespace snowbough::snow

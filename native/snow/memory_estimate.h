@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "gpu/egl_context.h"
+#include "snow/scene_object.h"
+
+namespace snowbough::snow {
+
+/// What a simulation will take on the GPU (with llvmpipe: in main memory), in bytes, told before
+/// anything is allocated.
+struct MemoryEstimate {
+  /// Height maps and owner tables.
+  int64_t maps = 0;
+  /// What the passes keep per owned texel.
+  int64_t texels = 0;
+  /// Vertices and triangles.
+  int64_t geometry = 0;
+  /// The occlusion tile.
+  int64_t tile = 0;
+  /// Smoothing's and the normals' own targets, for one receiver at a time.
+  int64_t output = 0;
+
+  int64_t total() const { return maps + texels + geometry + tile + output; }
+  /// One line for people: "812 MiB on the GPU (maps 512, ...)".
+  std::string text() const;
+};
+
+MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size);
+
+/// Free memory of the GPU in bytes, of the machine where the driver is a software one or does not
+/// tell; 0 = unknown. GPU thread.
+int64_t available_memory(const gpu::GpuInfo& info);
+
+/// @throws std::runtime_error with the figures and a hint when the estimate is more than is
+/// available.
+void require_memory(const MemoryEstimate& estimate, int64_t available);
+
+}  // namespace snowbough::snow

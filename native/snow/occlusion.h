@@ -1,0 +1,43 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/program.h"
+#include "gpu/resources.h"
+#include "snow/fall_grid.h"
+#include "snow/scene_buffers.h"
+
+namespace snowbough::snow {
+
+/// What the sky sees in the pixels of one tile. Grows to the largest tile asked for.
+struct OcclusionTarget {
+  /// RG32UI: x = 1 + triangle with kBackFace, 0 = nothing; y = bits of the depth along the fall.
+  gpu::Texture visible;
+  gpu::Texture depth;
+  gpu::Framebuffer framebuffer;
+
+  /// GPU thread.
+  void require_size(glm::ivec2 size);
+};
+
+/// A run of triangles to draw.
+struct TriangleRange {
+  int32_t first = 0;
+  int32_t count = 0;
+};
+
+/// Renders the scene along the fall onto one tile of the grid.
+class OcclusionPass {
+ public:
+  /// `fall` holds the FallFrame. Clears and fills the lower left `tile.pixels.size()` pixels of
+  /// `target`. Back faces are drawn and marked. GPU thread.
+  void run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+           const std::vector<TriangleRange>& ranges, OcclusionTarget& target);
+
+ private:
+  gpu::Program program_{{"occlusion.vert.glsl", "occlusion.frag.glsl"}};
+  gpu::VertexArray vertices_;
+};
+
+}  // namespace snowbough::snow

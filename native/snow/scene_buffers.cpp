@@ -1,0 +1,225 @@
+#include "snow/scene_buffers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+#include <string>
+
+namespace snowbough::snow {
+namespace {
+
+using shared::kTexelGroup;
+
+/// Bytes of fragments after which a batch is closed.
+constexpr size_t kBatchFragments = size_t{12} << 20;
+
+/// The texels of a group or of a batch of it, on their way to the GPU.
+struct TexelArrays {
+  std::vector<shared::Texel> texels;
+  std::vector<uint32_t> fragment_begin;
+  std::vector<shared::Fragment> fragments;
+  std::vector<shared::StatisticsSegment> segments;
+};
+
+void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
+  if (bytes > info.max_storage_buffer_bytes) {
+    throw std::runtime_error(
+        std::string("the scene's ") + what + " take " + std::to_string(bytes >> 20) +
+        " MiB, the driver (" + info.renderer + ") takes " +
+        std::to_string(info.max_storage_buffer_bytes >> 20) +
+        " MiB: leave out or simplify objects that snow does not need, or use another GPU");
+  }
+}
+
+TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
+  TexelBatch batch;
+  batch.group = group;
+  batch.first = first;
+  batch.count = static_cast<int32_t>(arrays.texels.size());
+  arrays.fragment_begin.push_back(static_cast<uint32_t>(arrays.fragments.size()));
+  batch.texels = gpu::Buffer(arrays.texels);
+  batch.fragment_begin = gpu::Buffer(arrays.fragment_begin);
+  batch.fragments = gpu::Buffer(arrays.fragments);
+  batch.segment_buffer = gpu::Buffer(arrays.segments);
+  batch.segments = std::move(arrays.segments);
+  const int64_t count = batch.count;
+  batch.surface = gpu::Buffer(count * 16);
+  batch.targets = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelTarget)));
+  batch.share = gpu::Buffer(count * 4);
+  batch.units = gpu::Buffer(count * 4);
+  batch.partials = gpu::Buffer(count / kTexelGroup * 16);
+  return batch;
+}
+
+/// Splits a group's texels into batches while they are made, object by object.
+class BatchWriter {
+ public:
+  BatchWriter(SceneBuffers& scene, int32_t group) : scene_(scene), group_(group) {}
+
+  void begin_object(int32_t slot) {
+    slot_ = slot;
+    open_segment();
+  }
+
+  void add(const shared::Texel& texel) {
+    if (in_batch() == kBatchTexels ||
+        (in_batch() % kTexelGroup == 0 && arrays_.fragments.size() > kBatchFragments)) {
+      flush();
+      open_segment();
+    }
+    arrays_.fragment_begin.push_back(static_cast<uint32_t>(arrays_.fragments.size()));
+    arrays_.texels.push_back(texel);
+  }
+
+  void add_fragment(const shared::Fragment& fragment) { arrays_.fragments.push_back(fragment); }
+
+  void end_object() {
+    while (in_batch() % kTexelGroup != 0) {
+      arrays_.fragment_begin.push_back(static_cast<uint32_t>(arrays_.fragments.size()));
+      arrays_.texels.push_back({0, shared::kNowhere, 0.0f, 0.0f});
+    }
+    close_segment();
+    slot_ = -1;
+  }
+
+  /// Index within the group of the next texel.
+  int32_t next() const { return first_ + in_batch(); }
+
+  void flush() {
+    if (slot_ >= 0) {
+      close_segment();
+    }
+    if (!arrays_.texels.empty()) {
+      const int32_t end = next();
+      scene_.batches.push_back(upload_batch(std::move(arrays_), group_, first_));
+      arrays_ = {};
+      first_ = end;
+    }
+  }
+
+ private:
+  int32_t in_batch() const { return static_cast<int32_t>(arrays_.texels.size()); }
+  void open_segment() { segment_begin_ = in_batch() / static_cast<int32_t>(kTexelGroup); }
+  void close_segment() {
+    const int32_t end = in_batch() / static_cast<int32_t>(kTexelGroup);
+    if (end > segment_begin_) {
+      arrays_.segments.push_back({static_cast<uint32_t>(slot_),
+                                  static_cast<uint32_t>(segment_begin_),
+                                  static_cast<uint32_t>(end - segment_begin_), 0});
+    }
+  }
+
+  SceneBuffers& scene_;
+  int32_t group_;
+  int32_t first_ = 0;
+  int32_t slot_ = -1;
+  int32_t segment_begin_ = 0;
+  TexelArrays arrays_;
+};
+
+/// Adds one receiver's texels to its group and fills in its owners and map triangles.
+void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
+                  BatchWriter& writer, MapGroup& group,
+                  std::vector<shared::MapTriangle>& map_triangles) {
+  const TexelTable& table = object.table;
+  const int32_t resolution = table.resolution;
+  const auto map_texels = static_cast<uint32_t>(resolution) * static_cast<uint32_t>(resolution);
+  const size_t first_map = map_triangles.size();
+  const MapTopology& topology = object.description.topology;
+  for (int32_t t = 0; t < object.triangle_count(); ++t) {
+    const glm::vec2* uv = &topology.corner_uv[3 * static_cast<size_t>(t)];
+    map_triangles.push_back({uv[0], uv[1], uv[2], 0, 0});
+  }
+
+  std::vector<uint32_t> owners(2 * static_cast<size_t>(map_texels), 0);
+  std::vector<float> home_share(static_cast<size_t>(object.triangle_count()), 0.0f);
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    const auto place = static_cast<uint32_t>(table.texel[i]);
+    writer.add({static_cast<uint32_t>(table.triangle[i] + first_triangle),
+                place + static_cast<uint32_t>(layer) * map_texels, table.barycentric[i].x,
+                table.barycentric[i].y});
+    const auto owner = static_cast<uint32_t>(writer.next());  // 1 + index
+    const auto chart = static_cast<uint32_t>(table.chart[i]);
+    const auto coverage =
+        static_cast<uint32_t>(std::lround(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f));
+    owners[2 * place] = owner;
+    owners[2 * place + 1] = chart << 8 | coverage;
+    for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
+      const auto triangle = static_cast<size_t>(table.fragment_triangle[static_cast<size_t>(f)]);
+      const float share = table.fragment_share[static_cast<size_t>(f)];
+      writer.add_fragment(
+          {static_cast<uint32_t>(triangle) + static_cast<uint32_t>(first_triangle), share});
+      if (share > home_share[triangle]) {
+        home_share[triangle] = share;
+        map_triangles[first_map + triangle].home = owner;
+        map_triangles[first_map + triangle].chart = chart;
+      }
+    }
+  }
+  group.owners.write(layer, GL_RG_INTEGER, GL_UNSIGNED_INT, owners.data());
+}
+
+}  // namespace
+
+SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
+                                 const gpu::GpuInfo& info) {
+  SceneBuffers scene;
+  const MapPlan plan = plan_maps(objects, info.max_array_layers);
+  scene.slot = plan.slot;
+  scene.group = plan.group;
+
+  std::vector<shared::SceneTriangle> triangles;
+  int32_t vertex_count = 0;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const MapTopology& topology = objects[i]->description.topology;
+    scene.first_vertex.push_back(vertex_count);
+    scene.first_triangle.push_back(static_cast<int32_t>(triangles.size()));
+    const auto base = static_cast<uint32_t>(vertex_count);
+    const uint32_t slot = static_cast<uint32_t>(plan.slot[i]) |
+                          (objects[i]->description.receive ? shared::kReceives : 0u);
+    for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
+      triangles.push_back({base + static_cast<uint32_t>(topology.triangles[t]),
+                           base + static_cast<uint32_t>(topology.triangles[t + 1]),
+                           base + static_cast<uint32_t>(topology.triangles[t + 2]), slot});
+    }
+    vertex_count += static_cast<int32_t>(objects[i]->positions.size());
+  }
+  scene.triangle_count = static_cast<int32_t>(triangles.size());
+  require_room(static_cast<int64_t>(triangles.size()) * 16, info, "triangles");
+  require_room(static_cast<int64_t>(vertex_count) * 12, info, "vertices");
+  scene.positions = gpu::Buffer(static_cast<int64_t>(vertex_count) * 12);
+  scene.triangles = gpu::Buffer(triangles);
+  scene.triangle_surface = gpu::Buffer(static_cast<int64_t>(triangles.size()) * 16);
+
+  std::vector<size_t> by_slot(objects.size());
+  for (size_t i = 0; i < objects.size(); ++i) {
+    by_slot[static_cast<size_t>(plan.slot[i])] = i;
+  }
+  std::vector<shared::MapTriangle> map_triangles;
+  std::vector<int32_t> map_offsets(objects.size(), 0);
+  for (size_t g = 0; g < plan.groups.size(); ++g) {
+    scene.groups.push_back(make_map_group(plan.groups[g]));
+    MapGroup& group = scene.groups.back();
+    BatchWriter writer(scene, static_cast<int32_t>(g));
+    for (int32_t slot = group.first_slot; slot < group.end_slot; ++slot) {
+      const size_t i = by_slot[static_cast<size_t>(slot)];
+      map_offsets[static_cast<size_t>(slot)] =
+          static_cast<int32_t>(map_triangles.size()) - scene.first_triangle[i];
+      writer.begin_object(slot);
+      add_receiver(*objects[i], scene.first_triangle[i], slot - group.first_slot, writer, group,
+                   map_triangles);
+      writer.end_object();
+    }
+    writer.flush();
+  }
+  require_room(static_cast<int64_t>(map_triangles.size() * sizeof(shared::MapTriangle)), info,
+               "receivers' triangles");
+  scene.map_triangles = gpu::Buffer(map_triangles);
+  scene.map_offsets = gpu::Buffer(map_offsets);
+  scene.pixel_counts =
+      gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::PixelCounts)));
+  scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
+  return scene;
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,65 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/egl_context.h"
+#include "gpu/resources.h"
+#include "shaders/snow_shared.h"
+#include "snow/map_store.h"
+#include "snow/scene_object.h"
+
+namespace snowbough::snow {
+
+/// Texels of a batch: its widest array, 16 bytes a texel, fits llvmpipe's largest storage buffer
+/// (128 MiB) with room for the fragments.
+inline constexpr int32_t kBatchTexels = 1 << 22;
+
+/// A run of a map group's texels, with all that the passes keep per texel.
+struct TexelBatch {
+  int32_t group = 0;
+  /// The batch's texels within the group: [first, first + count); whole work groups.
+  int32_t first = 0;
+  int32_t count = 0;
+  /// Which work groups belong to which object; counted from the batch's beginning.
+  std::vector<shared::StatisticsSegment> segments;
+
+  gpu::Buffer texels;
+  gpu::Buffer fragment_begin;
+  gpu::Buffer fragments;
+  gpu::Buffer surface;
+  gpu::Buffer targets;
+  gpu::Buffer share;
+  gpu::Buffer units;
+  gpu::Buffer partials;
+  gpu::Buffer segment_buffer;
+};
+
+/// Everything about the scene that lies on the GPU, in one set of buffers for all objects: a
+/// thousand small receivers cost a handful of dispatches.
+struct SceneBuffers {
+  /// Per object, in drawing order (by name): where its vertices and triangles begin, and its slot.
+  std::vector<int32_t> first_vertex;
+  std::vector<int32_t> first_triangle;
+  std::vector<int32_t> slot;
+  std::vector<int32_t> group;
+  int32_t triangle_count = 0;
+
+  gpu::Buffer positions;
+  gpu::Buffer triangles;
+  gpu::Buffer triangle_surface;
+  gpu::Buffer map_triangles;
+  gpu::Buffer map_offsets;
+  gpu::Buffer pixel_counts;
+  gpu::Buffer sums;
+  std::vector<MapGroup> groups;
+  std::vector<TexelBatch> batches;
+};
+
+/// Lays out and uploads the scene, positions excepted. `objects` are sorted by name and have
+/// positions. GPU thread. @throws std::runtime_error when a buffer would exceed the driver's limit
+/// (with the figure and what to do).
+SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
+                                 const gpu::GpuInfo& info);
+
+}  // namespace snowbough::snow

@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "snow/fall_grid.h"
+#include "snow/texel_table.h"
+
+namespace snowbough::snow {
+
+/// What add_object gets: a mesh whose topology stays the same until the simulation ends.
+struct ObjectDescription {
+  /// Unique; objects are drawn in the order of their names, whatever the order of adding.
+  std::string name;
+  /// Triangles and texture coordinates (these only matter for receivers) and the map's resolution.
+  MapTopology topology;
+  /// Gathers snow on a map of its own. A receiver always occludes, too.
+  bool receive = true;
+  /// Keeps snow from what is behind it.
+  bool occlude = true;
+};
+
+/// An object as the simulation holds it.
+struct SceneObject {
+  ObjectDescription description;
+  /// Receivers only.
+  TexelTable table;
+  /// Current world positions in metres; empty before the first step that names the object.
+  std::vector<glm::vec3> positions;
+  Bounds bounds;
+  /// Positions changed since the last step.
+  bool moved = true;
+
+  int32_t triangle_count() const {
+    return static_cast<int32_t>(description.topology.triangles.size() / 3);
+  }
+};
+
+}  // namespace snowbough::snow

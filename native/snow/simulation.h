@@ -1,0 +1,113 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gpu/gpu_thread.h"
+#include "snow/frame_step.h"
+#include "snow/memory_estimate.h"
+#include "snow/scene_object.h"
+#include "snow/simulation_state.h"
+
+namespace snowbough::snow {
+
+/// What stays the same over a simulation.
+struct SimulationSettings {
+  /// Edge of an occlusion pixel in metres.
+  double pixel_size = 0.01;
+  /// Probability, over 0 to 1, with which a pixel gets snow in a step; those that do get
+  /// 1 / density as much.
+  double noise_density = 1.0;
+  /// Degrees by which flakes stray from the direction of the fall, 0 to 45.
+  double flutter = 0.0;
+  /// Metres that level ground holds before snow slides.
+  double max_depth = 1.0;
+  /// Seconds in which what is too much for a slope halves.
+  double slide_half_life = 2.0;
+  /// Sigma in metres of the blur of `output`; the stored map stays sharp.
+  double blur_radius = 0.0;
+  uint32_t seed = 0;
+  DepositMapping mapping = DepositMapping::kCompute;
+  /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 8192. It changes memory
+  /// and speed, never the result.
+  int32_t tile_size = 2048;
+  /// Which EGL device, see gpu::EglContext.
+  std::string device;
+};
+
+/// Positions of one object, N of them, in metres.
+using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
+
+/// Snow that accumulates on moving objects. All GL work happens on the GPU thread; calls from
+/// several threads are taken one at a time.
+class SnowSimulation {
+ public:
+  /// @throws std::invalid_argument for settings out of range, std::runtime_error without a GPU.
+  explicit SnowSimulation(const SimulationSettings& settings);
+  ~SnowSimulation();
+  SnowSimulation(const SnowSimulation&) = delete;
+  SnowSimulation& operator=(const SnowSimulation&) = delete;
+
+  /// @throws std::invalid_argument for a name that is taken and for what build_texel_table refuses.
+  void add_object(ObjectDescription description);
+
+  /// Lets snow fall for one step. `positions` names the objects that moved; all must have been
+  /// named once. `depth`: metres on open level ground; `direction`: of the fall, any length,
+  /// downwards; `dt`: seconds, only for sliding (0 = nothing slides).
+  /// @throws std::invalid_argument with the object's name for an unknown name, a vertex count that
+  /// is
+  ///         too small or not that of the step before, or positions that are not finite.
+  void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);
+
+  /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
+  std::vector<float> height(const std::string& name);
+  /// Area in m2 that every texel covers now; 0 where there is no surface. Before the first step
+  /// std::invalid_argument.
+  std::vector<float> texel_area(const std::string& name);
+  int32_t resolution(const std::string& name) const;
+  std::vector<std::string> receivers() const;
+  SnowStatistics statistics();
+  MemoryEstimate memory_estimate() const;
+  const gpu::GpuInfo& gpu_info() const;
+
+  /// What a checkpoint holds; positions are not part of it.
+  SimulationState state();
+  /// Takes a state of a simulation with the same receivers. @throws std::invalid_argument naming
+  /// what differs.
+  void set_state(const SimulationState& state);
+
+  /// Releases everything on the GPU. Further calls throw std::runtime_error.
+  void close();
+
+ private:
+  struct Gpu;
+
+  const SceneObject& find_receiver(const std::string& name) const;
+  void require_open() const;
+  void take_positions(const PositionMap& positions);
+  /// Builds the GPU's scene where objects came in since the last step; the maps keep their content.
+  void build_scene();
+  SimulationState read_state();
+  void write_state(const SimulationState& state);
+  size_t index_of(const std::string& name) const;
+
+  SimulationSettings settings_;
+  mutable std::mutex mutex_;
+  std::shared_ptr<gpu::GpuThread> thread_;
+  std::unique_ptr<Gpu> gpu_;
+  /// By name: the drawing order.
+  std::map<std::string, SceneObject> objects_;
+  bool scene_is_current_ = false;
+  uint32_t step_number_ = 0;
+  /// Set before the scene is on the GPU: taken over when it is built.
+  SimulationState pending_state_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,90 @@
+#include "snow/statistics.h"
+
+#include <algorithm>
+
+namespace snowbough::snow {
+namespace {
+
+void add(SnowBalance& sum, const SnowBalance& other) {
+  const double shown = sum.visible_area / std::max(1.0 - sum.back_face_share, 1e-12);
+  const double other_shown = other.visible_area / std::max(1.0 - other.back_face_share, 1e-12);
+  if (shown + other_shown > 0.0) {
+    sum.back_face_share =
+        (shown * sum.back_face_share + other_shown * other.back_face_share) / (shown + other_shown);
+  }
+  sum.deposited_volume += other.deposited_volume;
+  sum.slid_volume += other.slid_volume;
+  sum.held_volume += other.held_volume;
+  sum.stretched_volume += other.stretched_volume;
+  sum.fallen_volume += other.fallen_volume;
+  sum.lost_volume += other.lost_volume;
+  sum.visible_area += other.visible_area;
+  sum.saturated_texels += other.saturated_texels;
+  sum.homeless_pixels += other.homeless_pixels;
+}
+
+}  // namespace
+
+StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area) {
+  StatisticsPair pair;
+  SnowBalance& step = pair.step;
+  step.deposited_volume = sums.deposited;
+  step.slid_volume = sums.slid;
+  step.held_volume = sums.held;
+  step.stretched_volume = sums.held - (sums.held_before + sums.deposited - sums.slid);
+  step.fallen_volume = sums.fallen;
+  step.lost_volume = sums.fallen - sums.deposited;
+  step.visible_area = sums.visible * pixel_area;
+  const double pixels = sums.visible + sums.back_facing;
+  step.back_face_share = pixels > 0.0 ? sums.back_facing / pixels : 0.0;
+  step.saturated_texels = sums.saturated;
+  step.homeless_pixels = sums.homeless;
+
+  SnowBalance& total = pair.total;
+  total.deposited_volume = sums.total_deposited;
+  total.slid_volume = sums.total_slid;
+  total.held_volume = sums.held;
+  total.stretched_volume = sums.total_stretched;
+  total.fallen_volume = sums.total_fallen;
+  total.lost_volume = sums.total_fallen - sums.total_deposited;
+  total.visible_area = sums.total_visible_area;
+  total.back_face_share = step.back_face_share;
+  total.saturated_texels = sums.total_saturated;
+  total.homeless_pixels = sums.total_homeless;
+  return pair;
+}
+
+void add_balance(StatisticsPair& sum, const StatisticsPair& other) {
+  add(sum.step, other.step);
+  add(sum.total, other.total);
+}
+
+void StatisticsPass::open(SceneBuffers& scene) {
+  open_.use();
+  open_.bind("Sums", scene.sums);
+  open_.bind("Counts", scene.pixel_counts);
+  open_.set("object_count", static_cast<uint32_t>(scene.slot.size()));
+  open_.dispatch(gpu::group_count(static_cast<int64_t>(scene.slot.size()), 64));
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void StatisticsPass::close(SceneBuffers& scene, float pixel_area, float pixel_volume) {
+  for (const TexelBatch& batch : scene.batches) {
+    sums_.use();
+    sums_.bind("Partials", batch.partials);
+    sums_.bind("Segments", batch.segment_buffer);
+    sums_.bind("Sums", scene.sums);
+    sums_.dispatch(static_cast<int32_t>(batch.segments.size()));
+    glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  }
+  close_.use();
+  close_.bind("Sums", scene.sums);
+  close_.bind("Counts", scene.pixel_counts);
+  close_.set("object_count", static_cast<uint32_t>(scene.slot.size()));
+  close_.set("pixel_area", pixel_area);
+  close_.set("pixel_volume", pixel_volume);
+  close_.dispatch(gpu::group_count(static_cast<int64_t>(scene.slot.size()), 64));
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+}  // namespace snowbough::snow

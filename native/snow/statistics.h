@@ -1,0 +1,67 @@
+#pragma once
+
+#include <map>
+#include <string>
+#include <vector>
+
+#include "gpu/program.h"
+#include "snow/scene_buffers.h"
+
+namespace snowbough::snow {
+
+/// A balance of snow, of one object or of all: volumes in m3, areas in m2.
+struct SnowBalance {
+  /// Volume put on maps, and slid off them.
+  double deposited_volume = 0.0;
+  double slid_volume = 0.0;
+  /// Volume that lies there now.
+  double held_volume = 0.0;
+  /// Change of volume because surfaces stretched or shrank under the snow.
+  double stretched_volume = 0.0;
+  /// Volume that fell on visible front faces, and what of it found no place on a map (triangles
+  /// without UV area, saturated texels) or was lost in rounding.
+  double fallen_volume = 0.0;
+  double lost_volume = 0.0;
+  /// Area seen from the sky, measured perpendicular to the fall; and the share of what the sky sees
+  /// of the object that is back faces, which gather nothing.
+  double visible_area = 0.0;
+  double back_face_share = 0.0;
+  /// Number of texels whose fixed-point sum was full; of pixels on triangles without UV area.
+  double saturated_texels = 0.0;
+  double homeless_pixels = 0.0;
+};
+
+/// The last step, and all steps since the beginning.
+struct StatisticsPair {
+  SnowBalance step;
+  SnowBalance total;
+};
+
+struct SnowStatistics {
+  StatisticsPair all;
+  /// Receivers only, by name.
+  std::map<std::string, StatisticsPair> objects;
+  uint32_t step_number = 0;
+};
+
+/// Turns sums as they lie on the GPU into a balance. `pixel_area` in m2.
+StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area);
+/// Adds `other` to `sum` (the back face share weighted by area).
+void add_balance(StatisticsPair& sum, const StatisticsPair& other);
+
+/// Keeps the books of every receiver on the GPU, so that no step has to wait for a read.
+class StatisticsPass {
+ public:
+  /// Sets the step's sums to zero; before the deposit. GPU thread.
+  void open(SceneBuffers& scene);
+  /// Adds up the stability pass's work groups and brings the totals up to date. `pixel_volume` is
+  /// the snow that falls through a pixel that is not left out by noise, in m3. GPU thread.
+  void close(SceneBuffers& scene, float pixel_area, float pixel_volume);
+
+ private:
+  gpu::Program sums_{{"statistics.comp.glsl"}};
+  gpu::Program open_{{"statistics_step.comp.glsl"}, {"OPENING"}};
+  gpu::Program close_{{"statistics_step.comp.glsl"}};
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,85 @@
+#include "snow/texel_surface.h"
+
+#include <algorithm>
+
+namespace snowbough::snow {
+namespace {
+
+/// Below what a group costs a dispatch of its own is not worth its overhead: gaps are computed too.
+constexpr int32_t kJoinGap = 64;
+
+struct Run {
+  int32_t first = 0;
+  int32_t end = 0;
+};
+
+/// Joins ascending runs whose gaps are at most `gap`.
+std::vector<Run> joined(const std::vector<Run>& runs, int32_t gap) {
+  std::vector<Run> result;
+  for (const Run& run : runs) {
+    if (!result.empty() && run.first - result.back().end <= gap) {
+      result.back().end = run.end;
+    } else if (run.end > run.first) {
+      result.push_back(run);
+    }
+  }
+  return result;
+}
+
+}  // namespace
+
+void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& moved) {
+  std::vector<bool> slot_moved(scene.slot.size(), false);
+  std::vector<Run> runs;
+  for (const int32_t object : moved) {
+    const auto i = static_cast<size_t>(object);
+    slot_moved[static_cast<size_t>(scene.slot[i])] = true;
+    const int32_t end =
+        i + 1 < scene.first_triangle.size() ? scene.first_triangle[i + 1] : scene.triangle_count;
+    runs.push_back({scene.first_triangle[i], end});
+  }
+  triangles_.use();
+  triangles_.bind("Positions", scene.positions);
+  triangles_.bind("Triangles", scene.triangles);
+  triangles_.bind("TriangleSurface", scene.triangle_surface);
+  for (const Run& run : joined(runs, kJoinGap * 16)) {
+    // A dispatch takes at least 65,535 groups of 64.
+    for (int32_t first = run.first; first < run.end; first += 65535 * 64) {
+      const int32_t count = std::min(run.end - first, 65535 * 64);
+      triangles_.set("first", static_cast<uint32_t>(first));
+      triangles_.set("count", static_cast<uint32_t>(count));
+      triangles_.dispatch(gpu::group_count(count, 64));
+    }
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+
+  for (TexelBatch& batch : scene.batches) {
+    std::vector<Run> groups;
+    for (const shared::StatisticsSegment& segment : batch.segments) {
+      if (slot_moved[segment.slot]) {
+        const auto first = static_cast<int32_t>(segment.first_group);
+        groups.push_back({first, first + static_cast<int32_t>(segment.group_count)});
+      }
+    }
+    if (groups.empty()) {
+      continue;
+    }
+    texels_.use();
+    texels_.bind("Positions", scene.positions);
+    texels_.bind("Triangles", scene.triangles);
+    texels_.bind("TriangleSurface", scene.triangle_surface);
+    texels_.bind("Texels", batch.texels);
+    texels_.bind("FragmentBegin", batch.fragment_begin);
+    texels_.bind("Fragments", batch.fragments);
+    texels_.bind("TexelSurface", batch.surface);
+    for (const Run& run : joined(groups, kJoinGap)) {
+      for (int32_t first = run.first; first < run.end; first += 65535) {
+        texels_.set("first", static_cast<uint32_t>(first) * shared::kTexelGroup);
+        texels_.dispatch(std::min(run.end - first, 65535));
+      }
+    }
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,36 @@
+// GLSL only: the step's frame and what is computed from it.
+#include "snow_shared.h"
+
+layout(std140) uniform Fall { FallFrame fall; };
+
+/// Local pixel coordinates (xy) and depth along the fall in metres (z).
+vec3 project(vec3 position) {
+  const vec3 offset = position - fall.anchor.xyz;
+  return vec3(dot(offset, fall.grid_x.xyz) + fall.grid_x.w,
+              dot(offset, fall.grid_y.xyz) + fall.grid_y.w, dot(offset, fall.direction.xyz));
+}
+
+/// pcg3d: M. Jarzynski, M. Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
+uvec3 pcg3d(uvec3 v) {
+  v = v * 1664525u + 1013904223u;
+  v.x += v.y * v.z;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  v ^= v >> 16u;
+  v.x += v.y * v.z;
+  v.y += v.z * v.x;
+  v.z += v.x * v.y;
+  return v;
+}
+
+/// Snow that falls through a pixel of the grid in this step, as thickness perpendicular to the fall:
+/// depth / |d.z| times a noise of mean 1 that depends on seed, step and grid pixel alone.
+float snow_of_pixel(ivec2 local_pixel) {
+  const float density = fall.range.w;
+  if (density >= 1.0) {
+    return fall.range.z;
+  }
+  const uvec2 pixel = uvec2(local_pixel + fall.base);
+  const uint random = pcg3d(uvec3(pixel, fall.seed ^ (fall.step_number * 0x9E3779B9u))).x;
+  return float(random >> 8u) * (1.0 / 16777216.0) < density ? fall.range.z / density : 0.0;
+}

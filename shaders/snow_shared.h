@@ -1,0 +1,136 @@
+#pragma once
+
+// What the snow passes read and write on the GPU, declared once for C++ and GLSL.
+#include "shared_types.h"
+
+#ifndef SNOWBOUGH_GLSL
+namespace snowbough::shared {
+#endif
+
+/// A triangle of the scene: its vertices in the scene's position buffer, and its object's slot with
+/// kReceives set when that object gathers snow.
+struct SceneTriangle {
+  uint a;
+  uint b;
+  uint c;
+  uint object;
+};
+SNOWBOUGH_SHARED_SIZE(SceneTriangle, 16);
+
+/// How a receiver's triangle lies on its map.
+struct MapTriangle {
+  vec2 uv_a;
+  vec2 uv_b;
+  vec2 uv_c;
+  /// 1 + index (within the map group) of the texel that holds most of the triangle; 0 = none.
+  uint home;
+  /// Number of its chart within its object.
+  uint chart;
+};
+SNOWBOUGH_SHARED_SIZE(MapTriangle, 32);
+
+/// What never changes about an owned texel.
+struct Texel {
+  uint triangle;
+  /// layer * resolution^2 + row * resolution + column within the map group; kNowhere fills up the
+  /// work group behind an object's last texel.
+  uint place;
+  /// Weights of the triangle's second and third corner at the sample point.
+  float weight_b;
+  float weight_c;
+};
+SNOWBOUGH_SHARED_SIZE(Texel, 16);
+
+/// A part of a triangle that a texel holds.
+struct Fragment {
+  uint triangle;
+  float share;
+};
+SNOWBOUGH_SHARED_SIZE(Fragment, 8);
+
+/// The pixel that a texel takes its snow from: 1 + pixel index in the tile (0 = none), and the
+/// texel's projected area in units of pixel area / kPixelWeight.
+struct TexelTarget {
+  uint pixel;
+  uint weight;
+};
+SNOWBOUGH_SHARED_SIZE(TexelTarget, 8);
+
+/// One step's fall and grid. Local pixels are counted from the grid pixel `base`, so that floats stay
+/// exact far away from the world's origin.
+struct FallFrame {
+  /// xyz: a point near the scene's middle, subtracted first.
+  vec4 anchor;
+  /// xyz: the grid's axes divided by the pixel size; w: the anchor's place in local pixels.
+  vec4 grid_x;
+  vec4 grid_y;
+  /// xyz: the unit direction of the fall; w: pixel size in metres.
+  vec4 direction;
+  /// x: smallest depth along the fall, y: 1 / (largest - smallest), z: depth on level ground divided
+  /// by max(|d.z|, 0.01), w: noise density.
+  vec4 range;
+  /// The grid pixel that is local pixel (0, 0).
+  ivec2 base;
+  uint seed;
+  uint step_number;
+};
+SNOWBOUGH_SHARED_SIZE(FallFrame, 96);
+
+/// Pixels an object showed in this step.
+struct PixelCounts {
+  uint visible;
+  uint back_facing;
+  /// Visible, but on a triangle without room on the map.
+  uint homeless;
+  /// Visible, and snow fell through the pixel: all of them at a noise density of 1.
+  uint snowed;
+};
+SNOWBOUGH_SHARED_SIZE(PixelCounts, 16);
+
+/// Which work groups of a batch hold an object's texels.
+struct StatisticsSegment {
+  uint slot;
+  uint first_group;
+  uint group_count;
+  uint unused_row_end;
+};
+SNOWBOUGH_SHARED_SIZE(StatisticsSegment, 16);
+
+/// One receiver's balance. Volumes in m3 unless they are pixel counts.
+struct ObjectSums {
+  /// Of the last step. `held_before` is what lay there when it began, measured then.
+  double deposited;
+  double slid;
+  double held;
+  double held_before;
+  /// Texels whose fixed-point sum was full.
+  double saturated;
+  /// Pixels.
+  double visible;
+  double back_facing;
+  double homeless;
+  double fallen;
+  /// Of all steps. `total_stretched` is the change of volume by stretching surfaces.
+  double total_deposited;
+  double total_slid;
+  double total_stretched;
+  double total_saturated;
+  double total_visible_area;
+  double total_homeless;
+  double total_fallen;
+};
+SNOWBOUGH_SHARED_SIZE(ObjectSums, 128);
+
+const uint kReceives = 0x80000000u;
+const uint kNowhere = 0xFFFFFFFFu;
+const uint kBackFace = 0x80000000u;
+/// Fixed-point units of one pixel's area.
+const uint kPixelWeight = 1u << 20;
+/// Fixed-point units of one step's depth on level ground.
+const float kDepthUnits = 262144.0f;
+/// Texels a work group handles; an object's texels begin at a multiple of it.
+const uint kTexelGroup = 64u;
+
+#ifndef SNOWBOUGH_GLSL
+}  // namespace snowbough::shared
+#endif
