@@ -14,9 +14,8 @@ import sys
 from pathlib import Path
 
 import numpy as np
-from PIL import Image, ImageDraw, ImageFont
-
 import snowbough_native
+from PIL import Image, ImageDraw, ImageFont
 
 WIDTH = 2000
 MARGIN = 36
@@ -59,7 +58,9 @@ def read_polygons(path):
 def projected(points):
     """Positions (..., 3) seen from the front (from -Y) and a little above: to the right, and up."""
     points = np.asarray(points)
-    return np.stack([points[..., 0], points[..., 2] * np.cos(PITCH) + points[..., 1] * np.sin(PITCH)], axis=-1)
+    return np.stack(
+        [points[..., 0], points[..., 2] * np.cos(PITCH) + points[..., 1] * np.sin(PITCH)], axis=-1
+    )
 
 
 class Plate:
@@ -88,11 +89,23 @@ class Plate:
     def limb(self, head, tail, head_radius, tail_radius, fill):
         """A tapered stroke with a round end."""
         a, b = np.array(self.place(head)), np.array(self.place(tail))
-        first, second = (max(radius * self.scale, 0.5 * OVERSAMPLING) for radius in (head_radius, tail_radius))
+        first, second = (
+            max(radius * self.scale, 0.5 * OVERSAMPLING) for radius in (head_radius, tail_radius)
+        )
         way = b - a
         across = np.array([-way[1], way[0]]) / max(np.linalg.norm(way), 1e-9)
-        self.draw.polygon([tuple(corner) for corner in (a + across * first, b + across * second,
-                                                         b - across * second, a - across * first)], fill=fill)
+        self.draw.polygon(
+            [
+                tuple(corner)
+                for corner in (
+                    a + across * first,
+                    b + across * second,
+                    b - across * second,
+                    a - across * first,
+                )
+            ],
+            fill=fill,
+        )
         self.draw.ellipse([*(b - second), *(b + second)], fill=fill)
 
     def bone(self, head, tail, fill):
@@ -103,8 +116,9 @@ class Plate:
         across = np.array([-way[1], way[0]]) / max(length, 1e-9)
         half = min(max(0.09 * length, 0.45 * OVERSAMPLING), 5.0 * OVERSAMPLING)
         belly = a + 0.15 * way
-        self.draw.polygon([tuple(corner) for corner in (a, belly + across * half, b, belly - across * half)],
-                          fill=fill)
+        self.draw.polygon(
+            [tuple(corner) for corner in (a, belly + across * half, b, belly - across * half)], fill=fill
+        )
         dot = min(0.5 * half + 0.3 * OVERSAMPLING, 2.6 * OVERSAMPLING)
         self.draw.ellipse([*(a - dot), *(a + dot)], fill=fill)
 
@@ -171,20 +185,32 @@ def compose(folder):
     sheet = Image.new("RGB", (WIDTH, height), PAPER)
     draw = ImageDraw.Draw(sheet)
     draw.text((MARGIN, MARGIN - 8), "Snowbough", font=font(40, bold=True), fill=INK)
-    draw.text((MARGIN + 280, MARGIN + 9),
-              f"{Path(demo['tree']).name}: from the export to a snowy shot of {demo['last_frame']} frames, "
-              f"{demo['receivers']} objects with {demo['resolution']} x {demo['resolution']} snow maps",
-              font=font(22), fill=FAINT)
+    draw.text(
+        (MARGIN + 280, MARGIN + 9),
+        f"{Path(demo['tree']).name}: from the export to a snowy shot of {demo['last_frame']} frames, "
+        f"{demo['receivers']} objects with {demo['resolution']} x {demo['resolution']} snow maps",
+        font=font(22),
+        fill=FAINT,
+    )
 
     top = MARGIN + 62
     count = len(branches)
     plates = (
-        (raw_plate(polygons, plate_size), "As exported",
-         f"{len(polygons)} polygons, {skeleton.report['form'].lower().replace('_', ' ')}"),
-        (skeleton_plate(branches, plate_size), "Found in it",
-         f"{count} branches on {len(set(branch.level for branch in branches))} levels"),
-        (rig_plate(demo["bones"], levels, plate_size), "The rig",
-         f"{len(demo['bones'])} bones under one skin of {demo['faces']} quads"),
+        (
+            raw_plate(polygons, plate_size),
+            "As exported",
+            f"{len(polygons)} polygons, {skeleton.report['form'].lower().replace('_', ' ')}",
+        ),
+        (
+            skeleton_plate(branches, plate_size),
+            "Found in it",
+            f"{count} branches on {len(set(branch.level for branch in branches))} levels",
+        ),
+        (
+            rig_plate(demo["bones"], levels, plate_size),
+            "The rig",
+            f"{len(demo['bones'])} bones under one skin of {demo['faces']} quads",
+        ),
     )
     for index, (image, title, caption) in enumerate(plates):
         taken = put(sheet, image, (MARGIN + index * (column + GAP), top), title, caption)
@@ -192,8 +218,13 @@ def compose(folder):
     for index, (image, frame) in enumerate(zip(frames, demo["frames"])):
         place = (MARGIN + index % 3 * (column + GAP), top + index // 3 * (frame_size[1] + 48))
         depth = demo["end_depth"] * 100.0 * frame / demo["last_frame"]
-        put(sheet, image.resize(frame_size, Image.LANCZOS), place, f"Frame {frame}",
-            f"{depth:.1f} cm on open ground")
+        put(
+            sheet,
+            image.resize(frame_size, Image.LANCZOS),
+            place,
+            f"Frame {frame}",
+            f"{depth:.1f} cm on open ground",
+        )
     target = folder / "snowbough.png"
     sheet.save(target)
     return target

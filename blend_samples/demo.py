@@ -44,8 +44,10 @@ def import_tree(path):
     armature = next(candidate for candidate in new if candidate.type == "ARMATURE")
     meshes = [candidate for candidate in new if candidate.type == "MESH"]
     bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
-    say(f"imported {path.name} in {seconds:.2f} s: {len(armature.data.bones)} bones, "
-        f"{len(bark.data.vertices)} vertices, {len(bark.data.polygons)} faces")
+    say(
+        f"imported {path.name} in {seconds:.2f} s: {len(armature.data.bones)} bones, "
+        f"{len(bark.data.vertices)} vertices, {len(bark.data.polygons)} faces"
+    )
 
     points = np.empty(len(bark.data.vertices) * 3, dtype=np.float32)
     bark.data.vertices.foreach_get("co", points)
@@ -67,8 +69,9 @@ def import_tree(path):
 
 def clothe(meshes):
     """Bark for the wood; leaves keep what the export gave them."""
-    bark = demo_scene.make_material("bark", (0.15, 0.108, 0.078), 0.92, mottle=0.4, scale=9.0, bump=0.7,
-                                    stretch=(1.0, 1.0, 0.35))
+    bark = demo_scene.make_material(
+        "bark", (0.15, 0.108, 0.078), 0.92, mottle=0.4, scale=9.0, bump=0.7, stretch=(1.0, 1.0, 0.35)
+    )
     for mesh in meshes:
         if mesh.name.endswith("_bark"):
             mesh.data.materials.clear()
@@ -89,8 +92,8 @@ def prepare_snowfall(receivers, backdrop):
     for scenery in backdrop:
         scenery.snowbough.occlude = False
     settings.end_depth = 0.10
-    settings.fall_angle = np.radians(14.0)
-    settings.bearing = np.radians(60.0)
+    settings.fall_angle = np.radians(22.0)
+    settings.bearing = np.radians(25.0)
     settings.pixel_size = 0.016
     settings.seed = 7
 
@@ -119,8 +122,10 @@ def main(tree, folder):
     blend = folder / "snowbough.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
 
-    say(f"baking {demo_scene.FRAMES} frames of snow on {len(scene.snowbough.receivers)} objects, "
-        f"{RESOLUTION} x {RESOLUTION} each")
+    say(
+        f"baking {demo_scene.FRAMES} frames of snow on {len(scene.snowbough.receivers)} objects, "
+        f"{RESOLUTION} x {RESOLUTION} each"
+    )
     began = time.perf_counter()
     bpy.ops.snowbough.bake()
     bake_seconds = time.perf_counter() - began
@@ -137,22 +142,28 @@ def main(tree, folder):
     render_seconds = time.perf_counter() - began
 
     scene.frame_set(1)
-    (folder / "demo.json").write_text(json.dumps({
-        "tree": str(tree),
-        "bones": rig_for_the_sheet(armature),
-        "vertices": len(bark.data.vertices),
-        "faces": len(bark.data.polygons),
-        "frames": RENDERED_FRAMES,
-        "last_frame": demo_scene.FRAMES,
-        "end_depth": scene.snowbough.end_depth,
-        "resolution": RESOLUTION,
-        "receivers": len(scene.snowbough.receivers),
-        "import_seconds": round(import_seconds, 2),
-        "bake_seconds": round(bake_seconds, 1),
-        "render_seconds": round(render_seconds, 1),
-    }))
-    say(f"import {import_seconds:.1f} s, bake {bake_seconds:.1f} s, renders {render_seconds:.1f} s, "
-        f"all in Blender {time.perf_counter() - started:.1f} s")
+    (folder / "demo.json").write_text(
+        json.dumps(
+            {
+                "tree": str(tree),
+                "bones": rig_for_the_sheet(armature),
+                "vertices": len(bark.data.vertices),
+                "faces": len(bark.data.polygons),
+                "frames": RENDERED_FRAMES,
+                "last_frame": demo_scene.FRAMES,
+                "end_depth": scene.snowbough.end_depth,
+                "resolution": RESOLUTION,
+                "receivers": len(scene.snowbough.receivers),
+                "import_seconds": round(import_seconds, 2),
+                "bake_seconds": round(bake_seconds, 1),
+                "render_seconds": round(render_seconds, 1),
+            }
+        )
+    )
+    say(
+        f"import {import_seconds:.1f} s, bake {bake_seconds:.1f} s, renders {render_seconds:.1f} s, "
+        f"all in Blender {time.perf_counter() - started:.1f} s"
+    )
 
 
 if __name__ == "__main__":

@@ -93,7 +93,9 @@ def add_box(mesh, centre, size, turn=None, cell=0.06):
             for row in range(rows):
                 for column in range(columns):
                     first = row * (columns + 1) + column
-                    mesh.faces.new([grid[i] for i in (first, first + 1, first + columns + 2, first + columns + 1)])
+                    mesh.faces.new(
+                        [grid[i] for i in (first, first + 1, first + columns + 2, first + columns + 1)]
+                    )
 
 
 def add_disc(mesh, centre, inner, outer, width, sides=40):
@@ -101,10 +103,12 @@ def add_disc(mesh, centre, inner, outer, width, sides=40):
     rings = []
     for radius in (inner, outer):
         for offset in (-width / 2.0, width / 2.0):
-            rings.append([
-                mesh.verts.new(centre + Vector((radius * math.cos(a), offset, radius * math.sin(a))))
-                for a in (2.0 * math.pi * side / sides for side in range(sides))
-            ])
+            rings.append(
+                [
+                    mesh.verts.new(centre + Vector((radius * math.cos(a), offset, radius * math.sin(a))))
+                    for a in (2.0 * math.pi * side / sides for side in range(sides))
+                ]
+            )
     inner_left, inner_right, outer_left, outer_right = rings
     walls = [(outer_left, outer_right), (inner_left, outer_left), (outer_right, inner_right)]
     if inner > 0.0:
@@ -176,12 +180,20 @@ def make_bench(material):
     lean = Matrix.Rotation(math.radians(-14.0), 3, "X")
     for slat in range(3):
         height = 0.16 + 0.15 * slat
-        add_box(mesh, Vector((0.0, 0.30, 0.47)) + lean @ Vector((0.0, 0.0, height)), (1.7, 0.032, 0.105), lean, 0.035)
+        add_box(
+            mesh,
+            Vector((0.0, 0.30, 0.47)) + lean @ Vector((0.0, 0.0, height)),
+            (1.7, 0.032, 0.105),
+            lean,
+            0.035,
+        )
     for side in (-0.68, 0.68):
         add_box(mesh, Vector((side, -0.20, 0.215)), (0.06, 0.06, 0.43))
         add_box(mesh, Vector((side, 0.24, 0.215)), (0.06, 0.06, 0.43))
         add_box(mesh, Vector((side, 0.02, 0.405)), (0.055, 0.52, 0.05))
-        add_box(mesh, Vector((side, 0.335, 0.47)) + lean @ Vector((0.0, 0.0, 0.25)), (0.055, 0.035, 0.56), lean)
+        add_box(
+            mesh, Vector((side, 0.335, 0.47)) + lean @ Vector((0.0, 0.0, 0.25)), (0.055, 0.035, 0.56), lean
+        )
         add_box(mesh, Vector((side, -0.02, 0.66)), (0.075, 0.50, 0.035), cell=0.035)
         add_box(mesh, Vector((side, -0.22, 0.545)), (0.05, 0.05, 0.20))
     return finish_object(mesh, "bench", material)
@@ -260,8 +272,13 @@ def make_sky(scene):
     background = next(node for node in nodes if node.type == "BACKGROUND")
     coordinates, separate = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeSeparateXYZ")
     ramp = nodes.new("ShaderNodeValToRGB")
-    stops = ((0.0, (0.80, 0.70, 0.62)), (0.06, (0.86, 0.76, 0.68)), (0.22, (0.60, 0.67, 0.78)),
-             (0.6, (0.30, 0.42, 0.62)), (1.0, (0.20, 0.31, 0.52)))
+    stops = (
+        (0.0, (0.80, 0.70, 0.62)),
+        (0.06, (0.86, 0.76, 0.68)),
+        (0.22, (0.60, 0.67, 0.78)),
+        (0.6, (0.30, 0.42, 0.62)),
+        (1.0, (0.20, 0.31, 0.52)),
+    )
     while len(ramp.color_ramp.elements) < len(stops):
         ramp.color_ramp.elements.new(0.5)
     for element, (position, colour) in zip(ramp.color_ramp.elements, stops):
@@ -285,12 +302,27 @@ def make_forest(distance, height, colour, seed):
         rise = Vector((0.0, 0.0, 1.0))
         # Three skirts of boughs, one above the other, over a strip that joins them.
         for low, high, wide in ((0.0, 0.55, 1.0), (0.3, 0.8, 0.72), (0.55, 1.0, 0.45)):
-            mesh.faces.new([mesh.verts.new(foot + corner) for corner in
-                            (rise * low * tall - across * wide, rise * low * tall + across * wide,
-                             rise * high * tall)])
-        mesh.faces.new([mesh.verts.new(foot + corner) for corner in
-                        (rise * -9.0 - 3.0 * across, rise * -9.0 + 3.0 * across,
-                         rise * 0.25 * height + 3.0 * across, rise * 0.25 * height - 3.0 * across)])
+            mesh.faces.new(
+                [
+                    mesh.verts.new(foot + corner)
+                    for corner in (
+                        rise * low * tall - across * wide,
+                        rise * low * tall + across * wide,
+                        rise * high * tall,
+                    )
+                ]
+            )
+        mesh.faces.new(
+            [
+                mesh.verts.new(foot + corner)
+                for corner in (
+                    rise * -9.0 - 3.0 * across,
+                    rise * -9.0 + 3.0 * across,
+                    rise * 0.25 * height + 3.0 * across,
+                    rise * 0.25 * height - 3.0 * across,
+                )
+            ]
+        )
     data = bpy.data.meshes.new("far forest")
     mesh.to_mesh(data)
     mesh.free()
@@ -303,8 +335,10 @@ def make_forest(distance, height, colour, seed):
     place, height_of = nodes.new("ShaderNodeNewGeometry"), nodes.new("ShaderNodeSeparateXYZ")
     spread, ramp = nodes.new("ShaderNodeMapRange"), nodes.new("ShaderNodeValToRGB")
     spread.inputs["From Min"].default_value, spread.inputs["From Max"].default_value = (
-        -FOREST_DEPTH - 1.0, -FOREST_DEPTH + height)
-    ramp.color_ramp.elements[0].color = (0.60, 0.54, 0.48, 1.0)
+        -FOREST_DEPTH - 1.0,
+        -FOREST_DEPTH + height,
+    )
+    ramp.color_ramp.elements[0].color = (0.74, 0.66, 0.59, 1.0)
     ramp.color_ramp.elements[1].color = (*colour, 1.0)
     links.new(place.outputs["Position"], height_of.inputs["Vector"])
     links.new(height_of.outputs["Z"], spread.inputs["Value"])
@@ -368,8 +402,9 @@ def build_stage():
     scene.render.fps = 24
     earth = make_material("earth", (0.085, 0.066, 0.038), 0.95, mottle=0.45, scale=2.3, bump=0.6)
     painted = make_material("green paint", (0.045, 0.115, 0.085), 0.5, mottle=0.15, scale=9.0)
-    boards = make_material("old boards", (0.23, 0.115, 0.05), 0.75, mottle=0.4, scale=7.0, bump=0.3,
-                           stretch=(0.5, 4.0, 4.0))
+    boards = make_material(
+        "old boards", (0.23, 0.115, 0.05), 0.75, mottle=0.4, scale=7.0, bump=0.3, stretch=(0.5, 4.0, 4.0)
+    )
     iron = make_material("iron", (0.055, 0.045, 0.04), 0.55)
 
     ground = make_ground(earth)

@@ -80,13 +80,45 @@ class Species:
 
 MAPLE = Species(
     levels=(
-        Level(step=0.22, crookedness=0.10, tropism=0.12, laterals=17, bearing_from=0.24, bearing_to=0.95,
-              angle_low=1.12, angle_high=0.50, yielding=0.05, length_spread=0.15),
-        Level(step=0.14, crookedness=0.32, tropism=0.17, laterals=6, bearing_from=0.22, bearing_to=0.94,
-              angle_low=0.80, angle_high=0.60, length_ratio=0.52, yielding=0.08, flatness=0.30),
-        Level(step=0.10, crookedness=0.50, tropism=0.30, laterals=2, bearing_from=0.30, bearing_to=0.80,
-              phyllotaxis="OPPOSITE", angle_low=0.75, angle_high=0.65, length_ratio=0.55, yielding=0.06,
-              flatness=0.3),
+        Level(
+            step=0.22,
+            crookedness=0.10,
+            tropism=0.12,
+            laterals=17,
+            bearing_from=0.24,
+            bearing_to=0.95,
+            angle_low=1.12,
+            angle_high=0.50,
+            yielding=0.05,
+            length_spread=0.15,
+        ),
+        Level(
+            step=0.14,
+            crookedness=0.32,
+            tropism=0.17,
+            laterals=6,
+            bearing_from=0.22,
+            bearing_to=0.94,
+            angle_low=0.80,
+            angle_high=0.60,
+            length_ratio=0.52,
+            yielding=0.08,
+            flatness=0.30,
+        ),
+        Level(
+            step=0.10,
+            crookedness=0.50,
+            tropism=0.30,
+            laterals=2,
+            bearing_from=0.30,
+            bearing_to=0.80,
+            phyllotaxis="OPPOSITE",
+            angle_low=0.75,
+            angle_high=0.65,
+            length_ratio=0.55,
+            yielding=0.06,
+            flatness=0.3,
+        ),
         Level(step=0.07, crookedness=0.8, tropism=0.5),
     ),
     trunk_radius=0.15,
@@ -97,11 +129,33 @@ MAPLE = Species(
 
 SPRUCE = Species(
     levels=(
-        Level(step=0.16, crookedness=0.03, tropism=0.3, laterals=75, bearing_from=0.08, bearing_to=0.985,
-              phyllotaxis="WHORL", angle_low=1.75, angle_high=0.80, length_spread=0.12),
-        Level(step=0.10, crookedness=0.18, tropism=0.14, laterals=4, bearing_from=0.30, bearing_to=0.95,
-              phyllotaxis="OPPOSITE", angle_low=0.95, angle_high=0.80, length_ratio=0.45, length_spread=0.15,
-              yielding=0.02, flatness=1.0),
+        Level(
+            step=0.16,
+            crookedness=0.03,
+            tropism=0.3,
+            laterals=75,
+            bearing_from=0.08,
+            bearing_to=0.985,
+            phyllotaxis="WHORL",
+            angle_low=1.75,
+            angle_high=0.80,
+            length_spread=0.12,
+        ),
+        Level(
+            step=0.10,
+            crookedness=0.18,
+            tropism=0.14,
+            laterals=4,
+            bearing_from=0.30,
+            bearing_to=0.95,
+            phyllotaxis="OPPOSITE",
+            angle_low=0.95,
+            angle_high=0.80,
+            length_ratio=0.45,
+            length_spread=0.15,
+            yielding=0.02,
+            flatness=1.0,
+        ),
         Level(step=0.08, crookedness=0.3, tropism=-0.15),
     ),
     trunk_radius=0.10,
@@ -193,8 +247,11 @@ def grow_shoot(species, level, root, heading, length, height, rng):
         # The walk forgets half of itself in a step: bends, rather than jitter.
         wander = 0.5 * wander + rng.normal(size=3) * rules.crookedness * np.sqrt(step) * 0.5
         pull = UP - heading * np.dot(UP, heading)
-        heading = normalised(heading + (wander - heading * np.dot(wander, heading))
-                             + pull * rules.tropism * step * 6.0 / height)
+        heading = normalised(
+            heading
+            + (wander - heading * np.dot(wander, heading))
+            + pull * rules.tropism * step * 6.0 / height
+        )
         yielded = np.zeros(3)
         while places and places[0][0] < (number + 1) * step:
             along, azimuth = places.pop(0)
@@ -202,8 +259,13 @@ def grow_shoot(species, level, root, heading, length, height, rng):
             out = turned(across(heading), heading, azimuth)
             share = along / length
             angle = rules.angle_low + (rules.angle_high - rules.angle_low) * share + rng.normal() * 0.08
-            born.append((points[-1] + heading * (along - number * step),
-                         normalised(heading * np.cos(angle) + out * np.sin(angle)), share))
+            born.append(
+                (
+                    points[-1] + heading * (along - number * step),
+                    normalised(heading * np.cos(angle) + out * np.sin(angle)),
+                    share,
+                )
+            )
             yielded = yielded - out * rules.yielding
         points.append(points[-1] + heading * step)
         heading = normalised(heading + yielded)
@@ -245,8 +307,9 @@ def each_shoot(shoot):
 def grow_tree(species, seed=1, height=6.0):
     """Returns the trunk as a Shoot, with everything that grows on it."""
     rng = np.random.default_rng(seed)
-    trunk = grow_shoot(species, 0, (0.0, 0.0, 0.0), normalised(UP + rng.normal(size=3) * 0.03),
-                       height, height, rng)
+    trunk = grow_shoot(
+        species, 0, (0.0, 0.0, 0.0), normalised(UP + rng.normal(size=3) * 0.03), height, height, rng
+    )
     shoots = list(each_shoot(trunk))
     # Upright limbs may overtop the trunk: the height asked for is the whole tree's.
     top = max(shoot.points[:, 2].max() for shoot in shoots)
@@ -320,7 +383,9 @@ def needle(at, axis, size, rng):
     """One flat needle."""
     length, half = 0.028 * size * rng.uniform(0.8, 1.2), 0.0016 * size
     side = across(axis) * half
-    vertices = np.array([at - side, at + axis * length - side * 0.3, at + axis * length + side * 0.3, at + side])
+    vertices = np.array(
+        [at - side, at + axis * length - side * 0.3, at + axis * length + side * 0.3, at + side]
+    )
     return vertices, np.array([(0, 0), (0, 1), (1, 1), (1, 0)], float), np.array([[0, 1, 2, 3]])
 
 
