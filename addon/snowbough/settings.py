@@ -1,0 +1,289 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist sets: ``scene.snowbough`` and ``object.snowbough``.
+
+The list of receivers belongs to the scene, because settings on linked or overridden objects get lost.
+Names, units and defaults are part of the interface that scripts rely on. Nothing here computes:
+:mod:`bake_plan` turns the numbers into snowfall.
+"""
+
+import math
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+MAPPINGS = (
+    ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time (OpenGL 4.3)"),
+    ("GEOMETRY", "Geometry", "A geometry shader and additive blending, for OpenGL 4.1"),
+)
+
+
+def _range_getter(name):
+    def get(self):
+        return getattr(self.id_data, name) if self.use_scene_range else getattr(self, f"own_{name}")
+
+    return get
+
+
+def _range_setter(name):
+    other = {"frame_start": "frame_end", "frame_end": "frame_start"}[name]
+
+    def set_(self, value):
+        if self.use_scene_range:
+            setattr(self, f"own_{other}", getattr(self.id_data, other))
+            self.use_scene_range = False
+        setattr(self, f"own_{name}", value)
+
+    return set_
+
+
+class SnowboughReceiver(bpy.types.PropertyGroup):
+    """One entry of the scene's list: an object that snow accumulates on."""
+
+    object: PointerProperty(
+        name="Object",
+        description="Mesh, or empty that instances a collection, that snow accumulates on",
+        type=bpy.types.Object,
+    )
+    enabled: BoolProperty(
+        name="Bake",
+        description="Bake this receiver. Switched off it still shelters what is below it",
+        default=True,
+    )
+    resolution: IntProperty(
+        name="Resolution",
+        description="Width and height of the accumulation map in texels. "
+        "0 chooses a power of two from 256 to 4096 from the surface area and the texel size",
+        default=0,
+        min=0,
+        max=8192,
+    )
+    uv_map: StringProperty(
+        name="UV Map",
+        description="UV map without overlaps that snow is stored in. "
+        "Empty takes the map named 'snow', else the object's active one",
+    )
+    folder: StringProperty(
+        name="Baked Files",
+        description="Folder of the newest finished bake of this receiver",
+        subtype="DIR_PATH",
+        options={"HIDDEN"},
+    )
+    restore: StringProperty(
+        name="Restore",
+        description="What the object was like before Snowbough changed it, as JSON",
+        options={"HIDDEN"},
+    )
+
+
+class SnowboughSceneSettings(bpy.types.PropertyGroup):
+    """``scene.snowbough``: one snowfall over one shot."""
+
+    cache_directory: StringProperty(
+        name="Cache",
+        description="Folder for the baked maps; // stands for the folder of the .blend",
+        subtype="DIR_PATH",
+        default="//snowbough_cache",
+    )
+    cache_used: StringProperty(
+        name="Cache of the Last Bake",
+        description="Absolute folder that the last bake wrote to; found again after Save As",
+        options={"HIDDEN"},
+    )
+
+    use_scene_range: BoolProperty(
+        name="Scene Range",
+        description="Snow falls over the scene's frame range",
+        default=True,
+    )
+    own_frame_start: IntProperty(default=1, min=0, options={"HIDDEN"})
+    own_frame_end: IntProperty(default=250, min=0, options={"HIDDEN"})
+    frame_start: IntProperty(
+        name="First Frame",
+        description="First frame of the shot; the start depth lies there before its own snow (frames)",
+        min=0,
+        get=_range_getter("frame_start"),
+        set=_range_setter("frame_start"),
+    )
+    frame_end: IntProperty(
+        name="Last Frame",
+        description="Last frame of the shot: the end depth lies there (frames)",
+        min=0,
+        get=_range_getter("frame_end"),
+        set=_range_setter("frame_end"),
+    )
+
+    start_depth: FloatProperty(
+        name="Start Depth",
+        description="Snow on open level ground at the first frame (metres)",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=3,
+    )
+    end_depth: FloatProperty(
+        name="End Depth",
+        description="Snow on open level ground at the last frame (metres)",
+        default=0.10,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=3,
+    )
+    rate: FloatProperty(
+        name="Rate",
+        description="Relative strength of the snowfall, to be keyframed: it spreads the depth over the "
+        "shot and does not change the end depth (no unit)",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+    )
+    fall_angle: FloatProperty(
+        name="Fall Angle",
+        description="Angle between the falling snow and the vertical (degrees)",
+        subtype="ANGLE",
+        default=0.0,
+        min=0.0,
+        max=math.radians(89.5),
+    )
+    bearing: FloatProperty(
+        name="Bearing",
+        description="Where the wind blows to, clockwise from +Y seen from above (degrees)",
+        subtype="ANGLE",
+        default=0.0,
+        soft_min=-2 * math.pi,
+        soft_max=2 * math.pi,
+    )
+    flutter: FloatProperty(
+        name="Flutter",
+        description="Half angle of the cone in which flakes stray from the direction (degrees)",
+        subtype="ANGLE",
+        default=math.radians(3.0),
+        min=0.0,
+        max=math.radians(45.0),
+    )
+    max_depth: FloatProperty(
+        name="Maximum Depth",
+        description="Snow that level ground holds before it slides off (metres)",
+        default=1.0,
+        min=1e-4,
+        soft_max=10.0,
+    )
+    slide_half_life: FloatProperty(
+        name="Slide Half-Life",
+        description="Time in which half of the excess snow slides off (seconds)",
+        default=2.0,
+        min=1e-3,
+        soft_max=60.0,
+    )
+
+    texel_size: FloatProperty(
+        name="Texel Size",
+        description="Target size of a texel for receivers with automatic resolution (metres)",
+        default=0.01,
+        min=1e-5,
+        soft_max=1.0,
+        step=1,
+        precision=4,
+    )
+    pixel_size: FloatProperty(
+        name="Pixel Size",
+        description="Grid on which occlusion is found (metres). 0 takes the finest receiver's texel",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=4,
+    )
+    blur_radius: FloatProperty(
+        name="Blur Radius",
+        description="Smoothing of the written maps: sigma in texels of each map",
+        default=2.0,
+        min=0.0,
+        soft_max=16.0,
+    )
+    substeps: IntProperty(
+        name="Substeps",
+        description="Poses that each frame's snowfall is spread over, for fast objects (count a frame)",
+        default=1,
+        min=1,
+        max=16,
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Another number gives other random flakes (no unit)",
+        default=0,
+        min=0,
+    )
+    checkpoint_interval: IntProperty(
+        name="Checkpoint Every",
+        description="A stopped bake resumes from the last checkpoint (frames)",
+        default=10,
+        min=1,
+        soft_max=100,
+    )
+    write_normals: BoolProperty(
+        name="Normal Maps",
+        description="Also write tangent-space normal maps of the snow",
+        default=False,
+    )
+    noise_density: FloatProperty(
+        name="Noise Density",
+        description="Share of pixels that catch a flake in one step; below 1 the snow gets grainy (0 to 1)",
+        default=1.0,
+        min=0.001,
+        max=1.0,
+    )
+    mapping: EnumProperty(
+        name="Mapping",
+        description="How snow gets from the occlusion grid onto the maps; both give the same snow",
+        items=MAPPINGS,
+        default="COMPUTE",
+    )
+
+    receivers: CollectionProperty(
+        name="Receivers",
+        description="Objects that snow accumulates on; all other rendered meshes shelter them",
+        type=SnowboughReceiver,
+    )
+    active_receiver: IntProperty(options={"HIDDEN"})
+
+
+class SnowboughObjectSettings(bpy.types.PropertyGroup):
+    """``object.snowbough``."""
+
+    occlude: BoolProperty(
+        name="Blocks Snow",
+        description="This object keeps snow from what is below it",
+        default=True,
+    )
+    is_shell: BoolProperty(
+        name="Is Snow",
+        description="A snow shell that Snowbough made; bakes leave it out",
+        options={"HIDDEN"},
+    )
+
+
+CLASSES = (SnowboughReceiver, SnowboughSceneSettings, SnowboughObjectSettings)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+    bpy.types.Scene.snowbough = PointerProperty(type=SnowboughSceneSettings)
+    bpy.types.Object.snowbough = PointerProperty(type=SnowboughObjectSettings)
+
+
+def unregister():
+    del bpy.types.Object.snowbough
+    del bpy.types.Scene.snowbough
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)
