@@ -18,7 +18,7 @@ bl_info = {
     "category": "Import-Export",
 }
 
-MODULES = ()
+MODULES = ("settings", "result_operators")
 
 _modules = [importlib.import_module(f".{name}", __package__) for name in MODULES]
 

@@ -1,0 +1,277 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Every difference between the Blender versions that the add-on runs in (3.4 to 5.x).
+
+The rest of the add-on asks no version questions: it calls the functions below, which look for the
+feature itself wherever that is possible. One section a topic.
+"""
+
+import os
+import shutil
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+VERSION = bpy.app.version
+
+# --------------------------------------------------------------------------------------------------
+# Mesh data
+
+
+def set_polygons(mesh, loop_start, loop_total):
+    """Writes the polygons' corner ranges: int32 arrays, one entry a polygon, already added."""
+    mesh.polygons.foreach_set("loop_start", loop_start)
+    # From 4.1 on the total follows from the next polygon's start and is read-only.
+    if VERSION < (4, 1, 0):
+        mesh.polygons.foreach_set("loop_total", loop_total)
+
+
+def set_uv(layer, uv):
+    """Writes float32 (L, 2) coordinates, one a corner, into a UV layer."""
+    flat = np.ascontiguousarray(uv, dtype=np.float32).reshape(-1)
+    if hasattr(layer, "uv"):  # 3.5 on: a plain attribute, several times faster than `data`
+        layer.uv.foreach_set("vector", flat)
+    else:
+        layer.data.foreach_set("uv", flat)
+
+
+# --------------------------------------------------------------------------------------------------
+# Armatures
+
+
+def assign_bone_level_groups(armature, levels, names):
+    """Sorts the armature's bones by branch level, outside edit mode.
+
+    levels: int sequence, one a bone in the order of `armature.bones`. names: one name a level.
+    Bone collections from 4.0 on; before, level n goes to bone layer n (32 at most; deeper levels
+    share the last one) and all layers that hold bones are shown.
+    """
+    bones = armature.bones
+    if hasattr(armature, "collections"):
+        groups = [armature.collections.new(name) for name in names]
+        for bone, level in zip(bones, levels):
+            groups[level].assign(bone)
+        return
+    for bone, level in zip(bones, levels):
+        layer = min(level, 31)
+        bone.layers = [index == layer for index in range(32)]
+    armature.layers = [index <= min(max(levels, default=0), 31) for index in range(32)]
+
+
+# --------------------------------------------------------------------------------------------------
+# Animation
+
+
+def action_curves(datablock, name):
+    """Gives `datablock` a new action of that name; returns (action, new_curve).
+
+    new_curve(data_path, index, group) makes an F-curve that animates the datablock. Actions have
+    slots and layers from 4.4 on, and `action.fcurves` is gone in 5.0.
+    """
+    action = bpy.data.actions.new(name)
+    animation = datablock.animation_data or datablock.animation_data_create()
+    animation.action = action
+    if not hasattr(action, "slots"):
+        return action, lambda path, index, group: action.fcurves.new(path, index=index, action_group=group)
+
+    slot = action.slots.new(id_type=datablock.id_type, name=datablock.name)
+    animation.action_slot = slot
+    strip = action.layers.new("Layer").strips.new(type="KEYFRAME")
+    bag = strip.channelbag(slot, ensure=True)
+
+    groups = {}
+
+    def new_curve(path, index, group):
+        curve = bag.fcurves.new(path, index=index)
+        if group not in groups:
+            groups[group] = bag.groups.new(group)
+        curve.group = groups[group]
+        return curve
+
+    return action, new_curve
+
+
+def curves_of(datablock):
+    """The F-curves that animate `datablock` now, as a list; empty without an action."""
+    animation = datablock.animation_data
+    if animation is None or animation.action is None:
+        return []
+    action = animation.action
+    if not hasattr(action, "slots"):
+        return list(action.fcurves)
+    slot = animation.action_slot
+    if slot is None:
+        return []
+    bags = (strip.channelbag(slot) for layer in action.layers for strip in layer.strips)
+    return [curve for bag in bags if bag is not None for curve in bag.fcurves]
+
+
+# --------------------------------------------------------------------------------------------------
+# Materials
+
+
+def use_material_nodes(material):
+    """Turns the node tree on; it always is from 5.0 on, where the switch is deprecated."""
+    if VERSION < (5, 0, 0):
+        material.use_nodes = True
+
+
+def set_alpha_clipping(material):
+    """Makes real-time views show the material's alpha (EEVEE before 4.2 and after)."""
+    if hasattr(material, "surface_render_method"):
+        material.surface_render_method = "DITHERED"
+    else:
+        material.blend_method = "HASHED"
+        material.shadow_method = "HASHED"
+
+
+# --------------------------------------------------------------------------------------------------
+# Add-on services
+
+
+def register_file_handler(idname, label, operator, extensions, view_types=("VIEW_3D", "OUTLINER")):
+    """Drag and drop of files onto the window (4.1 on); returns the class, or None where it is not there.
+
+    extensions: ".obj;.txt" as Blender writes them. Unregister it with unregister_file_handler.
+    """
+    if not hasattr(bpy.types, "FileHandler"):
+        return None
+
+    def poll_drop(_cls, context):
+        return context.area is not None and context.area.type in view_types
+
+    handler = type(
+        idname,
+        (bpy.types.FileHandler,),
+        {
+            "bl_idname": idname,
+            "bl_label": label,
+            "bl_import_operator": operator,
+            "bl_file_extensions": extensions,
+            "poll_drop": classmethod(poll_drop),
+        },
+    )
+    bpy.utils.register_class(handler)
+    return handler
+
+
+def unregister_file_handler(handler):
+    if handler is not None:
+        bpy.utils.unregister_class(handler)
+
+
+def register_presets(folder):
+    """Shows the operator presets in `folder`/operator/<idname>/*.py; returns a token for unregister_presets.
+
+    Before register_preset_path existed, Blender finds presets of add-ons in the user's own preset
+    folder only: they are copied there, and a file the user has changed is left alone.
+    """
+    if hasattr(bpy.utils, "register_preset_path"):
+        bpy.utils.register_preset_path(str(folder))
+        return None
+    copied = []
+    target_root = Path(bpy.utils.user_resource("SCRIPTS", path="presets", create=True))
+    for source in sorted(Path(folder).rglob("*.py")):
+        target = target_root / source.relative_to(folder)
+        try:
+            if not target.exists():
+                target.parent.mkdir(parents=True, exist_ok=True)
+                shutil.copyfile(source, target)
+        except OSError as error:  # a read-only home must not keep the add-on from starting
+            print(f"Snowbough: the preset {target} could not be written ({error.strerror})")
+            continue
+        copied.append((source, target))
+    return copied
+
+
+def unregister_presets(folder, token):
+    """Undoes register_presets; presets that the user has changed stay."""
+    if hasattr(bpy.utils, "unregister_preset_path"):
+        bpy.utils.unregister_preset_path(str(folder))
+        return
+    for source, target in token or ():
+        try:
+            if target.read_bytes() == source.read_bytes():
+                os.remove(target)
+        except OSError:
+            continue  # already gone, or not ours to remove
+
+
+def register_command(name, run):
+    """`blender -c name ARGS` (4.2 on): run(list of arguments) -> exit code. Returns the handle or None."""
+    if not hasattr(bpy.utils, "register_cli_command"):
+        return None
+    return bpy.utils.register_cli_command(name, run)
+
+
+def unregister_command(handle):
+    if handle is not None:
+        bpy.utils.unregister_cli_command(handle)
+
+# --------------------------------------------------------------------------------------------------
+# Snow materials, displacement and shells
+
+
+def add_group_socket(tree, in_out, kind, name, description="", default=None, least=None, most=None):
+    """Adds an input or output socket to a node group (`tree.interface` from 4.0 on)."""
+    if hasattr(tree, "interface"):
+        socket = tree.interface.new_socket(name, description=description, in_out=in_out, socket_type=kind)
+    else:
+        socket = (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
+        socket.description = description
+    if least is not None:
+        socket.min_value, socket.max_value = least, most
+    if default is not None:
+        socket.default_value = default
+    return socket
+
+
+def noise_value(node):
+    """The scalar output of a noise texture node: `Fac`, renamed `Factor` in 5.x."""
+    return next(output for output in node.outputs if output.enabled and output.type == "VALUE")
+
+
+def set_subsurface(tree, principled, weight, color, radius):
+    """Links the weight of a Principled BSDF's subsurface and sets its radius in metres.
+
+    Before 4.0 subsurface has a colour of its own.
+    """
+    inputs = principled.inputs
+    if "Subsurface Weight" in inputs:
+        tree.links.new(weight, inputs["Subsurface Weight"])
+        inputs["Subsurface Scale"].default_value = 1.0
+    else:
+        tree.links.new(weight, inputs["Subsurface"])
+        tree.links.new(color, inputs["Subsurface Color"])
+    inputs["Subsurface Radius"].default_value = radius
+
+
+def set_displacement_method(material, method):
+    """BUMP, DISPLACEMENT or BOTH; the property left Cycles for the material in 4.1."""
+    owner = material if hasattr(material, "displacement_method") else getattr(material, "cycles", None)
+    if owner is not None:
+        owner.displacement_method = method
+
+
+def displacement_method(material):
+    owner = material if hasattr(material, "displacement_method") else material.cycles
+    return owner.displacement_method
+
+
+def set_adaptive_subdivision(scene, obj, modifier, use):
+    """Lets Cycles dice the mesh to the pixel: on the modifier from 5.0 on, before on the object, where
+    it also needs the experimental feature set. Returns True where Cycles is there to do it."""
+    if hasattr(modifier, "use_adaptive_subdivision"):
+        modifier.use_adaptive_subdivision = use
+        return True
+    if not hasattr(obj, "cycles"):
+        return False
+    obj.cycles.use_adaptive_subdivision = use
+    if use:
+        scene.cycles.feature_set = "EXPERIMENTAL"
+    return True
+
+
+def eevee_displaces():
+    """Whether EEVEE moves vertices by a material's displacement (4.2 on); before it only bumps."""
+    return VERSION >= (4, 2, 0)
