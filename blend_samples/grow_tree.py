@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Grows a tree and writes it as Xfrog's square export does.
 
-    grow_tree.py [--species maple|spruce] [--seed N] [--height METRES] [--leaves] OUT.obj
+    grow_tree.py [--species maple|spruce] [--seed N] [--height METRES] [--levels N] [--leaves] OUT.obj
 
 The file holds one group a branch (`g trunk1`, `g branch7`, `g limb31`, `g twig205`), each a row of
 disconnected squares across the limb from its root to its tip; Y is up, one unit is a metre. With
@@ -26,7 +26,7 @@ and 4 (tropism, phyllotaxis).
 
 import argparse
 import sys
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 import numpy as np
@@ -241,7 +241,7 @@ def grow_shoot(species, level, root, heading, length, height, rng):
     rules = species.levels[level]
     steps = max(3, int(round(length / (rules.step * height / 6.0))))
     step = length / steps
-    places = lateral_places(rules, length, rng)
+    places = lateral_places(rules, length, rng) if level + 1 < len(species.levels) else []
     points, wander, born = [np.asarray(root, float)], np.zeros(3), []
     for number in range(steps):
         # The walk forgets half of itself in a step: bends, rather than jitter.
@@ -304,8 +304,9 @@ def each_shoot(shoot):
         yield from each_shoot(child)
 
 
-def grow_tree(species, seed=1, height=6.0):
-    """Returns the trunk as a Shoot, with everything that grows on it."""
+def grow_tree(species, seed=1, height=6.0, levels=4):
+    """Returns the trunk as a Shoot, with everything that grows on it, `levels` orders of branching deep."""
+    species = replace(species, levels=species.levels[:levels])
     rng = np.random.default_rng(seed)
     trunk = grow_shoot(
         species, 0, (0.0, 0.0, 0.0), normalised(UP + rng.normal(size=3) * 0.03), height, height, rng
@@ -434,10 +435,11 @@ def main(arguments):
     parser.add_argument("--species", choices=sorted(SPECIES), default="maple")
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--height", type=float, default=6.0, help="metres")
+    parser.add_argument("--levels", type=int, choices=(1, 2, 3, 4), default=4, help="1 = the trunk alone")
     parser.add_argument("--leaves", action="store_true")
     options = parser.parse_args(arguments)
     species = SPECIES[options.species]
-    trunk = grow_tree(species, options.seed, options.height)
+    trunk = grow_tree(species, options.seed, options.height, options.levels)
     leaves = []
     if options.leaves:
         leaves = list(leaf_shapes(trunk, species, options.height, np.random.default_rng(options.seed + 1)))

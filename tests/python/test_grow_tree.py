@@ -96,3 +96,9 @@ def test_leaves_come_last_in_a_group_with_texture_coordinates(grow_tree, tmp_pat
     assert all(word.count("/") == 1 for word in faces[0].split()[1:])
     assert "g " not in leaves[2:]
     assert "newmtl leaf" in (tmp_path / "tree.mtl").read_text()
+
+
+def test_the_small_tree_in_the_repository_is_what_the_script_grows(grow_tree, tmp_path):
+    grow_tree.main(["--seed", "5", "--height", "3", "--levels", "2", str(tmp_path / "small_maple.obj")])
+    kept = ROOT / "tests" / "data" / "small_maple.obj"
+    assert (tmp_path / "small_maple.obj").read_text() == kept.read_text()
