@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -41,17 +42,26 @@ std::vector<int32_t> thickness_order(const std::vector<Branch>& branches) {
   return order;
 }
 
-bool reaches(const Branch& child, const NearestSegment& found, float size) {
+bool reaches(float radius, const NearestSegment& found, float size) {
   if (found.branch < 0) return false;
-  return found.distance <=
-         kReachInRadii * (found.radius + child.radii.front()) + kReachInSizes * size;
+  return found.distance <= kReachInRadii * (found.radius + radius) + kReachInSizes * size;
+}
+
+bool touches(float radius, const NearestSegment& found) {
+  return found.branch >= 0 && found.distance <= found.radius + radius;
 }
 
 /// Feet of two stems side by side: the nearest point is the other's root and lies outside both
 /// limbs.
 bool stands_beside(const Branch& child, const Branch& parent, const NearestSegment& found) {
-  return parent.parent < 0 && found.segment == 0 && found.t == 0.0f &&
-         found.distance > found.radius + child.radii.front();
+  return parent.parent < 0 && found.point == parent.points.front() &&
+         !touches(child.radii.front(), found);
+}
+
+void reverse_branch(Branch& branch) {
+  std::reverse(branch.points.begin(), branch.points.end());
+  std::reverse(branch.radii.begin(), branch.radii.end());
+  std::reverse(branch.areas.begin(), branch.areas.end());
 }
 
 int32_t depth_of(const std::vector<Branch>& branches, int32_t branch) {
@@ -63,27 +73,68 @@ int32_t depth_of(const std::vector<Branch>& branches, int32_t branch) {
   return depth;
 }
 
-/// Reorders by level, keeping the input's order within one, and renumbers the parents.
-void sort_by_level(std::vector<Branch>& branches) {
+/// Reorders by level, then depth, keeping the input's order within, and renumbers the parents.
+void sort_branches(std::vector<Branch>& branches, std::vector<char>& reversible) {
+  std::vector<int32_t> depth(branches.size());
+  for (size_t b = 0; b < branches.size(); ++b)
+    depth[b] = depth_of(branches, static_cast<int32_t>(b));
   std::vector<int32_t> order(branches.size());
   std::iota(order.begin(), order.end(), 0);
-  std::stable_sort(order.begin(), order.end(),
-                   [&](int32_t a, int32_t b) { return branches[a].level < branches[b].level; });
+  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
+    return std::pair(branches[a].level, depth[a]) < std::pair(branches[b].level, depth[b]);
+  });
   std::vector<int32_t> number(branches.size());
   for (size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<int32_t>(i);
   std::vector<Branch> sorted;
+  std::vector<char> sorted_reversible;
   sorted.reserve(branches.size());
   for (const int32_t b : order) {
     sorted.push_back(std::move(branches[b]));
     if (sorted.back().parent >= 0) sorted.back().parent = number[sorted.back().parent];
+    sorted_reversible.push_back(reversible[b]);
   }
   branches = std::move(sorted);
+  reversible = std::move(sorted_reversible);
+}
+
+void take_parent(Branch& branch, const NearestSegment& found) {
+  branch.parent = found.branch;
+  branch.attach_point = found.point;
+}
+
+/// Roots that touch a branch which is no candidate by thickness or level, but does not hang on
+/// them.
+void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>& order,
+                      int32_t first, bool by_level, const SegmentTree& segments, float size) {
+  std::vector<std::vector<int32_t>> children(branches.size());
+  for (size_t b = 0; b < branches.size(); ++b) {
+    if (branches[b].parent >= 0) children[branches[b].parent].push_back(static_cast<int32_t>(b));
+  }
+  std::vector<char> own(branches.size(), 0);
+  for (size_t b = 0; b < branches.size(); ++b) {
+    Branch& branch = branches[b];
+    if (branch.parent >= 0 || static_cast<int32_t>(b) == first) continue;
+    std::vector<int32_t> family{static_cast<int32_t>(b)};
+    for (size_t i = 0; i < family.size(); ++i) {
+      own[family[i]] = 1;
+      family.insert(family.end(), children[family[i]].begin(), children[family[i]].end());
+    }
+    const int32_t below = by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max();
+    const NearestSegment found = segments.nearest(
+        branch.points.front(), below, by_level ? Measure::kDistance : Measure::kRadii, &own);
+    for (const int32_t member : family) own[member] = 0;
+    if (reaches(branch.radii.front(), found, size) &&
+        !stands_beside(branch, branches[found.branch], found)) {
+      take_parent(branch, found);
+      children[found.branch].push_back(static_cast<int32_t>(b));
+    }
+  }
 }
 
 }  // namespace
 
-std::vector<std::string> attach_branches(std::vector<Branch>& branches, float size) {
-  if (branches.empty()) return {};
+void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size) {
+  if (branches.empty()) return;
   const bool by_level = branches.front().level >= 0;
   std::vector<int32_t> order;
   if (by_level) {
@@ -91,6 +142,7 @@ std::vector<std::string> attach_branches(std::vector<Branch>& branches, float si
   } else {
     order = thickness_order(branches);
   }
+  const Measure measure = by_level ? Measure::kDistance : Measure::kRadii;
   const SegmentTree segments(branches, order, kRadiusFloor * size);
 
   // Thick before thin, so that a candidate's own parent is known when it is judged.
@@ -100,26 +152,28 @@ std::vector<std::string> attach_branches(std::vector<Branch>& branches, float si
                    [&](int32_t a, int32_t b) { return order[a] < order[b]; });
   for (const int32_t b : sequence) {
     Branch& branch = branches[b];
-    const NearestSegment found = segments.nearest(branch.points.front(), order[b], !by_level);
+    NearestSegment found = segments.nearest(branch.points.front(), order[b], measure);
+    if (reversible[b] && !touches(branch.radii.front(), found)) {
+      const NearestSegment other = segments.nearest(branch.points.back(), order[b], measure);
+      if (touches(branch.radii.back(), other)) {
+        reverse_branch(branch);
+        found = other;
+      }
+    }
     branch.parent = -1;
     branch.attach_point = branch.points.front();
-    if (reaches(branch, found, size) && !stands_beside(branch, branches[found.branch], found)) {
-      branch.parent = found.branch;
-      branch.attach_point = found.point;
+    if (reaches(branch.radii.front(), found, size) &&
+        !stands_beside(branch, branches[found.branch], found)) {
+      take_parent(branch, found);
     }
   }
+  attach_left_over(branches, order, sequence.front(), by_level, segments, size);
   if (!by_level) {
     for (size_t b = 0; b < branches.size(); ++b) {
       branches[b].level = depth_of(branches, static_cast<int32_t>(b));
     }
   }
-  sort_by_level(branches);
-
-  std::vector<std::string> extra_roots;
-  for (size_t b = 1; b < branches.size(); ++b) {
-    if (branches[b].parent < 0) extra_roots.push_back(branches[b].name);
-  }
-  return extra_roots;
+  sort_branches(branches, reversible);
 }
 
 }  // namespace snowbough::tree

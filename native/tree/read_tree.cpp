@@ -5,27 +5,126 @@
 #include <limits>
 #include <map>
 #include <stdexcept>
+#include <utility>
 
 #include "tree/attach.h"
+#include "tree/classify.h"
+#include "tree/foliage.h"
+#include "tree/limbs.h"
+#include "tree/mtl_reader.h"
 #include "tree/obj_reader.h"
+#include "tree/part_names.h"
 #include "tree/parts.h"
-#include "tree/rings.h"
-#include "tree/squares.h"
 #include "tree/up_axis.h"
 
 namespace snowbough::tree {
 namespace {
 
-std::string group_name(const ObjScene& scene, const Parts& parts, int32_t part) {
-  const FaceRun& run = scene.runs[parts.run[part]];
-  const int32_t name = run.group >= 0 ? run.group : run.object;
-  return name >= 0 ? scene.names[name] : std::string();
+/// Level names are believed while no more than this share of the branches finds no parent by them.
+constexpr double kMostUnattached = 0.2;
+
+/// The part of the progress bar from `from` to `to`.
+Progress part_of(const Progress& progress, float from, float to) {
+  if (!progress) return {};
+  return [&progress, from, to](float share) { return progress(from + share * (to - from)); };
 }
 
-void move_limb(Limb&& limb, Branch& branch) {
-  branch.points = std::move(limb.points);
-  branch.radii = std::move(limb.radii);
-  branch.areas = std::move(limb.areas);
+std::string part_name(const PartLabels& labels, int32_t part) {
+  return labels.label[part] >= 0 ? labels.names[labels.label[part]] : "(unnamed)";
+}
+
+/// One line for all parts of a name that were left out for the same reason.
+void report_skipped(const PartLabels& labels,
+                    const std::vector<std::pair<int32_t, std::string>>& skipped,
+                    ImportReport& report) {
+  std::map<std::pair<std::string, std::string>, int64_t> counts;
+  for (const auto& [part, why] : skipped) ++counts[{part_name(labels, part), why}];
+  for (const auto& [key, count] : counts) {
+    const std::string many = count > 1 ? " (" + std::to_string(count) + " parts)" : "";
+    report.skipped_parts.emplace_back(key.first + many, key.second);
+  }
+}
+
+void report_scene(const ObjScene& scene, ImportReport& report) {
+  if (scene.short_faces > 0) {
+    report.skipped_parts.emplace_back(
+        "(faces)", std::to_string(scene.short_faces) + " faces with fewer than three corners");
+  }
+  if (scene.loose_elements > 0) {
+    report.skipped_parts.emplace_back(
+        "(lines and points)", std::to_string(scene.loose_elements) + " line or point elements");
+  }
+}
+
+float extent_of(const std::vector<Branch>& branches) {
+  glm::vec3 low(std::numeric_limits<float>::max());
+  glm::vec3 high(std::numeric_limits<float>::lowest());
+  for (const Branch& branch : branches) {
+    for (const glm::vec3& p : branch.points) {
+      low = glm::min(low, p);
+      high = glm::max(high, p);
+    }
+  }
+  const glm::vec3 extent = high - low;
+  return std::max({extent.x, extent.y, extent.z});
+}
+
+/// Connects by level names, and again by thickness if the names turn out to tell no levels.
+void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings) {
+  const float size = extent_of(traced.branches);
+  attach_branches(traced.branches, traced.reversible, size);
+  const bool may_doubt =
+      !levels_given && std::any_of(traced.branches.begin(), traced.branches.end(),
+                                   [](const Branch& b) { return b.level > 0; });
+  if (!may_doubt) return;
+  double unattached = 0.0;
+  for (const Branch& branch : traced.branches) {
+    unattached += branch.parent < 0 && branch.level > 0 ? 1.0 : 0.0;
+  }
+  if (unattached <= kMostUnattached * static_cast<double>(traced.branches.size())) return;
+  for (Branch& branch : traced.branches) branch.level = -1;
+  attach_branches(traced.branches, traced.reversible, size);
+  warnings.emplace_back(
+      "the groups' names tell no levels; branches were connected by thickness (set level names to "
+      "overrule)");
+}
+
+/// Merged forms have no names of their own: trunk, branch1_1, branch1_2, branch2_1 ...
+void name_by_level(std::vector<Branch>& branches) {
+  std::map<int32_t, int32_t> count;
+  for (Branch& branch : branches) {
+    const int32_t number = ++count[branch.level];
+    if (branch.level == 0) {
+      branch.name = number == 1 ? "trunk" : "trunk_" + std::to_string(number);
+    } else {
+      branch.name = "branch" + std::to_string(branch.level) + "_" + std::to_string(number);
+    }
+  }
+}
+
+/// A root whose ends look alike stands on its lower end.
+void turn_upside_up(TracedBranches& traced) {
+  for (size_t b = 0; b < traced.branches.size(); ++b) {
+    Branch& branch = traced.branches[b];
+    if (branch.parent < 0 && traced.reversible[b] &&
+        branch.points.back().z < branch.points.front().z) {
+      std::reverse(branch.points.begin(), branch.points.end());
+      std::reverse(branch.radii.begin(), branch.radii.end());
+      std::reverse(branch.areas.begin(), branch.areas.end());
+      branch.attach_point = branch.points.front();
+    }
+  }
+}
+
+void take_foliage(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
+                  const std::string& path, Skeleton& skeleton) {
+  skeleton.foliage = gather_foliage(scene, parts, classified);
+  const std::map<std::string, FoliageMaterial> library =
+      read_materials(path, scene.material_libraries, skeleton.report.warnings);
+  for (FoliageMaterial& material : skeleton.foliage.materials) {
+    const auto found = library.find(material.name);
+    if (found != library.end()) material = found->second;
+  }
 }
 
 }  // namespace
@@ -34,70 +133,60 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
-  if (options.progress) {
-    read_options.progress = [&](float share) { return options.progress(0.6f * share); };
-  }
-  const ObjScene scene = read_obj_file(path, read_options);
-  const Parts parts = split_parts(scene);
-
+  read_options.progress = part_of(options.progress, 0.0f, 0.5f);
   Skeleton skeleton;
-  std::map<std::string, std::vector<int32_t>> groups;
-  std::vector<std::string> group_order;
-  int32_t planes = 0;
-  for (int32_t p = 0; p < parts.count(); ++p) {
-    const std::string group = group_name(scene, parts, p);
-    auto [found, added] = groups.try_emplace(group);
-    if (added) group_order.push_back(group);
-    found->second.push_back(p);
-    planes += read_cross_section(scene, parts, p).has_value();
-  }
-  if (2 * planes > parts.count()) {
-    skeleton.report.form = "SQUARES_PER_GROUP";
-    for (const std::string& group : group_order) {
-      std::vector<int32_t> unread;
-      const auto sections = read_cross_sections(scene, parts, groups[group], unread);
-      if (sections.empty()) continue;
-      Branch branch;
-      branch.name = group;
-      branch.level = -1;
-      move_limb(limb_from_cross_sections(sections), branch);
-      skeleton.branches.push_back(std::move(branch));
-    }
-  } else {
-    skeleton.report.form = "MERGED_TUBES";
-    for (int32_t p = 0; p < parts.count(); ++p) {
-      std::string why;
-      std::optional<Limb> limb =
-          trace_tube(scene, parts.part_faces(p), parts.part_vertices(p), why);
-      if (!limb) {
-        skeleton.report.skipped_parts.emplace_back(group_name(scene, parts, p), why);
-        continue;
-      }
-      Branch branch;
-      branch.name = "branch" + std::to_string(p);
-      branch.level = -1;
-      move_limb(std::move(*limb), branch);
-      skeleton.branches.push_back(std::move(branch));
-    }
-  }
-  if (skeleton.branches.empty()) throw std::invalid_argument(path + ": holds no branches");
+  ImportReport& report = skeleton.report;
+  TracedBranches traced;
+  {
+    const ObjScene scene = read_obj_file(path, read_options);
+    const Parts parts = split_parts(scene);
+    const PartLabels labels = label_parts(scene, parts);
+    ClassifiedParts classified =
+        classify_parts(scene, parts, labels, part_of(options.progress, 0.5f, 0.8f));
+    report.form = form_name(classified.form);
+    report.foliage_parts = classified.foliage_count;
+    report_scene(scene, report);
+    report_skipped(labels, classified.skipped, report);
 
-  glm::vec3 low(std::numeric_limits<float>::max());
-  glm::vec3 high(std::numeric_limits<float>::lowest());
-  for (const Branch& branch : skeleton.branches) {
-    for (const glm::vec3& p : branch.points) {
-      low = glm::min(low, p);
-      high = glm::max(high, p);
+    traced = trace_branches(scene, parts, labels, classified);
+    if (traced.branches.empty()) {
+      throw std::invalid_argument(
+          path + ": holds no branches, " +
+          (classified.foliage_count > 0
+               ? "only " + std::to_string(classified.foliage_count) + " leaves or other loose parts"
+               : std::string("none of its parts is a tube or a row of planes")) +
+          "; export the tree with its trunk and branches");
+    }
+    assign_levels(traced, labels, classified.form, options.levels, report.warnings);
+    if (options.foliage) {
+      take_foliage(scene, parts, classified, path, skeleton);
+    } else if (classified.foliage_count > 0) {
+      report.skipped_parts.emplace_back(
+          "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
     }
   }
-  const glm::vec3 extent = high - low;
-  skeleton.report.extra_roots =
-      attach_branches(skeleton.branches, std::max({extent.x, extent.y, extent.z}));
+  const bool merged = report.form == form_name(TreeForm::kMergedTubes) ||
+                      report.form == form_name(TreeForm::kMaterials) ||
+                      report.form == form_name(TreeForm::kMergedSquares);
+
+  connect(traced, !options.levels.empty(), report.warnings);
+  report_progress(options.progress, 0.85f);
   const bool y_up = options.up_axis == UpAxis::kY ||
-                    (options.up_axis == UpAxis::kAuto && grows_along_y(skeleton.branches));
-  skeleton.report.up_axis = y_up ? "Y" : "Z";
-  if (y_up) turn_y_up_to_z_up(skeleton.branches);
+                    (options.up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
+  report.up_axis = y_up ? "Y" : "Z";
+  if (y_up) {
+    turn_y_up_to_z_up(traced.branches);
+    for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
+  }
+  turn_upside_up(traced);
+  if (merged) name_by_level(traced.branches);
+
+  skeleton.branches = std::move(traced.branches);
   complete_skeleton(skeleton);
+  for (size_t b = 1; b < skeleton.branches.size(); ++b) {
+    if (skeleton.branches[b].parent < 0) report.extra_roots.push_back(skeleton.branches[b].name);
+  }
+  attach_leaves(skeleton.branches, skeleton.foliage, part_of(options.progress, 0.85f, 0.98f));
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
   report_progress(options.progress, 1.0f);
   return skeleton;

@@ -205,6 +205,20 @@ Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<
   return layers;
 }
 
+/// An open end is one ring, however uneven the way there: the other boundary loop becomes the last
+/// layer.
+void gather_far_end(const Topology& topology, Layers& layers) {
+  if (topology.boundary_loops.size() != 2 || layers.size() < 2) return;
+  const std::vector<int32_t>& near = layers.front();
+  const bool first_is_near = near.front() == topology.boundary_loops[0].front();
+  const std::vector<int32_t>& end = topology.boundary_loops[first_is_near ? 1 : 0];
+  for (std::vector<int32_t>& layer : layers) {
+    std::erase_if(layer, [&](int32_t v) { return std::binary_search(end.begin(), end.end(), v); });
+  }
+  std::erase_if(layers, [](const auto& layer) { return layer.empty(); });
+  layers.push_back(end);
+}
+
 /// Whether a layer hangs together through faces that hold only this layer and its neighbours'
 /// vertices along an edge: a branching surface falls into several sets.
 bool is_one_ring(const LocalMesh& mesh, const Topology& topology, const std::vector<int32_t>& layer,
@@ -236,9 +250,9 @@ bool is_one_ring(const LocalMesh& mesh, const Topology& topology, const std::vec
 
 /// How far the layers are from a tube's even rings: 0 = all of one size; negative = no tube.
 double irregularity(const LocalMesh& mesh, const Topology& topology, const Layers& layers,
-                    std::string& why) {
+                    NotATube& why) {
   if (layers.size() < 2) {
-    why = "flat: no ring inside its outline";
+    why = NotATube::kFlat;
     return -1.0;
   }
   std::vector<int32_t> layer_of(mesh.positions.size(), -1);
@@ -248,7 +262,7 @@ double irregularity(const LocalMesh& mesh, const Topology& topology, const Layer
     met += layers[i].size();
   }
   if (met != mesh.positions.size()) {
-    why = "hangs together only at single points";
+    why = NotATube::kLoose;
     return -1.0;
   }
   // The common size of the layers between the ends.
@@ -257,7 +271,7 @@ double irregularity(const LocalMesh& mesh, const Topology& topology, const Layer
     if (layer.size() > 1) sizes.push_back(layer.size());
   }
   if (sizes.empty()) {
-    why = "a line without thickness";
+    why = NotATube::kLoose;
     return -1.0;
   }
   std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
@@ -269,11 +283,11 @@ double irregularity(const LocalMesh& mesh, const Topology& topology, const Layer
     if (end && layers[i].size() == 1) continue;
     // The last layer of an uneven tube may be a remnant of a ring.
     if (size > 2.0 * common || (size < 0.5 * common && i + 1 != layers.size())) {
-      why = "its cross-sections are uneven: no tube";
+      why = NotATube::kUneven;
       return -1.0;
     }
     if (size >= 3 && !is_one_ring(mesh, topology, layers[i], layer_of)) {
-      why = "its surface forks: no single tube";
+      why = NotATube::kForks;
       return -1.0;
     }
     sum += std::abs(size - common) / common;
@@ -356,7 +370,7 @@ std::vector<std::vector<int32_t>> closed_ends(const LocalMesh& mesh, const Topol
   return starts;
 }
 
-std::optional<Limb> trace_layers(const LocalMesh& mesh, std::string& why) {
+std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   const Topology topology = build_topology(mesh);
   const bool closed = topology.boundary_loops.empty();
   std::vector<std::vector<int32_t>> starts =
@@ -368,10 +382,11 @@ std::optional<Limb> trace_layers(const LocalMesh& mesh, std::string& why) {
   double best_irregularity = -1.0;
   for (const std::vector<int32_t>& start : starts) {
     Layers layers = walk_layers(mesh, topology, start);
-    std::string reason;
+    gather_far_end(topology, layers);
+    NotATube reason = NotATube::kNone;
     const double value = irregularity(mesh, topology, layers, reason);
     if (value < 0.0) {
-      if (why.empty()) why = reason;
+      if (why == NotATube::kNone) why = reason;
       continue;
     }
     if (best_irregularity < 0.0 || value < best_irregularity) {
@@ -406,13 +421,13 @@ void drop_cap_centre(Limb& limb, bool at_root) {
   }
 }
 
-std::optional<Limb> finish_limb(std::optional<Limb> limb, std::string& why) {
+std::optional<Limb> finish_limb(std::optional<Limb> limb, NotATube& why) {
   if (!limb) return limb;
   drop_cap_centre(*limb, true);
   drop_cap_centre(*limb, false);
   const float thickest = *std::max_element(limb->radii.begin(), limb->radii.end());
   if (limb_length(*limb) < kShortestLimb * thickest) {
-    why = "a disc: shorter than a quarter of its radius";
+    why = NotATube::kDisc;
     return std::nullopt;
   }
   const float root = limb->radii.front();
@@ -426,19 +441,37 @@ std::optional<Limb> finish_limb(std::optional<Limb> limb, std::string& why) {
   return limb;
 }
 
-std::optional<Limb> trace_local(const LocalMesh& mesh, std::string& why) {
+std::optional<Limb> trace_local(const LocalMesh& mesh, NotATube& why) {
   std::optional<Limb> limb = finish_limb(trace_layers(mesh, why), why);
   if (limb) return limb;
   const LocalMesh welded = weld_equal_positions(mesh);
   if (welded.positions.size() == mesh.positions.size() || welded.face_count() < 3) {
     return std::nullopt;
   }
-  std::string ignored;
+  NotATube ignored = NotATube::kNone;
   if (std::optional<Limb> rows = trace_rows(welded)) return finish_limb(std::move(rows), ignored);
   return finish_limb(trace_layers(welded, ignored), ignored);
 }
 
 }  // namespace
+
+std::string reason_text(NotATube reason) {
+  switch (reason) {
+    case NotATube::kNone:
+      return "";
+    case NotATube::kFlat:
+      return "flat: no ring inside its outline";
+    case NotATube::kDisc:
+      return "a disc: shorter than a quarter of its radius";
+    case NotATube::kLoose:
+      return "hangs together only at single points";
+    case NotATube::kUneven:
+      return "its cross-sections are uneven: no tube";
+    case NotATube::kForks:
+      return "its surface forks: no single tube";
+  }
+  return "";
+}
 
 void append_ring(std::span<const glm::vec3> ring, Limb& limb) {
   // Summed in double: the centre must not depend on where in the world the ring lies.
@@ -483,17 +516,17 @@ float limb_length(const Limb& limb) {
 }
 
 std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> faces,
-                               std::span<const int32_t> vertices, std::string& why) {
-  why.clear();
+                               std::span<const int32_t> vertices, NotATube& why) {
+  why = NotATube::kNone;
   const LocalMesh mesh = extract(scene, faces, vertices);
-  std::string ignored;
+  NotATube ignored = NotATube::kNone;
   if (std::optional<Limb> limb = finish_limb(trace_rows(mesh), ignored)) return limb;
   return trace_local(mesh, why);
 }
 
 std::optional<Limb> trace_tube_by_layers(const ObjScene& scene, std::span<const int32_t> faces,
-                                         std::span<const int32_t> vertices, std::string& why) {
-  why.clear();
+                                         std::span<const int32_t> vertices, NotATube& why) {
+  why = NotATube::kNone;
   return trace_local(extract(scene, faces, vertices), why);
 }
 

@@ -31,6 +31,24 @@ void reverse_limb(Limb& limb);
 /// Length of the centreline.
 float limb_length(const Limb& limb);
 
+/// Why a component is no tube.
+enum class NotATube : uint8_t {
+  kNone,
+  /// No ring inside its outline.
+  kFlat,
+  /// A limb shorter than a quarter of its radius.
+  kDisc,
+  /// Hangs together only at single points, or is a line without thickness.
+  kLoose,
+  /// Cross-sections of very different numbers of vertices.
+  kUneven,
+  /// The surface forks.
+  kForks,
+};
+
+/// In words, for the import report.
+std::string reason_text(NotATube reason);
+
 /// Finds the rings of a tube, given as one index-connected component.
 ///
 /// Rows of k consecutive vertices, as modellers write them, are the fast path. Otherwise the rings
@@ -44,10 +62,10 @@ float limb_length(const Limb& limb);
 /// @param why receives the reason when the component is no tube.
 /// @return the limb, root first, at least two points.
 std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> faces,
-                               std::span<const int32_t> vertices, std::string& why);
+                               std::span<const int32_t> vertices, NotATube& why);
 
 /// The same without the fast path: for tests.
 std::optional<Limb> trace_tube_by_layers(const ObjScene& scene, std::span<const int32_t> faces,
-                                         std::span<const int32_t> vertices, std::string& why);
+                                         std::span<const int32_t> vertices, NotATube& why);
 
 }  // namespace snowbough::tree

@@ -13,6 +13,8 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int32_t kLeafSize = 8;
+/// Weight of the distance to the centreline beside that to the surface.
+constexpr double kInsideShare = 0.05;
 
 double box_distance(const glm::vec3& low, const glm::vec3& high, const glm::vec3& point) {
   const glm::dvec3 outside =
@@ -77,16 +79,24 @@ int32_t SegmentTree::build(int32_t begin, int32_t end) {
   return number;
 }
 
-NearestSegment SegmentTree::nearest(const glm::vec3& point, int32_t below_order,
-                                    bool relative) const {
+NearestSegment SegmentTree::nearest(const glm::vec3& point, int32_t below_order, Measure measure,
+                                    const std::vector<char>* excluded, double limit) const {
   NearestSegment best;
-  best.cost = std::numeric_limits<double>::infinity();
-  const auto cost_of = [&](double distance, float radius) {
-    return relative ? distance / (static_cast<double>(radius) + radius_floor_) : distance;
+  best.cost = limit;
+  const auto cost_of = [&](double distance, double radius) {
+    switch (measure) {
+      case Measure::kRadii:
+        return distance / (radius + radius_floor_);
+      case Measure::kSurface:
+        return std::max(distance - radius, 0.0) + kInsideShare * distance;
+      default:
+        return distance;
+    }
   };
   const auto bound = [&](const Node& node) {
     if (node.smallest_order >= below_order) return std::numeric_limits<double>::infinity();
-    return cost_of(box_distance(node.low, node.high, point), node.largest_radius);
+    // A rounding error must not hide what lies exactly as near as the best.
+    return (1.0 - 1e-9) * cost_of(box_distance(node.low, node.high, point), node.largest_radius);
   };
   // The stack never holds more than one sibling a level, and the tree is balanced.
   std::array<std::pair<double, int32_t>, 128> stack;
@@ -107,6 +117,7 @@ NearestSegment SegmentTree::nearest(const glm::vec3& point, int32_t below_order,
     for (int32_t i = node.begin; i < node.end; ++i) {
       const Segment& s = segments_[i];
       if (order_[s.branch] >= below_order) continue;
+      if (excluded != nullptr && (*excluded)[s.branch]) continue;
       const glm::dvec3 a(s.a);
       const glm::dvec3 along = glm::dvec3(s.b) - a;
       const double squared = glm::dot(along, along);

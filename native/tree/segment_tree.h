@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <limits>
 #include <vector>
 
 #include "tree/skeleton.h"
@@ -19,8 +20,19 @@ struct NearestSegment {
   float distance = 0.0f;
   /// Limb radius there, interpolated.
   float radius = 0.0f;
-  /// distance, or distance / (radius + radius_floor) for a relative search.
+  /// The distance in the measure asked for.
   double cost = 0.0;
+};
+
+/// What "nearest" means.
+enum class Measure {
+  /// Metres to the centreline.
+  kDistance,
+  /// Distance in radii of the limb found.
+  kRadii,
+  /// Metres to the limb's surface; inside and on it, a twentieth of the distance to the centreline
+  /// decides.
+  kSurface,
 };
 
 /// The centreline segments of all branches in a bounding volume hierarchy.
@@ -29,14 +41,16 @@ class SegmentTree {
   /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks
   /// for.
   ///   Branches of one point count as a segment of no length; branches without points are left out.
-  /// @param radius_floor added to radii in relative searches, so that a limb of no thickness can
-  /// win too.
+  /// @param radius_floor added to radii in kRadii, so that a limb of no thickness can win too.
   SegmentTree(const std::vector<Branch>& branches, std::vector<int32_t> order, float radius_floor);
 
   /// The nearest segment among branches whose order is below `below_order`. Of equals the one whose
   /// branch, then segment, has the smallest index.
-  /// @param relative measure distances in radii of the limb found instead of in metres.
-  NearestSegment nearest(const glm::vec3& point, int32_t below_order, bool relative) const;
+  /// @param excluded per branch: not to be found; null = none.
+  /// @param limit only what is nearer than this, in the measure, is found.
+  NearestSegment nearest(const glm::vec3& point, int32_t below_order, Measure measure,
+                         const std::vector<char>* excluded = nullptr,
+                         double limit = std::numeric_limits<double>::infinity()) const;
 
  private:
   struct Segment {

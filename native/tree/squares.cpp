@@ -2,9 +2,18 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
 
 namespace snowbough::tree {
 namespace {
+
+/// Cosine between a plane's normal and the limb from which on the plane counts as across it.
+constexpr float kAcross = 0.5f;
+/// A step this many times longer than its neighbours leads to another limb.
+constexpr float kJump = 4.0f;
+/// So does a step to a plane this many times larger.
+constexpr float kSuddenlyThicker = 1.6f;
 
 std::vector<glm::vec3> face_corners(const ObjScene& scene, int32_t face) {
   std::vector<glm::vec3> corners;
@@ -40,6 +49,34 @@ std::optional<CrossSection> join_triangles(const std::vector<glm::vec3>& first,
   const auto i = static_cast<size_t>(own_first - shared_first.begin());
   const auto j = static_cast<size_t>(own_second - shared_second.begin());
   return CrossSection{{first[i], first[(i + 1) % 3], second[j], first[(i + 2) % 3]}};
+}
+
+/// The plane's normal, or nothing for one without area.
+std::optional<glm::vec3> plane_normal(const CrossSection& section) {
+  glm::vec3 normal(0.0f);
+  for (size_t c = 1; c + 1 < section.corners.size(); ++c) {
+    normal += glm::cross(section.corners[c] - section.corners[0],
+                         section.corners[c + 1] - section.corners[0]);
+  }
+  const float length = glm::length(normal);
+  if (length == 0.0f) return std::nullopt;
+  return normal / length;
+}
+
+/// Whether the line from plane i to the next leaves across one of the two.
+bool stands_across(const CrossSection& first, const CrossSection& second, const Limb& limb,
+                   size_t i) {
+  const glm::vec3 line = limb.points[i + 1] - limb.points[i];
+  const float length = glm::length(line);
+  if (length == 0.0f) return true;
+  bool judged = false;
+  for (const CrossSection* section : {&first, &second}) {
+    if (const std::optional<glm::vec3> normal = plane_normal(*section)) {
+      judged = true;
+      if (std::abs(glm::dot(*normal, line)) >= kAcross * length) return true;
+    }
+  }
+  return !judged;
 }
 
 }  // namespace
@@ -92,6 +129,36 @@ std::vector<CrossSection> read_cross_sections(const ObjScene& scene, const Parts
   }
   if (half) unread.push_back(half_part);
   return sections;
+}
+
+double row_share(std::span<const CrossSection> sections) {
+  if (sections.size() < 2) return 0.0;
+  const Limb limb = limb_from_cross_sections(sections);
+  size_t across = 0;
+  for (size_t i = 0; i + 1 < sections.size(); ++i) {
+    across += stands_across(sections[i], sections[i + 1], limb, i) ? 1 : 0;
+  }
+  return static_cast<double>(across) / static_cast<double>(sections.size() - 1);
+}
+
+std::vector<size_t> chain_cross_sections(std::span<const CrossSection> sections) {
+  if (sections.empty()) return {};
+  const Limb limb = limb_from_cross_sections(sections);
+  std::vector<float> steps;
+  for (size_t i = 0; i + 1 < sections.size(); ++i) {
+    steps.push_back(glm::distance(limb.points[i], limb.points[i + 1]));
+  }
+  std::vector<size_t> rows{0};
+  for (size_t i = 0; i < steps.size(); ++i) {
+    const float before = i > rows.back() ? steps[i - 1] : 0.0f;
+    const float after = i + 1 < steps.size() ? steps[i + 1] : 0.0f;
+    const bool jumps = steps[i] > kJump * std::max(before, after);
+    const bool thickens = limb.radii[i + 1] > kSuddenlyThicker * limb.radii[i];
+    if (jumps || thickens || !stands_across(sections[i], sections[i + 1], limb, i)) {
+      rows.push_back(i + 1);
+    }
+  }
+  return rows;
 }
 
 Limb limb_from_cross_sections(std::span<const CrossSection> sections) {

@@ -30,7 +30,17 @@ std::vector<CrossSection> read_cross_sections(const ObjScene& scene, const Parts
                                               std::span<const int32_t> branch_parts,
                                               std::vector<int32_t>& unread);
 
-/// A limb through planes in their order; the thicker end is the root only if the order says so.
+/// Share of the consecutive pairs of planes that stand across the line between their centres;
+/// planes and distances of no size count as such.
+double row_share(std::span<const CrossSection> sections);
+
+/// Cuts planes that follow one another into rows, one a limb: a new row begins where the distance
+/// jumps beyond those before and after it, where the line leaves sideways, or where the limb
+/// suddenly thickens.
+/// @return the first plane of each row.
+std::vector<size_t> chain_cross_sections(std::span<const CrossSection> sections);
+
+/// A limb through planes in their order: the first is the root's.
 Limb limb_from_cross_sections(std::span<const CrossSection> sections);
 
 }  // namespace snowbough::tree

@@ -1,6 +1,7 @@
 #include "tree/up_axis.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace snowbough::tree {
 
@@ -11,8 +12,8 @@ bool grows_along_y(const std::vector<Branch>& branches) {
     if (branch.parent >= 0) continue;
     const double thickest = *std::max_element(branch.radii.begin(), branch.radii.end());
     const glm::dvec3 rise = glm::dvec3(branch.points.back()) - glm::dvec3(branch.points.front());
-    along_y += rise.y * thickest * thickest;
-    along_z += rise.z * thickest * thickest;
+    along_y += std::abs(rise.y) * thickest * thickest;
+    along_z += std::abs(rise.z) * thickest * thickest;
   }
   return along_y >= along_z;
 }

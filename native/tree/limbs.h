@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "tree/classify.h"
+#include "tree/obj_scene.h"
+#include "tree/part_names.h"
+#include "tree/parts.h"
+#include "tree/skeleton.h"
+
+namespace snowbough::tree {
+
+/// The wood of a file as branches that know no parent yet.
+struct TracedBranches {
+  /// Name, level (-1 where no names tell it), points, radii and areas are filled.
+  std::vector<Branch> branches;
+  /// Per branch: either end may be its root.
+  std::vector<char> reversible;
+  /// Per branch: index into PartLabels::names or -1.
+  std::vector<int32_t> label;
+};
+
+/// Gathers tubes and rows of planes in the order of the file. Branches are named after their group
+/// where a group is a branch, and numbered within it otherwise.
+TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                              ClassifiedParts& classified);
+
+/// Sets every branch's level from the names, where they tell it; otherwise all levels are -1.
+/// @param levels the user's level names or "".
+/// @param warnings receives what the user should know.
+/// @throws std::invalid_argument as match_levels.
+void assign_levels(TracedBranches& traced, const PartLabels& labels, TreeForm form,
+                   const std::string& levels, std::vector<std::string>& warnings);
+
+}  // namespace snowbough::tree
