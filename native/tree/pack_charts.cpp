@@ -14,16 +14,25 @@ constexpr int kMaxGutter = 2;
 /// A set of heights, one bit each.
 using Words = std::vector<uint64_t>;
 
-/// keep(y) &= source(y + distance); beyond the end there is nothing free.
-void and_shifted(Words& keep, const uint64_t* source, int distance) {
-  const int count = static_cast<int>(keep.size());
+/// keep(y) &= source(y + distance); beyond the end there is nothing free. Works upwards, so that
+/// both may be the same.
+void and_shifted(uint64_t* keep, const uint64_t* source, int count, int distance) {
   const int whole = distance / kWordBits;
   const int part = distance % kWordBits;
-  for (int i = 0; i < count; ++i) {
-    const uint64_t low = i + whole < count ? source[i + whole] : 0;
-    const uint64_t high = i + whole + 1 < count ? source[i + whole + 1] : 0;
-    keep[i] &= part == 0 ? low : (low >> part) | (high << (kWordBits - part));
+  const int last = count - whole - 1;
+  if (part == 0) {
+    for (int i = 0; i <= last; ++i) {
+      keep[i] &= source[i + whole];
+    }
+  } else {
+    for (int i = 0; i < last; ++i) {
+      keep[i] &= (source[i + whole] >> part) | (source[i + whole + 1] << (kWordBits - part));
+    }
+    if (last >= 0) {
+      keep[last] &= source[count - 1] >> part;
+    }
   }
+  std::fill(keep + std::max(last + 1, 0), keep + count, 0);
 }
 
 /// One bit a cell of the grid: set where a chart may lie. Column by column.
@@ -32,14 +41,16 @@ class FreeCells {
   explicit FreeCells(int grid)
       : words_((grid + kWordBits - 1) / kWordBits),
         bits_(static_cast<size_t>(grid) * words_, 0),
-        longest_(grid, grid) {
-    for (int x = 1; x + 1 < grid; ++x) {
-      for (int y = 1; y + 1 < grid; ++y) {
-        bits_[static_cast<size_t>(x) * words_ + y / kWordBits] |= uint64_t{1} << (y % kWordBits);
-      }
-      longest_[x] = -1;
+        longest_(grid, 0) {
+    Words inner(words_, ~uint64_t{0});
+    inner.front() &= ~uint64_t{1};
+    for (int y = grid - 1; y < words_ * kWordBits; ++y) {
+      inner[y / kWordBits] &= ~(uint64_t{1} << (y % kWordBits));
     }
-    longest_.front() = longest_.back() = 0;
+    for (int x = 1; x + 1 < grid; ++x) {
+      std::copy(inner.begin(), inner.end(), &bits_[static_cast<size_t>(x) * words_]);
+    }
+    std::fill(longest_.begin() + 1, longest_.end() - 1, grid - 2);
   }
 
   int words() const { return words_; }
@@ -65,10 +76,10 @@ class FreeCells {
   }
 
   /// Length of the longest free run of a column; kept until the column changes.
-  int longest_run(int x) {
-    if (longest_[x] >= 0) {
-      return longest_[x];
-    }
+  int longest_run(int x) { return longest_[x] >= 0 ? longest_[x] : find_longest_run(x); }
+
+ private:
+  int find_longest_run(int x) {
     const uint64_t* column = this->column(x);
     int best = 0;
     int run = 0;
@@ -93,18 +104,26 @@ class FreeCells {
     return longest_[x] = best;
   }
 
- private:
   int words_;
   std::vector<uint64_t> bits_;
   std::vector<int> longest_;
 };
 
-/// A shape in one of its orientations, with its columns in the order in which they fail soonest.
+/// Columns that are taken over the same heights.
+struct ColumnGroup {
+  int begin = 0;
+  int end = 0;
+  std::vector<int> columns;
+
+  int length() const { return end - begin; }
+};
+
+/// A shape in one of its orientations; its longest columns first, where it fails soonest.
 struct Oriented {
   Placement placement;
   std::vector<int> begin;
   std::vector<int> end;
-  std::vector<int> order;
+  std::vector<ColumnGroup> groups;
 };
 
 Oriented orient(const PackShape& shape, bool columns_reversed, bool rows_reversed) {
@@ -122,11 +141,17 @@ Oriented orient(const PackShape& shape, bool columns_reversed, bool rows_reverse
     std::reverse(result.begin.begin(), result.begin.end());
     std::reverse(result.end.begin(), result.end.end());
   }
-  result.order.resize(shape.width);
-  std::iota(result.order.begin(), result.order.end(), 0);
-  std::stable_sort(result.order.begin(), result.order.end(), [&](int a, int b) {
-    return result.end[a] - result.begin[a] > result.end[b] - result.begin[b];
-  });
+  for (int j = 0; j < shape.width; ++j) {
+    const bool same =
+        j > 0 && result.begin[j] == result.begin[j - 1] && result.end[j] == result.end[j - 1];
+    if (!same) {
+      result.groups.push_back({result.begin[j], result.end[j], {}});
+    }
+    result.groups.back().columns.push_back(j);
+  }
+  std::stable_sort(
+      result.groups.begin(), result.groups.end(),
+      [](const ColumnGroup& a, const ColumnGroup& b) { return a.length() > b.length(); });
   return result;
 }
 
@@ -146,41 +171,44 @@ std::vector<Oriented> orientations(const PackShape& shape) {
   return result;
 }
 
-/// Scratch space of the search for heights.
-struct Search {
-  Words feasible;
-  Words run;
-  Words doubled;
-};
+/// Whether any column has no free run long enough for the shape; cheap, and mostly so.
+bool is_hopeless(FreeCells& free, const Oriented& shape, int x) {
+  for (const ColumnGroup& group : shape.groups) {
+    for (const int j : group.columns) {
+      if (free.longest_run(x + j) < group.length()) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
 
 /// Lowest height at which the shape fits with its left column at x; -1 if there is none.
-int lowest_fit(FreeCells& free, const Oriented& shape, int x, Search& search) {
-  for (const int j : shape.order) {
-    if (free.longest_run(x + j) < shape.end[j] - shape.begin[j]) {
-      return -1;
+int lowest_fit(const FreeCells& free, const Oriented& shape, int x, Words& feasible, Words& run) {
+  const int words = free.words();
+  feasible.assign(words, ~uint64_t{0});
+  run.resize(words);
+  for (const ColumnGroup& group : shape.groups) {
+    const uint64_t* first = free.column(x + group.columns.front());
+    std::copy(first, first + words, run.begin());
+    for (size_t i = 1; i < group.columns.size(); ++i) {
+      and_shifted(run.data(), free.column(x + group.columns[i]), words, 0);
     }
-  }
-  search.feasible.assign(free.words(), ~uint64_t{0});
-  for (const int j : shape.order) {
-    const int length = shape.end[j] - shape.begin[j];
-    const uint64_t* column = free.column(x + j);
-    search.run.assign(column, column + free.words());
+    // Heights from which a run of `covered` cells is free; doubled until it is the group's length.
     int covered = 1;
-    while (covered < length) {
-      const int step = std::min(covered, length - covered);
-      search.doubled = search.run;
-      and_shifted(search.run, search.doubled.data(), step);
+    while (covered < group.length()) {
+      const int step = std::min(covered, group.length() - covered);
+      and_shifted(run.data(), run.data(), words, step);
       covered += step;
     }
-    and_shifted(search.feasible, search.run.data(), shape.begin[j]);
-    if (std::all_of(search.feasible.begin(), search.feasible.end(),
-                    [](uint64_t word) { return word == 0; })) {
+    and_shifted(feasible.data(), run.data(), words, group.begin);
+    if (std::all_of(feasible.begin(), feasible.end(), [](uint64_t word) { return word == 0; })) {
       return -1;
     }
   }
-  for (size_t i = 0; i < search.feasible.size(); ++i) {
-    if (search.feasible[i] != 0) {
-      return static_cast<int>(i) * kWordBits + std::countr_zero(search.feasible[i]);
+  for (int i = 0; i < words; ++i) {
+    if (feasible[i] != 0) {
+      return i * kWordBits + std::countr_zero(feasible[i]);
     }
   }
   return -1;
@@ -208,7 +236,8 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
   // taken with the widest.
   FreeCells clear_of_own(grid);
   FreeCells clear_of_widest(grid);
-  Search search;
+  Words feasible;
+  Words run;
   std::vector<Placement> placements(shapes.size());
   for (size_t i = 0; i < shapes.size(); ++i) {
     const PackShape& shape = shapes[i];
@@ -217,7 +246,10 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
     Oriented* found = nullptr;
     for (int x = 1; x + shape.width < grid && found == nullptr; ++x) {
       for (Oriented& candidate : candidates) {
-        const int y = lowest_fit(free, candidate, x, search);
+        if (is_hopeless(free, candidate, x)) {
+          continue;
+        }
+        const int y = lowest_fit(free, candidate, x, feasible, run);
         if (y >= 0 && (found == nullptr || y < found->placement.y)) {
           candidate.placement.x = x;
           candidate.placement.y = y;

@@ -15,13 +15,17 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kMinResolution = 16;
-constexpr int kMaxResolution = 8192;
+constexpr int kMaxResolution = 16384;
 /// Finest packing grid: larger maps are packed in cells of several texels, to the same fill.
 constexpr int kMaxGrid = 2048;
 /// A row longer than the map may be squeezed to this share of its length; then the scale gives in.
 constexpr double kMinSqueeze = 2.0 / 3.0;
-/// Steps of the bisection for the scale; each halves the interval [kMinFill, 1] of what fits.
-constexpr int kSearchSteps = 6;
+/// Steps of the bisection for the scale at which the charts' areas alone would fill the map.
+constexpr int kDemandSteps = 10;
+/// Packing nearly always reaches this share of that scale and hardly ever the whole of it.
+constexpr double kUsualShare = 0.9;
+/// Steps of the bisection from there on.
+constexpr int kSearchSteps = 5;
 
 /// All charts at one scale and where they lie.
 struct Layout {
@@ -109,15 +113,6 @@ double largest_scale(const std::vector<Strip>& strips, int resolution) {
 std::optional<Layout> search_scale(const std::vector<Strip>& strips, int resolution) {
   const int grid = grid_of(resolution);
   const double cells = static_cast<double>(grid) * grid;
-  // The scale at which the charts and their gutters would fill the map without a gap.
-  double high = largest_scale(strips, resolution);
-  if (demand(shape_layout(strips, high, resolution)) > cells) {
-    double low = 0.0;
-    for (int step = 0; step < 24; ++step) {
-      const double middle = 0.5 * (low + high);
-      (demand(shape_layout(strips, middle, resolution)) > cells ? high : low) = middle;
-    }
-  }
   std::optional<Layout> best;
   const auto attempt = [&](double scale) {
     Layout layout = shape_layout(strips, scale, resolution);
@@ -127,14 +122,20 @@ std::optional<Layout> search_scale(const std::vector<Strip>& strips, int resolut
     best = std::move(layout);
     return true;
   };
+  double high = largest_scale(strips, resolution);
   if (attempt(high)) {
     return best;
   }
-  // Packing wastes little: look near that scale first, then ever further down.
-  double low = 0.9 * high;
+  // The scale at which the charts and their gutters would fill the map without a gap.
+  double bottom = 0.0;
+  for (int step = 0; step < kDemandSteps; ++step) {
+    const double middle = 0.5 * (bottom + high);
+    (demand(shape_layout(strips, middle, resolution)) > cells ? high : bottom) = middle;
+  }
+  double low = kUsualShare * high;
   while (!attempt(low)) {
     high = low;
-    low *= low > 0.5 * high ? 0.85 : 0.5;
+    low *= low > 0.5 * bottom ? 0.85 : 0.5;
     if (low * resolution < 1e-12) {
       return std::nullopt;
     }
