@@ -18,7 +18,7 @@ bl_info = {
     "category": "Import-Export",
 }
 
-MODULES = ("settings", "result_operators")
+MODULES = ("settings", "result_operators", "direction")
 
 _modules = [importlib.import_module(f".{name}", __package__) for name in MODULES]
 

@@ -162,6 +162,11 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         soft_min=-2 * math.pi,
         soft_max=2 * math.pi,
     )
+    show_direction: BoolProperty(
+        name="Show Direction",
+        description="Show dials for the direction of the snow in the 3D view",
+        default=True,
+    )
     flutter: FloatProperty(
         name="Flutter",
         description="Half angle of the cone in which flakes stray from the direction (degrees)",
