@@ -18,7 +18,7 @@ bl_info = {
     "category": "Import-Export",
 }
 
-MODULES = ("settings", "result_operators", "direction")
+MODULES = ("settings", "receivers", "bake_engine", "bake_operators", "result_operators")
 
 _modules = [importlib.import_module(f".{name}", __package__) for name in MODULES]
 

@@ -341,6 +341,18 @@ def baked_frames(folder):
     return sorted(int(match.group(1)) for match in matches if match)
 
 
+def remove_empty_folders(root):
+    """Removes empty receivers' and versions' folders, and the scene's where nothing is left."""
+    root = Path(root)
+    for number in versions(root):
+        folder = version_folder(root, number)
+        for child in [folder / name for name in os.listdir(folder)] + [folder]:
+            with contextlib.suppress(OSError):
+                child.rmdir()
+    with contextlib.suppress(OSError):
+        root.rmdir()
+
+
 def free(root, keys=None):
     """Removes the bakes of receivers ``keys`` (None: all) in all versions of a scene's folder, and every
     folder that this leaves empty. Returns the number of files. Raises CacheBusy when one is baking."""
@@ -355,15 +367,9 @@ def free(root, keys=None):
     for folder in folders:
         with lock_folder(folder):
             removed += clear(folder, keep_lock=True)
-        with contextlib.suppress(OSError):
-            folder.rmdir()
     if keys is None:
         shutil.rmtree(root / "logs", ignore_errors=True)
-    for number in versions(root):
-        with contextlib.suppress(OSError):
-            version_folder(root, number).rmdir()
-    with contextlib.suppress(OSError):
-        root.rmdir()
+    remove_empty_folders(root)
     return removed
 
 

@@ -275,3 +275,45 @@ def set_adaptive_subdivision(scene, obj, modifier, use):
 def eevee_displaces():
     """Whether EEVEE moves vertices by a material's displacement (4.2 on); before it only bumps."""
     return VERSION >= (4, 2, 0)
+
+
+# --------------------------------------------------------------------------------------------------
+# Evaluated meshes
+
+
+def read_positions(mesh):
+    """Vertex positions as float32 (V, 3)."""
+    positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
+    attribute = mesh.attributes.get("position")
+    if attribute is not None:  # 3.5 on: plain memory; by vertices it is many times slower from 4.3 on
+        attribute.data.foreach_get("vector", positions.ravel())
+    else:
+        mesh.vertices.foreach_get("co", positions.ravel())
+    return positions
+
+
+def read_corner_vertices(mesh):
+    """Vertex index of every corner as int32 (L,)."""
+    corners = np.empty(len(mesh.loops), dtype=np.int32)
+    attribute = mesh.attributes.get(".corner_vert")
+    if attribute is not None:
+        attribute.data.foreach_get("value", corners)
+    else:
+        mesh.loops.foreach_get("vertex_index", corners)
+    return corners
+
+
+def read_uv(layer, corner_count):
+    """UV coordinates of every corner as float32 (L, 2)."""
+    uv = np.empty((corner_count, 2), dtype=np.float32)
+    if hasattr(layer, "uv"):
+        layer.uv.foreach_get("vector", uv.ravel())
+    else:
+        layer.data.foreach_get("uv", uv.ravel())
+    return uv
+
+
+def ensure_triangles(mesh):
+    """Makes mesh.loop_triangles valid; from 4.1 on Blender does so by itself."""
+    if hasattr(mesh, "calc_loop_triangles"):
+        mesh.calc_loop_triangles()

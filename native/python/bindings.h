@@ -12,6 +12,8 @@ void bind_tree(pybind11::module_& module);
 void bind_tree_uvs(pybind11::module_& module);
 /// SnowSimulation, gpu_info.
 void bind_snow(pybind11::module_& module);
+/// simulation_state, set_simulation_state: checkpoints as plain arrays.
+void bind_snow_state(pybind11::module_& module);
 /// read_exr, write_exr, write_png, texel_table.
 void bind_image(pybind11::module_& module);
 

@@ -1,0 +1,265 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The hidden render engine that a bake runs in.
+
+A render is the one place where Blender evaluates a scene as the render sees it (render subdivision, render
+visibility), in a thread of its own, with its progress bar and Esc, in the window and in the background.
+So a bake is a render with an engine that draws nothing: its ``render()`` walks the frames with
+``self.frame_set`` and hands what it reads to a BakeJob, which holds plain data only.
+
+What a render needs and a bake must not change is set before and put back after, by names and never by
+references, which an undo would leave dangling: engine, size, a temporary camera where there is none, the
+other view layers, and Snowbough's own displacement, or a second bake would snow on the first one's snow.
+The engine's class is registered only while a bake runs, so it shows up in no menu.
+"""
+
+import time
+
+import bpy
+
+from . import bake_job, displacement, scene_reader
+
+ENGINE = "SNOWBOUGH_BAKE"
+CAMERA = "Snowbough Bake Camera"
+
+POLL_SECONDS = 0.1
+
+# What a bake renders with: attribute of scene.render -> value.
+RENDER_SETTINGS = {
+    "engine": ENGINE,
+    "resolution_x": 16,
+    "resolution_y": 16,
+    "resolution_percentage": 100,
+    "use_border": False,
+    "use_compositing": False,
+    "use_sequencer": False,
+    "use_multiview": False,
+    "use_freestyle": False,
+    "use_lock_interface": True,
+}
+
+
+class Session:
+    """A running bake, and afterwards how it went. Texts and numbers only, besides the job."""
+
+    def __init__(self, job, specs, scale_length, on_frame=None):
+        self.job = job
+        self.specs = specs
+        self.scale_length = scale_length
+        self.on_frame = on_frame
+        self.error = None
+        self.cancelled = False
+        self.stop_requested = False
+        self.begun = time.monotonic()
+        self.taken = False
+        self.done = False
+        self.last_result = None
+
+    @property
+    def fraction(self):
+        """0 to 1."""
+        if self.last_result is None:
+            return 0.0
+        result = self.last_result
+        return (result.frame - result.first + 1) / (result.last - result.first + 1)
+
+    def seconds_left(self):
+        """An estimate from the frames so far, None before the first."""
+        results = self.job.results
+        if not results:
+            return None
+        pace = sum(result.seconds["total"] for result in results) / len(results)
+        return pace * (results[-1].last - results[-1].frame)
+
+    def status(self):
+        """One line for people: ``frame 12 of 1-48, 0:34 left``."""
+        if self.last_result is None:
+            return "preparing"
+        left = int(self.seconds_left() + 0.5)
+        result = self.last_result
+        return f"frame {result.frame} of {result.first}-{result.last}, {left // 60}:{left % 60:02d} left"
+
+
+_session = None
+_prepared = None
+_finished = None
+
+
+def session():
+    """The running Session, or None."""
+    return _session
+
+
+class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
+    bl_idname = ENGINE
+    bl_label = "Snowbough Bake"
+
+    def render(self, depsgraph):
+        running = _session
+        if running is None or running.taken:
+            return
+        running.taken = True
+        reader = scene_reader.SceneReader(running.specs, running.scale_length)
+        in_window = not bpy.app.background
+
+        def evaluate(frame, subframe):
+            self.frame_set(frame, subframe)
+            return reader.read(depsgraph, frame)
+
+        def report(result):
+            running.last_result = result
+            self.update_progress(running.fraction)
+            if in_window:
+                self.update_stats("Snowbough", running.status())
+            if running.on_frame is not None:
+                running.on_frame(result)
+
+        def cancelled():
+            return running.stop_requested or self.test_break()
+
+        try:
+            running.job.run(evaluate, report, cancelled)
+        except bake_job.BakeCancelled:
+            running.cancelled = True
+        except Exception as error:  # an exception that leaves render() would only be printed
+            running.error = error
+        finally:
+            running.done = True
+
+
+class _PreparedScene:
+    """What was changed for the bake, by names. restore() puts it back."""
+
+    def __init__(self, scene, view_layer):
+        self._scene_name = scene.name
+        render = scene.render
+        self._settings = {name: getattr(render, name) for name in RENDER_SETTINGS if hasattr(render, name)}
+        self._frame = (scene.frame_current, scene.frame_subframe)
+        self._layers = {layer.name: layer.use for layer in scene.view_layers}
+        self._muted = displacement.Muted(scene)
+        preferences = bpy.context.preferences.view
+        self._display = preferences.render_display_type
+        self._temporary_camera = scene.camera is None
+
+        bpy.utils.register_class(SNOWBOUGH_BAKE)
+        self._muted.__enter__()
+        for name in self._settings:
+            setattr(render, name, RENDER_SETTINGS[name])
+        for layer in scene.view_layers:
+            layer.use = layer.name == view_layer.name
+        if self._temporary_camera:
+            scene.camera = bpy.data.objects.new(CAMERA, bpy.data.cameras.new(CAMERA))
+        preferences.render_display_type = "NONE"
+
+    def restore(self):
+        bpy.context.preferences.view.render_display_type = self._display
+        scene = bpy.data.scenes.get(self._scene_name)
+        if scene is not None:
+            for name, value in self._settings.items():
+                setattr(scene.render, name, value)
+            for layer in scene.view_layers:
+                layer.use = self._layers.get(layer.name, layer.use)
+            self._muted.__exit__()
+            if self._temporary_camera:
+                self._remove_camera(scene)
+            scene.frame_set(self._frame[0], subframe=self._frame[1])
+        bpy.utils.unregister_class(SNOWBOUGH_BAKE)
+
+    @staticmethod
+    def _remove_camera(scene):
+        camera = scene.camera
+        if camera is not None and camera.name.startswith(CAMERA):
+            data = camera.data
+            scene.camera = None
+            bpy.data.objects.remove(camera)
+            bpy.data.cameras.remove(data)
+
+
+def _begin(context, running):
+    global _session, _prepared
+    if _session is not None:
+        raise RuntimeError("A bake is running already")
+    _prepared = _PreparedScene(context.scene, context.view_layer)
+    _session = running
+
+
+def _end():
+    global _session, _prepared
+    running, _session = _session, None
+    prepared, _prepared = _prepared, None
+    prepared.restore()
+    if not running.taken and running.error is None:
+        running.error = RuntimeError("Blender did not start the render that the bake runs in")
+    return running
+
+
+def run(context, running):
+    """Bakes and returns when it is done, in the background or in a script. The outcome is in `running`."""
+    _begin(context, running)
+    try:
+        bpy.ops.render.render(scene=context.scene.name)
+    finally:
+        _end()
+
+
+def start(context, running, finished):
+    """Starts the bake as a job of Blender's and returns at once. finished(running) is called in the main
+    thread when everything is put back; not at all when another file is loaded meanwhile."""
+    global _finished
+    _begin(context, running)
+    _finished = finished
+    try:
+        outcome = bpy.ops.render.render("INVOKE_DEFAULT", scene=context.scene.name)
+    except RuntimeError:
+        _end()
+        raise
+    if "CANCELLED" in outcome:
+        running.error = RuntimeError("Blender is rendering: wait for it, then bake")
+        _end()
+        raise running.error
+    bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
+
+
+def stop():
+    """Asks the running bake to stop after the frame it works on."""
+    if _session is not None:
+        _session.stop_requested = True
+
+
+def _poll():
+    """Waits in the main thread for the job's end."""
+    global _finished
+    if _session is None:
+        return None
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type in {"PROPERTIES", "VIEW_3D"}:
+                area.tag_redraw()
+    if bpy.app.is_job_running("RENDER") or not (_session.done or time.monotonic() - _session.begun > 5.0):
+        return POLL_SECONDS
+    running = _end()
+    finished, _finished = _finished, None
+    finished(running)
+    return None
+
+
+@bpy.app.handlers.persistent
+def _forget(*_):
+    """Another file is being loaded: the job has been stopped by Blender, and its scene is going."""
+    global _session, _prepared, _finished
+    if _session is None:
+        return
+    _session.stop_requested = True
+    _end()
+    _finished = None
+
+
+def register():
+    bpy.app.handlers.load_pre.append(_forget)
+
+
+def unregister():
+    if _forget in bpy.app.handlers.load_pre:
+        bpy.app.handlers.load_pre.remove(_forget)
+    stop()
+    if _session is not None and bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.unregister(_poll)

@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``cli.py bake``: bakes the loaded file without a window.
+
+One line a frame on standard output, made of ``name=value`` words, seconds and metres::
+
+    SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
+
+Exit codes, also in the JSON report:
+
+===  ==================================================================================================
+0    everything asked for is baked (or was already)
+1    the scene or its settings cannot be baked, or something unforeseen happened; nothing was begun
+2    the command line is wrong
+3    no checkpoint to start from
+4    settings or scene are not those that the cache was baked from; the message names what changed
+5    the cache cannot be written, is full or is locked by another bake; what is done can be resumed
+6    no EGL or no driver to compute with, or no native module
+130  stopped (Ctrl-C); what is done can be resumed
+===  ==================================================================================================
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import bpy
+
+from . import bake_engine, bake_job, bake_operators, bake_plan, cache, native
+
+OK, FAILED, USAGE, NO_CHECKPOINT, CHANGED, CACHE, NO_GPU, STOPPED = 0, 1, 2, 3, 4, 5, 6, 130
+
+
+def exit_code(error):
+    """The exit code for what went wrong."""
+    for kinds, code in (
+        ((cache.NoCheckpoint,), NO_CHECKPOINT),
+        ((cache.InputsChanged,), CHANGED),
+        ((cache.CacheError, OSError), CACHE),
+        ((native.NativeModuleMissing, bake_job.NoGpu), NO_GPU),
+        ((bake_job.WriteFailed,), CACHE),
+    ):
+        if isinstance(error, kinds):
+            return code
+    return FAILED
+
+
+def frame_line(result, seconds_left):
+    return (
+        f"SNOWBOUGH frame={result.frame} first={result.first} last={result.last} depth={result.depth:.6f} "
+        f"volume={result.volume:.6f} slid={result.slid:.6f} seconds={result.seconds['total']:.3f} "
+        f"left={seconds_left:.1f}"
+    )
+
+
+def run(args):
+    """Bakes as the command line says and returns the exit code.
+
+    args: namespace with frames ("1-48" or None), cache (folder or None), json (file or None), resume
+    (bool), objects ("A,B" or None).
+    """
+    scene = bpy.context.scene
+    report = {"exit_code": FAILED, "error": None, "frames": [], "receivers": {}}
+    code, message = FAILED, None
+    try:
+        settings = scene.snowbough
+        first, last = settings.frame_start, settings.frame_end
+        if args.frames:
+            first, last = bake_plan.parse_frames(args.frames, first, last)
+        objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
+        request = bake_operators.make_request(
+            scene,
+            resume=bool(args.resume),
+            first=first,
+            last=last,
+            objects=objects,
+            directory=args.cache,
+            allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
+        )
+        code, message = _bake(request, report)
+    except (ValueError, RuntimeError, OSError) as error:
+        code, message = exit_code(error), bake_operators.one_line(error)
+    report["exit_code"], report["error"] = code, message
+    if args.json:
+        try:
+            Path(args.json).parent.mkdir(parents=True, exist_ok=True)
+            cache.write_bytes(args.json, json.dumps(report, indent=1).encode() + b"\n")
+        except (cache.CacheError, OSError) as error:
+            message, code = message or bake_operators.one_line(error), code or CACHE
+    if message:
+        print(f"SNOWBOUGH error={json.dumps(message)} code={code}", file=sys.stderr, flush=True)
+    else:
+        print(f"SNOWBOUGH done frames={len(report['frames'])} version={report.get('version', '')}", flush=True)
+    return code
+
+
+def _bake(request, report):
+    """(exit code, message or None)"""
+
+    def on_frame(result):
+        left = running.seconds_left() or 0.0
+        print(frame_line(result, left), flush=True)
+        report["frames"].append(
+            {
+                "frame": result.frame,
+                "depth": result.depth,
+                "volume": result.volume,
+                "slid": result.slid,
+                "seconds": {name: round(value, 6) for name, value in sorted(result.seconds.items())},
+            }
+        )
+
+    running = bake_operators.make_session(bpy.context.scene, request, on_frame)
+    bake_engine.run(bpy.context, running)
+    job = running.job
+    report["version"] = str(job.version) if job.version else ""
+    report["pixel_size"] = job.pixel_size
+    report["receivers"] = {label: str(folder) for label, folder in sorted(job.folders.items())}
+    report["settings"] = {"frame_start": request.frame_start, "frame_end": request.frame_end,
+                          "first": request.first, "last": request.last}  # fmt: skip
+    if running.error is not None:
+        return exit_code(running.error), bake_operators.one_line(running.error)
+    if running.cancelled:
+        return STOPPED, bake_operators.outcome(running)[1]
+    return OK, None

@@ -1,0 +1,36 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where snow ever lay on a map during the bake. No ``bpy``.
+
+The geometry-nodes shell is cut by this mask and not by the frame's own height, so that its topology stays
+the same over the shot (motion blur and denoisers need that).
+"""
+
+import base64
+import zlib
+
+import numpy as np
+
+
+class Coverage:
+    """A mask of resolution x resolution texels, row 0 = v 0."""
+
+    def __init__(self, resolution, mask=None):
+        self.mask = np.zeros((resolution, resolution), dtype=bool) if mask is None else mask
+
+    def add(self, height):
+        """Marks the texels where a height map (H, W) in metres shows snow."""
+        np.logical_or(self.mask, height > 0, out=self.mask)
+
+    def pack(self):
+        """The mask as a text for a checkpoint; unpack reads it."""
+        return base64.b64encode(zlib.compress(np.packbits(self.mask).tobytes(), 1)).decode()
+
+    @classmethod
+    def unpack(cls, resolution, text):
+        bits = np.frombuffer(zlib.decompress(base64.b64decode(text)), dtype=np.uint8)
+        mask = np.unpackbits(bits, count=resolution * resolution).astype(bool)
+        return cls(resolution, mask.reshape(resolution, resolution))
+
+    def write(self, native, path):
+        """Writes ever_covered.exr: 1 where snow lay, else 0."""
+        native.write_exr(str(path), self.mask.astype(np.float32))
