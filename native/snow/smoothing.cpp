@@ -1,0 +1,145 @@
+#include "snow/smoothing.h"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace snowbough::snow {
+namespace {
+
+constexpr double kTapOffset[] = {0.0, 1.3846, 3.2307};
+constexpr double kTapWeight[] = {0.2270, 0.3162, 0.0702};
+constexpr int32_t kMostPasses = 64;
+
+/// Weights with the taps at `scale` times their offsets, each shared by the two texels beside it.
+std::array<double, kFilterReach + 1> scaled_weights(double scale) {
+  std::array<double, kFilterReach + 1> weights{};
+  double sum = 0.0;
+  for (int tap = 0; tap < 3; ++tap) {
+    const double offset = kTapOffset[tap] * scale;
+    const auto lower = static_cast<size_t>(offset);
+    const double part = offset - static_cast<double>(lower);
+    // Taps left and right that fall on the texel itself count twice there.
+    const double sides = tap == 0 ? 1.0 : 2.0;
+    sum += sides * kTapWeight[tap];
+    weights[lower] += kTapWeight[tap] * (1.0 - part) * (lower == 0 ? sides : 1.0);
+    if (part > 0.0) weights[lower + 1] += kTapWeight[tap] * part;
+  }
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+double variance_of(const std::array<double, kFilterReach + 1>& weights) {
+  double variance = 0.0;
+  for (int32_t k = 1; k <= kFilterReach; ++k) variance += 2.0 * k * k * weights[k];
+  return variance;
+}
+
+std::array<FilterWeights, kFilterLevels> make_levels() {
+  std::array<FilterWeights, kFilterLevels> levels{};
+  const double full = std::sqrt(variance_of(scaled_weights(1.0)));
+  for (int32_t level = 0; level < kFilterLevels; ++level) {
+    const double sigma = full * level / (kFilterLevels - 1);
+    // The variance grows with the scale, in straight pieces: bisection finds it exactly enough.
+    double low = 0.0;
+    double high = 1.0;
+    for (int step = 0; step < 50; ++step) {
+      const double middle = 0.5 * (low + high);
+      (variance_of(scaled_weights(middle)) < sigma * sigma ? low : high) = middle;
+    }
+    const auto weights = scaled_weights(level == kFilterLevels - 1 ? 1.0 : high);
+    for (int32_t k = 0; k <= kFilterReach; ++k) levels[level][k] = static_cast<float>(weights[k]);
+  }
+  levels[0] = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  return levels;
+}
+
+/// The texel length that a tenth of the covered texels fall short of.
+double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
+  std::vector<std::pair<float, float>> sizes;
+  double total = 0.0;
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    for (const float size : {seams.texel_size[i].x, seams.texel_size[i].y}) {
+      if (size <= 0.0f) continue;
+      sizes.emplace_back(size, table.coverage[i]);
+      total += table.coverage[i];
+    }
+  }
+  if (sizes.empty()) return 0.0;
+  std::sort(sizes.begin(), sizes.end());
+  double sum = 0.0;
+  for (const auto& [size, coverage] : sizes) {
+    sum += coverage;
+    if (sum >= 0.1 * total) return size;
+  }
+  return sizes.back().first;
+}
+
+void filter_lines(const TexelLines& lines, const std::vector<float>& line,
+                  const std::vector<uint8_t>& level, std::vector<float>& values) {
+  const auto& levels = filter_levels();
+  for (size_t i = 0; i < values.size(); ++i) {
+    const float* at = line.data() + lines.place[i];
+    const FilterWeights& w = levels[level[i]];
+    float sum = w[0] * at[0];
+    float weight = w[0];
+    for (int32_t k = 1; k <= kFilterReach; ++k) {
+      for (const float value : {at[-k], at[k]}) {
+        const float present = value >= 0.0f ? w[k] : 0.0f;
+        sum += present * value;
+        weight += present;
+      }
+    }
+    values[i] = sum / weight;
+  }
+}
+
+}  // namespace
+
+const std::array<FilterWeights, kFilterLevels>& filter_levels() {
+  static const std::array<FilterWeights, kFilterLevels> levels = make_levels();
+  return levels;
+}
+
+double full_filter_sigma() {
+  return std::sqrt(variance_of(scaled_weights(1.0)));
+}
+
+SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, float blur_radius) {
+  if (!(blur_radius >= 0.0f) || !std::isfinite(blur_radius)) {
+    throw std::invalid_argument("blur_radius must be 0 or more metres");
+  }
+  SmoothingPlan plan;
+  const double size = fine_texel_size(table, seams);
+  if (blur_radius == 0.0f || size == 0.0) return plan;
+  const double wanted = blur_radius / (full_filter_sigma() * size);
+  plan.passes =
+      static_cast<int32_t>(std::clamp(std::ceil(wanted * wanted), 1.0, double{kMostPasses}));
+  // Variances of repeated passes add up.
+  const double pass_radius = blur_radius / std::sqrt(static_cast<double>(plan.passes));
+  const auto level = [&](float texel_size) {
+    if (texel_size <= 0.0f) return uint8_t{0};
+    const double part = pass_radius / (full_filter_sigma() * texel_size);
+    return static_cast<uint8_t>(std::lround(std::min(part, 1.0) * (kFilterLevels - 1)));
+  };
+  for (const glm::vec2 texel_size : seams.texel_size) {
+    plan.level_u.push_back(level(texel_size.x));
+    plan.level_v.push_back(level(texel_size.y));
+  }
+  return plan;
+}
+
+std::vector<float> smooth_on_cpu(const SeamTable& seams, const SmoothingPlan& plan,
+                                 const std::vector<float>& height) {
+  std::vector<float> values = height;
+  std::vector<float> line;
+  for (int32_t pass = 0; pass < plan.passes; ++pass) {
+    fill_lines(seams.u, values, line);
+    filter_lines(seams.u, line, plan.level_u, values);
+    fill_lines(seams.v, values, line);
+    filter_lines(seams.v, line, plan.level_v, values);
+  }
+  return values;
+}
+
+}  // namespace snowbough::snow

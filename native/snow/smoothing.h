@@ -1,0 +1,52 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "snow/seam_table.h"
+#include "snow/texel_table.h"
+
+namespace snowbough::snow {
+
+/// The separable 5-tap Gaussian of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and
+/// Snow, 2014, section 4.2: taps at 0, +-1.3846 and +-3.2307 texels, each between two texels and
+/// interpolated, with the weights 0.2270, 0.3162 and 0.0702. One pass at full scale has a standard
+/// deviation of 1.69 texels. A scaled pass moves the taps inwards.
+
+/// Weights of a texel and of its first to fourth neighbours on either side:
+/// w[0] + 2 (w[1] + .. + w[4]) = 1.
+using FilterWeights = std::array<float, kFilterReach + 1>;
+
+/// Scales of the filter that texels choose from: 0 (nothing) to 255 (standard deviation 1.69).
+inline constexpr int32_t kFilterLevels = 256;
+
+/// The weights of each level; the standard deviation grows evenly from level to level.
+const std::array<FilterWeights, kFilterLevels>& filter_levels();
+
+/// Standard deviation of level 255 in texels.
+double full_filter_sigma();
+
+/// How a map is to be smoothed.
+struct SmoothingPlan {
+  /// How often the filter is applied, along u and v each; 0 = the map is passed on as it is.
+  int32_t passes = 0;
+  /// Per owned texel: level of the filter along u and along v. A texel that is longer than others
+  /// takes a smaller level, so that the radius is the same in metres everywhere.
+  std::vector<uint8_t> level_u;
+  std::vector<uint8_t> level_v;
+};
+
+/// Plans a Gaussian of the standard deviation `blur_radius` (metres, on the surface; 0 = none).
+/// There are as many passes as the map's fine texels need (the finest tenth of its surface
+/// excepted), 64 at most: a radius over 13.5 of those texels comes out smaller. Texels far longer
+/// than the radius are hardly smoothed at all, as it should be.
+/// @throws std::invalid_argument for a negative or not finite radius.
+SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, float blur_radius);
+
+/// Smooths one value an owned texel (TexelTable's order) on the processor; what has no surface
+/// around takes no part. The same arithmetic as SmoothingPass, which does it on the GPU.
+std::vector<float> smooth_on_cpu(const SeamTable& seams, const SmoothingPlan& plan,
+                                 const std::vector<float>& height);
+
+}  // namespace snowbough::snow
