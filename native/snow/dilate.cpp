@@ -1,20 +1,40 @@
 #include "snow/dilate.h"
 
+#include <algorithm>
+
 namespace snowbough::snow {
+namespace {
+
+float weighted_sum(const WeightedRows& rows, size_t row, const std::vector<float>& values) {
+  float sum = 0.0f;
+  for (int32_t t = rows.begin[row]; t < rows.begin[row + 1]; ++t) {
+    sum += rows.weight[t] * values[rows.source[t]];
+  }
+  return sum;
+}
+
+}  // namespace
 
 std::vector<float> dilate_on_cpu(const TexelTable& table, const SeamTable& seams,
                                  const std::vector<float>& heights) {
   std::vector<float> map(static_cast<size_t>(table.resolution) * table.resolution, 0.0f);
   for (size_t i = 0; i < table.texel.size(); ++i) map[table.texel[i]] = heights[i];
-  const WeightedRows& rows = seams.dilated_rows;
   for (size_t r = 0; r < seams.dilated.size(); ++r) {
-    float sum = 0.0f;
-    for (int32_t t = rows.begin[r]; t < rows.begin[r + 1]; ++t) {
-      sum += rows.weight[t] * heights[rows.source[t]];
-    }
-    map[seams.dilated[r]] = sum;
+    map[seams.dilated[r]] = weighted_sum(seams.dilated_rows, r, heights);
   }
   return map;
+}
+
+void level_seams_on_cpu(const SeamTable& seams, std::vector<float>& map) {
+  const SeamLevelling& levelling = seams.levelling;
+  std::vector<float> gaps(levelling.gaps.size());
+  for (int32_t round = 0; round < kLevellingRounds; ++round) {
+    for (size_t p = 0; p < gaps.size(); ++p) gaps[p] = weighted_sum(levelling.gaps, p, map);
+    for (size_t i = 0; i < levelling.texel.size(); ++i) {
+      float& height = map[levelling.texel[i]];
+      height = std::max(0.0f, height + weighted_sum(levelling.corrections, i, gaps));
+    }
+  }
 }
 
 std::vector<glm::vec3> dilate_normals(const TexelTable& table, const SeamTable& seams,

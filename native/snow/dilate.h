@@ -14,8 +14,11 @@ namespace snowbough::snow {
 std::vector<float> dilate_on_cpu(const TexelTable& table, const SeamTable& seams,
                                  const std::vector<float>& heights);
 
-/// The same for normals: continued with the nearest texel's, since the surface beyond a seam has
-/// another tangent space; (0, 0, 1) elsewhere.
+/// Makes both sides of every seam show the same height (see SeamLevelling), in place.
+void level_seams_on_cpu(const SeamTable& seams, std::vector<float>& map);
+
+/// The same as dilate_on_cpu for normals: continued with the nearest texel's, since the surface
+/// beyond a seam has another tangent space; (0, 0, 1) elsewhere.
 std::vector<glm::vec3> dilate_normals(const TexelTable& table, const SeamTable& seams,
                                       const std::vector<glm::vec3>& normals);
 

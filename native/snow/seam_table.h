@@ -9,11 +9,9 @@
 
 namespace snowbough::snow {
 
-/// Values that are weighted sums of owned texels' values. Row r has the terms
-/// [begin[r], begin[r + 1]); its weights sum to 1, or it has no terms.
+/// A list of weighted sums. Row r has the terms [begin[r], begin[r + 1]).
 struct WeightedRows {
   std::vector<int32_t> begin{0};
-  /// Index into TexelTable's arrays.
   std::vector<int32_t> source;
   std::vector<float> weight;
 
@@ -33,13 +31,30 @@ struct TexelLines {
   /// Per owned texel: its place in the line array.
   std::vector<int32_t> place;
   int32_t length = 0;
-  /// Per ghost: its place and the texels it takes its value from.
+  /// Per ghost: its place and the texels it takes its value from (indices into TexelTable's arrays;
+  /// weights sum to 1).
   std::vector<int32_t> ghost_place;
   WeightedRows ghosts;
 };
 
 /// Value of a place without surface; heights are never negative.
 inline constexpr float kNothing = -1.0f;
+
+/// What is left between the two sides of a seam after smoothing comes from interpolation: a side
+/// reads the map between texels that lie elsewhere than the other side's. Levelling takes it out:
+/// at points along every seam, half the difference of what the two sides show is spread over the
+/// texels that they show it by.
+struct SeamLevelling {
+  /// Per point: half of the second side's height less the first's; sources are texels of the map
+  /// (linear index).
+  WeightedRows gaps;
+  /// Per texel concerned: its linear index, ascending, and what is added to it; sources are points.
+  std::vector<int32_t> texel;
+  WeightedRows corrections;
+};
+
+/// Number of levelling rounds: each leaves about a fifth of the difference.
+inline constexpr int32_t kLevellingRounds = 2;
 
 /// How a map's texels hang together over the surface, across the seams of its layout.
 struct SeamTable {
@@ -53,6 +68,7 @@ struct SeamTable {
   /// Per dilated texel: the owned texel nearest to it (index into TexelTable's arrays), for values
   /// such as tangent-space normals that mean something else beyond the seam.
   std::vector<int32_t> dilated_nearest;
+  SeamLevelling levelling;
   /// Per owned texel: how long a step of one texel along u and along v is on the surface, metres.
   std::vector<glm::vec2> texel_size;
 };

@@ -75,8 +75,12 @@ double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
   return sizes.back().first;
 }
 
-void filter_lines(const TexelLines& lines, const std::vector<float>& line,
-                  const std::vector<uint8_t>& level, std::vector<float>& values) {
+/// Filters `values` along the lines.
+std::vector<float> filtered(const TexelLines& lines, const std::vector<uint8_t>& level,
+                            const std::vector<float>& values) {
+  std::vector<float> line;
+  fill_lines(lines, values, line);
+  std::vector<float> result(values.size());
   const auto& levels = filter_levels();
   for (size_t i = 0; i < values.size(); ++i) {
     const float* at = line.data() + lines.place[i];
@@ -90,8 +94,9 @@ void filter_lines(const TexelLines& lines, const std::vector<float>& line,
         weight += present;
       }
     }
-    values[i] = sum / weight;
+    result[i] = sum / weight;
   }
+  return result;
 }
 
 }  // namespace
@@ -112,11 +117,13 @@ SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, fl
   SmoothingPlan plan;
   const double size = fine_texel_size(table, seams);
   if (blur_radius == 0.0f || size == 0.0) return plan;
-  const double wanted = blur_radius / (full_filter_sigma() * size);
+  // In variances of a full pass, which add up; a closing pass brings half of one.
+  const double wanted = std::pow(blur_radius / (full_filter_sigma() * size), 2.0);
+  plan.closing_passes = wanted > 1.0 ? 2 : 1;
+  const double closing = 0.5 * plan.closing_passes;
   plan.passes =
-      static_cast<int32_t>(std::clamp(std::ceil(wanted * wanted), 1.0, double{kMostPasses}));
-  // Variances of repeated passes add up.
-  const double pass_radius = blur_radius / std::sqrt(static_cast<double>(plan.passes));
+      static_cast<int32_t>(std::clamp(std::ceil(wanted - closing), 0.0, double{kMostPasses}));
+  const double pass_radius = blur_radius / std::sqrt(plan.passes + closing);
   const auto level = [&](float texel_size) {
     if (texel_size <= 0.0f) return uint8_t{0};
     const double part = pass_radius / (full_filter_sigma() * texel_size);
@@ -132,12 +139,14 @@ SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, fl
 std::vector<float> smooth_on_cpu(const SeamTable& seams, const SmoothingPlan& plan,
                                  const std::vector<float>& height) {
   std::vector<float> values = height;
-  std::vector<float> line;
   for (int32_t pass = 0; pass < plan.passes; ++pass) {
-    fill_lines(seams.u, values, line);
-    filter_lines(seams.u, line, plan.level_u, values);
-    fill_lines(seams.v, values, line);
-    filter_lines(seams.v, line, plan.level_v, values);
+    values = filtered(seams.u, plan.level_u, values);
+    values = filtered(seams.v, plan.level_v, values);
+  }
+  for (int32_t pass = 0; pass < plan.closing_passes; ++pass) {
+    const std::vector<float> along_v = filtered(seams.v, plan.level_v, values);
+    values = filtered(seams.u, plan.level_u, values);
+    for (size_t i = 0; i < values.size(); ++i) values[i] = 0.5f * (values[i] + along_v[i]);
   }
   return values;
 }

@@ -27,10 +27,14 @@ const std::array<FilterWeights, kFilterLevels>& filter_levels();
 /// Standard deviation of level 255 in texels.
 double full_filter_sigma();
 
-/// How a map is to be smoothed.
+/// How a map is to be smoothed: `passes` times along u, then along v; then `closing_passes` times
+/// by the mean of both. Where a seam turns the layout, one side's u is the other's v, so that the
+/// sides filter in different order and end a little apart. A closing pass filters both ways at once
+/// from one input, which is the same seen from either side, and closes the gap.
 struct SmoothingPlan {
-  /// How often the filter is applied, along u and v each; 0 = the map is passed on as it is.
+  /// Both 0 where nothing is smoothed: the map is passed on as it is.
   int32_t passes = 0;
+  int32_t closing_passes = 0;
   /// Per owned texel: level of the filter along u and along v. A texel that is longer than others
   /// takes a smaller level, so that the radius is the same in metres everywhere.
   std::vector<uint8_t> level_u;
