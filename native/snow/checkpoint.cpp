@@ -90,8 +90,8 @@ class Reader {
   std::string_view rest_;
 };
 
-/// The heights' bytes, all lowest bytes first, then the second ones and so on: exponents lie together
-/// and pack well.
+/// The heights' bytes, all lowest bytes first, then the second ones and so on: exponents lie
+/// together and pack well.
 std::string to_planes(const std::vector<float>& height) {
   std::string planes(4 * height.size(), '\0');
   for (size_t i = 0; i < height.size(); ++i) {
@@ -109,7 +109,8 @@ std::vector<float> from_planes(const std::string& planes) {
   for (size_t i = 0; i < count; ++i) {
     uint32_t bits = 0;
     for (size_t byte = 0; byte < 4; ++byte) {
-      bits |= static_cast<uint32_t>(static_cast<unsigned char>(planes[byte * count + i])) << (8 * byte);
+      bits |= static_cast<uint32_t>(static_cast<unsigned char>(planes[byte * count + i]))
+              << (8 * byte);
     }
     height[i] = std::bit_cast<float>(bits);
   }
