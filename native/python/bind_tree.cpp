@@ -20,7 +20,7 @@ using namespace snowbough::tree;
 /// A mesh as Python sees it: the arrays, and what building it had to say.
 struct BoundMesh {
   TreeMesh mesh;
-  MeshCheck check;
+  BuildReport report;
   /// After reduce_bones: old bone -> new bone.
   std::vector<int32_t> bone_map;
 };
@@ -126,7 +126,13 @@ void bind_mesh_class(py::module_& module) {
                              "0 wall, 1 inset around a child's hole, 2 tip cap, 3 root cap")
       .def_property_readonly("warnings", [](const BoundMesh& m) { return m.mesh.warnings; })
       .def_property_readonly(
-          "report", [](const BoundMesh& m) { return check_dict(m.check); },
+          "report",
+          [](const BoundMesh& m) {
+            py::dict dict = check_dict(m.report.check);
+            dict["junctions"] = m.report.junctions;
+            dict["crossing_junctions"] = m.report.crossing_junctions;
+            return dict;
+          },
           "What check_mesh finds on the four-sided base of this mesh.");
 #undef SNOWBOUGH_FIELD
 }
@@ -149,7 +155,7 @@ void bind_mesh_functions(py::module_& module) {
         options.max_influences = max_influences;
         py::gil_scoped_release release;
         auto bound = std::make_unique<BoundMesh>();
-        bound->mesh = build_tree_mesh(skeleton, options, &bound->check);
+        bound->mesh = build_tree_mesh(skeleton, options, &bound->report);
         return bound;
       },
       py::arg("skeleton"), py::arg("width") = "ORIGINAL", py::arg("species") = "BROADLEAF",

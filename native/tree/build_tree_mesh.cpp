@@ -5,10 +5,12 @@
 #include <string>
 
 #include "tree/bones.h"
+#include "tree/lod.h"
 #include "tree/snow_uvs.h"
 #include "tree/surface.h"
 #include "tree/surface_bark_uvs.h"
 #include "tree/surface_path.h"
+#include "tree/surface_relief.h"
 #include "tree/weights.h"
 
 namespace snowbough::tree {
@@ -39,7 +41,8 @@ std::string some_names(const Skeleton& skeleton, const std::vector<int32_t>& bra
              : text;
 }
 
-TreeMesh to_mesh(const Skeleton& skeleton, const Surface& surface) {
+TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
+  const Surface& surface = uncrossed.surface;
   TreeMesh mesh;
   mesh.vertices.assign(surface.vertices.begin(), surface.vertices.end());
   mesh.quads = surface.quads;
@@ -58,23 +61,34 @@ TreeMesh to_mesh(const Skeleton& skeleton, const Surface& surface) {
         "to it there: " +
         some_names(skeleton, surface.clamped));
   }
+  if (!uncrossed.narrowed.empty()) {
+    mesh.warnings.push_back(std::to_string(uncrossed.narrowed.size()) +
+                            " branches were narrowed at their base to get clear of others: " +
+                            some_names(skeleton, uncrossed.narrowed));
+  }
+  if (!uncrossed.crossing.empty()) {
+    mesh.warnings.push_back(std::to_string(uncrossed.crossing.size()) +
+                            " branches cross others where they leave their parent: " +
+                            some_names(skeleton, uncrossed.crossing));
+  }
   return mesh;
 }
 
 }  // namespace
 
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options,
-                         MeshCheck* check) {
+                         BuildReport* report) {
   check_options(options);
   const SurfaceScale scale = surface_scale(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
   const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
 
   const SurfaceOptions surface_options{options.close_root, options.close_tips};
-  const std::vector<uint8_t> relief(paths.size(), 0);
-  const Surface surface = build_surface(skeleton, paths, scale, surface_options, relief);
+  const UncrossedSurface uncrossed =
+      build_uncrossed_surface(skeleton, paths, scale, surface_options);
+  const Surface& surface = uncrossed.surface;
 
-  TreeMesh mesh = to_mesh(skeleton, surface);
+  TreeMesh mesh = to_mesh(skeleton, uncrossed);
   Armature armature = make_bones(skeleton, paths, scale);
   VertexWeights weights = make_weights(surface, paths, armature, options.max_influences);
   mesh.bone_indices = std::move(weights.indices);
@@ -82,9 +96,12 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   mesh.bones = std::move(armature.bones);
   mesh.uv_bark = layout_bark_uvs(surface);
   layout_snow_uvs(mesh, skeleton, options.snow_resolution);
-  if (check != nullptr) {
-    *check = check_mesh(mesh.vertices, mesh.quads);
+  if (report != nullptr) {
+    report->check = check_mesh(mesh.vertices, mesh.quads);
+    report->junctions = static_cast<int32_t>(surface.junctions.size());
+    report->crossing_junctions = static_cast<int32_t>(uncrossed.crossing.size());
   }
+  subdivide(mesh, surface, options.lod, options.max_influences);
   return mesh;
 }
 

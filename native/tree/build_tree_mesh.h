@@ -22,6 +22,16 @@ struct TreeMeshOptions {
   int max_influences = 4;
 };
 
+/// What the finished mesh was checked for.
+struct BuildReport {
+  /// check_mesh on the four-sided base; subdivision keeps its topology.
+  MeshCheck check;
+  /// Places where a branch leaves its parent's side, and how many of them have faces within two
+  /// edges that cross each other (find_crossings).
+  int32_t junctions = 0;
+  int32_t crossing_junctions = 0;
+};
+
 /// Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh, one component a
 /// root. Same input, same bytes.
 ///
@@ -33,6 +43,6 @@ struct TreeMeshOptions {
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options = {},
-                         MeshCheck* check = nullptr);
+                         BuildReport* report = nullptr);
 
 }  // namespace snowbough::tree

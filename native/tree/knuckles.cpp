@@ -1,6 +1,7 @@
 #include "tree/knuckles.h"
 
 #include <algorithm>
+#include <cmath>
 #include <glm/geometric.hpp>
 
 namespace snowbough::tree {
@@ -18,6 +19,13 @@ struct Group {
   double low, high;
   std::vector<ChildRequest> children;
 
+  double heading() const {
+    double sum = 0.0;
+    for (const ChildRequest& child : children) {
+      sum += child.heading;
+    }
+    return sum / static_cast<double>(children.size());
+  }
   double middle() const { return 0.5 * (low + high); }
   double length() const { return high - low; }
 };
@@ -58,6 +66,22 @@ std::vector<Group> group_children(std::vector<ChildRequest> requests) {
   }
   std::stable_sort(groups.begin(), groups.end(),
                    [](const Group& a, const Group& b) { return a.middle() < b.middle(); });
+  // Of two that want the same stretch the one that leans forward more goes ahead, or they would
+  // cross.
+  for (size_t pass = 1; pass < groups.size(); ++pass) {
+    bool swapped = false;
+    for (size_t i = 0; i + 1 < groups.size(); ++i) {
+      const double apart = std::abs(groups[i + 1].middle() - groups[i].middle());
+      const double reach = 0.25 * (groups[i].length() + groups[i + 1].length());
+      if (apart < reach && groups[i].heading() > groups[i + 1].heading()) {
+        std::swap(groups[i], groups[i + 1]);
+        swapped = true;
+      }
+    }
+    if (!swapped) {
+      break;
+    }
+  }
   return groups;
 }
 
@@ -97,6 +121,11 @@ void share(double free, double gap, double smallest_gap, double& left, double& r
   }
 }
 
+double least_room(size_t count, const SurfaceScale& scale) {
+  const auto n = static_cast<double>(count);
+  return n * scale.smallest_knuckle + (n + 1.0) * scale.smallest_gap;
+}
+
 }  // namespace
 
 KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, double end, double gap,
@@ -110,7 +139,7 @@ KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, doub
   const size_t count = groups.size();
   const auto n = static_cast<double>(count);
 
-  const double least = n * scale.smallest_knuckle + (n + 1.0) * scale.smallest_gap;
+  const double least = least_room(count, scale);
   row.end = std::max(row.end, begin + 1.01 * least);
   const double room = row.end - begin;
 
@@ -161,6 +190,44 @@ KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, doub
     row.knuckles.push_back({low[i] - grow_low[i], high[i] + grow_high[i], groups[i].children});
   }
   return row;
+}
+
+KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
+                                  double gap, std::vector<std::pair<double, double>> bends,
+                                  const SurfaceScale& scale) {
+  std::erase_if(bends, [&](const auto& bend) {
+    return bend.first - bend.second <= begin || bend.first + bend.second >= end;
+  });
+  while (!bends.empty()) {
+    // Stretches between the bends, and who leaves where.
+    std::vector<std::vector<ChildRequest>> leaving(bends.size() + 1);
+    for (const ChildRequest& request : requests) {
+      size_t piece = 0;
+      while (piece < bends.size() && request.position > bends[piece].first) {
+        ++piece;
+      }
+      leaving[piece].push_back(request);
+    }
+    size_t crowded = bends.size();
+    KnuckleRow row;
+    row.end = end;
+    for (size_t piece = 0; piece <= bends.size() && crowded == bends.size(); ++piece) {
+      const bool last = piece == bends.size();
+      const double low = piece == 0 ? begin : bends[piece - 1].first + bends[piece - 1].second;
+      const double high = last ? end : bends[piece].first - bends[piece].second;
+      if (!leaving[piece].empty() && high - low < 1.02 * least_room(leaving[piece].size(), scale)) {
+        crowded = last ? piece - 1 : piece;
+        break;
+      }
+      const KnuckleRow part = place_knuckles(leaving[piece], low, high, gap, scale);
+      row.knuckles.insert(row.knuckles.end(), part.knuckles.begin(), part.knuckles.end());
+    }
+    if (crowded == bends.size()) {
+      return row;
+    }
+    bends.erase(bends.begin() + static_cast<std::ptrdiff_t>(crowded));
+  }
+  return place_knuckles(std::move(requests), begin, end, gap, scale);
 }
 
 }  // namespace snowbough::tree

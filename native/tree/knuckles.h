@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <utility>
 #include <vector>
 
 #include "tree/surface_path.h"
@@ -13,6 +14,9 @@ struct ChildRequest {
   int32_t child = -1;
   /// Arc length on the parent's path where the child's middle passes through the parent's surface.
   double position = 0.0;
+  /// Arc length on the parent beside which the child is further out: who leans forward more stays
+  /// ahead.
+  double heading = 0.0;
   /// Side of the child's square base, already clamped to the parent's.
   double width = 0.0;
   /// Length of the knuckle that it asks for.
@@ -43,5 +47,13 @@ struct KnuckleRow {
 /// @param gap free length wanted between two knuckles and towards the ends.
 KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, double end, double gap,
                           const SurfaceScale& scale);
+
+/// The same for a limb with sharp bends: no knuckle lies across one, unless the children between
+/// two bends need more room than there is.
+/// @param bends per sharp bend, in order: its arc length, and the length to keep free on either
+/// side.
+KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
+                                  double gap, std::vector<std::pair<double, double>> bends,
+                                  const SurfaceScale& scale);
 
 }  // namespace snowbough::tree

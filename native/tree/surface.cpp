@@ -143,7 +143,9 @@ class SurfaceBuilder {
       }
     }
     const double gap = kKnuckleGap * corner_at(path, 0.5 * path.length());
-    const KnuckleRow row = place_knuckles(std::move(requests), 0.0, path.length(), gap, scale_);
+    const KnuckleRow row =
+        place_knuckles_between(std::move(requests), std::min(path.clear_from, 0.5 * path.length()),
+                               path.length(), gap, sharp_bends(path, scale_), scale_);
     if (row.end > path.length()) {
       path.points.back() += direction_at(path, path.length()) * (row.end - path.length());
       measure(path);
@@ -154,6 +156,7 @@ class SurfaceBuilder {
     station_options.first_normal = is_root           ? direction_at(path, 0.0)
                                    : start.continues ? start.frame.normal
                                                      : start.hole.normal;
+    station_options.drop_all_cutting = relief_[b] > 0;
     station_options.end_direction =
         next >= 0 ? direction_at(paths_[next], 0.0) : direction_at(path, path.length());
     const std::vector<Station> stations =
@@ -316,6 +319,7 @@ class SurfaceBuilder {
         0.5 * glm::cross(hole.corners[2] - hole.corners[0], hole.corners[3] - hole.corners[1]);
     hole.normal = glm::normalize(area);
     hole.corner = std::max(scale_.smallest_corner, std::sqrt(0.5 * glm::length(area)));
+    hole.parent_corner = 0.5 * (limb.rings[row].corner + limb.rings[row + 1].corner);
     surface_.junctions.push_back(junction);
   }
 

@@ -20,8 +20,10 @@ constexpr double kInsetBelow = 0.9;
 constexpr double kHoleLength = 0.8;
 /// A child widens from its hole by at most this much a metre.
 constexpr double kWidening = 1.2;
-/// Each step of relief narrows the hole by this factor.
+/// Each step of relief narrows the base by this factor, and moves its first ring out by this share
+/// of the parent's corner radius.
 constexpr double kReliefFactor = 0.7;
+constexpr double kReliefMargin = 0.25;
 
 glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& axis) {
   return v - axis * glm::dot(v, axis);
@@ -111,6 +113,7 @@ Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int
   if (!crossing.starts_outside) {
     shift *= kSideDistance;
   }
+  exit.request.heading = attach + 3.0 * shift;
   const double reach = kLargestShift * corner_at(parent, attach);
   exit.request.position =
       std::clamp(attach + std::clamp(shift, -reach, reach), 0.0, parent.length());
@@ -129,9 +132,7 @@ Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int
   const double wanted = 2.0 * kSideDistance * corner_at(child, crossing.child_length);
   exit.clamped = wanted > 1.0001 * side;
   exit.request.width = std::min(wanted, side);
-  for (int step = 0; step < relief; ++step) {
-    exit.request.width *= kReliefFactor;
-  }
+  exit.request.width *= std::pow(kReliefFactor, relief);
   exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
   exit.request.length = exit.request.width < kInsetBelow * side
                             ? std::min(exit.request.width / kHoleLength, side)
@@ -141,11 +142,8 @@ Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int
 
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
                       const SurfaceScale& scale, int relief) {
-  const double margin = scale.smallest_gap;
-  double narrowing = 1.0;
-  for (int step = 0; step < relief; ++step) {
-    narrowing *= kReliefFactor;
-  }
+  const double margin = scale.smallest_gap + kReliefMargin * relief * hole.parent_corner;
+  const double narrowing = std::pow(kReliefFactor, relief);
   const size_t last = child.points.size() - 1;
   size_t first = 0;
   double first_corner = scale.smallest_corner;
@@ -191,8 +189,19 @@ LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface
                            child.bone_lengths.begin() + static_cast<std::ptrdiff_t>(first) + 1,
                            child.bone_lengths.end());
   measure(path);
+  path.clear_from = path.lengths[1];
+  const glm::dvec3 direction = glm::normalize(path.points[1] - path.points[0]);
+  for (double t : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
+    const double s = t * path.lengths[1];
+    const double corner = hole.corner + (path.corners[1] - hole.corner) * t;
+    if (ring_clears(parent, hole, path.points[0] + direction * s, direction, corner, margin)) {
+      path.clear_from = s;
+      break;
+    }
+  }
   for (size_t i = 1; i < path.points.size(); ++i) {
-    path.corners[i] = std::min(path.corners[i], hole.corner + kWidening * path.lengths[i]);
+    path.corners[i] =
+        std::min(path.corners[i], hole.corner + kWidening * narrowing * path.lengths[i]);
   }
   return path;
 }

@@ -18,6 +18,8 @@ struct Hole {
   glm::dvec3 normal{0.0, 0.0, 1.0};
   /// Corner radius of a square of the hole's area.
   double corner = 0.0;
+  /// The parent's corner radius there.
+  double parent_corner = 0.0;
 };
 
 struct Exit {

@@ -38,6 +38,9 @@ struct LimbPath {
   /// Arc length of each point along the branch's own centreline, where bones are counted. Differs
   /// from `lengths` once the part inside the parent has been cut away.
   std::vector<double> bone_lengths;
+  /// Arc length from which on the limb's own children may leave: behind it a ring would cut the
+  /// parent.
+  double clear_from = 0.0;
 
   double length() const { return lengths.back(); }
 };

@@ -14,6 +14,15 @@ constexpr double kJointClearance = 0.1;
 /// Planes are tilted in at most this many sweeps.
 constexpr int kTiltSweeps = 4;
 
+/// Cosine of the angle from which on a bend is sharp.
+constexpr double kSharp = 0.5;
+
+/// Cosine between the segments that meet at an inner point.
+double bend_cosine(const LimbPath& path, size_t point) {
+  return glm::dot(glm::normalize(path.points[point] - path.points[point - 1]),
+                  glm::normalize(path.points[point + 1] - path.points[point]));
+}
+
 bool is_knuckle(const Station& station) {
   return station.kind == Kind::kKnuckleBegin || station.kind == Kind::kKnuckleEnd;
 }
@@ -54,15 +63,16 @@ std::vector<Station> knuckle_stations(const LimbPath& path, const Knuckle& knuck
 }
 
 /// Joint rings that cut a knuckle's ring are left out; the limb then runs straight past the joint.
-void drop_cutting_joints(std::vector<Station>& stations) {
+void drop_cutting_joints(std::vector<Station>& stations, bool drop_all) {
   std::vector<Station> kept;
   for (size_t i = 0; i < stations.size(); ++i) {
     const Station& station = stations[i];
-    if (station.kind == Kind::kJoint) {
+    if (station.kind == Kind::kJoint && !station.sharp) {
       const Station& before = kept.back();
       const Station& after = stations[i + 1];
-      if ((is_knuckle(before) && cut_each_other(before, station, 0.0)) ||
-          (is_knuckle(after) && cut_each_other(station, after, 0.0))) {
+      const bool beside = drop_all && kept.size() > 1;
+      if (((is_knuckle(before) || beside) && cut_each_other(before, station, 0.0)) ||
+          ((is_knuckle(after) || drop_all) && cut_each_other(station, after, 0.0))) {
         continue;
       }
     }
@@ -106,6 +116,21 @@ void tilt_cutting_planes(std::vector<Station>& stations, const StationOptions& o
 }
 
 }  // namespace
+
+std::vector<std::pair<double, double>> sharp_bends(const LimbPath& path,
+                                                   const SurfaceScale& scale) {
+  std::vector<std::pair<double, double>> bends;
+  for (size_t i = 1; i + 1 < path.points.size(); ++i) {
+    if (bend_cosine(path, i) < kSharp) {
+      const double shorter =
+          std::min(path.lengths[i] - path.lengths[i - 1], path.lengths[i + 1] - path.lengths[i]);
+      bends.emplace_back(path.lengths[i],
+                         std::max(std::min(path.corners[i], 0.25 * shorter),
+                                  kJointClearance * path.corners[i] + scale.smallest_gap));
+    }
+  }
+  return bends;
+}
 
 glm::dvec3 mean_direction(const glm::dvec3& incoming, const glm::dvec3& outgoing) {
   const glm::dvec3 sum = incoming + outgoing;
@@ -154,10 +179,11 @@ std::vector<Station> ring_stations(const LimbPath& path, const std::vector<Knuck
     station.normal =
         tip ? mean_direction(direction_at(path, s), options.end_direction) : joint_normal(path, i);
     station.corner = path.corners[i];
+    station.sharp = !tip && bend_cosine(path, i) < kSharp;
     station.bone_length = path.bone_lengths[i];
     stations.push_back(station);
   }
-  drop_cutting_joints(stations);
+  drop_cutting_joints(stations, options.drop_all_cutting);
   tilt_cutting_planes(stations, options);
   return stations;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <glm/vec3.hpp>
+#include <utility>
 #include <vector>
 
 #include "tree/knuckles.h"
@@ -17,6 +18,8 @@ struct Station {
   glm::dvec3 normal{0.0, 0.0, 1.0};
   double corner = 0.0;
   double bone_length = 0.0;
+  /// At a joint that bends sharply: the ring stays whatever happens beside it.
+  bool sharp = false;
   /// For the two rings of a knuckle: its index.
   int knuckle = -1;
 };
@@ -29,6 +32,8 @@ struct StationOptions {
   /// Direction in which the limb goes on behind its end (the end's own direction when nothing
   /// follows).
   glm::dvec3 end_direction{0.0, 0.0, 1.0};
+  /// Joint rings that cut each other are left out too, not only tilted.
+  bool drop_all_cutting = false;
 };
 
 /// Rings along a limb: one at every joint, perpendicular to the mean tangent (at a reversal, to the
@@ -37,6 +42,10 @@ struct StationOptions {
 /// tilted towards each other.
 std::vector<Station> ring_stations(const LimbPath& path, const std::vector<Knuckle>& knuckles,
                                    const SurfaceScale& scale, const StationOptions& options);
+
+/// Joints at which the limb turns by more than 60 degrees: arc length, and the length beside them
+/// in which no knuckle should lie.
+std::vector<std::pair<double, double>> sharp_bends(const LimbPath& path, const SurfaceScale& scale);
 
 /// Normal of the ring at an inner point of a path.
 glm::dvec3 joint_normal(const LimbPath& path, size_t point);

@@ -1,0 +1,316 @@
+#include "tree/lod.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "tree/weights.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// How far a vertex on the rim of a child's hole moves towards the mean of its neighbours.
+constexpr double kRimSmoothing = 0.5;
+
+/// The stretch of a limb between two rings, as a round cone on an infinite line.
+struct Section {
+  glm::dvec3 begin{0.0};
+  glm::dvec3 axis{0.0};
+  double length = 0.0;
+  double begin_radius = 0.0;
+  double end_radius = 0.0;
+  /// Branches that continue one another are one limb.
+  int32_t limb = -1;
+
+  glm::dvec3 rounded(const glm::dvec3& p) const {
+    const double along = glm::dot(p - begin, axis);
+    const glm::dvec3 foot = begin + axis * along;
+    const glm::dvec3 off = p - foot;
+    const double distance = glm::length(off);
+    if (distance < 1e-3 * std::min(begin_radius, end_radius)) {
+      return p;
+    }
+    const double t = std::clamp(along / length, 0.0, 1.0);
+    return foot + off * ((begin_radius + (end_radius - begin_radius) * t) / distance);
+  }
+};
+
+/// All sections, limb by limb, and where each branch's begin.
+struct Sections {
+  std::vector<Section> all;
+  std::vector<int32_t> first;
+
+  explicit Sections(const Surface& surface) {
+    std::vector<int32_t> limb_of_vertex(surface.vertices.size(), -1);
+    const double to_radius = std::sqrt(2.0 / M_PI);
+    for (size_t b = 0; b < surface.limbs.size(); ++b) {
+      const LimbSurface& limb = surface.limbs[b];
+      first.push_back(static_cast<int32_t>(all.size()));
+      const int32_t name = limb.continues_parent ? limb_of_vertex[limb.rings[0].vertices[0]]
+                                                 : static_cast<int32_t>(b);
+      for (size_t row = 0; row + 1 < limb.rings.size(); ++row) {
+        const Ring& a = limb.rings[row];
+        const Ring& c = limb.rings[row + 1];
+        Section section;
+        section.begin = a.centre;
+        section.length = std::max(glm::distance(a.centre, c.centre), 1e-30);
+        section.axis = (c.centre - a.centre) / section.length;
+        section.begin_radius = a.corner * to_radius;
+        section.end_radius = c.corner * to_radius;
+        section.limb = name;
+        all.push_back(section);
+      }
+      for (int32_t v : limb.rings.back().vertices) {
+        limb_of_vertex[v] = name;
+      }
+    }
+  }
+
+  /// -1 for caps: they stay flat.
+  int32_t of(const FaceOrigin& origin) const {
+    const bool cap = origin.part == FacePart::kTipCap || origin.part == FacePart::kRootCap;
+    return cap ? -1 : first[origin.branch] + origin.row;
+  }
+};
+
+/// The few different sections around a vertex.
+struct SectionSet {
+  std::array<int32_t, 8> members{};
+  int count = 0;
+
+  void add(int32_t section) {
+    const auto end = members.begin() + count;
+    if (section >= 0 && count < static_cast<int>(members.size()) &&
+        std::find(members.begin(), end, section) == end) {
+      members[count++] = section;
+    }
+  }
+  glm::dvec3 rounded(const Sections& sections, const glm::dvec3& p) const {
+    if (count == 0) {
+      return p;
+    }
+    glm::dvec3 sum(0.0);
+    for (int i = 0; i < count; ++i) {
+      sum += sections.all[members[i]].rounded(p);
+    }
+    return sum / static_cast<double>(count);
+  }
+  bool joins_limbs(const Sections& sections) const {
+    for (int i = 1; i < count; ++i) {
+      if (sections.all[members[i]].limb != sections.all[members[0]].limb) {
+        return true;
+      }
+    }
+    return false;
+  }
+};
+
+/// Undirected edges, numbered as they first appear in the faces.
+struct Edges {
+  struct Edge {
+    int32_t a, b;
+    int32_t left = -1, right = -1;
+  };
+  std::vector<Edge> all;
+  /// Per face and corner k: the edge from corner k to k + 1.
+  std::vector<std::array<int32_t, 4>> of_face;
+
+  Edges(const std::vector<Quad>& quads, size_t vertex_count) {
+    std::vector<int32_t> head(vertex_count, -1), next;
+    of_face.resize(quads.size());
+    all.reserve(quads.size() * 2);
+    next.reserve(quads.size() * 2);
+    for (size_t f = 0; f < quads.size(); ++f) {
+      for (int k = 0; k < 4; ++k) {
+        const int32_t a = std::min(quads[f][k], quads[f][(k + 1) % 4]);
+        const int32_t b = std::max(quads[f][k], quads[f][(k + 1) % 4]);
+        int32_t e = head[a];
+        while (e >= 0 && all[e].b != b) {
+          e = next[e];
+        }
+        if (e < 0) {
+          e = static_cast<int32_t>(all.size());
+          all.push_back({a, b, static_cast<int32_t>(f), -1});
+          next.push_back(head[a]);
+          head[a] = e;
+        } else {
+          all[e].right = static_cast<int32_t>(f);
+        }
+        of_face[f][k] = e;
+      }
+    }
+  }
+};
+
+class Subdivider {
+ public:
+  Subdivider(TreeMesh& mesh, const Surface& surface, int max_influences)
+      : mesh_(mesh),
+        sections_(surface),
+        max_influences_(max_influences),
+        points_(surface.vertices),
+        rim_(surface.vertices.size(), 0) {}
+
+  /// The base's corners stand outside the limbs' round radius: put them on it.
+  void round_base() {
+    std::vector<SectionSet> around(points_.size());
+    for (size_t f = 0; f < mesh_.quads.size(); ++f) {
+      for (int32_t v : mesh_.quads[f]) {
+        around[v].add(sections_.of(mesh_.origins[f]));
+      }
+    }
+    for (size_t v = 0; v < points_.size(); ++v) {
+      points_[v] = around[v].rounded(sections_, points_[v]);
+      rim_[v] = around[v].joins_limbs(sections_) ? 1 : 0;
+    }
+  }
+
+  void split() {
+    const Edges edges(mesh_.quads, points_.size());
+    const auto old_count = static_cast<int32_t>(points_.size());
+    const auto edge_count = static_cast<int32_t>(edges.all.size());
+    const size_t face_count = mesh_.quads.size();
+    points_.resize(old_count + edge_count + face_count);
+    rim_.resize(points_.size(), 0);
+    mesh_.bone_indices.resize(points_.size());
+    mesh_.bone_weights.resize(points_.size());
+
+    for (int32_t e = 0; e < edge_count; ++e) {
+      const Edges::Edge& edge = edges.all[e];
+      SectionSet around;
+      around.add(sections_.of(mesh_.origins[edge.left]));
+      if (edge.right >= 0) {
+        around.add(sections_.of(mesh_.origins[edge.right]));
+      }
+      const int32_t v = old_count + e;
+      points_[v] = around.rounded(sections_, 0.5 * (points_[edge.a] + points_[edge.b]));
+      rim_[v] = around.joins_limbs(sections_) ? 1 : 0;
+      const std::array<int32_t, 2> ends = {edge.a, edge.b};
+      mean_weights(v, ends.data(), 2);
+    }
+    for (size_t f = 0; f < face_count; ++f) {
+      const Quad& quad = mesh_.quads[f];
+      SectionSet around;
+      around.add(sections_.of(mesh_.origins[f]));
+      const int32_t v = old_count + edge_count + static_cast<int32_t>(f);
+      // The middle of the edge points, already on the limb's radius, is nearer to it than the
+      // corners'.
+      glm::dvec3 middle(0.0);
+      for (int k = 0; k < 4; ++k) {
+        middle += 0.25 * points_[old_count + edges.of_face[f][k]];
+      }
+      points_[v] = around.rounded(sections_, middle);
+      mean_weights(v, quad.data(), 4);
+    }
+    split_faces(edges, old_count, edge_count);
+    smooth_rims();
+  }
+
+  void finish() { mesh_.vertices.assign(points_.begin(), points_.end()); }
+
+ private:
+  void mean_weights(int32_t vertex, const int32_t* from, int count) {
+    InfluenceSum sum;
+    for (int i = 0; i < count; ++i) {
+      for (int k = 0; k < 4; ++k) {
+        const float weight = mesh_.bone_weights[from[i]][k];
+        if (weight > 0.0f) {
+          sum.add(mesh_.bone_indices[from[i]][k], weight);
+        }
+      }
+    }
+    sum.finish(max_influences_, mesh_.bone_indices[vertex], mesh_.bone_weights[vertex]);
+  }
+
+  static void split_uvs(const std::vector<QuadUv>& from, std::vector<QuadUv>& to) {
+    to.clear();
+    to.reserve(from.size() * 4);
+    for (const QuadUv& uv : from) {
+      const glm::vec2 centre = 0.25f * (uv[0] + uv[1] + uv[2] + uv[3]);
+      for (int k = 0; k < 4; ++k) {
+        QuadUv part;
+        part[k] = uv[k];
+        part[(k + 1) % 4] = 0.5f * (uv[k] + uv[(k + 1) % 4]);
+        part[(k + 2) % 4] = centre;
+        part[(k + 3) % 4] = 0.5f * (uv[k] + uv[(k + 3) % 4]);
+        to.push_back(part);
+      }
+    }
+  }
+
+  void split_faces(const Edges& edges, int32_t old_count, int32_t edge_count) {
+    std::vector<Quad> quads;
+    std::vector<FaceOrigin> origins;
+    std::vector<int32_t> levels;
+    quads.reserve(mesh_.quads.size() * 4);
+    origins.reserve(mesh_.quads.size() * 4);
+    levels.reserve(mesh_.quads.size() * 4);
+    for (size_t f = 0; f < mesh_.quads.size(); ++f) {
+      const int32_t centre = old_count + edge_count + static_cast<int32_t>(f);
+      for (int k = 0; k < 4; ++k) {
+        Quad part{};
+        part[k] = mesh_.quads[f][k];
+        part[(k + 1) % 4] = old_count + edges.of_face[f][k];
+        part[(k + 2) % 4] = centre;
+        part[(k + 3) % 4] = old_count + edges.of_face[f][(k + 3) % 4];
+        quads.push_back(part);
+        origins.push_back(mesh_.origins[f]);
+        levels.push_back(mesh_.branch_level[f]);
+      }
+    }
+    mesh_.quads = std::move(quads);
+    mesh_.origins = std::move(origins);
+    mesh_.branch_level = std::move(levels);
+    std::vector<QuadUv> uvs;
+    split_uvs(mesh_.uv_bark, uvs);
+    mesh_.uv_bark.swap(uvs);
+    if (!mesh_.uv_snow.empty()) {
+      split_uvs(mesh_.uv_snow, uvs);
+      mesh_.uv_snow.swap(uvs);
+    }
+  }
+
+  void smooth_rims() {
+    std::vector<glm::dvec3> sum(points_.size(), glm::dvec3(0.0));
+    std::vector<int32_t> count(points_.size(), 0);
+    for (const Quad& quad : mesh_.quads) {
+      for (int k = 0; k < 4; ++k) {
+        // Every edge is met from both its faces, once in either direction.
+        const int32_t v = quad[k];
+        if (rim_[v] != 0) {
+          sum[v] += points_[quad[(k + 1) % 4]];
+          ++count[v];
+        }
+      }
+    }
+    for (size_t v = 0; v < points_.size(); ++v) {
+      if (count[v] > 0) {
+        points_[v] += kRimSmoothing * (sum[v] / static_cast<double>(count[v]) - points_[v]);
+      }
+    }
+  }
+
+  TreeMesh& mesh_;
+  Sections sections_;
+  int max_influences_;
+  std::vector<glm::dvec3> points_;
+  /// 1 for vertices on the rim of a child's hole.
+  std::vector<uint8_t> rim_;
+};
+
+}  // namespace
+
+void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences) {
+  if (levels <= 0) {
+    return;
+  }
+  Subdivider subdivider(mesh, surface, max_influences);
+  subdivider.round_base();
+  for (int level = 0; level < levels; ++level) {
+    subdivider.split();
+  }
+  subdivider.finish();
+}
+
+}  // namespace snowbough::tree

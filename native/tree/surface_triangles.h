@@ -1,0 +1,22 @@
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+
+namespace snowbough::tree {
+
+using Triangle = std::array<glm::dvec3, 3>;
+
+/// Sign of the volume of the tetrahedron a, b, c, d (positive when d sees a, b, c clockwise), exact
+/// for coordinates that are floats.
+///
+/// Source: J. R. Shewchuk, "Adaptive Precision Floating-Point Arithmetic and Fast Robust Geometric
+/// Predicates", Discrete & Computational Geometry 18, 1997.
+int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c, const glm::dvec3& d);
+
+/// Whether two triangles have more in common than the corners they share. `shared` tells per corner
+/// of `a` which corner of `b` it is, or -1. Triangles that share an edge cross only when one is
+/// folded flat onto the other.
+bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int, 3>& shared);
+
+}  // namespace snowbough::tree
