@@ -7,6 +7,7 @@
 #include <tuple>
 #include <utility>
 
+#include "tree/centreline.h"
 #include "tree/segment_tree.h"
 
 namespace snowbough::tree {
@@ -102,6 +103,25 @@ void take_parent(Branch& branch, const NearestSegment& found) {
   branch.attach_point = found.point;
 }
 
+/// Branches that start at one place are siblings: one found at the other's root takes that one's parent.
+/// @param branches those thicker than the child have their parents already.
+void prefer_common_parent(const std::vector<Branch>& branches, const Branch& child,
+                          NearestSegment& found) {
+  while (found.branch >= 0) {
+    const Branch& sibling = branches[found.branch];
+    if (sibling.parent < 0 || found.point != sibling.points.front()) return;
+    const float away = glm::distance(child.points.front(), sibling.attach_point);
+    const CentrelinePlace place = nearest_place(branches[sibling.parent], sibling.attach_point);
+    const float radius = radius_at(branches[sibling.parent], place);
+    // No farther from the common parent than from the sibling, but for the way through the limb itself.
+    if (away > found.distance + radius) return;
+    found.branch = sibling.parent;
+    found.point = sibling.attach_point;
+    found.distance = away;
+    found.radius = radius;
+  }
+}
+
 /// Roots that touch a branch which is no candidate by thickness or level, but does not hang on
 /// them.
 void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>& order,
@@ -160,6 +180,7 @@ void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversibl
         found = other;
       }
     }
+    if (!by_level) prefer_common_parent(branches, branch, found);
     branch.parent = -1;
     branch.attach_point = branch.points.front();
     if (reaches(branch.radii.front(), found, size) &&

@@ -14,7 +14,7 @@ struct ObjReadOptions {
   size_t buffer_size = size_t{1} << 20;
   /// Bytes the stream holds, for the progress; 0 = unknown.
   size_t total_size = 0;
-  Progress progress;
+  Progress progress = {};
 };
 
 /// Reads a Wavefront OBJ in one pass through a small buffer; the text is never held as a whole.

@@ -24,7 +24,7 @@ struct ReadTreeOptions {
   bool foliage = true;
   /// Bytes of the file read at a time.
   size_t buffer_size = size_t{1} << 20;
-  Progress progress;
+  Progress progress = {};
 };
 
 /// Reads a tree that Xfrog or a similar modeller exported as Wavefront OBJ: finds out which of the

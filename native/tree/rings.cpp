@@ -17,6 +17,10 @@ constexpr float kSameThickness = 0.02f;
 constexpr float kFlatCap = 0.02f;
 /// A limb shorter than this share of its radius is a disc, not a tube.
 constexpr float kShortestLimb = 0.25f;
+/// Cosine between the normals of faces that lie in one plane.
+constexpr float kFlatPatch = 0.99f;
+/// A vertex with more faces than this is the centre of a fan.
+constexpr int32_t kFanFaces = 6;
 
 /// The component with vertices renumbered from 0 and faces as a flat list.
 struct LocalMesh {
@@ -248,7 +252,7 @@ bool is_one_ring(const LocalMesh& mesh, const Topology& topology, const std::vec
   return open.empty();
 }
 
-/// How far the layers are from a tube's even rings: 0 = all of one size; negative = no tube.
+/// How far the layers are from many even rings: the smaller, the better a tube; negative = no tube.
 double irregularity(const LocalMesh& mesh, const Topology& topology, const Layers& layers,
                     NotATube& why) {
   if (layers.size() < 2) {
@@ -292,7 +296,8 @@ double irregularity(const LocalMesh& mesh, const Topology& topology, const Layer
     }
     sum += std::abs(size - common) / common;
   }
-  return sum / static_cast<double>(layers.size());
+  // Of equally even walks the one along the tube has the most rings.
+  return (sum + 1.0) / static_cast<double>(sizes.size());
 }
 
 glm::vec3 centre_of(const LocalMesh& mesh, const std::vector<int32_t>& layer) {
@@ -325,46 +330,71 @@ std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int
   return ordered;
 }
 
-/// Where a closed tube can be entered: at a single vertex, at a face, or at the flat patch around
-/// one.
+glm::vec3 face_normal(const LocalMesh& mesh, int32_t f) {
+  const std::span<const int32_t> face = mesh.face(f);
+  glm::vec3 normal(0.0f);
+  for (size_t c = 1; c + 1 < face.size(); ++c) {
+    normal += glm::cross(mesh.positions[face[c]] - mesh.positions[face[0]],
+                         mesh.positions[face[c + 1]] - mesh.positions[face[0]]);
+  }
+  const float length = glm::length(normal);
+  return length > 0.0f ? normal / length : normal;
+}
+
+/// The vertices of a face and of the faces around it that lie in its plane.
+std::vector<int32_t> flat_patch(const LocalMesh& mesh, const Topology& topology, int32_t seed) {
+  const glm::vec3 normal = face_normal(mesh, seed);
+  std::vector<int32_t> patch(mesh.face(seed).begin(), mesh.face(seed).end());
+  for (size_t i = 0; i < patch.size(); ++i) {
+    const int32_t v = patch[i];
+    for (int32_t j = topology.vertex_face_begin[v]; j < topology.vertex_face_begin[v + 1]; ++j) {
+      const int32_t other = topology.vertex_faces[j];
+      if (glm::dot(face_normal(mesh, other), normal) < kFlatPatch) continue;
+      for (const int32_t w : mesh.face(other)) {
+        if (std::find(patch.begin(), patch.end(), w) == patch.end()) patch.push_back(w);
+      }
+    }
+  }
+  std::sort(patch.begin(), patch.end());
+  return patch;
+}
+
+/// Where a closed tube may end: the vertices farthest apart, in space and along the surface, the
+/// centres of fans and the polygons that close a ring; each with the faces and flat patches around.
 std::vector<std::vector<int32_t>> closed_ends(const LocalMesh& mesh, const Topology& topology) {
-  // The two ends are the farthest apart along the surface.
-  int32_t end = 0;
-  std::vector<std::vector<int32_t>> starts;
+  std::vector<int32_t> ends;
+  int32_t along = 0;
+  int32_t across = 0;
   for (int sweep = 0; sweep < 2; ++sweep) {
-    const Layers layers = walk_layers(mesh, topology, {end});
-    end = layers.back().front();
+    along = walk_layers(mesh, topology, {along}).back().front();
+    const glm::vec3 from = mesh.positions[across];
+    for (size_t v = 0; v < mesh.positions.size(); ++v) {
+      if (glm::distance(mesh.positions[v], from) > glm::distance(mesh.positions[across], from)) {
+        across = static_cast<int32_t>(v);
+      }
+    }
+    ends.push_back(along);
+    ends.push_back(across);
+  }
+  std::vector<std::vector<int32_t>> starts;
+  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+    if (topology.vertex_face_begin[v + 1] - topology.vertex_face_begin[v] > kFanFaces) {
+      starts.push_back({static_cast<int32_t>(v)});
+    }
+  }
+  for (int32_t f = 0; f < mesh.face_count(); ++f) {
+    if (mesh.face(f).size() <= 4) continue;
+    starts.emplace_back(mesh.face(f).begin(), mesh.face(f).end());
+    std::sort(starts.back().begin(), starts.back().end());
+  }
+  for (const int32_t end : ends) {
     starts.push_back({end});
     for (int32_t i = topology.vertex_face_begin[end]; i < topology.vertex_face_begin[end + 1];
          ++i) {
-      const int32_t seed = topology.vertex_faces[i];
-      const auto normal_of = [&](int32_t f) {
-        const std::span<const int32_t> face = mesh.face(f);
-        glm::vec3 normal(0.0f);
-        for (size_t c = 1; c + 1 < face.size(); ++c) {
-          normal += glm::cross(mesh.positions[face[c]] - mesh.positions[face[0]],
-                               mesh.positions[face[c + 1]] - mesh.positions[face[0]]);
-        }
-        const float length = glm::length(normal);
-        return length > 0.0f ? normal / length : normal;
-      };
-      std::vector<int32_t> face(mesh.face(seed).begin(), mesh.face(seed).end());
-      const glm::vec3 normal = normal_of(seed);
-      std::vector<int32_t> patch = face;
-      for (size_t j = 0; j < patch.size(); ++j) {
-        for (int32_t k = topology.vertex_face_begin[patch[j]];
-             k < topology.vertex_face_begin[patch[j] + 1]; ++k) {
-          const int32_t other = topology.vertex_faces[k];
-          if (glm::dot(normal_of(other), normal) < 0.99f) continue;
-          for (const int32_t v : mesh.face(other)) {
-            if (std::find(patch.begin(), patch.end(), v) == patch.end()) patch.push_back(v);
-          }
-        }
-      }
-      std::sort(face.begin(), face.end());
-      std::sort(patch.begin(), patch.end());
-      if (patch != face) starts.push_back(std::move(patch));
-      starts.push_back(std::move(face));
+      const std::span<const int32_t> face = mesh.face(topology.vertex_faces[i]);
+      starts.emplace_back(face.begin(), face.end());
+      std::sort(starts.back().begin(), starts.back().end());
+      starts.push_back(flat_patch(mesh, topology, topology.vertex_faces[i]));
     }
   }
   return starts;

@@ -1,0 +1,215 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <sstream>
+#include <string>
+
+#include "tree/obj_reader.h"
+#include "tree/parts.h"
+
+namespace snowbough::tree {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+ObjScene parse(const std::string& text, size_t buffer_size = 1 << 16) {
+  std::istringstream stream(text);
+  return read_obj(stream, "t.obj", {.buffer_size = buffer_size});
+}
+
+std::string error_of(const std::string& text, size_t buffer_size = 1 << 16) {
+  try {
+    parse(text, buffer_size);
+  } catch (const std::invalid_argument& error) {
+    return error.what();
+  }
+  return "no error";
+}
+
+const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
+
+TEST(ObjReader, ReadsVerticesAndFaces) {
+  const ObjScene scene = parse(kTriangle + "f 1 2 3\n");
+  EXPECT_EQ(scene.positions[1], glm::vec3(1, 0, 0));
+  EXPECT_THAT(scene.corner_vertex, ElementsAre(0, 1, 2));
+  EXPECT_THAT(scene.face_begin, ElementsAre(0, 3));
+}
+
+TEST(ObjReader, GivesTheSameWhereverTheBufferCutsTheText) {
+  const std::string text =
+      "# head\r\nmtllib my tree.mtl\r\nv  0.5\t-1e-3  +2 \r\nv 1 0 0 0.1 0.2 0.3\nv 0 1 \\\n0\nvt "
+      "0.25 "
+      "0.75\nvn 0 0 1\ng a b\nusemtl bark 1\nf 1/1/1 2//1 3/1 \ng\nf -3 -2 -1\n";
+  const ObjScene whole = parse(text);
+  for (size_t size = 1; size < 80; ++size) {
+    const ObjScene cut = parse(text, size);
+    EXPECT_EQ(cut.positions, whole.positions) << size;
+    EXPECT_EQ(cut.uvs, whole.uvs) << size;
+    EXPECT_EQ(cut.corner_vertex, whole.corner_vertex) << size;
+    EXPECT_EQ(cut.corner_uv, whole.corner_uv) << size;
+    EXPECT_EQ(cut.names, whole.names) << size;
+    EXPECT_EQ(cut.materials, whole.materials) << size;
+    EXPECT_EQ(cut.material_libraries, whole.material_libraries) << size;
+    EXPECT_EQ(cut.runs.size(), whole.runs.size()) << size;
+  }
+  EXPECT_EQ(whole.positions[0], glm::vec3(0.5f, -1e-3f, 2.0f));
+  EXPECT_EQ(whole.positions[2], glm::vec3(0, 1, 0));
+  EXPECT_THAT(whole.names, ElementsAre("a b"));
+  EXPECT_THAT(whole.materials, ElementsAre("bark 1"));
+  EXPECT_THAT(whole.material_libraries, ElementsAre("my tree.mtl"));
+  EXPECT_THAT(whole.corner_uv, ElementsAre(0, -1, 0, -1, -1, -1));
+  ASSERT_EQ(whole.runs.size(), 2u);
+  EXPECT_EQ(whole.runs[1].group, -1);
+}
+
+TEST(ObjReader, TakesNegativeIndicesFromWhereTheyStand) {
+  const ObjScene scene = parse(kTriangle + "f -3 -2 -1\nv 5 5 5\nf -1 1 2\n");
+  EXPECT_THAT(scene.corner_vertex, ElementsAre(0, 1, 2, 3, 0, 1));
+}
+
+TEST(ObjReader, TakesIndicesOfVerticesThatComeLater) {
+  EXPECT_THAT(parse("f 1 2 3\n" + kTriangle).corner_vertex, ElementsAre(0, 1, 2));
+}
+
+TEST(ObjReader, TakesALastLineWithoutBreak) {
+  EXPECT_EQ(parse(kTriangle + "f 1 2 3").face_count(), 1);
+}
+
+TEST(ObjReader, TakesALastLineThatEndsInAContinuation) {
+  EXPECT_EQ(parse(kTriangle + "f 1 2 3 \\\n").face_count(), 1);
+  EXPECT_EQ(parse(kTriangle + "f 1 2 3 \\").face_count(), 1);
+}
+
+TEST(ObjReader, DoesNotContinueComments) {
+  EXPECT_EQ(parse("# C:\\trees\\\n" + kTriangle + "f 1 2 3\n").positions.size(), 3u);
+}
+
+TEST(ObjReader, TakesAByteOrderMark) {
+  EXPECT_EQ(parse("\xEF\xBB\xBF" + kTriangle + "f 1 2 3\n").positions.size(), 3u);
+}
+
+TEST(ObjReader, StartsARunWhereverGroupObjectOrMaterialChanges) {
+  const ObjScene scene =
+      parse(kTriangle +
+            "o tree\ng one\nf 1 2 3\ng one\nf 1 2 3\nusemtl m\nf 1 2 3\no two\nf 1 2 "
+            "3\n");
+  ASSERT_EQ(scene.runs.size(), 3u);
+  EXPECT_EQ(scene.runs[1].first_face, 2);
+  EXPECT_EQ(scene.runs[2].group, -1);
+  EXPECT_EQ(scene.names[scene.runs[2].object], "two");
+}
+
+TEST(ObjReader, EmptyGroupsMakeNoRun) {
+  EXPECT_EQ(parse(kTriangle + "g a\ng b\ng c\nf 1 2 3\ng d\n").runs.size(), 1u);
+}
+
+TEST(ObjReader, CountsWhatItLeavesOut) {
+  const ObjScene scene = parse(kTriangle + "f 1 2 3\nf 1 2\nl 1 2\np 1\n");
+  EXPECT_EQ(scene.short_faces, 1);
+  EXPECT_EQ(scene.loose_elements, 2);
+  EXPECT_EQ(scene.face_count(), 1);
+}
+
+TEST(ObjReader, UnderflowIsZero) {
+  EXPECT_EQ(parse("v 1e-400 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").positions[0].x, 0.0f);
+}
+
+struct BadLine {
+  const char* text;
+  const char* message;
+};
+
+class ObjReaderErrors : public testing::TestWithParam<BadLine> {};
+
+TEST_P(ObjReaderErrors, NameFileAndLine) {
+  const std::string text = kTriangle + "# a \\\n" + GetParam().text + "\nf 1 2 3\n";
+  for (const size_t size : {1u, 7u, 4096u}) {
+    EXPECT_THAT(error_of(text, size), testing::StartsWith("t.obj:5: "));
+    EXPECT_THAT(error_of(text, size), HasSubstr(GetParam().message));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Lines, ObjReaderErrors,
+    testing::Values(BadLine{"v 1 2", "missing"}, BadLine{"v 1 2 x", "malformed number 'x'"},
+                    BadLine{"v 1 2 3.0.0", "malformed number"}, BadLine{"v 1,5 2 3", "malformed"},
+                    BadLine{"v nan 0 0", "not finite"}, BadLine{"v 0 inf 0", "not finite"},
+                    BadLine{"v 0 1e39 0", "not finite"}, BadLine{"v 0 1e400 0", "not finite"},
+                    BadLine{"vt u", "malformed number"}, BadLine{"vn 0 0", "missing"},
+                    BadLine{"f 1 2 4", "out of range"}, BadLine{"f 1 2 -4", "out of range"},
+                    BadLine{"f 1 2 0", "counts from 1"},
+                    BadLine{"f 1 2 x", "malformed vertex index"},
+                    BadLine{"f 1 2 3x", "malformed face corner '3x'"},
+                    BadLine{"f 1/1 2/1 3/1", "texture coordinate index 1 is out of range"},
+                    BadLine{"f 1//1 2//1 3//1", "normal index 1 is out of range"},
+                    BadLine{"f 1 2 99999999999999999999", "out of range"},
+                    BadLine{"f 1 2 4000000000", "out of range"},
+                    BadLine{"f 1/2/3/4 2 3", "malformed face corner"}));
+
+TEST(ObjReader, CountsContinuedLines) {
+  EXPECT_THAT(error_of("v 0 0 \\\n0\nv 1 \\\r\n 0 \\\r\n 0\nv x 0 0\n", 3),
+              testing::StartsWith("t.obj:6:"));
+}
+
+TEST(ObjReader, NamesTheFirstLineThatPointsTooFar) {
+  EXPECT_THAT(error_of("f 1 2 3\nf 1 2 9\nf 1 2 8\n" + kTriangle), testing::StartsWith("t.obj:2:"));
+}
+
+TEST(ObjReader, AnEmptyFileIsNoObj) {
+  EXPECT_THAT(error_of(""), HasSubstr("no Wavefront OBJ"));
+}
+
+TEST(ObjReader, ATextIsNoObj) {
+  EXPECT_THAT(error_of("Dear reader,\nthis is a letter.\n"), HasSubstr("no Wavefront OBJ"));
+}
+
+TEST(ObjReader, BinaryDataIsNoObj) {
+  EXPECT_THAT(error_of(std::string("v 0\0 0", 7)), HasSubstr("no text file"));
+}
+
+TEST(ObjReader, VerticesAloneAreNoTree) {
+  EXPECT_THAT(error_of(kTriangle), HasSubstr("no faces"));
+}
+
+TEST(ObjReader, StopsWhenAskedTo) {
+  std::istringstream stream(kTriangle + "f 1 2 3\n");
+  EXPECT_THROW(read_obj(stream, "t.obj", {.progress = [](float) { return false; }}), Cancelled);
+}
+
+TEST(ObjReader, ReportsTheShareRead) {
+  const std::string text = kTriangle + "f 1 2 3\n";
+  std::istringstream stream(text);
+  std::vector<float> shares;
+  read_obj(stream, "t.obj",
+           {.buffer_size = 9, .total_size = text.size(), .progress = [&](float share) {
+              shares.push_back(share);
+              return true;
+            }});
+  EXPECT_TRUE(std::is_sorted(shares.begin(), shares.end()));
+  EXPECT_FLOAT_EQ(shares.front(), 0.0f);
+  EXPECT_GT(shares.back(), 0.7f);
+}
+
+TEST(ObjReader, AMissingFileIsBadInput) {
+  EXPECT_THROW(read_obj_file("/nowhere/tree.obj"), std::invalid_argument);
+}
+
+TEST(Parts, SplitsByIndexThoughPositionsAreEqual) {
+  const Parts parts = split_parts(parse(kTriangle + kTriangle + "f 1 2 3\nf 4 5 6\n"));
+  EXPECT_EQ(parts.count(), 2);
+}
+
+TEST(Parts, NumbersPartsByTheirFirstFace) {
+  const Parts parts =
+      split_parts(parse(kTriangle + kTriangle + "v 9 9 9\ng b\nf 4 5 6\ng a\nf 1 2 3\nf 6 5 4\n"));
+  ASSERT_EQ(parts.count(), 2);
+  EXPECT_THAT(std::vector<int32_t>(parts.part_faces(0).begin(), parts.part_faces(0).end()),
+              ElementsAre(0, 2));
+  EXPECT_THAT(std::vector<int32_t>(parts.part_vertices(0).begin(), parts.part_vertices(0).end()),
+              ElementsAre(3, 4, 5));
+  EXPECT_THAT(parts.run, ElementsAre(0, 1));
+}
+
+}  // namespace
+}  // namespace snowbough::tree
