@@ -23,8 +23,8 @@ py::dict state_of(SnowSimulation& simulation) {
     py::dict own;
     const py::ssize_t edge = object.resolution;
     own["height"] = to_numpy<float>(std::move(object.height), {edge, edge});
-    own["sums"] = py::array_t<double>(static_cast<py::ssize_t>(object.sums.size()),
-                                      object.sums.data());
+    own["sums"] =
+        py::array_t<double>(static_cast<py::ssize_t>(object.sums.size()), object.sums.data());
     objects[py::str(object.name)] = own;
   }
   py::dict result;
@@ -70,10 +70,11 @@ void bind_snow_state(py::module_& module) {
   module.def("simulation_state", &state_of, "simulation"_a,
              "What a checkpoint of a SnowSimulation holds, as plain arrays: {'step_number': int,\n"
              "'objects': {receiver: {'height': (H, H) float32 metres, 'sums': (16,) float64}}}.");
-  module.def("set_simulation_state", &set_state, "simulation"_a, "state"_a,
-             "Takes a state of simulation_state, for a simulation with the same receivers; parts of\n"
-             "several states may be put together where their step numbers agree. ValueError naming\n"
-             "what differs.");
+  module.def(
+      "set_simulation_state", &set_state, "simulation"_a, "state"_a,
+      "Takes a state of simulation_state, for a simulation with the same receivers; parts of\n"
+      "several states may be put together where their step numbers agree. ValueError naming\n"
+      "what differs.");
 }
 
 }  // namespace snowbough::python

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small scenes for tests of the bake, and their maps read back."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+
+def mesh_object(name, vertices, faces, uv=None):
+    """A mesh object in the scene; uv: one pair a corner, in the order of the faces."""
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(vertices, [], faces)
+    if uv is not None:
+        layer = mesh.uv_layers.new(name="snow")
+        for corner, pair in zip(layer.data, uv):
+            corner.uv = pair
+    obj = bpy.data.objects.new(name, mesh)
+    bpy.context.scene.collection.objects.link(obj)
+    return obj
+
+
+def square(name, size=2.0, z=0.0, x=0.0):
+    """A level square facing up whose UV map fills the whole map: u along X, v along Y."""
+    h = size / 2
+    return mesh_object(
+        name,
+        [(x - h, -h, z), (x + h, -h, z), (x + h, h, z), (x - h, h, z)],
+        [(0, 1, 2, 3)],
+        [(0, 0), (1, 0), (1, 1), (0, 1)],
+    )
+
+
+def key(obj, path, *values):
+    """Keyframes (frame, value) with linear interpolation."""
+    for frame, value in values:
+        setattr(obj, path, value)
+        obj.keyframe_insert(path, frame=frame)
+
+
+def receive(*objects, resolution=64):
+    """Puts objects on the list."""
+    for obj in objects:
+        entry = bpy.context.scene.snowbough.receivers.add()
+        entry.object = obj
+        entry.resolution = resolution
+
+
+def settings(folder, frames=(1, 4), **values):
+    """The scene's snow settings for a quick, sharp bake into `folder`."""
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = frames
+    own = scene.snowbough
+    own.cache_directory = str(folder)
+    own.pixel_size = 0.02
+    own.flutter = 0.0
+    own.blur_radius = 0.0
+    own.end_depth = 0.1
+    for name, value in values.items():
+        setattr(own, name, value)
+    return own
+
+
+def bake(**arguments):
+    bpy.ops.snowbough.bake(**arguments)
+
+
+def folder_of(root, name, version=1, scene="Scene"):
+    """The folder of the receiver `name`."""
+    found = sorted((Path(root) / scene / f"v{version:03d}").glob(f"{name}-*"))
+    assert len(found) == 1, found
+    return found[0]
+
+
+def height(native, root, name, frame, version=1):
+    return native.read_exr(str(folder_of(root, name, version) / f"height_{frame:04d}.exr"))[0]
+
+
+def files_of(root):
+    """{relative path: bytes} of everything in a cache but the logs."""
+    root = Path(root)
+    return {
+        str(path.relative_to(root)): path.read_bytes()
+        for path in sorted(root.rglob("*"))
+        if path.is_file() and "logs" not in path.parts
+    }
+
+
+def moving_scene(folder, frames=(1, 12), **values):
+    """A ground, a cart that drives over it, a flag that an armature bends: all three receive."""
+    ground = square("Ground", 4.0)
+    cart = square("Cart", 1.0, z=1.0)
+    key(cart, "location", (frames[0], (-1.0, 0.0, 0.0)), (frames[1], (1.0, 0.0, 0.0)))
+    cells = 4
+    points = [(1.5 * i / cells, -1.5, 0.5 + 0.2 * j) for j in range(2) for i in range(cells + 1)]
+    faces = [(i, i + 1, i + cells + 2, i + cells + 1) for i in range(cells)]
+    uv = [p for i in range(cells) for p in
+          ((i / cells, 0), ((i + 1) / cells, 0), ((i + 1) / cells, 1), (i / cells, 1))]  # fmt: skip
+    flag = mesh_object("Flag", points, faces, uv)
+    bone = bpy.data.objects.new("Bone", bpy.data.armatures.new("Bone"))
+    bpy.context.scene.collection.objects.link(bone)
+    bpy.context.view_layer.objects.active = bone
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bone.data.edit_bones.new("Bone")
+    edit.head, edit.tail = (0, -1.5, 0.5), (1.5, -1.5, 0.5)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    group = flag.vertex_groups.new(name="Bone")
+    group.add(list(range(len(points))), 1.0, "REPLACE")
+    modifier = flag.modifiers.new("Armature", "ARMATURE")
+    modifier.object = bone
+    pose = bone.pose.bones["Bone"]
+    pose.rotation_mode = "XYZ"
+    for frame, angle in ((frames[0], 0.0), (frames[1], 1.0)):
+        pose.rotation_euler = (0, -angle, 0)
+        pose.keyframe_insert("rotation_euler", frame=frame)
+    receive(ground, cart, flag)
+    settings(folder, frames, checkpoint_interval=4, **values)
+    return ground, cart, flag
+
+
+def texel(map_, u, v):
+    """Mean of 5 x 5 texels around (u, v), row 0 = v 0: single texels hold a whole number of pixels."""
+    row, column = int(v * map_.shape[0]), int(u * map_.shape[1])
+    return float(np.mean(map_[row - 2:row + 3, column - 2:column + 3]))
+
+
+def open_ground(map_):
+    """Mean height of a map away from its border."""
+    return float(np.mean(map_[8:-8, 8:-8]))

@@ -1,0 +1,224 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Stopping, killing, splitting and resuming bakes: the bytes are those of one that never stopped."""
+
+import json
+import os
+import random
+import signal
+import subprocess
+import sys
+import time
+
+import bpy
+import pytest
+import snow_scene as s
+
+KILLS = int(os.environ.get("SNOWBOUGH_TEST_KILLS", 3))
+
+
+@pytest.fixture
+def undisturbed(addon, tmp_path):
+    """The moving scene, saved, and the bytes of its whole bake. In the scene the cache is tmp/cache."""
+    s.moving_scene(tmp_path / "whole", noise_density=0.5, substeps=2)
+    s.bake()
+    bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    return s.files_of(tmp_path / "whole")
+
+
+def run_part(addon, first, last, objects=(), resume=False):
+    """A bake of a part of the shot; returns the Session."""
+    operators, engine = addon("bake_operators"), addon("bake_engine")
+    request = operators.make_request(bpy.context.scene, resume, first, last, objects)
+    running = operators.make_session(bpy.context.scene, request)
+    engine.run(bpy.context, running)
+    return running
+
+
+def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undisturbed, tmp_path):
+    for last in (1, 4, 7, 11):
+        assert run_part(addon, 1, last).error is None
+        half = s.files_of(tmp_path / "cache")
+        assert any(name.endswith(f"state_{last:04d}") for name in half)
+        s.bake(resume=True)
+        assert s.files_of(tmp_path / "cache") == undisturbed
+        bpy.ops.snowbough.free_bake()
+
+
+def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp_path):
+    operators, engine = addon("bake_operators"), addon("bake_engine")
+    running = operators.make_session(bpy.context.scene, operators.make_request(bpy.context.scene))
+    running.on_frame = lambda result: engine.stop() if result.frame == 5 else None
+    engine.run(bpy.context, running)
+    assert running.cancelled and running.error is None
+    assert 5 <= running.job.results[-1].frame < 12
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_parts_of_the_receivers_make_the_same_bytes(addon, undisturbed, tmp_path):
+    assert run_part(addon, 1, 12, ["Cart"]).error is None
+    assert run_part(addon, 1, 6, ["Ground", "Flag"]).error is None
+    assert run_part(addon, 7, 12, ["Flag"]).error is None
+    assert run_part(addon, 1, 12, ["Ground"], resume=True).error is None
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_the_middle_of_a_shot_needs_a_checkpoint(addon, undisturbed, tmp_path):
+    error = run_part(addon, 6, 12).error
+    assert isinstance(error, addon("cache").NoCheckpoint) and "Frame 6 needs the checkpoint of frame 5" in str(error)
+    assert not (tmp_path / "cache").exists() or not s.files_of(tmp_path / "cache")
+
+
+def test_resume_without_anything_baked_starts_at_the_first_frame(undisturbed, tmp_path):
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_resume_of_a_finished_bake_changes_nothing(undisturbed, tmp_path):
+    s.bake()
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_a_moved_object_is_named_with_its_frame(addon, undisturbed):
+    assert run_part(addon, 1, 8).error is None
+    cart = bpy.data.objects["Cart"]
+    cart.location = (0, 0, 2)
+    cart.keyframe_insert("location", frame=5)
+    with pytest.raises(RuntimeError, match="Cart: transform changed at frame 1.5"):
+        s.bake(resume=True)
+
+
+def test_a_changed_mesh_is_named(addon, undisturbed):
+    assert run_part(addon, 1, 8).error is None
+    bpy.data.objects["Ground"].data.vertices[0].co.z = -0.5
+    with pytest.raises(RuntimeError, match="Ground: shape changed at frame 1"):
+        s.bake(resume=True)
+
+
+def test_a_changed_setting_is_named(addon, undisturbed):
+    assert run_part(addon, 1, 8).error is None
+    bpy.context.scene.snowbough.max_depth = 0.5
+    with pytest.raises(RuntimeError, match="max_depth: 1.0 -> 0.5"):
+        s.bake(resume=True)
+
+
+def test_a_new_bake_keeps_the_finished_version(undisturbed, tmp_path):
+    s.bake()
+    bpy.context.scene.snowbough.end_depth = 0.3
+    s.bake()
+    files = s.files_of(tmp_path / "cache")
+    assert {name: data for name, data in files.items() if "/v001/" in name} == undisturbed
+    assert any("/v002/" in name for name in files)
+
+
+# -- the command line ---------------------------------------------------------------------------------
+
+
+def blender_command(addon, blend, *arguments):
+    """A Blender of its own that bakes with the code of the add-on under test."""
+    package = os.environ["SNOWBOUGH_TEST_ADDON"]
+    folder = os.path.dirname(addon("cli_bake").__file__)
+    names = ("frames", "cache", "json", "objects")
+    given = {name: None for name in names}
+    given.update(zip((a.lstrip("-") for a in arguments[::2]), arguments[1::2]))
+    resume = given.pop("resume", "no") == "yes"
+    enable = (
+        f"import sys; sys.path.insert(0, {os.path.dirname(folder)!r}); import snowbough; snowbough.register()"
+        if package == "snowbough"
+        else f"import addon_utils; addon_utils.enable({package!r})"
+    )
+    program = (
+        f"{enable}\n"
+        "import sys, importlib, types, bpy\n"
+        f"bpy.ops.wm.open_mainfile(filepath={str(blend)!r})\n"
+        f"cli = importlib.import_module({package!r} + '.cli_bake')\n"
+        f"sys.exit(cli.run(types.SimpleNamespace(resume={resume}, **{given!r})))"
+    )
+    if bpy.app.binary_path:
+        return [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", program]
+    return [sys.executable, "-c", "import bpy\n" + program]
+
+
+def run_blender(*arguments, **options):
+    return subprocess.run(
+        blender_command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120, **options
+    )
+
+
+def test_the_command_line_prints_a_parsable_line_a_frame(addon, undisturbed, tmp_path):
+    report = tmp_path / "report.json"
+    done = run_blender(addon, tmp_path / "shot.blend", "--cache", str(tmp_path / "cache"), "--json", str(report))
+    assert done.returncode == 0, done.stderr
+    lines = [line for line in done.stdout.splitlines() if line.startswith("SNOWBOUGH frame=")]
+    words = [dict(word.split("=") for word in line.split()[1:]) for line in lines]
+    assert [int(word["frame"]) for word in words] == list(range(1, 13))
+    assert float(words[-1]["depth"]) == pytest.approx(0.1)
+    told = json.loads(report.read_text())
+    assert told["exit_code"] == 0 and len(told["frames"]) == 12 and sorted(told["receivers"]) == ["Cart", "Flag", "Ground"]
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+@pytest.mark.parametrize(
+    "arguments, code, message",
+    [
+        (("--frames", "6-12"), 3, "needs the checkpoint of frame 5"),
+        (("--frames", "1-99"), 1, "not inside the shot"),
+        (("--objects", "Cart,Sledge"), 1, "No enabled receiver is named Sledge"),
+        (("--cache", "/dev/null/cache"), 5, "cannot be written"),
+    ],
+)
+def test_the_exit_code_says_what_went_wrong(addon, undisturbed, tmp_path, arguments, code, message):
+    report = tmp_path / "report.json"
+    done = run_blender(addon, tmp_path / "shot.blend", "--json", str(report), *arguments)
+    assert done.returncode == code and message in done.stderr
+    told = json.loads(report.read_text())
+    assert told["exit_code"] == code and message in told["error"]
+    assert "Traceback" not in done.stderr
+
+
+def test_without_egl_the_message_and_the_code_say_so(addon, undisturbed, tmp_path):
+    # A loader without any vendor's library: what a machine without EGL looks like.
+    (tmp_path / "none").mkdir()
+    environment = {**os.environ, "__EGL_VENDOR_LIBRARY_DIRS": str(tmp_path / "none")}
+    done = run_blender(addon, tmp_path / "shot.blend", env=environment)
+    assert done.returncode == 6 and "OpenGL" in done.stderr
+    assert not (tmp_path / "cache").exists()
+
+
+def test_two_machines_share_a_shot(addon, undisturbed, tmp_path):
+    parts = [
+        subprocess.Popen(
+            blender_command(addon, tmp_path / "shot.blend", "--objects", objects),
+            stdout=subprocess.DEVNULL,
+            stderr=subprocess.PIPE,
+        )
+        for objects in ("Cart,Flag", "Ground")
+    ]
+    for part in parts:
+        assert part.wait(timeout=120) == 0, part.stderr.read()
+        part.stderr.close()
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undisturbed, tmp_path):
+    seed = int(os.environ.get("SNOWBOUGH_TEST_SEED", random.randrange(1 << 30)))
+    print("seed", seed)
+    moments = random.Random(seed)
+    for number in range(KILLS):
+        command = blender_command(addon, tmp_path / "shot.blend")
+        process = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+        lines, wanted = 0, moments.randrange(0, 12)
+        for line in process.stdout:
+            lines += line.startswith("SNOWBOUGH frame=")
+            if lines >= wanted:
+                break
+        time.sleep(moments.uniform(0, 0.05))
+        process.send_signal(signal.SIGKILL)
+        process.stdout.close()
+        process.wait()
+        s.bake(resume=True)
+        assert s.files_of(tmp_path / "cache") == undisturbed, f"kill {number} after {wanted} frames"
+        bpy.ops.snowbough.free_bake()
+        assert not list((tmp_path / "cache").rglob("*.exr"))
