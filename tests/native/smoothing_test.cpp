@@ -1,0 +1,254 @@
+#include "snow/smoothing.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <random>
+
+#include "gpu/gpu_thread.h"
+#include "snow/dilate.h"
+#include "snow/map_output.h"
+#include "snow_layouts.h"
+
+namespace snowbough::snow {
+namespace {
+
+using ::testing::Each;
+
+struct Map {
+  LaidOutMesh mesh;
+  TexelTable table;
+  SeamTable seams;
+};
+
+Map make_map(LaidOutMesh mesh) {
+  Map map{std::move(mesh), {}, {}};
+  map.table = build_texel_table(map.mesh.topology);
+  map.seams = build_seam_table(map.mesh.topology, map.table, map.mesh.positions);
+  return map;
+}
+
+/// Adds a rectangle in the plane z = 0 with vertices of its own: `low` to `high` on the map,
+/// `size_x` by `size_y` metres in space at x = `left`.
+void add_plate(LaidOutMesh& mesh, glm::vec2 low, glm::vec2 high, float left, float size_x,
+               float size_y) {
+  const int32_t v = mesh.topology.vertex_count;
+  mesh.topology.vertex_count += 4;
+  for (const glm::vec2 c : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1), glm::vec2(0, 1)}) {
+    mesh.positions.emplace_back(left + c.x * size_x, c.y * size_y, 0.0f);
+  }
+  for (const int k : {0, 1, 2, 0, 2, 3}) mesh.topology.triangles.push_back(v + k);
+  for (const glm::vec2 c : {glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1), glm::vec2(0, 0),
+                            glm::vec2(1, 1), glm::vec2(0, 1)}) {
+    mesh.topology.corner_uv.push_back(low + c * (high - low));
+  }
+}
+
+/// One plate over the whole map, `size_x` by `size_y` metres.
+Map plate(int32_t resolution, float size_x, float size_y) {
+  LaidOutMesh mesh;
+  mesh.topology.resolution = resolution;
+  add_plate(mesh, glm::vec2(0), glm::vec2(1), 0, size_x, size_y);
+  return make_map(std::move(mesh));
+}
+
+/// Standard deviation in metres along x and y of what one texel's snow in the middle is spread to.
+glm::dvec2 spread_of(const Map& map, const SmoothingPlan& plan) {
+  const int32_t size = map.table.resolution;
+  std::vector<float> height(map.table.texel.size(), 0.0f);
+  const int32_t middle = size / 2;
+  height[static_cast<size_t>(middle) * size + middle] = 1.0f;
+  const std::vector<float> smooth = smooth_on_cpu(map.seams, plan, height);
+  glm::dvec2 variance(0.0);
+  double sum = 0.0;
+  for (int32_t y = 0; y < size; ++y) {
+    for (int32_t x = 0; x < size; ++x) {
+      const double h = smooth[static_cast<size_t>(y) * size + x];
+      const glm::dvec2 d = glm::dvec2(x - middle, y - middle) * glm::dvec2(map.seams.texel_size[0]);
+      variance += h * d * d;
+      sum += h;
+    }
+  }
+  EXPECT_NEAR(sum, 1.0, 1e-5);
+  return glm::sqrt(variance / sum);
+}
+
+TEST(Smoothing, everyLevelIsAFilterOfItsStandardDeviation) {
+  for (int32_t level = 0; level < kFilterLevels; ++level) {
+    const FilterWeights& w = filter_levels()[level];
+    double sum = w[0], variance = 0.0;
+    for (int k = 1; k <= kFilterReach; ++k) {
+      sum += 2.0 * w[k];
+      variance += 2.0 * k * k * w[k];
+    }
+    EXPECT_NEAR(sum, 1.0, 1e-6);
+    EXPECT_NEAR(std::sqrt(variance), 1.6888 * level / 255, 1e-3);
+  }
+}
+
+TEST(Smoothing, theFullFilterHasTheThesisTaps) {
+  const FilterWeights& w = filter_levels()[255];
+  EXPECT_NEAR(w[0], 0.2270 / 0.9998, 1e-6);
+  EXPECT_NEAR(w[1] + w[2], 0.3162 / 0.9998, 1e-6);
+  EXPECT_NEAR(w[3] + w[4], 0.0702 / 0.9998, 1e-6);
+  EXPECT_NEAR(w[2] / (w[1] + w[2]), 0.3846, 1e-4);
+  EXPECT_NEAR(w[4] / (w[3] + w[4]), 0.2307, 1e-4);
+}
+
+TEST(Smoothing, theRadiusIsInMetres) {
+  for (const float texels : {0.5f, 1.0f, 2.0f, 3.0f, 6.0f}) {
+    const Map map = plate(64, 6.4f, 6.4f);
+    const glm::dvec2 spread = spread_of(map, plan_smoothing(map.table, map.seams, texels * 0.1f));
+    EXPECT_NEAR(spread.x, texels * 0.1, 0.002 * texels);
+    EXPECT_NEAR(spread.y, texels * 0.1, 0.002 * texels);
+  }
+}
+
+TEST(Smoothing, aStretchedLayoutIsSmoothedEvenlyOnTheSurface) {
+  const Map map = plate(128, 12.8f, 25.6f);
+  const glm::dvec2 spread = spread_of(map, plan_smoothing(map.table, map.seams, 0.3f));
+  EXPECT_NEAR(spread.x, 0.3, 0.005);
+  EXPECT_NEAR(spread.y, 0.3, 0.005);
+}
+
+TEST(Smoothing, aLevelBlanketStaysLevelUpToItsRim) {
+  LaidOutMesh mesh;
+  mesh.topology.resolution = 64;
+  add_plate(mesh, glm::vec2(0.1f), glm::vec2(0.77f), 0, 1, 1);
+  const Map map = make_map(std::move(mesh));
+  const std::vector<float> height(map.table.texel.size(), 0.25f);
+  EXPECT_THAT(smooth_on_cpu(map.seams, plan_smoothing(map.table, map.seams, 0.1f), height),
+              Each(testing::FloatNear(0.25f, 1e-6f)));
+}
+
+TEST(Smoothing, nothingLeaksToAChartBesideThatIsNoNeighbourOnTheSurface) {
+  LaidOutMesh mesh;
+  mesh.topology.resolution = 64;
+  add_plate(mesh, glm::vec2(0, 0), glm::vec2(0.5f, 1), 0, 1, 1);
+  add_plate(mesh, glm::vec2(0.5f, 0), glm::vec2(1, 1), 5, 1, 1);
+  const Map map = make_map(std::move(mesh));
+  std::vector<float> height(map.table.texel.size());
+  for (size_t i = 0; i < height.size(); ++i) height[i] = map.table.chart[i] == 0 ? 1.0f : 0.0f;
+  const auto smooth = smooth_on_cpu(map.seams, plan_smoothing(map.table, map.seams, 0.2f), height);
+  for (size_t i = 0; i < height.size(); ++i) EXPECT_FLOAT_EQ(smooth[i], height[i]);
+}
+
+TEST(Smoothing, aRadiusOfZeroPassesTheMapOn) {
+  const Map map = plate(64, 1, 1);
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.0f);
+  std::vector<float> height(map.table.texel.size());
+  for (size_t i = 0; i < height.size(); ++i) height[i] = static_cast<float>(i % 7);
+  EXPECT_EQ(output_on_cpu(map.table, map.seams, plan, height).height, height);
+}
+
+TEST(Smoothing, aNegativeRadiusIsRefused) {
+  const Map map = plate(64, 1, 1);
+  EXPECT_THROW(plan_smoothing(map.table, map.seams, -1.0f), std::invalid_argument);
+  EXPECT_THROW(plan_smoothing(map.table, map.seams, std::nanf("")), std::invalid_argument);
+}
+
+TEST(Dilation, continuesTheMapByFourTexels) {
+  LaidOutMesh mesh;
+  mesh.topology.resolution = 64;
+  add_plate(mesh, glm::vec2(0.25f), glm::vec2(0.5f), 0, 1, 1);
+  const Map map = make_map(std::move(mesh));
+  const auto dilated =
+      dilate_on_cpu(map.table, map.seams, std::vector<float>(map.table.texel.size(), 2.0f));
+  const auto at = [&](int x, int y) { return dilated[static_cast<size_t>(y) * 64 + x]; };
+  EXPECT_EQ(at(16, 20), 2.0f);
+  EXPECT_EQ(at(12, 20), 2.0f);
+  EXPECT_EQ(at(11, 20), 0.0f);
+  EXPECT_EQ(at(35, 35), 2.0f);
+  EXPECT_EQ(at(36, 20), 0.0f);
+}
+
+TEST(Dilation, showsTheOtherSideOfASeamBeyondIt) {
+  // A strip of 2 x 1 metres, bent nowhere, cut in the middle; the right half lies elsewhere on the
+  // map.
+  LaidOutMesh mesh;
+  mesh.topology.resolution = 64;
+  mesh.topology.vertex_count = 6;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {2, 0, 0}, {0, 1, 0}, {1, 1, 0}, {2, 1, 0}};
+  mesh.topology.triangles = {0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4};
+  const auto uv = [](float x, float y) { return glm::vec2(x, y) / 64.0f; };
+  mesh.topology.corner_uv = {uv(8, 8),  uv(24, 8), uv(24, 24), uv(8, 8),  uv(24, 24), uv(8, 24),
+                             uv(40, 8), uv(56, 8), uv(56, 24), uv(40, 8), uv(56, 24), uv(40, 24)};
+  const Map map = make_map(std::move(mesh));
+  std::vector<float> height(map.table.texel.size());
+  for (size_t i = 0; i < height.size(); ++i) {
+    const int32_t x = map.table.texel[i] % 64;
+    height[i] = static_cast<float>(x < 32 ? x - 8 : x - 24);
+  }
+  const auto dilated = dilate_on_cpu(map.table, map.seams, height);
+  for (int k = 0; k < 4; ++k) {
+    EXPECT_NEAR(dilated[16 * 64 + 24 + k], 16.0f + static_cast<float>(k), 1e-4f);
+    EXPECT_NEAR(dilated[16 * 64 + 39 - k], 15.0f - static_cast<float>(k), 1e-4f);
+  }
+}
+
+std::vector<float> random_map(const Map& map, uint32_t seed) {
+  std::mt19937 random(seed);
+  std::vector<float> stored(static_cast<size_t>(map.table.resolution) * map.table.resolution, 0.0f);
+  for (const int32_t texel : map.table.texel)
+    stored[texel] = static_cast<float>(random() % 1000) * 1e-4f;
+  return stored;
+}
+
+std::vector<float> output_on_gpu(const Map& map, const SmoothingPlan& plan,
+                                 const std::vector<float>& stored, int rounds = 1) {
+  return gpu::GpuThread::shared()->run([&] {
+    const int32_t size = map.table.resolution;
+    gpu::Texture maps(GL_R32F, size, size, 2);
+    maps.write(1, GL_RED, GL_FLOAT, stored.data());
+    OutputBuffers buffers = make_output_buffers(map.table, map.seams, plan);
+    MapOutputPass pass;
+    std::vector<float> height;
+    for (int i = 0; i < rounds; ++i) {
+      const auto start = std::chrono::steady_clock::now();
+      pass.run(maps, 1, buffers);
+      height = buffers.map.read_all<float>();
+      const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+      if (rounds > 1) std::printf("GPU output %d: %.1f ms\n", i, 1e3 * taken.count());
+    }
+    return height;
+  });
+}
+
+TEST(MapOutputPass, agreesWithTheProcessorOnATube) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
+  for (const float radius : {0.0f, 0.01f, 0.1f}) {
+    const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
+    const auto stored = random_map(map, 5);
+    const auto expected = output_on_cpu(map.table, map.seams, plan, stored).height;
+    const auto height = output_on_gpu(map, plan, stored);
+    float worst = 0.0f;
+    for (size_t i = 0; i < height.size(); ++i)
+      worst = std::max(worst, std::abs(height[i] - expected[i]));
+    EXPECT_LT(worst, 1e-6f) << "radius " << radius;
+  }
+}
+
+TEST(MapOutputPass, twoRunsAreBitIdentical) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.1f);
+  const auto stored = random_map(map, 6);
+  EXPECT_EQ(output_on_gpu(map, plan, stored), output_on_gpu(map, plan, stored));
+}
+
+TEST(MapOutput, timeOfAFullMapOf1024) {
+  const Map map = plate(1024, 10.24f, 10.24f);
+  const auto stored = random_map(map, 7);
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.02f);
+  EXPECT_EQ(plan.passes, 1);
+  EXPECT_EQ(plan.closing_passes, 2);
+  const auto start = std::chrono::steady_clock::now();
+  const auto expected = output_on_cpu(map.table, map.seams, plan, stored).height;
+  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+  std::printf("processor: %.1f ms for a blur of 2 texels\n", 1e3 * taken.count());
+  const auto height = output_on_gpu(map, plan, stored, 4);
+  EXPECT_NEAR(height[512 * 1024 + 512], expected[512 * 1024 + 512], 1e-6f);
+}
+
+}  // namespace
+}  // namespace snowbough::snow
