@@ -1,26 +1,16 @@
-// Third part of the deposit: every texel that takes part gets its share of its pixel's snow. A share
-// is proportional to projected area, so that surfaces of different slope in one pixel each get
-// what falls on them.
-#include "fall_frame.h"
+// Third part of the deposit, for every tile but the last, whose shares the stability pass takes itself.
+#include "texel_share.h"
 
 layout(local_size_x = 64) in;
-layout(std430) readonly buffer TexelSurface { vec4 texel_surface[]; };
-layout(std430) readonly buffer TexelTargets { TexelTarget targets[]; };
 /// Thickness in metres; 0 at the start of a step.
 layout(std430) writeonly buffer DepositShare { float deposit_share[]; };
-uniform usampler2D weight_sum;
-uniform ivec2 tile_origin;
-uniform ivec2 tile_size;
+uniform samplerBuffer texel_surface;
+uniform usamplerBuffer targets;
 
 void main() {
-  const uint index = gl_GlobalInvocationID.x;
-  const TexelTarget target = targets[index];
-  if (target.pixel == 0u) {
-    return;
+  const int index = int(gl_GlobalInvocationID.x);
+  const uvec2 target = texelFetch(targets, index).xy;
+  if (target.x != 0u) {
+    deposit_share[index] = share_of(target, texelFetch(texel_surface, index).w);
   }
-  const int pixel_index = int(target.pixel - 1u);
-  const ivec2 pixel = ivec2(pixel_index % tile_size.x, pixel_index / tile_size.x);
-  const uint sum = max(texelFetch(weight_sum, pixel, 0).x, kPixelWeight / 2u);
-  const float volume = snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
-  deposit_share[index] = volume * (float(target.weight) / float(sum)) / texel_surface[index].w;
 }

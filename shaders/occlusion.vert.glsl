@@ -2,30 +2,34 @@
 // the same triangle bit for bit, whatever its origin.
 #include "fall_frame.h"
 
-layout(std430) readonly buffer Positions { float positions[]; };
-layout(std430) readonly buffer Triangles { SceneTriangle triangles[]; };
+// Buffer textures instead of storage blocks: llvmpipe reads a whole vector at once from them.
+uniform samplerBuffer positions;
+uniform usamplerBuffer triangles;
+uniform samplerBuffer triangle_surface;
 
 uniform vec2 viewport_origin;
 uniform float viewport_size;
 
-flat out uint visible_triangle;
+/// 1 + triangle with kBackFace; the object's slot with kReceives.
+flat out uvec2 visible_triangle;
+/// Cosine between the triangle's normal and the way to the sky.
+flat out float facing;
 /// First corner in local pixels, and the gradient of depth.
 flat out vec4 corner_gradient;
 /// Depth at the first corner, smallest and largest depth.
 flat out vec3 depth_range;
 
 vec3 snapped(uint vertex) {
-  const vec3 p = project(vec3(positions[3u * vertex], positions[3u * vertex + 1u],
-                              positions[3u * vertex + 2u]));
+  const vec3 p = project(texelFetch(positions, int(vertex)).xyz);
   return vec3(floor(p.xy * 256.0 + 0.5) * (1.0 / 256.0), p.z);
 }
 
 void main() {
   const uint index = uint(gl_VertexID) / 3u;
-  const SceneTriangle triangle = triangles[index];
-  const vec3 a = snapped(triangle.a);
-  const vec3 b = snapped(triangle.b);
-  const vec3 c = snapped(triangle.c);
+  const uvec4 triangle = texelFetch(triangles, int(index));
+  const vec3 a = snapped(triangle.x);
+  const vec3 b = snapped(triangle.y);
+  const vec3 c = snapped(triangle.z);
   const vec3 ab = b - a;
   const vec3 ac = c - a;
   const float area = ab.x * ac.y - ab.y * ac.x;
@@ -33,7 +37,8 @@ void main() {
       area == 0.0 ? vec2(0.0)
                   : vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area;
   // The cross product of the grid's axes points to the sky: faces turned there wind anticlockwise.
-  visible_triangle = (index + 1u) | (area > 0.0 ? 0u : kBackFace);
+  visible_triangle = uvec2((index + 1u) | (area > 0.0 ? 0u : kBackFace), triangle.w);
+  facing = -dot(texelFetch(triangle_surface, int(index)).xyz, fall.direction.xyz);
   corner_gradient = vec4(a.xy, gradient);
   depth_range = vec3(a.z, min(a.z, min(b.z, c.z)), max(a.z, max(b.z, c.z)));
   const uint corner = uint(gl_VertexID) % 3u;

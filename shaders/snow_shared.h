@@ -129,7 +129,9 @@ const uint kPixelWeight = 1u << 20;
 /// Fixed-point units of one step's depth on level ground.
 const float kDepthUnits = 262144.0f;
 /// Texels a work group handles; an object's texels begin at a multiple of it.
-const uint kTexelGroup = 64u;
+const uint kTexelGroup = 1024u;
+/// Invocations of a work group of the stability pass: each leaves one partial sum.
+const uint kPartialsEach = 64u;
 
 #ifndef SNOWBOUGH_GLSL
 }  // namespace snowbough::shared

@@ -1,25 +1,31 @@
 // Adds the step's deposit to the map and lets slide what the slope cannot hold: equation 4.2.2 of
 // D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved in closed form,
 // so that the result does not depend on the length of a step.
-#include "snow_shared.h"
+//
+// LAST_TILE: the shares of the step's last (mostly only) tile are worked out here, which saves a pass.
+// EARLIER_TILES: shares of further tiles wait in DepositShare.
+#include "texel_share.h"
 
 layout(local_size_x = 64) in;
-layout(std430) readonly buffer TriangleSurface { vec4 triangle_surface[]; };
-layout(std430) readonly buffer Texels { Texel texels[]; };
-layout(std430) readonly buffer TexelSurface { vec4 texel_surface[]; };
-/// Both are read and left at 0 for the next step.
-layout(std430) buffer DepositShare { float deposit_share[]; };
 layout(std430) buffer DepositUnits { uint deposit_units[]; };
-/// A work group's sums: deposited, slid and held volume in m3, number of saturated texels.
+#ifdef EARLIER_TILES
+/// Read, and left at 0 for the next step.
+layout(std430) buffer DepositShare { float deposit_share[]; };
+#endif
+#ifdef LAST_TILE
+uniform usamplerBuffer targets;
+#endif
+/// An invocation's sums: deposited, slid and held volume in m3, number of saturated texels.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
+uniform usamplerBuffer texels;
+uniform samplerBuffer texel_surface;
+uniform samplerBuffer triangle_surface;
 uniform float step_depth;
 uniform float max_depth;
 /// Seconds; the half-life is positive.
 uniform float dt;
 uniform float half_life;
-
-shared vec4 sums[gl_WorkGroupSize.x];
 
 /// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
 float staying_part(float t) {
@@ -39,43 +45,56 @@ float settle(float height, float deposit, float capacity) {
   return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
 }
 
+/// The texel's deposit of the whole step, in metres; leaves the sums at 0.
+float take_deposit(int index, float area, out bool saturated) {
+  const uint units = deposit_units[index];
+  saturated = units == kNowhere;
+  float deposit = float(units) * (step_depth / kDepthUnits);
+  if (units != 0u) {
+    deposit_units[index] = 0u;
+  }
+#ifdef LAST_TILE
+  const uvec2 target = texelFetch(targets, index).xy;
+  if (target.x != 0u) {
+    deposit += share_of(target, area);
+  }
+#endif
+#ifdef EARLIER_TILES
+  const float share = deposit_share[index];
+  if (share != 0.0) {
+    deposit += share;
+    deposit_share[index] = 0.0;
+  }
+#endif
+  return deposit;
+}
+
 void main() {
-  const uint index = gl_GlobalInvocationID.x;
-  const Texel texel = texels[index];
+  // An invocation takes every 64th texel of the work group's, so that no barrier is needed.
+  const int begin = int(gl_WorkGroupID.x * kTexelGroup + gl_LocalInvocationID.x);
+  const int resolution = imageSize(height_map).x;
+  const uint map_texels = uint(resolution * resolution);
   vec4 sum = vec4(0.0);
-  if (texel.place != kNowhere) {
-    const int resolution = imageSize(height_map).x;
-    const uint map_texels = uint(resolution * resolution);
-    const uint in_map = texel.place % map_texels;
+  for (uint i = 0u; i < kTexelGroup; i += gl_WorkGroupSize.x) {
+    const int index = begin + int(i);
+    const uvec2 texel = texelFetch(texels, index).xy;
+    if (texel.y == kNowhere) {
+      break;
+    }
+    const float area = texelFetch(texel_surface, index).w;
+    bool saturated;
+    const float deposit = take_deposit(index, area, saturated);
+    const float capacity = max_depth * texelFetch(triangle_surface, int(texel.x)).z;
+    const uint in_map = texel.y % map_texels;
     const ivec3 at = ivec3(in_map % uint(resolution), in_map / uint(resolution),
-                           texel.place / map_texels);
-    const uint units = deposit_units[index];
-    const float share = deposit_share[index];
-    const float deposit = share + float(units) * (step_depth / kDepthUnits);
+                           texel.y / map_texels);
     const float height = imageLoad(height_map, at).x;
-    const float capacity = max_depth * triangle_surface[texel.triangle].z;
     const float settled = settle(height, deposit, capacity);
     if (settled != height) {
       imageStore(height_map, at, vec4(settled));
     }
-    if (units != 0u) {
-      deposit_units[index] = 0u;
-    }
-    if (share != 0.0) {
-      deposit_share[index] = 0.0;
-    }
-    const float area = texel_surface[index].w;
-    sum = vec4(deposit * area, (height + deposit - settled) * area, settled * area,
-               units == kNowhere ? 1.0 : 0.0);
+    sum += vec4(deposit * area, (height + deposit - settled) * area, settled * area,
+                saturated ? 1.0 : 0.0);
   }
-  sums[gl_LocalInvocationID.x] = sum;
-  for (uint half_width = gl_WorkGroupSize.x / 2u; half_width > 0u; half_width /= 2u) {
-    barrier();
-    if (gl_LocalInvocationID.x < half_width) {
-      sums[gl_LocalInvocationID.x] += sums[gl_LocalInvocationID.x + half_width];
-    }
-  }
-  if (gl_LocalInvocationID.x == 0u) {
-    partials[gl_WorkGroupID.x] = sums[0];
-  }
+  partials[gl_GlobalInvocationID.x] = sum;
 }

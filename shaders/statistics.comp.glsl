@@ -1,4 +1,4 @@
-// Adds up, in a fixed order and in double precision, what the work groups of the stability pass
+// Adds up, in a fixed order and in double precision, what the invocations of the stability pass
 // found for one object. One work group a segment.
 #include "snow_shared.h"
 
@@ -12,8 +12,9 @@ shared dvec4 lanes[gl_WorkGroupSize.x];
 void main() {
   const StatisticsSegment segment = segments[gl_WorkGroupID.x];
   dvec4 sum = dvec4(0.0);
-  for (uint i = gl_LocalInvocationID.x; i < segment.group_count; i += gl_WorkGroupSize.x) {
-    sum += dvec4(partials[segment.first_group + i]);
+  for (uint i = gl_LocalInvocationID.x; i < segment.group_count * kPartialsEach;
+       i += gl_WorkGroupSize.x) {
+    sum += dvec4(partials[segment.first_group * kPartialsEach + i]);
   }
   lanes[gl_LocalInvocationID.x] = sum;
   barrier();

@@ -2,33 +2,34 @@
 #include "snow_shared.h"
 
 layout(local_size_x = 64) in;
-layout(std430) readonly buffer Positions { float positions[]; };
-layout(std430) readonly buffer Triangles { SceneTriangle triangles[]; };
-layout(std430) readonly buffer TriangleSurface { vec4 triangle_surface[]; };
-layout(std430) readonly buffer Texels { Texel texels[]; };
-layout(std430) readonly buffer FragmentBegin { uint fragment_begin[]; };
-layout(std430) readonly buffer Fragments { Fragment fragments[]; };
+uniform samplerBuffer positions;
+uniform usamplerBuffer triangles;
+uniform samplerBuffer triangle_surface;
+uniform usamplerBuffer texels;
+uniform usamplerBuffer fragment_begin;
+/// Triangle, and bits of the share.
+uniform usamplerBuffer fragments;
 /// xyz: position in metres, w: covered area in m2.
 layout(std430) writeonly buffer TexelSurface { vec4 texel_surface[]; };
 uniform uint first;
 
-vec3 vertex(uint index) {
-  return vec3(positions[3u * index], positions[3u * index + 1u], positions[3u * index + 2u]);
-}
+vec3 vertex(uint index) { return texelFetch(positions, int(index)).xyz; }
 
 void main() {
-  const uint index = first + gl_GlobalInvocationID.x;
-  const Texel texel = texels[index];
-  if (texel.place == kNowhere) {
+  const int index = int(first + gl_GlobalInvocationID.x);
+  const uvec4 texel = texelFetch(texels, index);
+  if (texel.y == kNowhere) {
     return;
   }
-  const SceneTriangle triangle = triangles[texel.triangle];
-  const vec3 a = vertex(triangle.a);
-  const vec3 position = a + texel.weight_b * (vertex(triangle.b) - a) +
-                        texel.weight_c * (vertex(triangle.c) - a);
+  const uvec4 triangle = texelFetch(triangles, int(texel.x));
+  const vec3 a = vertex(triangle.x);
+  const vec3 position = a + uintBitsToFloat(texel.z) * (vertex(triangle.y) - a) +
+                        uintBitsToFloat(texel.w) * (vertex(triangle.z) - a);
   float area = 0.0;
-  for (uint i = fragment_begin[index]; i < fragment_begin[index + 1u]; ++i) {
-    area += fragments[i].share * triangle_surface[fragments[i].triangle].w;
+  const int end = int(texelFetch(fragment_begin, index + 1).x);
+  for (int i = int(texelFetch(fragment_begin, index).x); i < end; ++i) {
+    const uvec2 fragment = texelFetch(fragments, i).xy;
+    area += uintBitsToFloat(fragment.y) * texelFetch(triangle_surface, int(fragment.x)).w;
   }
   texel_surface[index] = vec4(position, area);
 }

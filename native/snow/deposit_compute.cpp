@@ -4,7 +4,7 @@ namespace snowbough::snow {
 namespace {
 
 int32_t texel_groups(const TexelBatch& batch) {
-  return batch.count / static_cast<int32_t>(shared::kTexelGroup);
+  return batch.count / 64;
 }
 
 constexpr GLbitfield kBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
@@ -24,10 +24,10 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
   for (TexelBatch& batch : scene.batches) {
     weigh_.use();
     weigh_.bind("Fall", fall);
-    weigh_.bind("Triangles", scene.triangles);
-    weigh_.bind("TriangleSurface", scene.triangle_surface);
-    weigh_.bind("Texels", batch.texels);
-    weigh_.bind("TexelSurface", batch.surface);
+    weigh_.bind_texture("triangle_surface", scene.views.triangle_surface);
+    weigh_.bind_texture("texels", batch.views.texels);
+    weigh_.bind_texture("texel_surface", batch.views.surface);
+    weigh_.bind_texture("group_slots", batch.views.group_slots);
     weigh_.bind("TexelTargets", batch.targets);
     weigh_.bind_texture("occlusion", occlusion.visible);
     weigh_.bind_image("weight_sum", weight_sum_, GL_READ_WRITE);
@@ -47,12 +47,11 @@ void DepositComputePass::drop_on_pixels(SceneBuffers& scene, const gpu::Buffer& 
     const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
     pixels_.use();
     pixels_.bind("Fall", fall);
-    pixels_.bind("Positions", scene.positions);
-    pixels_.bind("Triangles", scene.triangles);
-    pixels_.bind("TriangleSurface", scene.triangle_surface);
-    pixels_.bind("MapTriangles", scene.map_triangles);
-    pixels_.bind("MapOffsets", scene.map_offsets);
-    pixels_.bind("TexelSurface", batch.surface);
+    pixels_.bind_texture("positions", scene.views.positions);
+    pixels_.bind_texture("triangles", scene.views.triangles);
+    pixels_.bind_texture("map_triangles", scene.views.map_triangles);
+    pixels_.bind_texture("map_offsets", scene.views.map_offsets);
+    pixels_.bind_texture("texel_surface", batch.views.surface);
     pixels_.bind("DepositUnits", batch.units);
     pixels_.bind("Counts", scene.pixel_counts);
     pixels_.bind_texture("occlusion", occlusion.visible);
@@ -73,8 +72,8 @@ void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall,
   for (TexelBatch& batch : scene.batches) {
     share_.use();
     share_.bind("Fall", fall);
-    share_.bind("TexelSurface", batch.surface);
-    share_.bind("TexelTargets", batch.targets);
+    share_.bind_texture("texel_surface", batch.views.surface);
+    share_.bind_texture("targets", batch.views.targets);
     share_.bind("DepositShare", batch.share);
     share_.bind_texture("weight_sum", weight_sum_);
     share_.set("tile_origin", tile.pixels.low);
@@ -85,10 +84,12 @@ void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall,
 }
 
 void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
-                             const OcclusionTarget& occlusion, float step_depth) {
+                             const OcclusionTarget& occlusion, float step_depth, bool is_last) {
   weigh(scene, fall, tile, occlusion);
   drop_on_pixels(scene, fall, tile, occlusion, step_depth);
-  share_out(scene, fall, tile);
+  if (!is_last) {
+    share_out(scene, fall, tile);
+  }
 }
 
 }  // namespace snowbough::snow

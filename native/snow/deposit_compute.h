@@ -15,10 +15,14 @@ namespace snowbough::snow {
 /// snow is divided in proportion to projected area.
 class DepositComputePass {
  public:
-  /// Adds the snow of one tile to the batches' `share` and `units`. `step_depth` in metres; GPU
-  /// thread.
+  /// Adds the snow of one tile to the batches' `units` and `share`; the shares of the step's last
+  /// tile are left to the stability pass, which finds them by the batches' `targets` and
+  /// weight_sum(). `step_depth` in metres; GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
-           const OcclusionTarget& occlusion, float step_depth);
+           const OcclusionTarget& occlusion, float step_depth, bool is_last);
+
+  /// Per pixel of the last tile: the sum of the texels that took part, in kPixelWeight units.
+  const gpu::Texture& weight_sum() const { return weight_sum_; }
 
  private:
   void weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,

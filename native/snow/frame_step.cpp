@@ -70,13 +70,19 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
 
   statistics_.open(scene);
   const auto depth = static_cast<float>(input.fall.depth);
+  PendingShares pending;
   if (input.fall.depth > 0.0) {
-    for (const Tile& tile : make_tiles(receivers, input.tile_size)) {
+    const std::vector<Tile> tiles = make_tiles(receivers, input.tile_size);
+    for (const Tile& tile : tiles) {
+      const bool is_last = &tile == &tiles.back();
       occlusion_.run(scene, fall_, tile, ranges_in(objects, scene, rects, tile.pixels), target_);
-      deposit_compute_.run(scene, fall_, tile, target_, depth);
+      deposit_compute_.run(scene, fall_, tile, target_, depth, is_last);
+      if (is_last) {
+        pending = {&fall_, &deposit_compute_.weight_sum(), tile, tiles.size() > 1};
+      }
     }
   }
-  stability_.run(scene, input.stability, depth, static_cast<float>(input.dt));
+  stability_.run(scene, input.stability, pending, depth, static_cast<float>(input.dt));
   const double pixel_area = input.fall.pixel_size * input.fall.pixel_size;
   const double snow = frame.range.z / std::min(1.0, input.fall.noise_density);
   statistics_.close(scene, static_cast<float>(pixel_area), static_cast<float>(pixel_area * snow));

@@ -13,7 +13,7 @@ void OcclusionTarget::require_size(glm::ivec2 size) {
   };
   const int32_t width = rounded(size.x, visible.width());
   const int32_t height = rounded(size.y, visible.height());
-  visible = gpu::Texture(GL_RG32UI, width, height);
+  visible = gpu::Texture(GL_RGBA32UI, width, height);
   depth = gpu::Texture(GL_DEPTH_COMPONENT32F, width, height);
   framebuffer = gpu::Framebuffer({&visible}, &depth);
 }
@@ -41,8 +41,9 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, cons
 
   program_.use();
   program_.bind("Fall", fall);
-  program_.bind("Positions", scene.positions);
-  program_.bind("Triangles", scene.triangles);
+  program_.bind_texture("positions", scene.views.positions);
+  program_.bind_texture("triangles", scene.views.triangles);
+  program_.bind_texture("triangle_surface", scene.views.triangle_surface);
   program_.set("viewport_origin", glm::vec2(tile.viewport_origin));
   program_.set("viewport_size", static_cast<float>(kViewportSize));
   program_.set("tile_origin", tile.pixels.low);

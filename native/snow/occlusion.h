@@ -12,7 +12,8 @@ namespace snowbough::snow {
 
 /// What the sky sees in the pixels of one tile. Grows to the largest tile asked for.
 struct OcclusionTarget {
-  /// RG32UI: x = 1 + triangle with kBackFace, 0 = nothing; y = bits of the depth along the fall.
+  /// RGBA32UI: x = 1 + triangle with kBackFace, 0 = nothing; y = bits of the depth along the fall;
+  /// z = the object's slot with kReceives; w = bits of the cosine between normal and sky.
   gpu::Texture visible;
   gpu::Texture depth;
   gpu::Framebuffer framebuffer;

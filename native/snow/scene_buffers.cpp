@@ -47,7 +47,18 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.targets = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelTarget)));
   batch.share = gpu::Buffer(count * 4);
   batch.units = gpu::Buffer(count * 4);
-  batch.partials = gpu::Buffer(count / kTexelGroup * 16);
+  batch.partials = gpu::Buffer(count / kTexelGroup * shared::kPartialsEach * 16);
+  std::vector<uint32_t> group_slots(static_cast<size_t>(count / kTexelGroup), 0);
+  for (const shared::StatisticsSegment& segment : batch.segments) {
+    std::fill_n(group_slots.begin() + segment.first_group, segment.group_count, segment.slot);
+  }
+  batch.group_slots = gpu::Buffer(group_slots);
+  batch.views.texels = gpu::BufferTexture(batch.texels, GL_RGBA32UI);
+  batch.views.fragment_begin = gpu::BufferTexture(batch.fragment_begin, GL_R32UI);
+  batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RG32UI);
+  batch.views.surface = gpu::BufferTexture(batch.surface, GL_RGBA32F);
+  batch.views.targets = gpu::BufferTexture(batch.targets, GL_RG32UI);
+  batch.views.group_slots = gpu::BufferTexture(batch.group_slots, GL_R32UI);
   return batch;
 }
 
@@ -219,6 +230,11 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   scene.pixel_counts =
       gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::PixelCounts)));
   scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
+  scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
+  scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);
+  scene.views.triangle_surface = gpu::BufferTexture(scene.triangle_surface, GL_RGBA32F);
+  scene.views.map_triangles = gpu::BufferTexture(scene.map_triangles, GL_RGBA32F);
+  scene.views.map_offsets = gpu::BufferTexture(scene.map_offsets, GL_R32I);
   return scene;
 }
 

@@ -33,6 +33,17 @@ struct TexelBatch {
   gpu::Buffer units;
   gpu::Buffer partials;
   gpu::Buffer segment_buffer;
+  gpu::Buffer group_slots;
+
+  /// The buffers above as buffer textures, which llvmpipe reads a whole vector at a time.
+  struct Views {
+    gpu::BufferTexture texels;
+    gpu::BufferTexture fragment_begin;
+    gpu::BufferTexture fragments;
+    gpu::BufferTexture surface;
+    gpu::BufferTexture targets;
+    gpu::BufferTexture group_slots;
+  } views;
 };
 
 /// Everything about the scene that lies on the GPU, in one set of buffers for all objects: a
@@ -54,6 +65,14 @@ struct SceneBuffers {
   gpu::Buffer sums;
   std::vector<MapGroup> groups;
   std::vector<TexelBatch> batches;
+
+  struct Views {
+    gpu::BufferTexture positions;
+    gpu::BufferTexture triangles;
+    gpu::BufferTexture triangle_surface;
+    gpu::BufferTexture map_triangles;
+    gpu::BufferTexture map_offsets;
+  } views;
 };
 
 /// Lays out and uploads the scene, positions excepted. `objects` are sorted by name and have

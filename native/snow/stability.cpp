@@ -4,23 +4,35 @@
 
 namespace snowbough::snow {
 
-void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, float step_depth,
-                        float dt) {
+void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
+                        const PendingShares& pending, float step_depth, float dt) {
+  const bool has_tile = pending.fall != nullptr;
+  const bool earlier = !has_tile || pending.earlier_tiles;
+  gpu::Program& program = !has_tile ? shares_waiting_ : earlier ? all_tiles_ : last_tile_;
   for (TexelBatch& batch : scene.batches) {
-    program_.use();
-    program_.bind("TriangleSurface", scene.triangle_surface);
-    program_.bind("Texels", batch.texels);
-    program_.bind("TexelSurface", batch.surface);
-    program_.bind("DepositShare", batch.share);
-    program_.bind("DepositUnits", batch.units);
-    program_.bind("Partials", batch.partials);
-    program_.bind_image("height_map", scene.groups[static_cast<size_t>(batch.group)].height,
-                        GL_READ_WRITE);
-    program_.set("step_depth", step_depth);
-    program_.set("max_depth", settings.max_depth);
-    program_.set("dt", dt);
-    program_.set("half_life", std::max(settings.half_life, 1e-6f));
-    program_.dispatch(batch.count / static_cast<int32_t>(shared::kTexelGroup));
+    program.use();
+    program.bind_texture("triangle_surface", scene.views.triangle_surface);
+    program.bind_texture("texels", batch.views.texels);
+    program.bind_texture("texel_surface", batch.views.surface);
+    if (has_tile) {
+      program.bind("Fall", *pending.fall);
+      program.bind_texture("weight_sum", *pending.weight_sum);
+      program.bind_texture("targets", batch.views.targets);
+      program.set("tile_origin", pending.tile.pixels.low);
+      program.set("tile_size", pending.tile.pixels.size());
+    }
+    if (earlier) {
+      program.bind("DepositShare", batch.share);
+    }
+    program.bind("DepositUnits", batch.units);
+    program.bind("Partials", batch.partials);
+    program.bind_image("height_map", scene.groups[static_cast<size_t>(batch.group)].height,
+                       GL_READ_WRITE);
+    program.set("step_depth", step_depth);
+    program.set("max_depth", settings.max_depth);
+    program.set("dt", dt);
+    program.set("half_life", std::max(settings.half_life, 1e-6f));
+    program.dispatch(batch.count / static_cast<int32_t>(shared::kTexelGroup));
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
                   GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);

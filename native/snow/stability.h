@@ -1,6 +1,7 @@
 #pragma once
 
 #include "gpu/program.h"
+#include "snow/fall_grid.h"
 #include "snow/scene_buffers.h"
 
 namespace snowbough::snow {
@@ -13,16 +14,29 @@ struct StabilitySettings {
   float half_life = 2.0f;
 };
 
-/// Adds the step's deposit (the batches' `share` and `units`, left at zero) to the height maps and
-/// lets slide what the slope cannot hold, in closed form over `dt` seconds; leaves each work
-/// group's volumes in the batches' `partials`.
+/// What the deposit of the step's last tile left to be shared out.
+struct PendingShares {
+  const gpu::Buffer* fall = nullptr;
+  const gpu::Texture* weight_sum = nullptr;
+  Tile tile;
+  /// Shares of further tiles wait in the batches' `share`.
+  bool earlier_tiles = false;
+};
+
+/// Adds the step's deposit (the batches' `units` and `share`, left at zero, and what is pending) to
+/// the height maps and lets slide what the slope cannot hold, in closed form over `dt` seconds;
+/// leaves the volumes in the batches' `partials`.
 class StabilityPass {
  public:
-  /// `step_depth` is the depth that one step's `units` refer to, metres. GPU thread.
-  void run(SceneBuffers& scene, const StabilitySettings& settings, float step_depth, float dt);
+  /// `step_depth` is the depth that the step's `units` refer to, metres. Without a pending tile only
+  /// `units` and `share` count. GPU thread.
+  void run(SceneBuffers& scene, const StabilitySettings& settings, const PendingShares& pending,
+           float step_depth, float dt);
 
  private:
-  gpu::Program program_{{"stability.comp.glsl"}};
+  gpu::Program shares_waiting_{{"stability.comp.glsl"}, {"EARLIER_TILES"}};
+  gpu::Program last_tile_{{"stability.comp.glsl"}, {"LAST_TILE"}};
+  gpu::Program all_tiles_{{"stability.comp.glsl"}, {"LAST_TILE", "EARLIER_TILES"}};
 };
 
 }  // namespace snowbough::snow

@@ -6,7 +6,7 @@ namespace snowbough::snow {
 namespace {
 
 /// Below what a group costs a dispatch of its own is not worth its overhead: gaps are computed too.
-constexpr int32_t kJoinGap = 64;
+constexpr int32_t kJoinGap = 4;
 
 struct Run {
   int32_t first = 0;
@@ -42,7 +42,7 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
   triangles_.bind("Positions", scene.positions);
   triangles_.bind("Triangles", scene.triangles);
   triangles_.bind("TriangleSurface", scene.triangle_surface);
-  for (const Run& run : joined(runs, kJoinGap * 16)) {
+  for (const Run& run : joined(runs, kJoinGap * 256)) {
     // A dispatch takes at least 65,535 groups of 64.
     for (int32_t first = run.first; first < run.end; first += 65535 * 64) {
       const int32_t count = std::min(run.end - first, 65535 * 64);
@@ -51,7 +51,7 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
       triangles_.dispatch(gpu::group_count(count, 64));
     }
   }
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 
   for (TexelBatch& batch : scene.batches) {
     std::vector<Run> groups;
@@ -65,21 +65,19 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
       continue;
     }
     texels_.use();
-    texels_.bind("Positions", scene.positions);
-    texels_.bind("Triangles", scene.triangles);
-    texels_.bind("TriangleSurface", scene.triangle_surface);
-    texels_.bind("Texels", batch.texels);
-    texels_.bind("FragmentBegin", batch.fragment_begin);
-    texels_.bind("Fragments", batch.fragments);
+    texels_.bind_texture("positions", scene.views.positions);
+    texels_.bind_texture("triangles", scene.views.triangles);
+    texels_.bind_texture("triangle_surface", scene.views.triangle_surface);
+    texels_.bind_texture("texels", batch.views.texels);
+    texels_.bind_texture("fragment_begin", batch.views.fragment_begin);
+    texels_.bind_texture("fragments", batch.views.fragments);
     texels_.bind("TexelSurface", batch.surface);
     for (const Run& run : joined(groups, kJoinGap)) {
-      for (int32_t first = run.first; first < run.end; first += 65535) {
-        texels_.set("first", static_cast<uint32_t>(first) * shared::kTexelGroup);
-        texels_.dispatch(std::min(run.end - first, 65535));
-      }
+      texels_.set("first", static_cast<uint32_t>(run.first) * shared::kTexelGroup);
+      texels_.dispatch((run.end - run.first) * static_cast<int32_t>(shared::kTexelGroup / 64));
     }
   }
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }
 
 }  // namespace snowbough::snow

@@ -1,0 +1,74 @@
+// GLSL only: the texel under a pixel's centre. Both formulations of the deposit include it.
+#include "fall_frame.h"
+
+uniform samplerBuffer positions;
+uniform usamplerBuffer triangles;
+/// Two texels a triangle: uv of its corners, bits of home and chart.
+uniform samplerBuffer map_triangles;
+/// By slot: what to add to a scene triangle's index to get its index among the map triangles.
+uniform isamplerBuffer map_offsets;
+uniform usampler2D occlusion;
+uniform usampler2DArray owners;
+/// Slots of the objects whose maps are in this group: [first, end); layer = slot - first.
+uniform uvec2 group_objects;
+uniform ivec2 tile_origin;
+
+vec3 projected_corner(uint vertex) { return project(texelFetch(positions, int(vertex)).xyz); }
+
+/// 1 + the texel (its index in the map group) that takes the snow under the centre of a pixel of the
+/// tile: the one there, if it is the chart's own and no sliver beside the pixel; else the best
+/// covered of the chart's around it; else the one that holds most of the triangle. 0 = none. `place`
+/// is where it lies on the map, layer last (unknown for the last of these).
+uint texel_under(ivec2 pixel, uint triangle, uint slot, out ivec3 place) {
+  const uvec4 vertices = texelFetch(triangles, int(triangle));
+  const vec2 a = projected_corner(vertices.x).xy;
+  const vec2 ab = projected_corner(vertices.y).xy - a;
+  const vec2 ac = projected_corner(vertices.z).xy - a;
+  const int map_index = 2 * (int(triangle) + texelFetch(map_offsets, int(slot)).x);
+  const vec4 uv_ab = texelFetch(map_triangles, map_index);
+  const vec4 uv_c_home = texelFetch(map_triangles, map_index + 1);
+  const uint home = floatBitsToUint(uv_c_home.z);
+  const uint chart = floatBitsToUint(uv_c_home.w);
+
+  const vec2 offset = vec2(pixel + tile_origin) + 0.5 - a;
+  const float area = ab.x * ac.y - ab.y * ac.x;
+  vec2 weights = area == 0.0 ? vec2(1.0 / 3.0)
+                             : vec2(offset.x * ac.y - offset.y * ac.x,
+                                    ab.x * offset.y - ab.y * offset.x) / area;
+  weights = clamp(weights, 0.0, 1.0);
+  weights /= max(weights.x + weights.y, 1.0);
+  const vec2 uv_b = uv_ab.zw - uv_ab.xy;
+  const vec2 uv_c = uv_c_home.xy - uv_ab.xy;
+  const vec2 uv = uv_ab.xy + weights.x * uv_b + weights.y * uv_c;
+
+  const int resolution = textureSize(owners, 0).x;
+  const int layer = int(slot - group_objects.x);
+  place = ivec3(clamp(ivec2(uv * float(resolution)), ivec2(0), ivec2(resolution - 1)), layer);
+  const uvec2 own = texelFetch(owners, place, 0).xy;
+  if (own.x != 0u && own.y >> 8u == chart) {
+    const float coverage = float(own.y & 255u) / 255.0;
+    // Projected area of a whole texel in pixels.
+    const float texel_pixels = abs(area) / max(abs(uv_b.x * uv_c.y - uv_b.y * uv_c.x) *
+                                                   float(resolution) * float(resolution), 1e-12);
+    if (coverage >= 0.5 || coverage * texel_pixels >= 0.5) {
+      return own.x;
+    }
+  }
+  uint best = home;
+  uint best_coverage = 0u;
+  const ivec2 centre = place.xy;
+  place = ivec3(-1);
+  for (int i = 0; i < 9; ++i) {
+    const ivec2 at = centre + ivec2(i % 3, i / 3) - 1;
+    if (any(lessThan(at, ivec2(0))) || any(greaterThanEqual(at, ivec2(resolution)))) {
+      continue;
+    }
+    const uvec2 owner = texelFetch(owners, ivec3(at, layer), 0).xy;
+    if (owner.x != 0u && owner.y >> 8u == chart && (owner.y & 255u) > best_coverage) {
+      best = owner.x;
+      best_coverage = owner.y & 255u;
+      place = ivec3(at, layer);
+    }
+  }
+  return best;
+}
