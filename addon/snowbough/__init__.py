@@ -18,7 +18,16 @@ bl_info = {
     "category": "Import-Export",
 }
 
-MODULES = ("settings", "receivers", "bake_engine", "bake_operators", "result_operators")
+MODULES = (
+    "settings",
+    "receivers",
+    "bake_engine",
+    "bake_operators",
+    "result_operators",
+    "direction",
+    "preflight",
+    "panels",
+)
 
 _modules = [importlib.import_module(f".{name}", __package__) for name in MODULES]
 

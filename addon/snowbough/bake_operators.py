@@ -175,13 +175,14 @@ def _finished_in_window(running):
     if severity == "ERROR":
 
         def draw(self, _context):
-            for part in _wrapped(text):
+            for part in wrapped(text):
                 self.layout.label(text=part)
 
         bpy.context.window_manager.popup_menu(draw, title="Snowbough", icon="ERROR")
 
 
-def _wrapped(text, width=80):
+def wrapped(text, width=80):
+    """The lines of a text that panels and pop-ups show; they do not wrap by themselves."""
     line = ""
     for word in text.split():
         if len(line) + len(word) > width:

@@ -317,3 +317,15 @@ def ensure_triangles(mesh):
     """Makes mesh.loop_triangles valid; from 4.1 on Blender does so by itself."""
     if hasattr(mesh, "calc_loop_triangles"):
         mesh.calc_loop_triangles()
+
+
+# --------------------------------------------------------------------------------------------------
+# Panels
+
+
+def draw_progress(layout, fraction, text):
+    """A progress bar from 4.0 on; before, the text."""
+    if hasattr(layout, "progress"):
+        layout.progress(factor=fraction, text=text)
+    else:
+        layout.label(text=text)

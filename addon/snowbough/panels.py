@@ -1,0 +1,325 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where an artist finds everything: Scene properties (all settings and the list of receivers), the sidebar
+of the 3D view (quick actions), and the Physics properties of an object.
+
+Panels only read; what takes time is done by operators, which leave their results for the panels.
+"""
+
+import time
+
+import bpy
+
+from . import bake_engine, bake_operators, cache, compat, displacement, preflight, receivers
+
+ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
+
+
+def state_of(scene):
+    """EMPTY (no receivers), BAKING, BAKED (all enabled receivers have files), or READY."""
+    if bake_engine.session() is not None:
+        return "BAKING"
+    enabled = [entry for entry in scene.snowbough.receivers if entry.object and entry.enabled]
+    if not enabled:
+        return "EMPTY"
+    return "BAKED" if all(entry.folder for entry in enabled) else "READY"
+
+
+# A look into the cache is a few file reads; panels redraw with every movement of the mouse.
+LOOK_SECONDS = 1.0
+_looked = {}
+
+
+def _resumable(scene):
+    """Whether the newest version holds an unfinished bake, as it was at most LOOK_SECONDS ago."""
+    root = bake_operators.existing_cache(scene)
+    if root is None:
+        return False
+    when, found = _looked.get(str(root), (0.0, False))
+    if time.monotonic() - when > LOOK_SECONDS:
+        found = _has_unfinished(root)
+        _looked[str(root)] = (time.monotonic(), found)
+    return found
+
+
+def _has_unfinished(root):
+    numbers = cache.versions(root)
+    if not numbers:
+        return False
+    folder = cache.version_folder(root, numbers[-1])
+    for child in folder.iterdir():
+        try:
+            manifest = cache.read_manifest(child)
+        except cache.CacheError:
+            continue
+        if manifest is not None and not manifest["complete"]:
+            return True
+    return False
+
+
+def draw_bake(layout, context):
+    """The buttons of the bake, or its progress while one runs."""
+    scene = context.scene
+    running = bake_engine.session()
+    column = layout.column()
+    if running is not None:
+        column.label(text=f"Baking: {running.status()}", icon="RENDER_ANIMATION")
+        compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}")
+        column.operator("snowbough.stop_bake", icon="CANCEL")
+        column.label(text="Editing is locked; Esc stops as well")
+        return
+    row = column.row(align=True)
+    row.scale_y = 1.3
+    row.operator("snowbough.bake", icon="FREEZE").resume = False
+    if state_of(scene) != "EMPTY" and _resumable(scene):
+        row.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
+    row = column.row(align=True)
+    row.enabled = state_of(scene) == "BAKED"
+    row.operator("snowbough.free_bake", icon="TRASH")
+    severity, text = bake_operators.last_outcome
+    if text:
+        box = column.box().column(align=True)
+        for index, line in enumerate(bake_operators.wrapped(text, 48)):
+            box.label(text=line, icon=ICONS[severity] if index == 0 else "BLANK1")
+
+
+def draw_issues(layout, context):
+    issues = preflight.found.get(context.scene.name)
+    layout.operator("snowbough.preflight", icon="CHECKMARK")
+    if issues is None:
+        return
+    if not any(issue.severity != "INFO" for issue in issues):
+        layout.label(text="Nothing in the way", icon="CHECKMARK")
+    for issue in issues:
+        row = layout.row()
+        column = row.column(align=True)
+        for index, line in enumerate(bake_operators.wrapped(issue.text, 44)):
+            column.label(text=line, icon=ICONS[issue.severity] if index == 0 else "BLANK1")
+        if issue.fix:
+            fix = row.operator("snowbough.fix", text="Fix")
+            fix.kind, fix.object_name = issue.fix, issue.object_name
+
+
+def draw_result(layout, context):
+    column = layout.column(align=True)
+    column.enabled = state_of(context.scene) == "BAKED"
+    column.operator("snowbough.setup_material", icon="MATERIAL")
+    column.operator_menu_enum("snowbough.setup_displacement", "mode", icon="MOD_DISPLACE")
+    column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
+    layout.operator("snowbough.remove", icon="X")
+    if not column.enabled:
+        layout.label(text="Bake first", icon="INFO")
+    if not compat.eevee_displaces():
+        layout.label(text="EEVEE of this Blender shows material displacement as bumps only", icon="INFO")
+
+
+class SNOWBOUGH_UL_receivers(bpy.types.UIList):
+    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index=0):
+        if item.object is None:
+            layout.label(text="Object is gone: take this line off", icon="ERROR")
+            return
+        row = layout.row()
+        row.prop(item, "enabled", text="")
+        row.prop(item.object, "name", text="", emboss=False, icon="OUTLINER_OB_" + _icon_kind(item.object))
+        size = row.row()
+        size.alignment = "RIGHT"
+        size.label(text=str(item.resolution) if item.resolution else "auto")
+        size.label(text="", icon="CHECKMARK" if item.folder else "BLANK1")
+
+
+def _icon_kind(obj):
+    return obj.type if obj.type in {"MESH", "EMPTY"} else "MESH"
+
+
+class _ScenePanel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "scene"
+
+
+class SNOWBOUGH_PT_scene(_ScenePanel, bpy.types.Panel):
+    bl_label = "Snowbough"
+
+    def draw(self, context):
+        scene = context.scene
+        if state_of(scene) == "EMPTY":
+            column = self.layout.column()
+            column.label(text="No object gathers snow yet", icon="INFO")
+            column.operator("snowbough.add_receivers", icon="ADD")
+            return
+        draw_bake(self.layout, context)
+
+
+class SNOWBOUGH_PT_receivers(_ScenePanel, bpy.types.Panel):
+    bl_label = "Receivers"
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+
+    def draw(self, context):
+        settings = context.scene.snowbough
+        layout = self.layout
+        layout.enabled = bake_engine.session() is None
+        row = layout.row()
+        row.template_list("SNOWBOUGH_UL_receivers", "", settings, "receivers", settings, "active_receiver", rows=3)
+        buttons = row.column(align=True)
+        buttons.operator("snowbough.add_receivers", text="", icon="ADD")
+        buttons.operator("snowbough.remove_receiver", text="", icon="REMOVE")
+        if not 0 <= settings.active_receiver < len(settings.receivers):
+            return
+        draw_receiver(layout, settings.receivers[settings.active_receiver])
+
+
+def draw_receiver(layout, entry):
+    """The settings of one line of the list."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    column.prop(entry, "resolution")
+    if entry.object is not None and entry.object.type == "MESH":
+        column.prop_search(entry, "uv_map", entry.object.data, "uv_layers", icon="GROUP_UVS")
+        mode = displacement.mode_of(entry)
+        if mode:
+            column.label(text=f"Shown with: {mode.lower()}", icon="MATERIAL")
+    if entry.folder:
+        column.prop(entry, "folder", text="Baked Files")
+
+
+class _Settings(_ScenePanel):
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+    names = ()
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.enabled = bake_engine.session() is None
+        for group in self.names:
+            column = layout.column(align=True)
+            for name in group:
+                column.prop(context.scene.snowbough, name)
+
+
+class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
+    bl_label = "Snowfall"
+    names = (
+        ("start_depth", "end_depth"),
+        ("rate",),
+        ("fall_angle", "bearing", "flutter"),
+    )
+
+    def draw(self, context):
+        super().draw(context)
+        settings = context.scene.snowbough
+        column = self.layout.column(align=True)
+        if hasattr(settings, "show_direction"):
+            column.prop(settings, "show_direction")
+        if hasattr(bpy.types, "SNOWBOUGH_OT_add_direction_arrow"):
+            column.operator("snowbough.add_direction_arrow", icon="EMPTY_SINGLE_ARROW")
+        column = self.layout.column(align=True)
+        column.prop(settings, "use_scene_range")
+        sub = column.column(align=True)
+        sub.enabled = not settings.use_scene_range
+        sub.prop(settings, "frame_start")
+        sub.prop(settings, "frame_end")
+
+
+class SNOWBOUGH_PT_settling(_Settings, bpy.types.Panel):
+    bl_label = "Settling"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("max_depth", "slide_half_life"), ("blur_radius",))
+
+
+class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):
+    bl_label = "Maps and Cache"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("cache_directory",), ("texel_size", "pixel_size"), ("checkpoint_interval",), ("write_normals",))
+
+
+class SNOWBOUGH_PT_advanced(_Settings, bpy.types.Panel):
+    bl_label = "Advanced"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("substeps",), ("seed", "noise_density"), ("mapping",))
+
+
+class SNOWBOUGH_PT_preflight(_ScenePanel, bpy.types.Panel):
+    bl_label = "Check"
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+
+    def draw(self, context):
+        draw_issues(self.layout, context)
+
+
+class SNOWBOUGH_PT_result(_ScenePanel, bpy.types.Panel):
+    bl_label = "Result"
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+
+    def draw(self, context):
+        draw_result(self.layout, context)
+
+
+class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
+    bl_label = "Snow"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Snowbough"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.snowbough
+        column = layout.column()
+        column.enabled = bake_engine.session() is None
+        column.operator("snowbough.add_receivers", icon="ADD")
+        if len(settings.receivers):
+            split = column.column(align=True)
+            split.use_property_split = True
+            for name in ("end_depth", "fall_angle", "bearing"):
+                split.prop(settings, name)
+        draw_bake(layout, context)
+        if state_of(context.scene) == "BAKED":
+            draw_result(layout, context)
+
+
+class SNOWBOUGH_PT_object(bpy.types.Panel):
+    bl_label = "Snowbough"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "physics"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        return context.object is not None and context.object.type in {"MESH", "EMPTY", "CURVE", "SURFACE", "FONT", "META"}
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.enabled = bake_engine.session() is None
+        entry = receivers.find(context.scene, context.object)
+        if entry is None:
+            layout.prop(context.object.snowbough, "occlude")
+            layout.operator("snowbough.add_receivers", icon="ADD")
+            return
+        layout.prop(entry, "enabled")
+        draw_receiver(layout, entry)
+
+
+CLASSES = (
+    SNOWBOUGH_UL_receivers,
+    SNOWBOUGH_PT_scene,
+    SNOWBOUGH_PT_receivers,
+    SNOWBOUGH_PT_snowfall,
+    SNOWBOUGH_PT_settling,
+    SNOWBOUGH_PT_cache,
+    SNOWBOUGH_PT_advanced,
+    SNOWBOUGH_PT_preflight,
+    SNOWBOUGH_PT_result,
+    SNOWBOUGH_PT_sidebar,
+    SNOWBOUGH_PT_object,
+)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

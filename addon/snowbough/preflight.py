@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What would spoil a bake, found before it: a list of issues, many with a fix at one click.
+
+check() looks at meshes as they are evaluated now and is too slow to run with every redraw, so an operator
+runs it and the panel shows what it found.
+"""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from . import bake_engine, bake_job, bake_operators, bake_plan, cache, compat, displacement, native
+from . import receivers, scene_reader, uv_overlap
+
+# Measured: smooth float maps pack to about this share of their raw size.
+PACKED_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Issue:
+    severity: str
+    """ERROR (a bake would be refused), WARNING (it would not look right) or INFO."""
+    text: str
+    object_name: str = ""
+    fix: str = ""
+    """UNWRAP, SHOW_IN_RENDER, SAVE or nothing."""
+
+
+def check(scene, depsgraph):
+    """All issues of a bake of the scene now, the worst first."""
+    issues = [*_environment(), *_settings(scene), *_cache(scene)]
+    specs = scene_reader.receiver_specs(scene)
+    if not specs:
+        issues.append(Issue("ERROR", "There are no receivers: select meshes and use Add Snow to Selected"))
+    sizes = []
+    for entry in scene.snowbough.receivers:
+        if entry.object is not None and entry.enabled:
+            own, size = _receiver(scene, entry, depsgraph)
+            issues += own
+            sizes.append(size)
+    issues += _amounts(scene, [size for size in sizes if size])
+    order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
+    return sorted(issues, key=lambda issue: order[issue.severity])
+
+
+def _environment():
+    try:
+        bake_job.driver_name(native.load())
+    except RuntimeError as error:
+        yield Issue("ERROR", bake_operators.one_line(error))
+    if bpy.app.autoexec_fail:
+        yield Issue("ERROR", "Blender has disabled scripts in this file: allow Auto Run Python Scripts and reload")
+
+
+def _settings(scene):
+    settings = scene.snowbough
+    rates = bake_operators.constant_rates(scene, settings.frame_start, settings.frame_end)
+    if rates is None:  # driven: only a walk through the frames can tell
+        rates = (1.0,) * (settings.frame_end - settings.frame_start + 1)
+    try:
+        bake_plan.plan_snowfall(
+            settings.frame_start, settings.frame_end, settings.start_depth, settings.end_depth, rates
+        )
+    except ValueError as error:
+        yield Issue("ERROR", str(error))
+
+
+def _cache(scene):
+    try:
+        folder = Path(bake_operators.cache_directory(scene))
+    except ValueError as error:
+        yield Issue("ERROR", str(error), fix="SAVE" if not bpy.data.filepath else "")
+        return
+    existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
+    if not existing.is_dir() or not _is_writable(existing):
+        yield Issue("ERROR", f"The cache folder {folder} cannot be written: choose another one")
+    root = cache.scene_folder(folder, scene.name)
+    numbers = cache.versions(root)
+    if numbers:
+        yield Issue(
+            "INFO", f"There are bakes already, the newest is v{numbers[-1]:03d}; finished ones are never overwritten"
+        )
+
+
+def _is_writable(folder):
+    probe = folder / f".snowbough-probe-{id(folder)}"
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError:
+        return False
+    return True
+
+
+def _receiver(scene, entry, depsgraph):
+    """(issues, map size in texels a side or None) of one line of the list."""
+    obj = entry.object
+    name = obj.name
+    issues = []
+    if obj.hide_render:
+        issues.append(Issue("ERROR", f"'{name}' is hidden in renders", name, "SHOW_IN_RENDER"))
+    if obj.type != "MESH":
+        return issues, entry.resolution or None
+    evaluated = obj.evaluated_get(depsgraph)
+    mesh = evaluated.data
+    if not len(mesh.polygons):
+        return [*issues, Issue("ERROR", f"'{name}' has no faces", name)], None
+    layers = [layer.name for layer in mesh.uv_layers]
+    active = mesh.uv_layers.active.name if mesh.uv_layers.active else ""
+    uv_map = scene_reader.choose_uv_map(entry.uv_map, layers, active)
+    if uv_map is None:
+        lost = f"has no UV map '{entry.uv_map}'" if layers else "has no UV map"
+        return [*issues, Issue("ERROR", f"'{name}' {lost}", name, "UNWRAP")], None
+    uv = receivers.corner_uv(mesh, uv_map)
+    outside = uv_overlap.outside_share(uv)
+    if outside:
+        issues.append(
+            Issue("ERROR", f"{outside:.0%} of '{name}'s UV map '{uv_map}' lie outside 0 to 1", name, "UNWRAP")
+        )
+    overlap = uv_overlap.overlap_share(uv)
+    if overlap > uv_overlap.TOLERANCE:
+        issues.append(
+            Issue(
+                "WARNING",
+                f"{overlap:.0%} of '{name}'s UV map '{uv_map}' overlap: snow that falls on one place shows on all",
+                name,
+                "UNWRAP",
+            )
+        )
+    if min(obj.matrix_world.to_scale()) <= 0 or obj.matrix_world.determinant() < 0:
+        issues.append(Issue("WARNING", f"'{name}' has a negative scale: apply it (Ctrl+A), or use a snow shell", name))
+    elif displacement.uniform_scale(obj) is None:
+        issues.append(
+            Issue("WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use a snow shell", name)
+        )
+    return issues, entry.resolution or _automatic_size(scene, obj, mesh, uv)
+
+
+def _automatic_size(scene, obj, mesh, uv):
+    compat.ensure_triangles(mesh)
+    triangles = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    positions = scene_reader.world_positions(
+        compat.read_positions(mesh), np.array(obj.matrix_world), scene_reader.scale_length(scene)
+    )
+    topology = scene_reader.Topology(triangles.reshape(-1, 3), uv, len(positions), "")
+    try:
+        areas = bake_job.surface_and_uv_area(topology, positions)
+        return bake_plan.automatic_resolution(*areas, scene.snowbough.texel_size)
+    except ValueError:
+        return None
+
+
+def _amounts(scene, sizes):
+    """Disk and memory that the maps take."""
+    if not sizes:
+        return
+    texels = sum(size * size for size in sizes)
+    frames = scene.snowbough.frame_end - scene.snowbough.frame_start + 1
+    disk = texels * 4 * PACKED_SHARE * frames
+    # A texel of a receiver takes about 100 bytes on the GPU while snow falls (positions, targets, maps).
+    memory = texels * 100
+    yield Issue(
+        "INFO",
+        f"{len(sizes)} maps, up to {max(sizes)} texels a side: at most about {_size(disk)} on disk for {frames} "
+        f"frames, {_size(memory)} of memory",
+    )
+    try:
+        folder = Path(bake_operators.cache_directory(scene))
+        existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
+        free = shutil.disk_usage(existing).free
+    except (ValueError, OSError):
+        return
+    if free < disk:
+        yield Issue("WARNING", f"Only {_size(free)} are free in {existing}; the bake may take {_size(disk)}")
+
+
+def _size(count):
+    return f"{count / 2**30:.1f} GiB" if count >= 2**30 else f"{max(1, round(count / 2**20))} MiB"
+
+
+# Scene name -> issues that the last check found, for the panel.
+found = {}
+
+
+class SNOWBOUGH_OT_preflight(bpy.types.Operator):
+    bl_idname = "snowbough.preflight"
+    bl_label = "Check Scene"
+    bl_description = "Look for what would spoil a bake: UV maps, visibility, scale, cache, memory"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def poll(cls, _context):
+        return bake_engine.session() is None
+
+    def execute(self, context):
+        issues = check(context.scene, context.evaluated_depsgraph_get())
+        found[context.scene.name] = issues
+        counts = {kind: sum(issue.severity == kind for issue in issues) for kind in ("ERROR", "WARNING")}
+        self.report({"INFO"}, f"{counts['ERROR']} errors, {counts['WARNING']} warnings")
+        return {"FINISHED"}
+
+
+class SNOWBOUGH_OT_fix(bpy.types.Operator):
+    bl_idname = "snowbough.fix"
+    bl_label = "Fix"
+    bl_description = "Mend this, then check again"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.StringProperty(options={"HIDDEN"})
+    object_name: bpy.props.StringProperty(options={"HIDDEN"})
+
+    @classmethod
+    def poll(cls, _context):
+        return bake_engine.session() is None
+
+    def execute(self, context):
+        if self.kind == "SAVE":
+            return bpy.ops.wm.save_as_mainfile("INVOKE_DEFAULT")
+        entry = next((e for e in context.scene.snowbough.receivers if e.object and e.object.name == self.object_name), None)
+        if entry is None:
+            self.report({"ERROR"}, f"'{self.object_name}' is no receiver any more: check again")
+            return {"CANCELLED"}
+        try:
+            if self.kind == "SHOW_IN_RENDER":
+                entry.object.hide_render = False
+            elif self.kind == "UNWRAP":
+                entry.uv_map = receivers.clean_uv_map(entry.object.data) or receivers.make_uv_map(context, entry.object)
+        except (ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, bake_operators.one_line(error))
+            return {"CANCELLED"}
+        return bpy.ops.snowbough.preflight()
+
+
+CLASSES = (SNOWBOUGH_OT_preflight, SNOWBOUGH_OT_fix)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    found.clear()
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

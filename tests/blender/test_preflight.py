@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Putting objects on the list, and what is found before a bake."""
+
+import bpy
+import pytest
+import snow_scene as s
+
+
+def texts(addon, severity):
+    issues = addon("preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    return [issue.text for issue in issues if issue.severity == severity]
+
+
+def select(*objects):
+    bpy.ops.object.select_all(action="DESELECT")
+    for obj in objects:
+        obj.select_set(True)
+    bpy.context.view_layer.objects.active = objects[0]
+
+
+def stacked(name="Stack"):
+    """Two squares above each other on the same place of the map."""
+    uv = [(0, 0), (1, 0), (1, 1), (0, 1)]
+    points = [(x, y, z) for z in (0, 1) for x, y in ((-1, -1), (1, -1), (1, 1), (-1, 1))]
+    return s.mesh_object(name, points, [(0, 1, 2, 3), (4, 5, 6, 7)], uv * 2)
+
+
+def test_a_clean_scene_has_no_errors_and_no_warnings(addon, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    assert texts(addon, "ERROR") == [] and texts(addon, "WARNING") == []
+    assert "1 maps, up to 64 texels" in " ".join(texts(addon, "INFO"))
+
+
+def test_overlapping_uvs_are_a_warning_and_can_be_mended(addon, tmp_path):
+    stack = stacked()
+    s.receive(stack)
+    s.settings(tmp_path)
+    assert "overlap" in texts(addon, "WARNING")[0]
+    bpy.ops.snowbough.fix(kind="UNWRAP", object_name="Stack")
+    assert texts(addon, "WARNING") == []
+
+
+def test_what_a_bake_would_refuse_is_an_error(addon, tmp_path):
+    hidden = s.square("Hidden")
+    hidden.hide_render = True
+    bare = s.mesh_object("Bare", [(0, 0, 0), (1, 0, 0), (0, 1, 0)], [(0, 1, 2)])
+    empty = s.mesh_object("Empty", [(0, 0, 0)], [])
+    s.receive(hidden, bare, empty)
+    s.settings(tmp_path, start_depth=0.5, end_depth=0.1)
+    found = "\n".join(texts(addon, "ERROR"))
+    for part in ("'Hidden' is hidden in renders", "'Bare' has no UV map", "'Empty' has no faces", "does not melt"):
+        assert part in found
+    bpy.ops.snowbough.fix(kind="SHOW_IN_RENDER", object_name="Hidden")
+    bpy.ops.snowbough.fix(kind="UNWRAP", object_name="Bare")
+    found = "\n".join(texts(addon, "ERROR"))
+    assert "Hidden" not in found and "Bare" not in found
+
+
+def test_an_unsaved_file_and_an_unwritable_cache_are_errors(addon, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings("//snowbough_cache")
+    assert "Save the .blend first" in texts(addon, "ERROR")[0]
+    (tmp_path / "file").write_text("")
+    s.settings(tmp_path / "file" / "cache")
+    assert "cannot be written" in texts(addon, "ERROR")[0]
+
+
+def test_uneven_scale_is_a_warning(addon, tmp_path):
+    ground = s.square("Ground")
+    ground.scale = (1, 2, 1)
+    s.receive(ground)
+    s.settings(tmp_path)
+    bpy.context.view_layer.update()
+    assert "scaled unevenly" in texts(addon, "WARNING")[0]
+
+
+def test_adding_takes_a_clean_uv_map_as_it_is(addon):
+    ground = s.square("Ground")
+    select(ground)
+    bpy.ops.snowbough.add_receivers()
+    entry = bpy.context.scene.snowbough.receivers[0]
+    assert entry.object == ground and entry.uv_map == "snow" and len(ground.data.uv_layers) == 1
+
+
+def test_adding_makes_a_map_and_keeps_the_active_one(addon):
+    stack = stacked()
+    stack.data.uv_layers["snow"].name = "texture"
+    before = [tuple(corner.uv) for corner in stack.data.uv_layers["texture"].data]
+    other = s.square("Other")
+    select(stack, other)
+    bpy.ops.snowbough.add_receivers()
+    entry = addon("receivers").find(bpy.context.scene, stack)
+    assert entry.uv_map == "snow" and addon("receivers").is_clean(stack.data, "snow")
+    assert stack.data.uv_layers.active.name == "texture"
+    assert [tuple(corner.uv) for corner in stack.data.uv_layers["texture"].data] == before
+    assert {obj.name for obj in bpy.context.selected_objects} == {"Stack", "Other"}
+
+
+def test_adding_twice_makes_one_line(addon):
+    select(s.square("Ground"))
+    bpy.ops.snowbough.add_receivers()
+    bpy.ops.snowbough.add_receivers()
+    assert len(bpy.context.scene.snowbough.receivers) == 1
+
+
+def test_what_cannot_gather_snow_is_refused_by_name():
+    bpy.ops.object.light_add()
+    with pytest.raises(RuntimeError, match="is no mesh"):
+        bpy.ops.snowbough.add_receivers()
+
+
+def test_the_frame_range_follows_the_scene_until_it_is_set():
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 10, 20
+    assert (scene.snowbough.frame_start, scene.snowbough.frame_end) == (10, 20)
+    scene.snowbough.frame_end = 15
+    assert (scene.snowbough.frame_start, scene.snowbough.frame_end) == (10, 15)
+    scene.frame_end = 30
+    assert scene.snowbough.frame_end == 15
+    scene.snowbough.use_scene_range = True
+    assert scene.snowbough.frame_end == 30
