@@ -15,17 +15,19 @@ float weighted_sum(const WeightedRows& rows, size_t row, const std::vector<float
 
 }  // namespace
 
-std::vector<float> dilate_on_cpu(const TexelTable& table, const SeamTable& seams,
-                                 const std::vector<float>& heights) {
-  std::vector<float> map(static_cast<size_t>(table.resolution) * table.resolution, 0.0f);
-  for (size_t i = 0; i < table.texel.size(); ++i) map[table.texel[i]] = heights[i];
-  for (size_t r = 0; r < seams.dilated.size(); ++r) {
-    map[seams.dilated[r]] = weighted_sum(seams.dilated_rows, r, heights);
+void continue_beyond_charts(const TexelTable& table, const SeamTable& seams,
+                            std::vector<float>& map) {
+  const WeightedRows& rows = seams.dilated_rows;
+  for (size_t r = 0; r < rows.size(); ++r) {
+    float sum = 0.0f;
+    for (int32_t t = rows.begin[r]; t < rows.begin[r + 1]; ++t) {
+      sum += rows.weight[t] * map[table.texel[rows.source[t]]];
+    }
+    map[seams.dilated[r]] = sum;
   }
-  return map;
 }
 
-void level_seams_on_cpu(const SeamTable& seams, std::vector<float>& map) {
+void level_seams(const SeamTable& seams, std::vector<float>& map) {
   const SeamLevelling& levelling = seams.levelling;
   std::vector<float> gaps(levelling.gaps.size());
   for (int32_t round = 0; round < kLevellingRounds; ++round) {

@@ -2,9 +2,6 @@
 
 #include <algorithm>
 
-#include "snow/dilate.h"
-#include "snow/normals.h"
-
 namespace snowbough::snow {
 namespace {
 
@@ -47,21 +44,6 @@ OutputBuffers::Lines upload_lines(const TexelLines& lines) {
 }
 
 }  // namespace
-
-MapOutput output_on_cpu(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
-                        const std::vector<float>& stored,
-                        const std::vector<SurfaceMetric>& metrics) {
-  std::vector<float> values(table.texel.size());
-  for (size_t i = 0; i < values.size(); ++i) values[i] = stored[table.texel[i]];
-  MapOutput output;
-  output.height = dilate_on_cpu(table, seams, smooth_on_cpu(seams, plan, values));
-  if (plan.closing_passes > 0) level_seams_on_cpu(seams, output.height);
-  if (!metrics.empty()) {
-    for (size_t i = 0; i < values.size(); ++i) values[i] = output.height[table.texel[i]];
-    output.normal = dilate_normals(table, seams, normals_on_cpu(table, seams, metrics, values));
-  }
-  return output;
-}
 
 int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams) {
   const int64_t texels = int64_t{table.resolution} * table.resolution;

@@ -22,13 +22,6 @@ struct MapOutput {
   std::vector<glm::vec3> normal;
 };
 
-/// The whole output on the processor: for software renderers, where it is several times faster than
-/// the same in shaders, and for maps whose buffers the driver has no room for. `stored` are the
-/// map's resolution^2 heights; `metrics` is empty where no normals are wanted.
-MapOutput output_on_cpu(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
-                        const std::vector<float>& stored,
-                        const std::vector<SurfaceMetric>& metrics = {});
-
 /// Bytes of the largest storage buffer that output on the GPU would need for this map.
 int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams);
 
@@ -74,7 +67,8 @@ struct OutputBuffers {
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
                                   const SmoothingPlan& plan);
 
-/// The same on the GPU. All functions run on the GPU thread.
+/// Makes a receiver's output on the GPU (CpuOutput makes the same on the processor). All functions
+/// run on the GPU thread.
 class MapOutputPass {
  public:
   /// Leaves the output of layer `layer` of `height_maps` (R32F array) in `buffers.map`.

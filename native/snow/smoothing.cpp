@@ -35,8 +35,13 @@ double variance_of(const std::array<double, kFilterReach + 1>& weights) {
   return variance;
 }
 
-std::array<FilterWeights, kFilterLevels> make_levels() {
-  std::array<FilterWeights, kFilterLevels> levels{};
+struct FilterLevelTable {
+  std::array<FilterWeights, kFilterLevels> weights{};
+  std::array<float, kFilterLevels> scale{};
+};
+
+FilterLevelTable make_levels() {
+  FilterLevelTable levels;
   const double full = std::sqrt(variance_of(scaled_weights(1.0)));
   for (int32_t level = 0; level < kFilterLevels; ++level) {
     const double sigma = full * level / (kFilterLevels - 1);
@@ -47,10 +52,18 @@ std::array<FilterWeights, kFilterLevels> make_levels() {
       const double middle = 0.5 * (low + high);
       (variance_of(scaled_weights(middle)) < sigma * sigma ? low : high) = middle;
     }
-    const auto weights = scaled_weights(level == kFilterLevels - 1 ? 1.0 : high);
-    for (int32_t k = 0; k <= kFilterReach; ++k) levels[level][k] = static_cast<float>(weights[k]);
+    const double scale = level == 0 ? 0.0 : (level == kFilterLevels - 1 ? 1.0 : high);
+    const auto weights = scaled_weights(scale);
+    for (int32_t k = 0; k <= kFilterReach; ++k) {
+      levels.weights[level][k] = static_cast<float>(weights[k]);
+    }
+    levels.scale[level] = static_cast<float>(scale);
   }
-  levels[0] = {1.0f, 0.0f, 0.0f, 0.0f, 0.0f};
+  return levels;
+}
+
+const FilterLevelTable& level_table() {
+  static const FilterLevelTable levels = make_levels();
   return levels;
 }
 
@@ -75,35 +88,14 @@ double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
   return sizes.back().first;
 }
 
-/// Filters `values` along the lines.
-std::vector<float> filtered(const TexelLines& lines, const std::vector<uint8_t>& level,
-                            const std::vector<float>& values) {
-  std::vector<float> line;
-  fill_lines(lines, values, line);
-  std::vector<float> result(values.size());
-  const auto& levels = filter_levels();
-  for (size_t i = 0; i < values.size(); ++i) {
-    const float* at = line.data() + lines.place[i];
-    const FilterWeights& w = levels[level[i]];
-    float sum = w[0] * at[0];
-    float weight = w[0];
-    for (int32_t k = 1; k <= kFilterReach; ++k) {
-      for (const float value : {at[-k], at[k]}) {
-        const float present = value >= 0.0f ? w[k] : 0.0f;
-        sum += present * value;
-        weight += present;
-      }
-    }
-    result[i] = sum / weight;
-  }
-  return result;
-}
-
 }  // namespace
 
 const std::array<FilterWeights, kFilterLevels>& filter_levels() {
-  static const std::array<FilterWeights, kFilterLevels> levels = make_levels();
-  return levels;
+  return level_table().weights;
+}
+
+float filter_scale(int32_t level) {
+  return level_table().scale[level];
 }
 
 double full_filter_sigma() {
@@ -134,21 +126,6 @@ SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, fl
     plan.level_v.push_back(level(texel_size.y));
   }
   return plan;
-}
-
-std::vector<float> smooth_on_cpu(const SeamTable& seams, const SmoothingPlan& plan,
-                                 const std::vector<float>& height) {
-  std::vector<float> values = height;
-  for (int32_t pass = 0; pass < plan.passes; ++pass) {
-    values = filtered(seams.u, plan.level_u, values);
-    values = filtered(seams.v, plan.level_v, values);
-  }
-  for (int32_t pass = 0; pass < plan.closing_passes; ++pass) {
-    const std::vector<float> along_v = filtered(seams.v, plan.level_v, values);
-    values = filtered(seams.u, plan.level_u, values);
-    for (size_t i = 0; i < values.size(); ++i) values[i] = 0.5f * (values[i] + along_v[i]);
-  }
-  return values;
 }
 
 }  // namespace snowbough::snow

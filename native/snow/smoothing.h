@@ -24,6 +24,9 @@ inline constexpr int32_t kFilterLevels = 256;
 /// The weights of each level; the standard deviation grows evenly from level to level.
 const std::array<FilterWeights, kFilterLevels>& filter_levels();
 
+/// By what a level scales the taps' offsets, 0 to 1.
+float filter_scale(int32_t level);
+
 /// Standard deviation of level 255 in texels.
 double full_filter_sigma();
 
@@ -47,10 +50,5 @@ struct SmoothingPlan {
 /// than the radius are hardly smoothed at all, as it should be.
 /// @throws std::invalid_argument for a negative or not finite radius.
 SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, float blur_radius);
-
-/// Smooths one value an owned texel (TexelTable's order) on the processor; what has no surface
-/// around takes no part. The same arithmetic as SmoothingPass, which does it on the GPU.
-std::vector<float> smooth_on_cpu(const SeamTable& seams, const SmoothingPlan& plan,
-                                 const std::vector<float>& height);
 
 }  // namespace snowbough::snow

@@ -8,6 +8,7 @@
 #include "gpu/gpu_thread.h"
 #include "snow/map_output.h"
 #include "snow_layouts.h"
+#include "snow_reference.h"
 
 namespace snowbough::snow {
 namespace {
@@ -114,7 +115,7 @@ TEST(Normals, onTheGpuAgreeWithTheProcessor) {
   for (const int32_t texel : table.texel)
     stored[texel] = 0.1f + 0.01f * static_cast<float>(texel * 7 % 13);
   const SmoothingPlan plan = plan_smoothing(table, seams, 0.05f);
-  const MapOutput expected = output_on_cpu(table, seams, plan, stored, metrics);
+  const MapOutput expected = output_reference(table, seams, plan, stored, metrics);
   const auto normals = gpu::GpuThread::shared()->run([&] {
     gpu::Texture maps(GL_R32F, 128, 128, 1);
     maps.write(0, GL_RED, GL_FLOAT, stored.data());

@@ -9,6 +9,7 @@
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
 #include "snow_layouts.h"
+#include "snow_reference.h"
 
 namespace snowbough::snow {
 namespace {
@@ -112,11 +113,11 @@ void expect_even_seams(const LaidOutMesh& mesh, const char* name, float shadow_t
   const SmoothingPlan plan = plan_smoothing(table, seams, 3.0f * size);
   const auto height = fallen_snow(mesh, table, shadow_texels * size, 3);
   const auto smooth_start = std::chrono::steady_clock::now();
-  const auto smooth = smooth_on_cpu(seams, plan, height);
+  const auto smooth = smooth_reference(seams, plan, height);
   const std::chrono::duration<double> smooth_taken =
       std::chrono::steady_clock::now() - smooth_start;
-  auto map = dilate_on_cpu(table, seams, smooth);
-  level_seams_on_cpu(seams, map);
+  auto map = dilated(table, seams, smooth);
+  level_seams(seams, map);
   const auto differences = seam_differences(mesh, map);
   ASSERT_GT(differences.size(), 100u);
   std::printf(

@@ -7,9 +7,11 @@
 #include <random>
 
 #include "gpu/gpu_thread.h"
+#include "snow/cpu_output.h"
 #include "snow/dilate.h"
 #include "snow/map_output.h"
 #include "snow_layouts.h"
+#include "snow_reference.h"
 
 namespace snowbough::snow {
 namespace {
@@ -59,7 +61,7 @@ glm::dvec2 spread_of(const Map& map, const SmoothingPlan& plan) {
   std::vector<float> height(map.table.texel.size(), 0.0f);
   const int32_t middle = size / 2;
   height[static_cast<size_t>(middle) * size + middle] = 1.0f;
-  const std::vector<float> smooth = smooth_on_cpu(map.seams, plan, height);
+  const std::vector<float> smooth = smooth_reference(map.seams, plan, height);
   glm::dvec2 variance(0.0);
   double sum = 0.0;
   for (int32_t y = 0; y < size; ++y) {
@@ -118,7 +120,7 @@ TEST(Smoothing, aLevelBlanketStaysLevelUpToItsRim) {
   add_plate(mesh, glm::vec2(0.1f), glm::vec2(0.77f), 0, 1, 1);
   const Map map = make_map(std::move(mesh));
   const std::vector<float> height(map.table.texel.size(), 0.25f);
-  EXPECT_THAT(smooth_on_cpu(map.seams, plan_smoothing(map.table, map.seams, 0.1f), height),
+  EXPECT_THAT(smooth_reference(map.seams, plan_smoothing(map.table, map.seams, 0.1f), height),
               Each(testing::FloatNear(0.25f, 1e-6f)));
 }
 
@@ -130,7 +132,8 @@ TEST(Smoothing, nothingLeaksToAChartBesideThatIsNoNeighbourOnTheSurface) {
   const Map map = make_map(std::move(mesh));
   std::vector<float> height(map.table.texel.size());
   for (size_t i = 0; i < height.size(); ++i) height[i] = map.table.chart[i] == 0 ? 1.0f : 0.0f;
-  const auto smooth = smooth_on_cpu(map.seams, plan_smoothing(map.table, map.seams, 0.2f), height);
+  const auto smooth =
+      smooth_reference(map.seams, plan_smoothing(map.table, map.seams, 0.2f), height);
   for (size_t i = 0; i < height.size(); ++i) EXPECT_FLOAT_EQ(smooth[i], height[i]);
 }
 
@@ -139,7 +142,7 @@ TEST(Smoothing, aRadiusOfZeroPassesTheMapOn) {
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.0f);
   std::vector<float> height(map.table.texel.size());
   for (size_t i = 0; i < height.size(); ++i) height[i] = static_cast<float>(i % 7);
-  EXPECT_EQ(output_on_cpu(map.table, map.seams, plan, height).height, height);
+  EXPECT_EQ(output_reference(map.table, map.seams, plan, height).height, height);
 }
 
 TEST(Smoothing, aNegativeRadiusIsRefused) {
@@ -153,9 +156,9 @@ TEST(Dilation, continuesTheMapByFourTexels) {
   mesh.topology.resolution = 64;
   add_plate(mesh, glm::vec2(0.25f), glm::vec2(0.5f), 0, 1, 1);
   const Map map = make_map(std::move(mesh));
-  const auto dilated =
-      dilate_on_cpu(map.table, map.seams, std::vector<float>(map.table.texel.size(), 2.0f));
-  const auto at = [&](int x, int y) { return dilated[static_cast<size_t>(y) * 64 + x]; };
+  const auto shown =
+      dilated(map.table, map.seams, std::vector<float>(map.table.texel.size(), 2.0f));
+  const auto at = [&](int x, int y) { return shown[static_cast<size_t>(y) * 64 + x]; };
   EXPECT_EQ(at(16, 20), 2.0f);
   EXPECT_EQ(at(12, 20), 2.0f);
   EXPECT_EQ(at(11, 20), 0.0f);
@@ -180,10 +183,10 @@ TEST(Dilation, showsTheOtherSideOfASeamBeyondIt) {
     const int32_t x = map.table.texel[i] % 64;
     height[i] = static_cast<float>(x < 32 ? x - 8 : x - 24);
   }
-  const auto dilated = dilate_on_cpu(map.table, map.seams, height);
+  const auto shown = dilated(map.table, map.seams, height);
   for (int k = 0; k < 4; ++k) {
-    EXPECT_NEAR(dilated[16 * 64 + 24 + k], 16.0f + static_cast<float>(k), 1e-4f);
-    EXPECT_NEAR(dilated[16 * 64 + 39 - k], 15.0f - static_cast<float>(k), 1e-4f);
+    EXPECT_NEAR(shown[16 * 64 + 24 + k], 16.0f + static_cast<float>(k), 1e-4f);
+    EXPECT_NEAR(shown[16 * 64 + 39 - k], 15.0f - static_cast<float>(k), 1e-4f);
   }
 }
 
@@ -220,7 +223,7 @@ TEST(MapOutputPass, agreesWithTheProcessorOnATube) {
   for (const float radius : {0.0f, 0.01f, 0.1f}) {
     const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
     const auto stored = random_map(map, 5);
-    const auto expected = output_on_cpu(map.table, map.seams, plan, stored).height;
+    const auto expected = output_reference(map.table, map.seams, plan, stored).height;
     const auto height = output_on_gpu(map, plan, stored);
     float worst = 0.0f;
     for (size_t i = 0; i < height.size(); ++i)
@@ -236,16 +239,61 @@ TEST(MapOutputPass, twoRunsAreBitIdentical) {
   EXPECT_EQ(output_on_gpu(map, plan, stored), output_on_gpu(map, plan, stored));
 }
 
+LaidOutMesh bunny() {
+  LaidOutMesh mesh = read_obj_mesh(std::string(SNOWBOUGH_SHARED_DATA) + "/snow/stanford-bunny.obj");
+  if (!mesh.positions.empty()) lay_out_by_direction(mesh, 1024, 4.0f);
+  return mesh;
+}
+
+void expect_fast_agrees(const Map& map, float radius, int32_t threads) {
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
+  const auto stored = random_map(map, 5);
+  const auto metrics = surface_metrics(map.mesh.topology, map.mesh.positions);
+  const MapOutput expected = output_reference(map.table, map.seams, plan, stored, metrics);
+  CpuOutput output(map.table, map.seams, plan, threads);
+  const MapOutput made = output.run(stored, metrics);
+  float worst = 0.0f;
+  for (size_t i = 0; i < stored.size(); ++i) {
+    worst = std::max(worst, std::abs(made.height[i] - expected.height[i]));
+  }
+  EXPECT_LT(worst, 1e-6f) << "radius " << radius;
+  EXPECT_EQ(made.normal.size(), stored.size());
+  EXPECT_EQ(output.run(stored).height, made.height) << "a second run must not remember the first";
+}
+
+TEST(CpuOutput, agreesWithThePlainFilterOnATube) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
+  for (const float radius : {0.0f, 0.004f, 0.01f, 0.1f}) expect_fast_agrees(map, radius, 2);
+}
+
+TEST(CpuOutput, agreesWithThePlainFilterOnTheBunny) {
+  LaidOutMesh mesh = bunny();
+  if (mesh.positions.empty()) GTEST_SKIP() << "shared/data/snow/stanford-bunny.obj is not there";
+  expect_fast_agrees(make_map(std::move(mesh)), 0.0006f, 2);
+}
+
+TEST(CpuOutput, doesNotDependOnTheNumberOfThreads) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.03f);
+  const auto stored = random_map(map, 5);
+  const auto one = CpuOutput(map.table, map.seams, plan, 1).run(stored).height;
+  EXPECT_EQ(CpuOutput(map.table, map.seams, plan, 3).run(stored).height, one);
+}
+
 TEST(MapOutput, timeOfAFullMapOf1024) {
   const Map map = plate(1024, 10.24f, 10.24f);
   const auto stored = random_map(map, 7);
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.02f);
   EXPECT_EQ(plan.passes, 1);
   EXPECT_EQ(plan.closing_passes, 2);
-  const auto start = std::chrono::steady_clock::now();
-  const auto expected = output_on_cpu(map.table, map.seams, plan, stored).height;
-  const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
-  std::printf("processor: %.1f ms for a blur of 2 texels\n", 1e3 * taken.count());
+  CpuOutput output(map.table, map.seams, plan);
+  std::vector<float> expected;
+  for (int i = 0; i < 4; ++i) {
+    const auto start = std::chrono::steady_clock::now();
+    expected = output.run(stored).height;
+    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
+    std::printf("processor: %.1f ms for a blur of 2 texels\n", 1e3 * taken.count());
+  }
   const auto height = output_on_gpu(map, plan, stored, 4);
   EXPECT_NEAR(height[512 * 1024 + 512], expected[512 * 1024 + 512], 1e-6f);
 }
