@@ -63,13 +63,14 @@ template <bool kAdd>
   }
 }
 
-SNOWBOUGH_WIDE void replace_segment(const float* from, float* to, const float* scale, int32_t count,
+SNOWBOUGH_WIDE void replace_segment(const float* __restrict from, float* __restrict to,
+                                    const float* __restrict scale, int32_t count,
                                     ptrdiff_t stride) {
   filter_row<false>(from, to, scale, count, stride);
 }
 
-SNOWBOUGH_WIDE void add_segment(const float* from, float* to, const float* scale, int32_t count,
-                                ptrdiff_t stride) {
+SNOWBOUGH_WIDE void add_segment(const float* __restrict from, float* __restrict to,
+                                const float* __restrict scale, int32_t count, ptrdiff_t stride) {
   filter_row<true>(from, to, scale, count, stride);
 }
 
@@ -131,13 +132,17 @@ void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
 void CpuOutput::fill_ghosts(const Axis& axis, std::vector<float>& heights) const {
   const size_t texels = static_cast<size_t>(table_.resolution) * table_.resolution;
   const WeightedRows& rows = axis.lines->ghosts;
-  for (size_t g = 0; g < rows.size(); ++g) {
-    float sum = 0.0f;
-    for (int32_t t = rows.begin[g]; t < rows.begin[g + 1]; ++t) {
-      sum += rows.weight[t] * heights[table_.texel[rows.source[t]]];
+  // Few ghosts are done sooner than threads are made.
+  in_parallel(rows.size() < 20000 ? 1 : threads_, [&](size_t part, size_t parts) {
+    const size_t end = rows.size() * (part + 1) / parts;
+    for (size_t g = rows.size() * part / parts; g < end; ++g) {
+      float sum = 0.0f;
+      for (int32_t t = rows.begin[g]; t < rows.begin[g + 1]; ++t) {
+        sum += rows.weight[t] * heights[table_.texel[rows.source[t]]];
+      }
+      heights[texels + g] = rows.begin[g] == rows.begin[g + 1] ? kNothing : sum;
     }
-    heights[texels + g] = rows.begin[g] == rows.begin[g + 1] ? kNothing : sum;
-  }
+  });
 }
 
 void CpuOutput::filter(const Axis& axis, std::vector<float>& from, std::vector<float>& to,
