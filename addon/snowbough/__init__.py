@@ -19,6 +19,10 @@ bl_info = {
 }
 
 MODULES = (
+    "import_tree",
+    "import_presets",
+    "sway",
+    "cli",
     "settings",
     "receivers",
     "bake_engine",

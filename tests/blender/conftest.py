@@ -1,0 +1,46 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the tests inside Blender share. They run through run.py only, which installs the add-on."""
+
+import importlib
+import os
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+SHARED_DATA = ROOT.parent / "shared" / "data"
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+
+
+def addon_module(name):
+    """A module of the installed add-on: addon_module("compat")."""
+    return importlib.import_module(f"{os.environ['SNOWBOUGH_TEST_ADDON']}.{name}")
+
+
+@pytest.fixture
+def addon():
+    """Loads modules of the installed add-on: addon("compat")."""
+    return addon_module
+
+
+@pytest.fixture(autouse=True)
+def empty_scene():
+    """Every test starts in an empty file, with the add-on enabled."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    yield
+
+
+@pytest.fixture
+def shared_tree():
+    """Path of a real tree made elsewhere: shared_tree("tubes/AL06a.obj"); skips where it is absent."""
+
+    def find(name):
+        path = SHARED_DATA / "trees" / name
+        if not path.is_file():
+            pytest.skip(f"{name} is not there: shared data is absent")
+        return path
+
+    return find

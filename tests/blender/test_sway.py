@@ -1,0 +1,168 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The sway operator: loops that close, physics that order limbs, small files, quick."""
+
+import math
+import os
+import time
+
+import bpy
+import numpy as np
+import pytest
+from synthetic_tree import build_synthetic, evaluated_vertices, synthetic_bones
+
+
+def _activate(obj):
+    bpy.context.view_layer.objects.active = obj
+
+
+def _positions(bark, frame, subframe=0.0):
+    bpy.context.scene.frame_set(frame, subframe=subframe)
+    return evaluated_vertices(bark)
+
+
+@pytest.fixture
+def swaying(addon):
+    rig, bark = build_synthetic(addon)
+    _activate(rig)
+    assert bpy.ops.snowbough.add_sway(loop_frames=96, seed=3) == {"FINISHED"}
+    return rig, bark
+
+
+def test_the_loop_closes_exactly(swaying):
+    _rig, bark = swaying
+    first = _positions(bark, 1)
+    assert np.abs(_positions(bark, 97) - first).max() < 1e-6
+    assert np.abs(_positions(bark, 1 + 96 * 5) - first).max() < 1e-6
+    assert np.abs(_positions(bark, 49) - first).max() > 1e-3
+
+
+def test_the_motion_runs_through_the_loops_seam_without_a_kink(swaying):
+    _rig, bark = swaying
+    step = 0.25
+    before = (_positions(bark, 97) - _positions(bark, 96, 1 - step)) / step
+    after = (_positions(bark, 97, step) - _positions(bark, 97)) / step
+    everywhere = max(
+        np.abs(_positions(bark, f, step) - _positions(bark, f)).max() / step for f in range(1, 97, 5)
+    )
+    assert np.abs(after - before).max() < 0.15 * everywhere
+
+
+def test_channels_have_about_sixteen_keys_and_a_cycles_modifier(swaying, addon):
+    rig, _bark = swaying
+    curves = addon("compat").curves_of(rig)
+    assert len(curves) == 2 * len(rig.data.bones)
+    for curve in curves:
+        assert len(curve.keyframe_points) == 17
+        assert [modifier.type for modifier in curve.modifiers] == ["CYCLES"]
+        assert curve.keyframe_points[0].co[1] == curve.keyframe_points[16].co[1]
+        assert curve.keyframe_points[0].interpolation == "BEZIER"
+
+
+def test_equal_settings_give_equal_keys_and_another_seed_others(addon):
+    rig, _bark = build_synthetic(addon)
+    _activate(rig)
+
+    def keys(**settings):
+        bpy.ops.snowbough.add_sway(**settings)
+        return [tuple(p.co) for curve in addon("compat").curves_of(rig) for p in curve.keyframe_points]
+
+    assert keys(seed=1) == keys(seed=1)
+    assert keys(seed=1) != keys(seed=2)
+
+
+def test_a_second_sway_replaces_the_first_and_leaves_no_orphan(addon):
+    rig, _bark = build_synthetic(addon)
+    _activate(rig)
+    bpy.ops.snowbough.add_sway()
+    bpy.ops.snowbough.add_sway(strength=2.0)
+    assert len(bpy.data.actions) == 1
+
+
+def test_an_action_made_by_hand_is_kept(addon):
+    rig, _bark = build_synthetic(addon)
+    rig.keyframe_insert("location", frame=1)
+    by_hand = rig.animation_data.action.name
+    _activate(rig)
+    bpy.ops.snowbough.add_sway()
+    assert by_hand in bpy.data.actions
+
+
+def test_strength_zero_stands_still(addon):
+    rig, bark = build_synthetic(addon)
+    rest = evaluated_vertices(bark)
+    _activate(rig)
+    bpy.ops.snowbough.add_sway(strength=0.0)
+    assert np.abs(_positions(bark, 30) - rest).max() < 1e-6
+
+
+@pytest.mark.parametrize("bearing, axis, sign", [(0.0, 1, 1), (math.pi / 2, 0, 1), (math.pi, 1, -1)])
+def test_the_tree_leans_to_where_the_wind_blows(addon, bearing, axis, sign):
+    rig, bark = build_synthetic(addon, synthetic_bones(branches=4, twigs=0))
+    rest = evaluated_vertices(bark)
+    _activate(rig)
+    bpy.ops.snowbough.add_sway(bearing=bearing, gusts=0.0, strength=3.0)
+    top = np.argsort(rest[:, 2])[-4:]
+    mean = np.mean([(_positions(bark, f)[top] - rest[top]).mean(axis=0) for f in range(1, 97, 6)], axis=0)
+    assert sign * mean[axis] > 0
+    assert abs(mean[1 - axis]) < 0.5 * abs(mean[axis])
+
+
+def test_bearing_is_a_world_direction_also_for_a_turned_armature(addon):
+    rig, bark = build_synthetic(addon, synthetic_bones(branches=4, twigs=0))
+    rig.rotation_euler = (0, 0, math.pi / 2)
+    rest = evaluated_vertices(bark)
+    _activate(rig)
+    bpy.ops.snowbough.add_sway(bearing=0.0, gusts=0.0, strength=3.0)
+    top = np.argsort(rest[:, 2])[-4:]
+    mean = np.mean([(_positions(bark, f)[top] - rest[top]).mean(axis=0) for f in range(1, 97, 6)], axis=0)
+    assert mean[1] > 0 and abs(mean[0]) < 0.5 * mean[1]
+
+
+def test_long_thin_limbs_swing_slower_and_wider(addon):
+    wind = addon("wind")
+    length, radius = np.array([0.5, 1.0, 2.0, 2.0]), np.array([0.02, 0.02, 0.02, 0.04])
+    frequency = wind.natural_frequencies(length, radius)
+    assert frequency[0] > frequency[1] > frequency[2] and frequency[3] > frequency[2]
+    angle = wind.tip_angles(length, radius, 5.0)
+    assert angle[0] < angle[1] < angle[2] and angle[3] < angle[2]
+    # First mode of a uniform cantilever by hand: 0.5596 * r / (2 L^2) * 2788.9 m/s for r = 2 cm, L = 1 m.
+    assert math.isclose(frequency[1], 15.606, rel_tol=1e-3)
+
+
+def test_cycles_are_whole_and_keep_their_order(addon):
+    cycles = addon("wind").loop_cycles(np.array([0.3, 1.0, 5.0, 40.0]), 4.0, 16)
+    assert cycles.tolist() == sorted(cycles.tolist())
+    assert cycles[0] == 1 and cycles[-1] == 4
+
+
+def test_a_limbs_bend_is_shared_out_among_its_bones(addon):
+    wind = addon("wind")
+    lengths, radii = np.full(4, 0.25), np.array([0.02, 0.02, 0.02, 0.02])
+    chains = wind.find_chains([-1, 0, 1, 2], [False, True, True, True], lengths, radii)
+    shares = wind.bone_shares(chains, lengths, radii)
+    assert math.isclose(shares.sum(), 1.0, abs_tol=1e-12)
+    assert shares[0] > shares[1] > shares[2] > shares[3]
+
+
+def test_the_operator_works_from_the_bark_and_refuses_other_objects(addon):
+    rig, bark = build_synthetic(addon)
+    _activate(bark)
+    assert bpy.ops.snowbough.add_sway() == {"FINISHED"}
+    assert rig.animation_data.action is not None
+    _activate(None)
+    assert not bpy.ops.snowbough.add_sway.poll()
+
+
+def test_a_thousand_bones_take_under_a_second_and_little_room(addon, tmp_path):
+    rig, _bark = build_synthetic(addon, synthetic_bones(branches=53, twigs=5))
+    assert len(rig.data.bones) >= 1000
+    _activate(rig)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "before.blend"), copy=True, compress=False)
+    start = time.perf_counter()
+    bpy.ops.snowbough.add_sway()
+    seconds = time.perf_counter() - start
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "after.blend"), copy=True, compress=False)
+    grown = os.path.getsize(tmp_path / "after.blend") - os.path.getsize(tmp_path / "before.blend")
+    print(f"1000 bones: {seconds:.3f} s, the file grows by {grown / 1e6:.1f} MB")
+    assert seconds < 1.0
+    assert grown < 10e6
