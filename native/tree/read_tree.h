@@ -16,7 +16,7 @@ struct ReadTreeOptions {
   /// Level names from the trunk on, separated by commas ("trunk,branch,limb"): a group belongs to
   /// the level whose name it starts with (the longest one wins). Empty: found from the groups
   /// themselves.
-  std::string levels;
+  std::string levels = {};
   Simplify simplify = Simplify::kNone;
   /// For kTolerance: largest distance from the original centreline, in local radii.
   float tolerance = 0.5f;

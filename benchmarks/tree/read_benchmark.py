@@ -1,0 +1,125 @@
+"""Reading trees: the native reader against Blender's own OBJ importer, on the same files in one run.
+
+    PYTHONPATH=build/python python3 benchmarks/tree/read_benchmark.py [FILE.obj ...] [--megabytes 50]
+        [--repeats 3] [--blender blender]
+
+Prints a table: size of the file, seconds of read_tree (best of the repeats), seconds of Blender's importer
+(operator only, best of the repeats, factory settings), their ratio, and read_tree's peak memory against the
+file's size. Without files, a tree of tubes of about the given size is generated.
+"""
+
+import argparse
+import json
+import math
+import os
+import random
+import subprocess
+import sys
+import tempfile
+
+READ = """
+import json, sys, time
+import snowbough_native
+
+def high_water():
+    with open("/proc/self/status") as status:
+        return next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
+
+before = high_water()
+times = []
+for _ in range(int(sys.argv[2])):
+    start = time.perf_counter()
+    skeleton = snowbough_native.read_tree(sys.argv[1])
+    times.append(time.perf_counter() - start)
+    if len(times) == 1:
+        peak = high_water()
+print(json.dumps({"seconds": min(times), "peak": (peak - before) * 1024,
+                  "branches": sum(skeleton.report["branches_per_level"]), "form": skeleton.report["form"]}))
+"""
+
+BLENDER = """
+import bpy, json, sys, time
+path, repeats = sys.argv[sys.argv.index("--") + 1:]
+times = []
+for _ in range(int(repeats)):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    start = time.perf_counter()
+    bpy.ops.wm.obj_import(filepath=path)
+    times.append(time.perf_counter() - start)
+print("RESULT " + json.dumps(min(times)))
+"""
+
+
+def write_tree(path, megabytes, seed=1):
+    """Writes a merged tree of six-sided quad tubes, Y up, until the file has the size asked for."""
+    rng = random.Random(seed)
+    limit = megabytes * 1e6
+    with open(path, "w", encoding="ascii") as file:
+        written = 0
+        first = 1
+        spine = [(0.0, 0.1 * i, 0.0) for i in range(101)]
+        lines = [(spine, 0.3)]
+        while written < limit:
+            line, radius = lines.pop(0)
+            text = []
+            for i, (x, y, z) in enumerate(line):
+                r = radius * (1.0 - i / len(line))
+                for side in range(6):
+                    angle = side * math.pi / 3
+                    u, v = side / 6, i / len(line)
+                    text.append(f"v {x + r * math.cos(angle):.6f} {y:.6f} {z + r * math.sin(angle):.6f}\n"
+                                f"vt {u:.6f} {v:.6f}\n")
+            for i in range(len(line) - 1):
+                for side in range(6):
+                    a = first + i * 6 + side
+                    b = first + i * 6 + (side + 1) % 6
+                    text.append(f"f {a}/{a} {b}/{b} {b + 6}/{b + 6} {a + 6}/{a + 6}\n")
+            first += 6 * len(line)
+            text = "".join(text)
+            written += len(text)
+            file.write(text)
+            for _ in range(4):
+                x, y, z = rng.choice(line[5:])
+                dx, dy, dz = (rng.uniform(-1, 1) for _ in range(3))
+                step = 0.6 * 0.1
+                lines.append(([(x + step * i * dx, y + step * i * abs(dy), z + step * i * dz)
+                               for i in range(rng.randint(20, 80))], radius * rng.uniform(0.3, 0.7)))
+
+
+def read_native(path, repeats):
+    run = subprocess.run([sys.executable, "-c", READ, path, str(repeats)], check=True, text=True,
+                         capture_output=True)
+    return json.loads(run.stdout)
+
+
+def read_blender(blender, path, repeats):
+    run = subprocess.run([blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr",
+                          BLENDER, "--", path, str(repeats)], check=True, text=True, capture_output=True)
+    return json.loads(next(line for line in run.stdout.splitlines() if line.startswith("RESULT "))[7:])
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("files", nargs="*")
+    parser.add_argument("--megabytes", type=float, default=50)
+    parser.add_argument("--repeats", type=int, default=3)
+    parser.add_argument("--blender", default="blender")
+    arguments = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        files = arguments.files
+        if not files:
+            files = [os.path.join(folder, "generated.obj")]
+            write_tree(files[0], arguments.megabytes)
+        print(f"{'file':32} {'MB':>6} {'branches':>9} {'form':18} {'native s':>9} {'Blender s':>10} "
+              f"{'ratio':>6} {'peak / file':>11}")
+        for path in files:
+            size = os.path.getsize(path)
+            native = read_native(path, arguments.repeats)
+            blender = read_blender(arguments.blender, path, arguments.repeats)
+            print(f"{os.path.basename(path):32} {size / 1e6:6.1f} {native['branches']:9} {native['form']:18} "
+                  f"{native['seconds']:9.3f} {blender:10.3f} {native['seconds'] / blender:6.2f} "
+                  f"{native['peak'] / size:11.1f}", flush=True)
+
+
+if __name__ == "__main__":
+    main()
