@@ -54,19 +54,23 @@ def run(arguments):
         args = parser().parse_args(arguments)
     except SystemExit as stop:  # argparse has said why; --help ends with 0
         return int(stop.code or 0)
-    # Blender takes Ctrl-C for itself; here it must stop the work.
-    previous = signal.signal(signal.SIGINT, signal.default_int_handler)
     try:
-        if args.command == "import":
-            from . import cli_import as command
-        else:
-            from . import cli_bake as command
-        return command.run(args)
+        if args.command == "bake":
+            from . import cli_bake
+
+            return cli_bake.run(args)
+        from . import cli_import
+
+        # Blender takes Ctrl-C for itself; while Python computes, it must stop the work.
+        previous = signal.signal(signal.SIGINT, signal.default_int_handler)
+        try:
+            return cli_import.run(args)
+        finally:
+            # None: a handler that C code has set, which Python can't put back. SIG_DFL ends the process.
+            signal.signal(signal.SIGINT, previous if previous is not None else signal.SIG_DFL)
     except KeyboardInterrupt:
         print("Snowbough: stopped", file=sys.stderr)
         return STOPPED
-    finally:
-        signal.signal(signal.SIGINT, previous)
 
 
 _handles = []
