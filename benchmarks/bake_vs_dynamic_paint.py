@@ -1,0 +1,155 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A whole bake per frame against Blender's Dynamic Paint, in one run on one machine. Prints a table.
+
+    blender -b --factory-startup --python-exit-code 1 -P benchmarks/bake_vs_dynamic_paint.py -- [--frames 12]
+        [--sizes 1024,2048] [--json FILE]
+
+Both bake the same shot: a monkey of 1,968 faces that turns once, under falling snow, into one EXR height
+map a frame. Dynamic Paint: an image sequence surface of type Displace, incremental, written as OpenEXR,
+painted by a particle system that rains on it. Snowbough: the add-on's own operator with its defaults.
+Counted is the wall-clock time from the call until the last file is whole, divided by the frames, so
+setting up, evaluating the scene and writing files are in it. ``bpy.ops.dpaint.bake()`` returns before its
+files exist, so the script waits for the last one.
+"""
+
+import argparse
+import json
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import bpy
+
+ROOT = Path(__file__).resolve().parent.parent
+sys.path.insert(0, str(ROOT / "addon"))
+import snowbough  # noqa: E402
+
+PARTICLES_A_FRAME = 500
+GIVE_UP_SECONDS = 600.0
+STILL_SECONDS = 1.0
+GOALS = {1024: 10.0, 2048: 20.0}
+
+
+def arguments():
+    given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
+    parser = argparse.ArgumentParser(prog="bake_vs_dynamic_paint.py")
+    parser.add_argument("--frames", type=int, default=12)
+    parser.add_argument("--sizes", default="1024,2048")
+    parser.add_argument("--json")
+    return parser.parse_args(given)
+
+
+def build_shot(frames):
+    """A monkey of 1,968 faces that turns, unwrapped without overlaps; returns it."""
+    bpy.ops.wm.read_homefile(use_empty=True)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = 1, frames
+    bpy.ops.mesh.primitive_monkey_add(size=2.0)
+    monkey = bpy.context.object
+    monkey.modifiers.new("Subdivision", "SUBSURF").levels = 1
+    bpy.ops.object.modifier_apply(modifier="Subdivision")
+    assert len(monkey.data.polygons) == 1968
+    monkey.data.uv_layers.remove(monkey.data.uv_layers[0])
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="SELECT")
+    bpy.ops.uv.smart_project(island_margin=0.004)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for frame, angle in ((1, 0.0), (frames, 6.28)):
+        monkey.rotation_euler.z = angle
+        monkey.keyframe_insert("rotation_euler", frame=frame)
+    return monkey
+
+
+def bake_snowbough(monkey, size, frames, folder):
+    """Seconds of the whole bake."""
+    bpy.ops.object.select_all(action="DESELECT")
+    monkey.select_set(True)
+    bpy.ops.snowbough.add_receivers()
+    settings = bpy.context.scene.snowbough
+    settings.receivers[0].resolution = size
+    settings.cache_directory = str(folder)
+    began = time.perf_counter()
+    bpy.ops.snowbough.bake()
+    seconds = time.perf_counter() - began
+    assert len(list(Path(folder).rglob("height_*.exr"))) == frames
+    return seconds
+
+
+def add_rain(monkey, frames):
+    """A plane above the monkey that rains particles, as Dynamic Paint's brush."""
+    bpy.ops.mesh.primitive_plane_add(size=3.0, location=(0, 0, 2))
+    cloud = bpy.context.object
+    cloud.modifiers.new("Rain", "PARTICLE_SYSTEM")
+    rain = cloud.particle_systems[0].settings
+    rain.count = PARTICLES_A_FRAME * frames
+    rain.frame_start, rain.frame_end, rain.lifetime = -20, frames, 60
+    rain.normal_factor = 0.0
+    rain.object_align_factor = (0, 0, -3)
+    bpy.ops.object.modifier_add(type="DYNAMIC_PAINT")
+    paint = cloud.modifiers[-1]
+    bpy.ops.dpaint.type_toggle(type="BRUSH")
+    brush = paint.brush_settings
+    brush.paint_source = "PARTICLE_SYSTEM"
+    brush.particle_system = cloud.particle_systems[0]
+    brush.use_particle_radius = False
+    brush.solid_radius = 0.05
+
+
+def bake_dynamic_paint(monkey, size, frames, folder):
+    """Seconds from the call until the last file is whole."""
+    add_rain(monkey, frames)
+    bpy.ops.object.select_all(action="DESELECT")
+    monkey.select_set(True)
+    bpy.context.view_layer.objects.active = monkey
+    bpy.ops.object.modifier_add(type="DYNAMIC_PAINT")
+    bpy.ops.dpaint.type_toggle(type="CANVAS")
+    surface = monkey.modifiers[-1].canvas_settings.canvas_surfaces[0]
+    surface.surface_format = "IMAGE"
+    surface.surface_type = "DISPLACE"
+    surface.use_incremental_displace = True
+    surface.image_fileformat = "OPENEXR"
+    surface.image_resolution = size
+    surface.uv_layer = monkey.data.uv_layers[0].name
+    surface.frame_start, surface.frame_end = 1, frames
+    surface.image_output_path = str(folder)
+    surface.use_antialiasing = False
+    began = time.perf_counter()
+    bpy.ops.dpaint.bake()
+    last_change, seen = time.perf_counter(), None
+    while time.perf_counter() - began < GIVE_UP_SECONDS:
+        files = sorted(Path(folder).rglob("*.exr"))
+        now = (len(files), sum(file.stat().st_size for file in files))
+        if now != seen:
+            last_change, seen = time.perf_counter(), now
+        if len(files) >= frames and time.perf_counter() - last_change > STILL_SECONDS:
+            return last_change - began
+        time.sleep(0.005)
+    raise SystemExit(f"Dynamic Paint wrote {seen[0]} of {frames} files in {GIVE_UP_SECONDS:.0f} s")
+
+
+def main():
+    options = arguments()
+    snowbough.register()
+    rows = []
+    for size in (int(text) for text in options.sizes.split(",")):
+        row = {"size": size, "frames": options.frames}
+        for name, bake in (("snowbough", bake_snowbough), ("dynamic_paint", bake_dynamic_paint)):
+            with tempfile.TemporaryDirectory() as folder:
+                monkey = build_shot(options.frames)
+                row[name] = bake(monkey, size, options.frames, folder) / options.frames
+        row["factor"] = row["dynamic_paint"] / row["snowbough"]
+        rows.append(row)
+    print(f"\nSeconds a frame, whole bake over {options.frames} frames, EXR files included")
+    print(f"{'size':>6} {'Dynamic Paint':>14} {'Snowbough':>10} {'times faster':>13} {'goal':>6}")
+    for row in rows:
+        goal = GOALS.get(row["size"])
+        print(
+            f"{row['size']:>6} {row['dynamic_paint']:>14.4f} {row['snowbough']:>10.4f} {row['factor']:>13.1f} "
+            f"{f'{goal:.0f}' if goal else '-':>6}"
+        )
+    if options.json:
+        Path(options.json).write_text(json.dumps(rows, indent=1) + "\n")
+
+
+main()
