@@ -10,8 +10,9 @@
 namespace snowbough::tree {
 namespace {
 
-/// How far a vertex on the rim of a child's hole moves towards the mean of its neighbours.
-constexpr double kRimSmoothing = 0.5;
+/// How far a vertex on the rim of a child's hole moves towards its neighbours, in distances to the
+/// nearest.
+constexpr double kRimSmoothing = 0.4;
 
 /// The stretch of a limb between two rings, as a round cone on an infinite line.
 struct Section {
@@ -155,13 +156,19 @@ class Subdivider {
   /// The base's corners stand outside the limbs' round radius: put them on it.
   void round_base() {
     std::vector<SectionSet> around(points_.size());
+    std::vector<int32_t> inset(points_.size(), -1);
     for (size_t f = 0; f < mesh_.quads.size(); ++f) {
+      const int32_t section = sections_.of(mesh_.origins[f]);
       for (int32_t v : mesh_.quads[f]) {
-        around[v].add(sections_.of(mesh_.origins[f]));
+        around[v].add(section);
+      }
+      if (mesh_.origins[f].part == FacePart::kInset) {
+        inset[mesh_.quads[f][2]] = inset[mesh_.quads[f][3]] = section;
       }
     }
     for (size_t v = 0; v < points_.size(); ++v) {
-      points_[v] = around[v].rounded(sections_, points_[v]);
+      points_[v] = inset[v] >= 0 ? sections_.all[inset[v]].rounded(points_[v])
+                                 : around[v].rounded(sections_, points_[v]);
       rim_[v] = around[v].joins_limbs(sections_) ? 1 : 0;
     }
   }
@@ -178,14 +185,21 @@ class Subdivider {
 
     for (int32_t e = 0; e < edge_count; ++e) {
       const Edges::Edge& edge = edges.all[e];
-      SectionSet around;
-      around.add(sections_.of(mesh_.origins[edge.left]));
-      if (edge.right >= 0) {
-        around.add(sections_.of(mesh_.origins[edge.right]));
-      }
       const int32_t v = old_count + e;
-      points_[v] = around.rounded(sections_, 0.5 * (points_[edge.a] + points_[edge.b]));
+      const glm::dvec3 middle = 0.5 * (points_[edge.a] + points_[edge.b]);
+      const FaceOrigin& left = mesh_.origins[edge.left];
+      const FaceOrigin& right = mesh_.origins[edge.right >= 0 ? edge.right : edge.left];
+      SectionSet around;
+      around.add(sections_.of(left));
+      around.add(sections_.of(right));
       rim_[v] = around.joins_limbs(sections_) ? 1 : 0;
+      const bool inset = left.part == FacePart::kInset || right.part == FacePart::kInset;
+      if (inset && left.branch != right.branch) {
+        const int32_t parent = sections_.of(left.part == FacePart::kInset ? left : right);
+        points_[v] = sections_.all[parent].rounded(middle);
+      } else {
+        points_[v] = around.rounded(sections_, middle);
+      }
       const std::array<int32_t, 2> ends = {edge.a, edge.b};
       mean_weights(v, ends.data(), 2);
     }
@@ -271,22 +285,28 @@ class Subdivider {
     }
   }
 
+  /// Moves every rim vertex along the mean direction to its neighbours, by a share of the distance
+  /// to the nearest one: the first row of a long branch must not pull its rim out of the parent.
   void smooth_rims() {
     std::vector<glm::dvec3> sum(points_.size(), glm::dvec3(0.0));
+    std::vector<double> nearest(points_.size(), 1e300);
     std::vector<int32_t> count(points_.size(), 0);
     for (const Quad& quad : mesh_.quads) {
       for (int k = 0; k < 4; ++k) {
         // Every edge is met from both its faces, once in either direction.
         const int32_t v = quad[k];
         if (rim_[v] != 0) {
-          sum[v] += points_[quad[(k + 1) % 4]];
+          const glm::dvec3 offset = points_[quad[(k + 1) % 4]] - points_[v];
+          const double length = std::max(glm::length(offset), 1e-30);
+          sum[v] += offset / length;
+          nearest[v] = std::min(nearest[v], length);
           ++count[v];
         }
       }
     }
     for (size_t v = 0; v < points_.size(); ++v) {
       if (count[v] > 0) {
-        points_[v] += kRimSmoothing * (sum[v] / static_cast<double>(count[v]) - points_[v]);
+        points_[v] += sum[v] * (kRimSmoothing * nearest[v] / static_cast<double>(count[v]));
       }
     }
   }

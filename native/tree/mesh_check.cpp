@@ -109,7 +109,7 @@ MeshCheck check_mesh(const std::vector<glm::vec3>& vertices, const std::vector<Q
     mesh.add_vertex(PolyMesh::Point(p.x, p.y, p.z));
   }
   const glm::dvec3 extent = vertices.empty() ? glm::dvec3(0.0) : high - low;
-  const double smallest_area = 1e-12 * glm::dot(extent, extent);
+  const double smallest_area = 1e-14 * glm::dot(extent, extent);
 
   // Pieces in the order of their lowest vertex.
   const std::vector<int32_t> root = pieces(vertices.size(), quads);

@@ -21,7 +21,7 @@ struct MeshCheck {
   int32_t nonmanifold_faces = 0;
   /// Edges that both their faces run through in the same direction.
   int32_t flipped_edges = 0;
-  /// Faces with a repeated corner, or whose area is not above 1e-12 times the mesh's extent
+  /// Faces with a repeated corner, or whose area is not above 1e-14 times the mesh's extent
   /// squared.
   int32_t zero_area_faces = 0;
   /// Vertices that no face uses.

@@ -1,0 +1,429 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "tree/bones.h"
+#include "tree/build_tree_mesh.h"
+#include "tree/frames.h"
+#include "tree/surface.h"
+#include "tree/surface_crossings.h"
+#include "tree/surface_path.h"
+#include "tree/surface_relief.h"
+#include "tree/surface_triangles.h"
+#include "tree/weights.h"
+#include "tree_surface_skeletons.h"
+
+namespace snowbough::tree {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::HasSubstr;
+using testing::SizeIs;
+
+struct Built {
+  SurfaceScale scale;
+  std::vector<LimbPath> paths;
+  Surface surface;
+};
+
+Built build(const Skeleton& skeleton) {
+  Built built;
+  built.scale = surface_scale(skeleton);
+  built.paths = limb_paths(skeleton, limb_widths(skeleton, {}), built.scale);
+  built.surface = build_surface(skeleton, built.paths, built.scale, {},
+                                std::vector<uint8_t>(built.paths.size(), 0));
+  return built;
+}
+
+MeshCheck check(const Surface& surface) {
+  return check_mesh({surface.vertices.begin(), surface.vertices.end()}, surface.quads);
+}
+
+Branch side_branch(float height, float radius, glm::vec3 direction = {1.0f, 0.0f, 0.0f}) {
+  const glm::vec3 root(0.0f, 0.0f, height);
+  return make_branch(0, 1, {root, root + direction, root + 2.0f * direction},
+                     {radius, radius, radius});
+}
+
+int count_part(const Surface& surface, FacePart part) {
+  return static_cast<int>(
+      std::count_if(surface.origins.begin(), surface.origins.end(),
+                    [&](const FaceOrigin& origin) { return origin.part == part; }));
+}
+
+TEST(Surface, AStraightTrunkIsAPrismWithARingAtEveryJoint) {
+  const Built built = build(make_skeleton({trunk()}));
+  EXPECT_THAT(built.surface.limbs[0].rings, SizeIs(11));
+  EXPECT_THAT(built.surface.quads, SizeIs(10 * 4 + 2));
+  // Corners at sqrt(area / 2): the square prism holds as much wood as the round limb.
+  EXPECT_NEAR(check(built.surface).volume, M_PI * 0.2 * 0.2 * 10.0, 1e-4);
+}
+
+TEST(Surface, ARingsCornersLieAtTheRootOfHalfItsArea) {
+  const Built built = build(make_skeleton({trunk()}));
+  const Ring& ring = built.surface.limbs[0].rings[5];
+  for (int32_t v : ring.vertices) {
+    EXPECT_NEAR(glm::distance(built.surface.vertices[v], glm::dvec3(0.0, 0.0, 5.0)),
+                std::sqrt(0.5 * M_PI * 0.2 * 0.2), 1e-6);
+  }
+}
+
+TEST(Surface, AChildAsThickAsItsParentTakesTheKnucklesSide) {
+  const Built built = build(make_skeleton({trunk(), side_branch(5.5f, 0.2f)}));
+  ASSERT_THAT(built.surface.junctions, SizeIs(1));
+  EXPECT_FALSE(built.surface.junctions[0].inset);
+  EXPECT_EQ(count_part(built.surface, FacePart::kInset), 0);
+  const Ring& low = built.surface.limbs[0].rings[built.surface.junctions[0].row];
+  EXPECT_EQ(built.surface.limbs[1].rings[0].vertices[0],
+            low.vertices[built.surface.junctions[0].side]);
+}
+
+TEST(Surface, AThinChildGetsAnInsetWithItsOwnWidth) {
+  const Built built = build(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}));
+  ASSERT_THAT(built.surface.junctions, SizeIs(1));
+  EXPECT_TRUE(built.surface.junctions[0].inset);
+  EXPECT_EQ(count_part(built.surface, FacePart::kInset), 4);
+  const auto& hole = built.surface.limbs[1].rings[0].vertices;
+  const double side = std::sqrt(M_PI * 0.05 * 0.05);
+  EXPECT_NEAR(glm::distance(built.surface.vertices[hole[0]], built.surface.vertices[hole[1]]), side,
+              1e-3);
+  EXPECT_NEAR(glm::distance(built.surface.vertices[hole[1]], built.surface.vertices[hole[2]]), side,
+              1e-3);
+}
+
+TEST(Surface, AChildThickerThanItsParentIsNarrowedToItAndReported) {
+  const Skeleton skeleton = make_skeleton({trunk(0.1f), side_branch(5.5f, 0.3f)});
+  const TreeMesh mesh = build_tree_mesh(skeleton);
+  EXPECT_THAT(mesh.warnings, testing::Contains(HasSubstr("thicker than their parent")));
+  EXPECT_THAT(build(skeleton).surface.clamped, ElementsAre(1));
+}
+
+TEST(Surface, TheSideThatFacesTheChildStaysOpen) {
+  for (const glm::vec3 direction : {glm::vec3(1, 0, 0), glm::vec3(0, 1, 0), glm::vec3(-1, 0, 0)}) {
+    const Built built = build(make_skeleton({trunk(), side_branch(5.5f, 0.1f, direction)}));
+    const auto& hole = built.surface.limbs[1].rings[0];
+    EXPECT_GT(glm::dot(glm::normalize(hole.normal), glm::dvec3(direction)), 0.99);
+  }
+}
+
+/// A trunk with `count` branches all round one place.
+Skeleton whorl(int count) {
+  std::vector<Branch> branches = {trunk()};
+  for (int i = 0; i < count; ++i) {
+    const double angle = 2.0 * M_PI * i / count;
+    branches.push_back(side_branch(5.5f, 0.05f, {std::cos(angle), std::sin(angle), 0.0}));
+  }
+  return make_skeleton(branches);
+}
+
+TEST(Surface, FourChildrenAtOnePlaceShareAKnuckleAndEightTakeTwo) {
+  for (int count : {4, 8}) {
+    const Built built = build(whorl(count));
+    std::set<int32_t> knuckles;
+    for (const Junction& junction : built.surface.junctions) {
+      knuckles.insert(junction.row);
+    }
+    EXPECT_THAT(knuckles, SizeIs(count / 4));
+    EXPECT_THAT(check(built.surface).euler, ElementsAre(2));
+    EXPECT_EQ(count_crossing(find_crossings(built.surface)), 0);
+  }
+}
+
+TEST(Surface, OfTwoChildrenAtTheEndTheStraighterContinuesFromTheEndRing) {
+  const glm::vec3 top(0.0f, 0.0f, 10.0f);
+  const Branch straight = make_branch(0, 1, {top, top + glm::vec3(0.1f, 0.0f, 1.0f)}, {0.1f, 0.1f});
+  const Branch bent = make_branch(0, 1, {top, top + glm::vec3(1.0f, 0.0f, 0.2f)}, {0.1f, 0.1f});
+  const Built built = build(make_skeleton({trunk(), bent, straight}));
+  EXPECT_FALSE(built.surface.limbs[1].continues_parent);
+  EXPECT_TRUE(built.surface.limbs[2].continues_parent);
+  EXPECT_EQ(built.surface.limbs[2].rings[0].vertices, built.surface.limbs[0].rings.back().vertices);
+}
+
+TEST(Surface, JointsInsideAKnuckleLoseTheirRing) {
+  const Built built = build(make_skeleton({trunk(), side_branch(5.0f, 0.2f)}));
+  for (const Ring& ring : built.surface.limbs[0].rings) {
+    EXPECT_GT(std::abs(ring.centre.z - 5.0), 0.05);
+  }
+}
+
+TEST(Surface, TheChildsOwnJointsInsideTheParentAreDropped) {
+  const Branch child =
+      make_branch(0, 1, {{0, 0, 5.5f}, {0.05f, 0, 5.5f}, {0.1f, 0, 5.5f}, {1, 0, 5.5f}},
+                  {0.05f, 0.05f, 0.05f, 0.05f});
+  const Built built = build(make_skeleton({trunk(), child}));
+  EXPECT_THAT(built.surface.limbs[1].rings, SizeIs(2));
+}
+
+TEST(Surface, OpenRootAndTipsLeaveTheirRingsOpen) {
+  TreeMeshOptions options;
+  options.close_root = false;
+  options.close_tips = false;
+  BuildReport report;
+  build_tree_mesh(make_skeleton({trunk(), side_branch(5.5f, 0.1f)}), options, &report);
+  EXPECT_EQ(report.check.boundary_edges, 3 * 4);
+}
+
+TEST(Surface, NoWidthVanishesWhereTheTreeHasNone) {
+  std::vector<Branch> branches = {trunk(), side_branch(5.5f, 0.0f)};
+  branches[0].radii.back() = branches[0].areas.back() = 0.0f;
+  const TreeMesh mesh = build_tree_mesh(make_skeleton(branches));
+  for (const Quad& quad : mesh.quads) {
+    for (int k = 0; k < 4; ++k) {
+      EXPECT_GT(glm::distance(mesh.vertices[quad[k]], mesh.vertices[quad[(k + 1) % 4]]),
+                2e-5f * 10.0f);
+    }
+  }
+}
+
+TEST(Surface, TwoHundredRandomSkeletonsAreClosedAndConsistentlyWound) {
+  for (uint32_t seed = 1; seed <= 200; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Skeleton skeleton = RandomSkeleton(seed).make();
+    const auto roots = std::count_if(skeleton.branches.begin(), skeleton.branches.end(),
+                                     [](const Branch& branch) { return branch.parent < 0; });
+    const Built built = build(skeleton);
+    const MeshCheck result = check(built.surface);
+    EXPECT_TRUE(result.closed());
+    EXPECT_EQ(result.components, roots);
+    EXPECT_THAT(result.euler, Each(2));
+    EXPECT_EQ(result.flipped_edges, 0);
+    EXPECT_EQ(result.zero_area_faces, 0);
+    EXPECT_EQ(result.unused_vertices, 0);
+  }
+}
+
+TEST(Surface, NeighbouringRingsPairTheirCornersWithTheSmallestRotation) {
+  for (uint32_t seed = 1; seed <= 50; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const Surface surface = build(RandomSkeleton(seed).make()).surface;
+    for (const LimbSurface& limb : surface.limbs) {
+      for (size_t r = 0; r + 1 < limb.rings.size(); ++r) {
+        const Ring &a = limb.rings[r], &b = limb.rings[r + 1];
+        if (glm::dot(a.normal, b.normal) < -0.99) {
+          continue;  // At an exact reversal all pairings turn by the same amount.
+        }
+        std::array<double, 4> sums{};
+        for (int shift = 0; shift < 4; ++shift) {
+          for (int k = 0; k < 4; ++k) {
+            const glm::dvec3 offset = (surface.vertices[a.vertices[k]] - a.centre) -
+                                      (surface.vertices[b.vertices[(k + shift) % 4]] - b.centre);
+            sums[shift] += glm::dot(offset, offset);
+          }
+        }
+        EXPECT_LE(sums[0], *std::min_element(sums.begin(), sums.end()) * (1.0 + 1e-6));
+      }
+    }
+  }
+}
+
+TEST(Surface, SameSkeletonSameBytes) {
+  const Skeleton skeleton = RandomSkeleton(7).make();
+  const TreeMesh a = build_tree_mesh(skeleton), b = build_tree_mesh(skeleton);
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.quads, b.quads);
+  EXPECT_EQ(a.bone_weights, b.bone_weights);
+  EXPECT_EQ(a.uv_snow, b.uv_snow);
+}
+
+TEST(Origins, CornersOfAWallAreItsRowsAndSides) {
+  const Surface surface = build(RandomSkeleton(3).make()).surface;
+  for (size_t f = 0; f < surface.quads.size(); ++f) {
+    const FaceOrigin& origin = surface.origins[f];
+    if (origin.part == FacePart::kWall) {
+      const LimbSurface& limb = surface.limbs[origin.branch];
+      const auto& low = limb.rings[origin.row].vertices;
+      const auto& high = limb.rings[origin.row + 1].vertices;
+      const int side = origin.side, after = (origin.side + 1) % 4;
+      EXPECT_EQ(surface.quads[f], (Quad{low[side], low[after], high[after], high[side]}));
+    }
+  }
+}
+
+TEST(Frames, TransportAlongAQuarterCircleDoesNotTwist) {
+  Frame frame = first_frame({0.0, 0.0, 1.0});
+  const glm::dvec3 start = frame.u;
+  for (int i = 1; i <= 90; ++i) {
+    const double angle = i * M_PI / 180.0;
+    frame = transport(frame, {std::sin(angle), 0.0, std::cos(angle)});
+  }
+  // The component across the plane of the bend stays what it was.
+  EXPECT_NEAR(frame.u.y, start.y, 1e-9);
+  EXPECT_NEAR(glm::length(frame.u), 1.0, 1e-12);
+}
+
+TEST(Triangles, PiercingCountsAndTouchingAtASharedCornerDoesNot) {
+  const Triangle floor = {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 0)};
+  const Triangle piercing = {glm::dvec3(0.5, 0.5, -1), glm::dvec3(0.6, 0.5, 1),
+                             glm::dvec3(0.5, 0.6, 1)};
+  const Triangle above = {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 1), glm::dvec3(0, 1, 1)};
+  const Triangle through = {glm::dvec3(0, 0, 0), glm::dvec3(1, 1, 1), glm::dvec3(1, 1, -1)};
+  EXPECT_TRUE(triangles_cross(floor, piercing, {-1, -1, -1}));
+  EXPECT_FALSE(triangles_cross(floor, above, {0, -1, -1}));
+  EXPECT_TRUE(triangles_cross(floor, through, {0, -1, -1}));
+}
+
+TEST(Triangles, ASharedEdgeCrossesOnlyWhenFoldedFlat) {
+  const Triangle floor = {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)};
+  const Triangle beside = {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 0), glm::dvec3(0, -1, 0)};
+  const Triangle folded = {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 0), glm::dvec3(0.2, 0.7, 0)};
+  EXPECT_FALSE(triangles_cross(floor, beside, {1, 0, -1}));
+  EXPECT_TRUE(triangles_cross(floor, folded, {1, 0, -1}));
+}
+
+TEST(Triangles, OrientationIsExactNextToThePlane) {
+  const glm::dvec3 a(0.1f, 0.1f, 0.1f), b(12.1f, 0.1f, 0.1f), c(0.1f, 24.1f, 0.1f);
+  const double above = std::nextafter(0.1f, 1.0f);
+  EXPECT_EQ(orientation(a, b, c, {3.3f, 4.7f, 0.1f}), 0);
+  EXPECT_EQ(orientation(a, b, c, {3.3f, 4.7f, above}), -1);
+}
+
+TEST(Crossings, AnOverlapAtAJunctionIsFound) {
+  // A child bent back through its own trunk crosses it two rows above the knuckle.
+  const Skeleton clean = make_skeleton({trunk(), side_branch(5.5f, 0.1f)});
+  EXPECT_EQ(count_crossing(find_crossings(build(clean).surface)), 0);
+  const Branch hooked =
+      make_branch(0, 1, {{0, 0, 5.5f}, {0.6f, 0, 5.5f}, {-0.6f, 0, 6.2f}}, {0.1f, 0.1f, 0.1f});
+  EXPECT_EQ(count_crossing(find_crossings(build(make_skeleton({trunk(), hooked})).surface)), 1);
+}
+
+TEST(Weights, FollowFromWhereTheRingStands) {
+  const Built built = build(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}));
+  const Armature armature =
+      make_bones(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}), built.paths, built.scale);
+  const VertexWeights weights = make_weights(built.surface, built.paths, armature, 4);
+  const LimbSurface& limb = built.surface.limbs[0];
+  const int32_t joint = limb.rings[3].vertices[0];
+  EXPECT_THAT(weights.indices[joint], ElementsAre(2, 3, 0, 0));
+  EXPECT_THAT(weights.weights[joint], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
+  const int32_t tip = limb.rings.back().vertices[0];
+  EXPECT_THAT(weights.indices[tip], ElementsAre(9, 0, 0, 0));
+  EXPECT_THAT(weights.weights[tip], ElementsAre(1.0f, 0.0f, 0.0f, 0.0f));
+  const int32_t knuckle = limb.rings[built.surface.junctions[0].row].vertices[0];
+  EXPECT_THAT(weights.indices[knuckle], ElementsAre(5, 0, 0, 0));
+  const int32_t rim = built.surface.limbs[1].rings[0].vertices[0];
+  EXPECT_THAT(weights.indices[rim], ElementsAre(5, 10, 0, 0));
+  EXPECT_THAT(weights.weights[rim], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
+}
+
+TEST(Bones, AChildHangsOnTheBoneThatEndsWhereItSits) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
+  ASSERT_THAT(mesh.bones.parents, SizeIs(12));
+  EXPECT_EQ(mesh.bones.names[10], "b1.0");
+  EXPECT_EQ(mesh.bones.parents[10], 4);
+  EXPECT_EQ(mesh.bones.parents[11], 10);
+  EXPECT_NEAR(mesh.bones.head_radii[0], 0.2f, 1e-6f);
+}
+
+TEST(Bones, ReducingHandsWeightsToTheNearestKeptAncestor) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
+  const ReducedBones reduced = reduce_bones(mesh.bones, {0, 0});
+  EXPECT_THAT(reduced.bones.heads, SizeIs(10));
+  EXPECT_EQ(reduced.bone_map[11], 4);
+  auto indices = mesh.bone_indices;
+  auto weights = mesh.bone_weights;
+  remap_weights(reduced.bone_map, indices, weights);
+  for (const auto& weight : weights) {
+    EXPECT_NEAR(weight[0] + weight[1] + weight[2] + weight[3], 1.0f, 1e-6f);
+  }
+}
+
+TEST(Bones, ABudgetIsKeptAndNoBoneLosesItsParent) {
+  const TreeMesh mesh = build_tree_mesh(whorl(8));
+  ASSERT_THAT(mesh.bones.heads, SizeIs(26));
+  const ReducedBones reduced = reduce_bones(mesh.bones, {20, -1});
+  EXPECT_THAT(reduced.bones.heads, SizeIs(20));
+  for (size_t i = 0; i < reduced.bones.parents.size(); ++i) {
+    EXPECT_LT(reduced.bones.parents[i], static_cast<int32_t>(i));
+  }
+}
+
+TEST(Bark, TheTextureKeepsItsAspect) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}));
+  const float circumference = 4.0f * std::sqrt(static_cast<float>(M_PI)) * 0.2f;
+  for (size_t f = 0; f < mesh.quads.size(); ++f) {
+    if (mesh.origins[f].part == FacePart::kWall) {
+      EXPECT_NEAR(mesh.uv_bark[f][1].x - mesh.uv_bark[f][0].x, 0.25f, 1e-5f);
+      EXPECT_NEAR(mesh.uv_bark[f][3].y - mesh.uv_bark[f][0].y, 1.0f / circumference, 1e-3f);
+    }
+  }
+}
+
+TEST(Lod, EachLevelDoublesTheSidesAndPutsThemOnTheRadius) {
+  for (int lod = 1; lod <= 3; ++lod) {
+    TreeMeshOptions options;
+    options.lod = lod;
+    const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}), options);
+    EXPECT_THAT(mesh.quads, SizeIs(42u << (2 * lod)));
+    int around = 0;
+    for (const glm::vec3& p : mesh.vertices) {
+      const float radius = std::hypot(p.x, p.y);
+      if (p.z > 0.01f && p.z < 9.99f) {
+        EXPECT_NEAR(radius, 0.2f, 1e-5f);
+      }
+      around += std::abs(p.z - 5.0f) < 1e-4f;
+    }
+    EXPECT_EQ(around, 4 << lod);
+  }
+}
+
+TEST(Lod, FinerLevelsStayClosedAndWeighted) {
+  TreeMeshOptions options;
+  options.lod = 2;
+  for (uint32_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const TreeMesh mesh = build_tree_mesh(RandomSkeleton(seed).make(), options);
+    const MeshCheck result = check_mesh(mesh.vertices, mesh.quads);
+    EXPECT_TRUE(result.closed());
+    EXPECT_THAT(result.euler, Each(2));
+    EXPECT_EQ(result.flipped_edges, 0);
+    for (const auto& weight : mesh.bone_weights) {
+      ASSERT_NEAR(weight[0] + weight[1] + weight[2] + weight[3], 1.0f, 1e-6f);
+    }
+    EXPECT_EQ(mesh.uv_bark.size(), mesh.quads.size());
+    EXPECT_EQ(mesh.uv_snow.size(), mesh.quads.size());
+    EXPECT_EQ(mesh.branch_level.size(), mesh.quads.size());
+  }
+}
+
+TEST(MeshCheck, FindsWhatIsWrongWithACube) {
+  const std::vector<glm::vec3> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                          {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  const std::vector<Quad> cube = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                  {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  const MeshCheck good = check_mesh(corners, cube);
+  EXPECT_TRUE(good.closed() && good.winding_ok);
+  EXPECT_THAT(good.euler, ElementsAre(2));
+  EXPECT_NEAR(good.volume, 1.0, 1e-6);
+
+  const MeshCheck open = check_mesh(corners, {cube.begin(), cube.end() - 1});
+  EXPECT_EQ(open.boundary_edges, 4);
+  EXPECT_THAT(open.euler, ElementsAre(1));
+
+  std::vector<Quad> flipped = cube;
+  std::reverse(flipped[0].begin(), flipped[0].end());
+  EXPECT_EQ(check_mesh(corners, flipped).flipped_edges, 4);
+  EXPECT_FALSE(check_mesh(corners, flipped).winding_ok);
+
+  std::vector<Quad> doubled = cube;
+  doubled.push_back(cube[0]);
+  EXPECT_EQ(check_mesh(corners, doubled).nonmanifold_edges, 4);
+
+  std::vector<glm::vec3> flat = corners;
+  flat[4] = flat[5] = flat[6] = flat[7] = {0.5f, 0.5f, 1.0f};
+  EXPECT_EQ(check_mesh(flat, cube).zero_area_faces, 1);
+}
+
+TEST(Options, OutOfRangeIsAnErrorWithTheRange) {
+  const Skeleton skeleton = make_skeleton({trunk()});
+  TreeMeshOptions options;
+  options.lod = 9;
+  EXPECT_THROW(build_tree_mesh(skeleton, options), std::invalid_argument);
+  EXPECT_THROW(reduce_bones({}, {-1, 0}), std::invalid_argument);
+  EXPECT_THROW(check_mesh({}, {{0, 1, 2, 3}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace snowbough::tree
