@@ -20,9 +20,10 @@ constexpr size_t kSampleSize = 256;
 /// edge).
 constexpr double kBaseShare = 0.35;
 constexpr double kSecondShare = 0.6;
-/// Steps in which the petiole's length is looked for, up to this many times the base's median
-/// distance.
-constexpr int kPetioleSteps = 40;
+/// Leaves of a shape that are looked at to find its petiole, and steps in which its length is
+/// looked for: first up to this many times the base's median distance, then around the best.
+constexpr size_t kPetioleSample = 96;
+constexpr int kPetioleSteps = 12;
 constexpr double kLongestPetiole = 2.0;
 /// The prolonged bases must come this much nearer to wood for a petiole to be believed.
 constexpr double kPetioleGain = 0.5;
@@ -104,6 +105,18 @@ NearestSegment nearest_vertex(const SegmentTree& segments, const Foliage& foliag
   return best;
 }
 
+/// The limb nearest to `foot`; `last` is where the leaf before hangs, mostly close by: only what
+/// may be nearer than that place is searched first.
+NearestSegment nearest_from(const SegmentTree& segments, const glm::vec3& foot,
+                            const NearestSegment& last) {
+  if (last.branch >= 0) {
+    const double limit = 1.06 * glm::distance(glm::dvec3(foot), glm::dvec3(last.point));
+    const NearestSegment found = segments.nearest(foot, 1, Measure::kSurface, nullptr, limit);
+    if (found.branch >= 0) return found;
+  }
+  return segments.nearest(foot, 1, Measure::kSurface);
+}
+
 double median(std::vector<double> values) {
   std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
   return values[values.size() / 2];
@@ -143,15 +156,27 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
     }
     return median(std::move(distances));
   };
+  // Spread over the tree as the larger sample is.
+  const size_t fewer = std::min(sample.size(), kPetioleSample);
+  for (size_t i = 0; i < fewer; ++i) sample[i] = sample[i * sample.size() / fewer];
+  sample.resize(fewer);
   const double without = distance_with(0.0);
   double best = kPetioleGain * without;
-  for (int step = 1; step <= kPetioleSteps; ++step) {
-    const double petiole = without * kLongestPetiole * step / kPetioleSteps;
-    const double with = distance_with(petiole);
-    if (with < best) {
-      best = with;
-      base.petiole = petiole;
+  double centre = 0.5 * kLongestPetiole * without;
+  double reach = centre;
+  for (int round = 0; round < 3; ++round) {
+    const double from = centre - reach;
+    for (int step = 1; step <= kPetioleSteps; ++step) {
+      const double petiole = from + 2.0 * reach * step / kPetioleSteps;
+      const double with = distance_with(petiole);
+      if (with < best) {
+        best = with;
+        base.petiole = petiole;
+      }
     }
+    if (base.petiole == 0.0) break;
+    centre = base.petiole;
+    reach *= 2.0 / kPetioleSteps;
   }
   return base;
 }
@@ -214,15 +239,15 @@ void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
   size_t done = 0;
   for (const auto& [key, members] : shapes) {
     const LeafBase base = find_base(segments, foliage, leaves, members);
+    NearestSegment found{};
     for (const int32_t i : members) {
       if ((done++ & 0xfff) == 0) {
         report_progress(progress, static_cast<float>(done) / static_cast<float>(leaves.size()));
       }
       int32_t vertex = 0;
-      const NearestSegment found =
-          base.vertices.empty() ? nearest_vertex(segments, foliage, leaves[i], vertex)
-                                : segments.nearest(foot_of(foliage, leaves[i], base, base.petiole),
-                                                   1, Measure::kSurface);
+      found = base.vertices.empty()
+                  ? nearest_vertex(segments, foliage, leaves[i], vertex)
+                  : nearest_from(segments, foot_of(foliage, leaves[i], base, base.petiole), found);
       foliage.leaf_branch[i] = found.branch;
       foliage.leaf_attach_point[i] = found.point;
     }
