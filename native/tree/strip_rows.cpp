@@ -218,7 +218,7 @@ void measure_rows(Strip& strip, const TreeMesh& mesh) {
 
 /// Whether the cells of a piece hang together by their edges once it is cut open at `seam`.
 bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int seam) {
-  std::vector<int32_t> group((last_row - first_row) * kSides);
+  std::vector<int32_t> group(static_cast<size_t>(last_row - first_row) * kSides);
   std::iota(group.begin(), group.end(), 0);
   const auto find = [&group](int32_t i) {
     while (group[i] != i) {
