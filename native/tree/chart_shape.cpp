@@ -47,10 +47,14 @@ std::array<double, kSides + 1> column_shares(const StripRing& ring, int seam) {
   return columns;
 }
 
-/// Width of the broader of a ring's two sides along the seam: a cap hangs on either.
-double cap_width(const StripRing& ring, int seam, double ring_width) {
-  const auto columns = column_shares(ring, seam);
-  return ring_width * std::max(columns[1], 1.0 - columns[kSides - 1]);
+/// Width of a ring's broadest side: as wide as a cap can be, whichever side it hangs on.
+double cap_width(const StripRing& ring, double ring_width) {
+  const auto columns = column_shares(ring, 0);
+  double widest = 0.0;
+  for (int side = 0; side < kSides; ++side) {
+    widest = std::max(widest, columns[side + 1] - columns[side]);
+  }
+  return ring_width * widest;
 }
 
 /// Marks the columns that a trapezoid with its straight edge on x = 0 covers.
@@ -221,19 +225,17 @@ PackShape footprint(const ChartShape& shape, const Strip& strip, int cell_size) 
   }
   const StripPiece& piece = shape.piece;
   if (shape.root_cap > 0.0) {
-    const double width =
-        cap_width(strip.rings[piece.first_row], piece.seam, shape.ring_width.front());
+    const double width = cap_width(strip.rings[piece.first_row], shape.ring_width.front());
     cover(outline, 0.0, shape.root_cap, width, width, cell);
   }
   if (shape.tip_cap > 0.0) {
-    const double width =
-        cap_width(strip.rings[piece.last_row], piece.seam, shape.ring_width.back());
+    const double width = cap_width(strip.rings[piece.last_row], shape.ring_width.back());
     cover(outline, shape.ring_y.back(), shape.height, width, width, cell);
   }
   return outline;
 }
 
-void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape,
+void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape, int32_t seam,
                      const PackShape& outline, const Placement& placement, int resolution,
                      int cell_size) {
   const StripPiece& piece = shape.piece;
@@ -254,13 +256,12 @@ void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape
     const double width = shape.ring_width[ring];
     return (straight_right ? full_width - width : 0.0) + share * width;
   };
-  std::array<double, kSides + 1> bottom_shares =
-      column_shares(strip.rings[piece.first_row], piece.seam);
+  std::array<double, kSides + 1> bottom_shares = column_shares(strip.rings[piece.first_row], seam);
   for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
     const int ring = row - piece.first_row;
-    const auto top_shares = column_shares(strip.rings[row + 1], piece.seam);
+    const auto top_shares = column_shares(strip.rings[row + 1], seam);
     for (int column = 0; column < kSides; ++column) {
-      const int side = (piece.seam + column) % kSides;
+      const int side = (seam + column) % kSides;
       const int next = (side + 1) % kSides;
       const StripCell& cell = strip.rows[row].cells[side];
       const double x0 = column_x(ring, bottom_shares[column]);
@@ -305,10 +306,10 @@ void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape
   }
   // A cap hangs on the end's side along the straight edge, where the strip leaves room for it.
   const int cap_column = straight_right ? kSides - 1 : 0;
-  const int cap_side = (piece.seam + cap_column) % kSides;
+  const int cap_side = (seam + cap_column) % kSides;
   const auto write_cap = [&](int32_t quad, int ring, double base_y, double far_y) {
     const StripRing& corners = strip.rings[piece.first_row + ring];
-    const auto shares = column_shares(corners, piece.seam);
+    const auto shares = column_shares(corners, seam);
     const double left = column_x(ring, shares[cap_column]);
     const double right = column_x(ring, shares[cap_column + 1]);
     for (int i = 0; i < kSides; ++i) {

@@ -35,9 +35,9 @@ ChartShape shape_chart(const Strip& strip, const StripPiece& piece,
 /// @param cell_size  texels along one side of a cell of the packing grid.
 PackShape footprint(const ChartShape& shape, const Strip& strip, int cell_size);
 
-/// Writes the chart's part of `uv_snow`.
+/// Writes the chart's part of `uv_snow`, cut open along corner `seam`.
 /// @param resolution  texels along one side of the map.
-void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape,
+void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape, int32_t seam,
                      const PackShape& outline, const Placement& placement, int resolution,
                      int cell_size);
 

@@ -39,9 +39,11 @@ void and_shifted(uint64_t* keep, const uint64_t* source, int count, int distance
 class FreeCells {
  public:
   explicit FreeCells(int grid)
-      : words_((grid + kWordBits - 1) / kWordBits),
+      : grid_(grid),
+        words_((grid + kWordBits - 1) / kWordBits),
+        leaves_(static_cast<int>(std::bit_ceil(static_cast<unsigned>(grid)))),
         bits_(static_cast<size_t>(grid) * words_, 0),
-        longest_(grid, 0) {
+        longest_(2 * static_cast<size_t>(leaves_), 0) {
     Words inner(words_, ~uint64_t{0});
     inner.front() &= ~uint64_t{1};
     for (int y = grid - 1; y < words_ * kWordBits; ++y) {
@@ -49,21 +51,43 @@ class FreeCells {
     }
     for (int x = 1; x + 1 < grid; ++x) {
       std::copy(inner.begin(), inner.end(), &bits_[static_cast<size_t>(x) * words_]);
+      longest_[leaves_ + x] = grid - 2;
     }
-    std::fill(longest_.begin() + 1, longest_.end() - 1, grid - 2);
+    for (int node = leaves_ - 1; node > 0; --node) {
+      longest_[node] = std::max(longest_[2 * node], longest_[2 * node + 1]);
+    }
   }
 
   int words() const { return words_; }
   const uint64_t* column(int x) const { return &bits_[static_cast<size_t>(x) * words_]; }
+  int longest_run(int x) const { return longest_[leaves_ + x]; }
+
+  /// First column from `x` on with a free run of `length` cells; the grid's width if there is none.
+  int next_column(int x, int length) const {
+    int node = leaves_ + x;
+    while (longest_[node] < length) {
+      // Past the end of every subtree that ends here, then to the one right of it.
+      while (node % 2 == 1) {
+        node /= 2;
+      }
+      if (node == 0) {
+        return grid_;
+      }
+      ++node;
+    }
+    while (node < leaves_) {
+      node = longest_[2 * node] >= length ? 2 * node : 2 * node + 1;
+    }
+    return node - leaves_;
+  }
 
   /// Takes cells [begin, end) of a column.
   void take(int x, int begin, int end) {
-    const int grid = static_cast<int>(longest_.size());
-    if (x < 0 || x >= grid) {
+    if (x < 0 || x >= grid_) {
       return;
     }
     begin = std::max(begin, 0);
-    end = std::min(end, grid);
+    end = std::min(end, grid_);
     uint64_t* column = &bits_[static_cast<size_t>(x) * words_];
     for (int word = begin / kWordBits; word * kWordBits < end; ++word) {
       const int low = std::max(begin - word * kWordBits, 0);
@@ -72,19 +96,25 @@ class FreeCells {
           high - low == kWordBits ? ~uint64_t{0} : ((uint64_t{1} << (high - low)) - 1) << low;
       column[word] &= ~mask;
     }
-    longest_[x] = -1;
+    int node = leaves_ + x;
+    longest_[node] = find_longest_run(x);
+    for (node /= 2; node > 0; node /= 2) {
+      longest_[node] = std::max(longest_[2 * node], longest_[2 * node + 1]);
+    }
   }
 
-  /// Length of the longest free run of a column; kept until the column changes.
-  int longest_run(int x) { return longest_[x] >= 0 ? longest_[x] : find_longest_run(x); }
-
  private:
-  int find_longest_run(int x) {
+  int find_longest_run(int x) const {
     const uint64_t* column = this->column(x);
     int best = 0;
     int run = 0;
     for (int i = 0; i < words_; ++i) {
       uint64_t word = column[i];
+      if (word == 0 || word == ~uint64_t{0}) {
+        run = word == 0 ? 0 : run + kWordBits;
+        best = std::max(best, run);
+        continue;
+      }
       int left = kWordBits;
       while (left > 0) {
         const int ones = std::min(std::countr_one(word), left);
@@ -95,17 +125,21 @@ class FreeCells {
           break;
         }
         run = 0;
-        word = ones == kWordBits ? 0 : word >> ones;
+        word >>= ones;
         const int zeros = std::min(std::countr_zero(word), left);
         left -= zeros;
         word = zeros == kWordBits ? 0 : word >> zeros;
       }
     }
-    return longest_[x] = best;
+    return best;
   }
 
+  int grid_;
   int words_;
+  int leaves_;
   std::vector<uint64_t> bits_;
+  /// Longest free run of every column, and in a tree above them the longest of each subtree: node i
+  /// has children 2 i and 2 i + 1, column x is node leaves_ + x.
   std::vector<int> longest_;
 };
 
@@ -172,7 +206,7 @@ std::vector<Oriented> orientations(const PackShape& shape) {
 }
 
 /// Whether any column has no free run long enough for the shape; cheap, and mostly so.
-bool is_hopeless(FreeCells& free, const Oriented& shape, int x) {
+bool is_hopeless(const FreeCells& free, const Oriented& shape, int x) {
   for (const ColumnGroup& group : shape.groups) {
     for (const int j : group.columns) {
       if (free.longest_run(x + j) < group.length()) {
@@ -241,20 +275,30 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
   std::vector<Placement> placements(shapes.size());
   for (size_t i = 0; i < shapes.size(); ++i) {
     const PackShape& shape = shapes[i];
-    FreeCells& free = shape.gutter < kMaxGutter ? clear_of_own : clear_of_widest;
+    if (shape.width > grid - 2) {
+      return std::nullopt;
+    }
+    const FreeCells& free = shape.gutter < kMaxGutter ? clear_of_own : clear_of_widest;
     std::vector<Oriented> candidates = orientations(shape);
-    Oriented* found = nullptr;
-    for (int x = 1; x + shape.width < grid && found == nullptr; ++x) {
-      for (Oriented& candidate : candidates) {
-        if (is_hopeless(free, candidate, x)) {
+    const Oriented* found = nullptr;
+    int last_x = grid - 1 - shape.width;
+    for (Oriented& candidate : candidates) {
+      const ColumnGroup& longest = candidate.groups.front();
+      const int offset = longest.columns.front();
+      for (int x = free.next_column(1 + offset, longest.length()) - offset; x <= last_x;
+           x = free.next_column(x + 1 + offset, longest.length()) - offset) {
+        const int y =
+            is_hopeless(free, candidate, x) ? -1 : lowest_fit(free, candidate, x, feasible, run);
+        if (y < 0) {
           continue;
         }
-        const int y = lowest_fit(free, candidate, x, feasible, run);
-        if (y >= 0 && (found == nullptr || y < found->placement.y)) {
+        if (found == nullptr || x < last_x || y < found->placement.y) {
           candidate.placement.x = x;
           candidate.placement.y = y;
           found = &candidate;
         }
+        last_x = x;
+        break;
       }
     }
     if (found == nullptr) {

@@ -20,6 +20,8 @@ constexpr int kMaxResolution = 16384;
 constexpr int kMaxGrid = 2048;
 /// A row longer than the map may be squeezed to this share of its length; then the scale gives in.
 constexpr double kMinSqueeze = 2.0 / 3.0;
+/// At this share of the largest scale no chart is larger than it must be.
+constexpr double kTinyScale = 1e-9;
 /// Steps of the bisection for the scale at which the charts' areas alone would fill the map.
 constexpr int kDemandSteps = 10;
 /// Packing nearly always reaches this share of that scale and hardly ever the whole of it.
@@ -126,6 +128,9 @@ std::optional<Layout> search_scale(const std::vector<Strip>& strips, int resolut
   if (attempt(high)) {
     return best;
   }
+  if (demand(shape_layout(strips, kTinyScale * high, resolution)) > cells) {
+    return std::nullopt;
+  }
   // The scale at which the charts and their gutters would fill the map without a gap.
   double bottom = 0.0;
   for (int step = 0; step < kDemandSteps; ++step) {
@@ -136,7 +141,7 @@ std::optional<Layout> search_scale(const std::vector<Strip>& strips, int resolut
   while (!attempt(low)) {
     high = low;
     low *= low > 0.5 * bottom ? 0.85 : 0.5;
-    if (low * resolution < 1e-12) {
+    if (low < kTinyScale * bottom) {
       return std::nullopt;
     }
   }
@@ -183,7 +188,8 @@ void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resoluti
   }
   for (size_t i = 0; i < layout->shapes.size(); ++i) {
     const ChartShape& shape = layout->shapes[i];
-    write_chart_uvs(mesh, strips[shape.piece.strip], shape, layout->outlines[i],
+    const Strip& strip = strips[shape.piece.strip];
+    write_chart_uvs(mesh, strip, shape, choose_seam(strip, shape.piece), layout->outlines[i],
                     layout->placements[i], resolution, cell_size_of(resolution));
   }
 }

@@ -9,7 +9,8 @@ namespace snowbough::tree {
 ///
 /// Every limb, together with the children that continue it straight on, is cut along the corner
 /// that faces the ground most, unrolled into a strip as wide as its perimeter, and packed into the
-/// unit square, tapered strips head to tail. Laid out for a map of `snow_resolution` squared texels:
+/// unit square, tapered strips head to tail. Laid out for a map of `snow_resolution` squared
+/// texels:
 /// - charts are at least two texels wide: thinner limbs are widened, and shortened by up to half so
 ///   that their texels per m2 stay near those of the rest, which are the same everywhere;
 /// - between two charts at least one texel stays free, two where one of them is wider than four;

@@ -254,26 +254,6 @@ bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int s
   return groups <= 1;
 }
 
-int choose_seam(const Strip& strip, int32_t first_row, int32_t last_row) {
-  std::array<double, kSides> height{};
-  for (int32_t row = first_row; row < last_row; ++row) {
-    const double width = strip.rings[row].perimeter() + strip.rings[row + 1].perimeter();
-    const double length = width > 0.0 ? 2.0 * strip.rows[row].area / width : 0.0;
-    for (int corner = 0; corner < kSides; ++corner) {
-      height[corner] +=
-          length * (strip.rings[row].heights[corner] + strip.rings[row + 1].heights[corner]);
-    }
-  }
-  std::array<int, kSides> order{0, 1, 2, 3};
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return height[a] < height[b]; });
-  for (const int seam : order) {
-    if (is_connected(strip, first_row, last_row, seam)) {
-      return seam;
-    }
-  }
-  return order[0];
-}
-
 /// Where nothing but holes lies between two rows, or in one of them, the strip falls apart anyway.
 bool rows_touch(const StripRow& a, const StripRow& b) {
   for (int side = 0; side < kSides; ++side) {
@@ -329,8 +309,8 @@ std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
   const auto row_count = static_cast<int32_t>(strip.rows.size());
   std::vector<StripPiece> pieces;
   const auto add_piece = [&](int32_t first, int32_t last) {
-    pieces.push_back({strip_index, first, last, choose_seam(strip, first, last),
-                      first == 0 && strip.root_cap >= 0, last == row_count && strip.tip_cap >= 0});
+    pieces.push_back({strip_index, first, last, first == 0 && strip.root_cap >= 0,
+                      last == row_count && strip.tip_cap >= 0});
   };
   int32_t run_begin = 0;
   while (run_begin < row_count) {
@@ -373,6 +353,26 @@ std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
     run_begin = run_end;
   }
   return pieces;
+}
+
+int32_t choose_seam(const Strip& strip, const StripPiece& piece) {
+  std::array<double, kSides> height{};
+  for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
+    const double width = strip.rings[row].perimeter() + strip.rings[row + 1].perimeter();
+    const double length = width > 0.0 ? 2.0 * strip.rows[row].area / width : 0.0;
+    for (int corner = 0; corner < kSides; ++corner) {
+      height[corner] +=
+          length * (strip.rings[row].heights[corner] + strip.rings[row + 1].heights[corner]);
+    }
+  }
+  std::array<int, kSides> order{0, 1, 2, 3};
+  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return height[a] < height[b]; });
+  for (const int seam : order) {
+    if (is_connected(strip, piece.first_row, piece.last_row, seam)) {
+      return seam;
+    }
+  }
+  return order[0];
 }
 
 }  // namespace snowbough::tree

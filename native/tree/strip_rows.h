@@ -57,9 +57,6 @@ struct StripPiece {
   int32_t strip = 0;
   int32_t first_row = 0;
   int32_t last_row = 0;
-  /// Corner along which it is cut open: the lowest one, weighted by length, that leaves it
-  /// connected.
-  int32_t seam = 0;
   bool has_root_cap = false;
   bool has_tip_cap = false;
 };
@@ -69,5 +66,9 @@ struct StripPiece {
 /// @param row_lengths  one entry a row, in the unit of max_length.
 std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
                                   const std::vector<double>& row_lengths, double max_length);
+
+/// Corner along which a piece is cut open: the lowest one, weighted by length, that leaves its
+/// cells connected; the lowest one if none does.
+int32_t choose_seam(const Strip& strip, const StripPiece& piece);
 
 }  // namespace snowbough::tree
