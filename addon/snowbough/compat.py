@@ -163,11 +163,13 @@ def unregister_file_handler(handler):
 def register_presets(folder):
     """Shows the operator presets in `folder`/operator/<idname>/*.py; returns a token for unregister_presets.
 
+    `folder` must be called `presets`.
+
     Before register_preset_path existed, Blender finds presets of add-ons in the user's own preset
     folder only: they are copied there, and a file the user has changed is left alone.
     """
     if hasattr(bpy.utils, "register_preset_path"):
-        bpy.utils.register_preset_path(str(folder))
+        bpy.utils.register_preset_path(str(Path(folder).parent))  # it looks for a folder `presets` in there
         return None
     copied = []
     target_root = Path(bpy.utils.user_resource("SCRIPTS", path="presets", create=True))
@@ -187,7 +189,7 @@ def register_presets(folder):
 def unregister_presets(folder, token):
     """Undoes register_presets; presets that the user has changed stay."""
     if hasattr(bpy.utils, "unregister_preset_path"):
-        bpy.utils.unregister_preset_path(str(folder))
+        bpy.utils.unregister_preset_path(str(Path(folder).parent))
         return
     for source, target in token or ():
         try:
