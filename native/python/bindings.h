@@ -14,7 +14,9 @@ void bind_tree_uvs(pybind11::module_& module);
 void bind_snow(pybind11::module_& module);
 /// simulation_state, set_simulation_state: checkpoints as plain arrays.
 void bind_snow_state(pybind11::module_& module);
-/// read_exr, write_exr, write_png, texel_table.
+/// read_exr, write_exr, write_png.
 void bind_image(pybind11::module_& module);
+/// texel_table, output_map.
+void bind_maps(pybind11::module_& module);
 
 }  // namespace snowbough::python

@@ -12,4 +12,5 @@ PYBIND11_MODULE(snowbough_native, module) {
   snowbough::python::bind_snow(module);
   snowbough::python::bind_snow_state(module);
   snowbough::python::bind_image(module);
+  snowbough::python::bind_maps(module);
 }

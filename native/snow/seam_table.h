@@ -54,7 +54,7 @@ struct SeamLevelling {
 };
 
 /// Number of levelling rounds: each leaves about a fifth of the difference.
-inline constexpr int32_t kLevellingRounds = 2;
+inline constexpr int32_t kLevellingRounds = 3;
 
 /// How a map's texels hang together over the surface, across the seams of its layout.
 struct SeamTable {

@@ -1,0 +1,103 @@
+#include <algorithm>
+
+#include "bindings.h"
+#include "numpy_arrays.h"
+#include "snow/cpu_output.h"
+#include "snow/seam_table.h"
+#include "snow/texel_table.h"
+
+namespace py = pybind11;
+
+namespace snowbough::python {
+namespace {
+
+snow::MapTopology topology_from(const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                                int32_t resolution) {
+  if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
+    throw std::invalid_argument("triangles must have shape (T, 3)");
+  }
+  if (uv.ndim() != 3 || uv.shape(0) != triangles.shape(0) || uv.shape(1) != 3 || uv.shape(2) != 2) {
+    throw std::invalid_argument("uv must have shape (T, 3, 2), one coordinate a triangle corner");
+  }
+  snow::MapTopology topology;
+  topology.resolution = resolution;
+  topology.triangles.assign(triangles.data(), triangles.data() + triangles.size());
+  const auto* corner = reinterpret_cast<const glm::vec2*>(uv.data());
+  topology.corner_uv.assign(corner, corner + triangles.size());
+  for (const int32_t index : topology.triangles) {
+    topology.vertex_count = std::max(topology.vertex_count, index + 1);
+  }
+  return topology;
+}
+
+py::dict texel_table(const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                     int32_t resolution) {
+  const snow::MapTopology topology = topology_from(triangles, uv, resolution);
+  snow::TexelTable table;
+  {
+    py::gil_scoped_release unlocked;
+    table = snow::build_texel_table(topology);
+  }
+  const auto texels = static_cast<py::ssize_t>(table.texel.size());
+  const auto fragments = static_cast<py::ssize_t>(table.fragment_triangle.size());
+  py::dict result;
+  result["texel"] = to_numpy<int32_t>(std::move(table.texel), {texels});
+  result["triangle"] = to_numpy<int32_t>(std::move(table.triangle), {texels});
+  result["barycentric"] = to_numpy<float>(std::move(table.barycentric), {texels, 2});
+  result["chart"] = to_numpy<int32_t>(std::move(table.chart), {texels});
+  result["coverage"] = to_numpy<float>(std::move(table.coverage), {texels});
+  result["fragment_begin"] = to_numpy<int32_t>(std::move(table.fragment_begin), {texels + 1});
+  result["fragment_triangle"] = to_numpy<int32_t>(std::move(table.fragment_triangle), {fragments});
+  result["fragment_share"] = to_numpy<float>(std::move(table.fragment_share), {fragments});
+  result["chart_count"] = table.chart_count;
+  result["degenerate_triangles"] = table.degenerate_triangles;
+  result["homeless_charts"] = table.homeless_charts;
+  result["overlap"] = table.overlap;
+  return result;
+}
+
+py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                    const InputArray<float>& positions, const InputArray<float>& height,
+                    float blur_radius) {
+  if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
+    throw std::invalid_argument("height must have shape (resolution, resolution)");
+  }
+  const auto resolution = static_cast<int32_t>(height.shape(0));
+  snow::MapTopology topology = topology_from(triangles, uv, resolution);
+  const auto points = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
+  topology.vertex_count = static_cast<int32_t>(points.size());
+  std::vector<float> stored(height.data(), height.data() + height.size());
+  snow::MapOutput output;
+  {
+    py::gil_scoped_release unlocked;
+    const snow::TexelTable table = snow::build_texel_table(topology);
+    const snow::SeamTable seams = snow::build_seam_table(topology, table, points);
+    const snow::SmoothingPlan plan = snow::plan_smoothing(table, seams, blur_radius);
+    // Only the surface's own texels count.
+    std::vector<float> owned(stored.size(), 0.0f);
+    for (const int32_t texel : table.texel) owned[texel] = stored[texel];
+    output =
+        snow::CpuOutput(table, seams, plan).run(owned, snow::surface_metrics(topology, points));
+  }
+  py::dict result;
+  result["height"] = to_numpy<float>(std::move(output.height), {resolution, resolution});
+  result["normal"] = to_numpy<float>(std::move(output.normal), {resolution, resolution, 3});
+  return result;
+}
+
+}  // namespace
+
+void bind_maps(py::module_& module) {
+  module.def(
+      "texel_table", &texel_table, py::arg("triangles"), py::arg("uv"), py::arg("resolution"),
+      "Which surface each texel of a snow map carries: triangles (T, 3), uv (T, 3, 2) -> a dict "
+      "of the arrays of native/snow/texel_table.h. ValueError for a layout that does not fit.");
+  module.def(
+      "output_map", &output_map, py::arg("triangles"), py::arg("uv"), py::arg("positions"),
+      py::arg("height"), py::arg("blur_radius") = 0.0f,
+      "What a stored map (resolution, resolution) in metres looks like from outside: smoothed "
+      "over the surface across seams with a sigma of blur_radius metres, continued by four "
+      "texels, level at the seams -> {'height', 'normal'}.");
+}
+
+}  // namespace snowbough::python
