@@ -1,6 +1,7 @@
 #include "tree/obj_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
 #include <cstdlib>
@@ -45,6 +46,35 @@ struct Line {
     return {at, static_cast<size_t>(last - at)};
   }
 };
+
+/// Reads what nearly all numbers of an OBJ look like: up to 15 digits with or without a point.
+/// Mantissa and power of ten are then exact, and so is the rounding of their quotient (W. D.
+/// Clinger, PLDI 1990).
+bool plain_decimal(const char* at, const char* end, double& value) {
+  constexpr std::array kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                               1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const bool negative = at != end && *at == '-';
+  if (negative) ++at;
+  int64_t mantissa = 0;
+  size_t digits = 0;
+  size_t decimals = 0;
+  bool point = false;
+  for (; at != end; ++at) {
+    if (*at == '.' && !point) {
+      point = true;
+    } else if (*at >= '0' && *at <= '9' && digits < 15) {
+      mantissa = 10 * mantissa + (*at - '0');
+      ++digits;
+      decimals += point ? 1 : 0;
+    } else {
+      return false;
+    }
+  }
+  if (digits == 0) return false;
+  value = static_cast<double>(mantissa) / kPowers[decimals];
+  if (negative) value = -value;
+  return true;
+}
 
 /// Gives every distinct name a number in the order of appearance.
 class NameTable {
@@ -143,6 +173,17 @@ class ObjParser {
     }
   }
 
+  double any_number(const char* begin, const char* end, std::string_view token) const {
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error == std::errc::result_out_of_range && stop == end) {
+      // Too small becomes 0 here, too large infinity.
+      return std::strtod(std::string(token).c_str(), nullptr);
+    }
+    if (error != std::errc() || stop != end) fail("malformed number '" + std::string(token) + "'");
+    return value;
+  }
+
   float number(Line& line) const {
     const std::string_view token = line.token();
     if (token.empty()) fail("a number is missing");
@@ -150,13 +191,7 @@ class ObjParser {
     const char* end = begin + token.size();
     if (*begin == '+') ++begin;
     double value = 0.0;
-    const auto [stop, error] = std::from_chars(begin, end, value);
-    if (error == std::errc::result_out_of_range && stop == end) {
-      // Too small becomes 0 here, too large infinity.
-      value = std::strtod(std::string(token).c_str(), nullptr);
-    } else if (error != std::errc() || stop != end) {
-      fail("malformed number '" + std::string(token) + "'");
-    }
+    if (!plain_decimal(begin, end, value)) value = any_number(begin, end, token);
     const auto single = static_cast<float>(value);
     if (!std::isfinite(single)) fail("number '" + std::string(token) + "' is not finite");
     return single;

@@ -111,6 +111,15 @@ TEST(ObjReader, CountsWhatItLeavesOut) {
   EXPECT_EQ(scene.face_count(), 1);
 }
 
+TEST(ObjReader, RoundsNumbersAsTheCompilerDoes) {
+  const ObjScene scene = parse(
+      "v 0.1 -123456.789012 .5\nv 5. -0 1234567890.12345678\nv 3.4028234e38 1e-45 "
+      "0.000000000000001\nf 1 2 3\n");
+  EXPECT_EQ(scene.positions[0], glm::vec3(0.1f, -123456.789012f, 0.5f));
+  EXPECT_EQ(scene.positions[1], glm::vec3(5.0f, -0.0f, 1234567890.12345678f));
+  EXPECT_EQ(scene.positions[2], glm::vec3(3.4028234e38f, 1e-45f, 0.000000000000001f));
+}
+
 TEST(ObjReader, UnderflowIsZero) {
   EXPECT_EQ(parse("v 1e-400 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n").positions[0].x, 0.0f);
 }
