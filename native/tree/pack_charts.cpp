@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <limits>
-#include <numeric>
+#include <map>
+#include <tuple>
+#include <utility>
 
 namespace snowbough::tree {
 namespace {
@@ -272,6 +274,9 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
   FreeCells clear_of_widest(grid);
   Words feasible;
   Words run;
+  // What did not fit left of some column never will, as room only dwindles: the next chart of the
+  // same outline starts its search there.
+  std::map<std::tuple<int, std::vector<int>, std::vector<int>>, int> first_columns;
   std::vector<Placement> placements(shapes.size());
   for (size_t i = 0; i < shapes.size(); ++i) {
     const PackShape& shape = shapes[i];
@@ -285,8 +290,10 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
     for (Oriented& candidate : candidates) {
       const ColumnGroup& longest = candidate.groups.front();
       const int offset = longest.columns.front();
-      for (int x = free.next_column(1 + offset, longest.length()) - offset; x <= last_x;
-           x = free.next_column(x + 1 + offset, longest.length()) - offset) {
+      int& first_x = first_columns.try_emplace({shape.gutter, candidate.begin, candidate.end}, 1)
+                         .first->second;
+      int x = free.next_column(first_x + offset, longest.length()) - offset;
+      for (; x <= last_x; x = free.next_column(x + 1 + offset, longest.length()) - offset) {
         const int y =
             is_hopeless(free, candidate, x) ? -1 : lowest_fit(free, candidate, x, feasible, run);
         if (y < 0) {
@@ -300,6 +307,7 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
         last_x = x;
         break;
       }
+      first_x = std::min(x, last_x);
     }
     if (found == nullptr) {
       return std::nullopt;
