@@ -65,11 +65,15 @@ class CrossingFinder {
   }
 
   std::vector<std::pair<int32_t, int32_t>> at(const Junction& junction) {
-    const std::vector<int32_t> faces = neighbourhood(junction);
+    // Swept along x: each face meets only those that begin before it ends.
+    std::vector<int32_t> faces = neighbourhood(junction);
+    std::sort(faces.begin(), faces.end(), [&](int32_t f, int32_t g) {
+      return boxes_[f].low.x != boxes_[g].low.x ? boxes_[f].low.x < boxes_[g].low.x : f < g;
+    });
     std::vector<std::pair<int32_t, int32_t>> pairs;
     for (size_t i = 0; i < faces.size(); ++i) {
       const Box& box = boxes_[faces[i]];
-      for (size_t j = i + 1; j < faces.size(); ++j) {
+      for (size_t j = i + 1; j < faces.size() && boxes_[faces[j]].low.x <= box.high.x; ++j) {
         if (box.meets(boxes_[faces[j]]) && !touch(faces[i], faces[j]) &&
             quads_cross(faces[i], faces[j])) {
           pairs.emplace_back(faces[i], faces[j]);

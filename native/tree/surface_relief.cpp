@@ -8,6 +8,8 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kRounds = 6;
+/// Junctions that did not improve for this many rounds will not.
+constexpr int kPatience = 2;
 
 /// Raises the relief of the branches that cross: of two, the one further from the trunk; in later
 /// rounds both, unless it is the limb that the junction is on.
@@ -69,13 +71,16 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
   std::vector<uint8_t> best_relief = relief;
 
   Surface surface = best.surface;
-  for (int round = 0; round < kRounds && count_crossing(crossings) > 0; ++round) {
+  int idle = 0;
+  for (int round = 0; round < kRounds && idle < kPatience && !best.crossing.empty(); ++round) {
     std::vector<uint8_t> changed(relief.size(), 0);
     relieve(surface, crossings, round, relief, changed);
     surface = build_surface(skeleton, paths, scale, options, relief);
     crossings = find_crossings(surface, affected(skeleton, surface, changed));
     std::vector<int32_t> still = crossing_children(surface, crossings);
+    ++idle;
     if (still.size() < best.crossing.size()) {
+      idle = 0;
       best.surface = surface;
       best.crossing = std::move(still);
       best_relief = relief;

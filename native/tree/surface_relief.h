@@ -16,8 +16,8 @@ struct UncrossedSurface {
 
 /// build_surface, repeated for the few junctions whose faces cross each other: the branches that
 /// cross there are narrowed at their base, their first ring is moved out, and rings that cut their
-/// neighbours are left out, a step further each round, until nothing crosses or six rounds are
-/// over. The round with the fewest crossings wins.
+/// neighbours are left out, a step further each round, until nothing crosses, two rounds in a
+/// row bring nothing, or six are over. The round with the fewest crossings wins.
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
                                          const SurfaceScale& scale, const SurfaceOptions& options);

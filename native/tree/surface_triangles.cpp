@@ -96,6 +96,14 @@ bool segment_crosses(const glm::dvec3& p, const glm::dvec3& q, const Triangle& t
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
+/// All of `b` lies on one side of the plane of `a`: the usual case for the opposite walls of a
+/// limb.
+bool on_one_side(const Triangle& a, const Triangle& b) {
+  const int side = orientation(a[0], a[1], a[2], b[0]);
+  return side != 0 && orientation(a[0], a[1], a[2], b[1]) == side &&
+         orientation(a[0], a[1], a[2], b[2]) == side;
+}
+
 bool apart(const Triangle& a, const Triangle& b) {
   for (int axis = 0; axis < 3; ++axis) {
     const auto [low_a, high_a] = std::minmax({a[0][axis], a[1][axis], a[2][axis]});
@@ -159,6 +167,9 @@ bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int,
     const int corner_b = shared[corner_a];
     return segment_crosses(a[(corner_a + 1) % 3], a[(corner_a + 2) % 3], b) ||
            segment_crosses(b[(corner_b + 1) % 3], b[(corner_b + 2) % 3], a);
+  }
+  if (on_one_side(a, b) || on_one_side(b, a)) {
+    return false;
   }
   for (int k = 0; k < 3; ++k) {
     if (segment_crosses(a[k], a[(k + 1) % 3], b) || segment_crosses(b[k], b[(k + 1) % 3], a)) {
