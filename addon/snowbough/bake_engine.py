@@ -16,7 +16,7 @@ import time
 
 import bpy
 
-from . import bake_job, displacement, scene_reader
+from . import bake_request, displacement, scene_reader
 
 ENGINE = "SNOWBOUGH_BAKE"
 CAMERA = "Snowbough Bake Camera"
@@ -118,7 +118,7 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
 
         try:
             running.job.run(evaluate, report, cancelled)
-        except bake_job.BakeCancelled:
+        except bake_request.BakeCancelled:
             running.cancelled = True
         except Exception as error:  # an exception that leaves render() would only be printed
             running.error = error

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_job, cache, compat, displacement, native, scene_reader
+from . import bake_engine, bake_job, bake_request, cache, compat, displacement, native, scene_reader
 
 # How the last bake in this Blender went, for the panel: (severity, text).
 last_outcome = ("INFO", "")
@@ -66,7 +66,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         )
     settings, render = scene.snowbough, scene.render
     frame_start, frame_end = settings.frame_start, settings.frame_end
-    return bake_job.BakeRequest(
+    return bake_request.BakeRequest(
         scene_name=scene.name,
         cache=str(Path(directory).absolute()) if directory else cache_directory(scene),
         frame_start=frame_start,

@@ -25,7 +25,7 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_job, bake_operators, bake_plan, cache, native
+from . import bake_engine, bake_operators, bake_plan, bake_request, cache, map_writer, native
 
 OK, FAILED, USAGE, NO_CHECKPOINT, CHANGED, CACHE, NO_GPU, STOPPED = 0, 1, 2, 3, 4, 5, 6, 130
 
@@ -36,8 +36,8 @@ def exit_code(error):
         ((cache.NoCheckpoint,), NO_CHECKPOINT),
         ((cache.InputsChanged,), CHANGED),
         ((cache.CacheError, OSError), CACHE),
-        ((native.NativeModuleMissing, bake_job.NoGpu), NO_GPU),
-        ((bake_job.WriteFailed,), CACHE),
+        ((native.NativeModuleMissing, bake_request.NoGpu), NO_GPU),
+        ((map_writer.WriteFailed,), CACHE),
     ):
         if isinstance(error, kinds):
             return code

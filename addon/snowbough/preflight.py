@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import bake_engine, bake_job, bake_operators, bake_plan, cache, compat, displacement, native
+from . import bake_engine, bake_job, bake_operators, bake_plan, baked_receiver, cache, compat, displacement, native
 from . import receivers, scene_reader, uv_overlap
 
 # Measured: smooth float maps pack to about this share of their raw size.
@@ -148,7 +148,7 @@ def _automatic_size(scene, obj, mesh, uv):
     )
     topology = scene_reader.Topology(triangles.reshape(-1, 3), uv, len(positions), "")
     try:
-        areas = bake_job.surface_and_uv_area(topology, positions)
+        areas = baked_receiver.surface_and_uv_area(topology, positions)
         return bake_plan.automatic_resolution(*areas, scene.snowbough.texel_size)
     except ValueError:
         return None

@@ -4,6 +4,7 @@
 import json
 import os
 import random
+import shutil
 import signal
 import subprocess
 import sys
@@ -222,3 +223,45 @@ def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undist
         assert s.files_of(tmp_path / "cache") == undisturbed, f"kill {number} after {wanted} frames"
         bpy.ops.snowbough.free_bake()
         assert not list((tmp_path / "cache").rglob("*.exr"))
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of 400 KiB at tmp/small; grow() makes room."""
+    folder = tmp_path / "small"
+    folder.mkdir()
+    mounted = subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", str(folder)], stderr=subprocess.DEVNULL, check=False
+    )
+    if mounted.returncode != 0:
+        pytest.skip("mounting a small disk needs root")
+    yield folder, lambda: subprocess.run(["mount", "-o", "remount,size=64m", str(folder)], check=True)
+    subprocess.run(["umount", "-l", str(folder)], check=True)
+
+
+def test_a_full_disk_stops_with_a_message_and_can_be_resumed(undisturbed, small_disk, tmp_path):
+    folder, grow = small_disk
+    bpy.context.scene.snowbough.cache_directory = str(folder)
+    with pytest.raises(RuntimeError, match="(?i)no space left.*resume"):
+        s.bake()
+    assert not [name for name in s.files_of(folder) if ".tmp" in name]
+    grow()
+    s.bake(resume=True)
+    assert s.files_of(folder) == undisturbed
+
+
+def test_a_lost_folder_stops_with_a_message(addon, undisturbed, tmp_path):
+    operators, engine = addon("bake_operators"), addon("bake_engine")
+    running = operators.make_session(bpy.context.scene, operators.make_request(bpy.context.scene))
+
+    def lose(result):
+        if result.frame == 5:
+            (tmp_path / "cache").rename(tmp_path / "elsewhere")
+
+    running.on_frame = lose
+    engine.run(bpy.context, running)
+    assert isinstance(running.error, (addon("cache").CacheError, addon("map_writer").WriteFailed))
+    shutil.rmtree(tmp_path / "cache", ignore_errors=True)
+    (tmp_path / "elsewhere").rename(tmp_path / "cache")
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A receiver that a bake writes: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from . import bake_plan, cache, checkpoint
+from .coverage import Coverage
+
+
+@dataclass
+class BakedReceiver:
+    """A receiver that a bake writes."""
+
+    key: str
+    label: str
+    name: str
+    library: str
+    spec: object
+    uv_map: str
+    resolution: int
+    texel: float
+    """Mean texel size in metres at the shot's first frame."""
+    folder: Path = None
+    frames: list = field(default_factory=list)
+    covered: Coverage = None
+
+    def settings(self, shot):
+        """What its maps depend on: the shot's settings (a dict) and its own."""
+        own = {"resolution": self.resolution, "uv_map": self.uv_map, "name": self.label}
+        return {"shot": cache.digest(shot), "snowfall": shot, "receiver": own}
+
+    def compare_settings(self, shot):
+        """Raises InputsChanged, naming what differs, where the folder was baked with other settings."""
+        manifest = cache.read_manifest(self.folder)
+        if manifest is None:
+            return
+        changes = cache.describe_changes(manifest["settings"], self.settings(shot))
+        changes = [change for change in changes if not change.startswith("shot:")]
+        if changes:
+            raise cache.InputsChanged(
+                f"{self.label} in {self.folder.parent.name} was baked with other settings "
+                f"({'; '.join(changes)}): bake again from the start, or set them back"
+            )
+
+    def start(self, shot):
+        """Makes the folder ready for the shot's first frame."""
+        cache.clear(self.folder, keep_lock=True)
+        self.covered = Coverage(self.resolution)
+        self.write_manifest(shot, complete=False)
+
+    def write_manifest(self, shot, complete):
+        own = self.settings(shot)
+        cache.write_manifest(
+            self.folder,
+            {
+                "object": self.name,
+                "label": self.label,
+                "library": self.library,
+                "complete": complete,
+                "hash": cache.digest(own),
+                "settings": own,
+                "frames": self.frames,
+            },
+        )
+
+    def write_checkpoint(self, frame, shot, state, driver, inputs):
+        """Writes the checkpoint of ``frame``: state as simulation_state gives it, the driver's name, and
+        the poses so far (scene_inputs). All maps up to the frame must be on disk."""
+        sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
+        cache.write_sidecar(self.folder, frame, sidecar)
+        self.write_manifest(shot, complete=False)
+        checkpoint.write(
+            self.folder / cache.state_file(frame), state["step_number"], state["objects"][self.key]
+        )
+        self._remove_passed_checkpoints(shot, frame)
+
+    def read_checkpoint(self, frame):
+        """Takes coverage and statistics of a checkpoint; returns (step number, state, driver, inputs)."""
+        cache.remove_stray_files(self.folder)
+        sidecar = cache.read_sidecar(self.folder, frame)
+        self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
+        self.frames = sidecar["frames"]
+        step_number, state = checkpoint.read(self.folder / cache.state_file(frame))
+        return step_number, state, sidecar["driver"], sidecar["inputs"]
+
+    def forget_after(self, frame):
+        """Removes what was baked after a checkpoint."""
+        cache.remove_frames_after(self.folder, frame)
+        for later in cache.checkpoints(self.folder):
+            if later > frame:
+                cache.remove_checkpoint(self.folder, later)
+
+    def complete(self, shot, native):
+        """Finishes the receiver: from here on nothing is written there any more."""
+        self.covered.write(native, self.folder / cache.EVER_COVERED)
+        self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
+        self.write_manifest(shot, complete=True)
+
+    def _remove_passed_checkpoints(self, shot, before):
+        cache.remove_irregular_checkpoints(
+            self.folder, shot["frame_start"], shot["checkpoint_interval"], before
+        )
+
+
+def surface_and_uv_area(topology, positions):
+    """Area of an object's surface in m2 and of its UV layout (1 is the whole map), as floats."""
+    corners = positions[topology.triangles].astype(np.float64)
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    uv = topology.corner_uv.astype(np.float64)
+    edge, other = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    uv_cross = edge[:, 0] * other[:, 1] - edge[:, 1] * other[:, 0]
+    return 0.5 * float(np.sqrt((cross * cross).sum(axis=1)).sum()), 0.5 * float(np.abs(uv_cross).sum())
+
+
+def measure(obj, texel_size):
+    """The BakedReceiver of a scene_reader.ObjectPose. Raises ValueError, naming it, for what has no area."""
+    try:
+        areas = surface_and_uv_area(obj.topology, obj.positions)
+        per_map = bake_plan.metres_per_map(*areas)
+    except ValueError as error:
+        raise ValueError(f"'{obj.label}': {error}") from error
+    resolution = obj.receiver.resolution or bake_plan.automatic_resolution(*areas, texel_size)
+    if not bake_plan.MIN_RESOLUTION <= resolution <= bake_plan.MAX_RESOLUTION:
+        raise ValueError(
+            f"'{obj.label}' has a resolution of {resolution}; it must be 0 (automatic) or from "
+            f"{bake_plan.MIN_RESOLUTION} to {bake_plan.MAX_RESOLUTION}"
+        )
+    return BakedReceiver(
+        obj.key, obj.label, obj.name, obj.library, obj.receiver, obj.uv_map, resolution, per_map / resolution
+    )
