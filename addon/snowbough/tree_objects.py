@@ -79,10 +79,10 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth):
 
 def point_levels(quads, face_level, vertex_count):
     """int32 (V,): a vertex has the lowest branch level of its faces; 0 without faces."""
-    highest = np.iinfo(np.int32).max
-    levels = np.full(vertex_count, highest, dtype=np.int32)
-    np.minimum.at(levels, quads.reshape(-1), np.repeat(face_level, quads.shape[1]))
-    levels[levels == highest] = 0
+    levels = np.zeros(vertex_count, dtype=np.int32)
+    # Deepest level first: what is written last stays.
+    for level in np.unique(face_level)[::-1]:
+        levels[quads[face_level == level].reshape(-1)] = level
     return levels
 
 
