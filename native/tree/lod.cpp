@@ -21,6 +21,9 @@ struct Section {
   double length = 0.0;
   double begin_radius = 0.0;
   double end_radius = 0.0;
+  /// Begins at a hole in a parent's side: becomes round over its first width only, or the heel of a
+  /// branch that leaves at a flat angle would swell out of its parent.
+  bool from_hole = false;
   /// Branches that continue one another are one limb.
   int32_t limb = -1;
 
@@ -33,7 +36,11 @@ struct Section {
       return p;
     }
     const double t = std::clamp(along / length, 0.0, 1.0);
-    return foot + off * ((begin_radius + (end_radius - begin_radius) * t) / distance);
+    const glm::dvec3 round =
+        foot + off * ((begin_radius + (end_radius - begin_radius) * t) / distance);
+    const double share =
+        from_hole ? std::clamp(along / std::min(2.0 * begin_radius, length), 0.0, 1.0) : 1.0;
+    return p + (round - p) * share;
   }
 };
 
@@ -44,6 +51,10 @@ struct Sections {
 
   explicit Sections(const Surface& surface) {
     std::vector<int32_t> limb_of_vertex(surface.vertices.size(), -1);
+    std::vector<uint8_t> is_child(surface.limbs.size(), 0);
+    for (const Junction& junction : surface.junctions) {
+      is_child[junction.child] = 1;
+    }
     const double to_radius = std::sqrt(2.0 / M_PI);
     for (size_t b = 0; b < surface.limbs.size(); ++b) {
       const LimbSurface& limb = surface.limbs[b];
@@ -59,6 +70,7 @@ struct Sections {
         section.axis = (c.centre - a.centre) / section.length;
         section.begin_radius = a.corner * to_radius;
         section.end_radius = c.corner * to_radius;
+        section.from_hole = row == 0 && name == static_cast<int32_t>(b) && is_child[b] != 0;
         section.limb = name;
         all.push_back(section);
       }
