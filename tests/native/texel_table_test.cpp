@@ -337,7 +337,7 @@ MapTopology grid_map(int32_t cells, int32_t resolution) {
   return topology;
 }
 
-TEST(TexelTable, aHundredThousandTrianglesAreCutInTimeAndCompletely) {
+TEST(TexelTable, aHundredThousandTrianglesAreCutCompletely) {
   const MapTopology topology = grid_map(224, 1024);
   const auto start = std::chrono::steady_clock::now();
   const TexelTable table = build_texel_table(topology);
