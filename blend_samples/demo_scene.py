@@ -16,7 +16,7 @@ from mathutils import Matrix, Vector
 
 FRAMES = 48
 # The cart waits under the tree, then drives off between these frames.
-CART_LEAVES, CART_STOPS = 15, 43
+CART_LEAVES, CART_STOPS = 24, 48
 CART_FROM, CART_TO = Vector((0.95, -1.35, 0.0)), Vector((3.75, -2.35, 0.0))
 WHEEL_RADIUS = 0.34
 # How far below the knoll the far forest stands.
