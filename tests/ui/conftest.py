@@ -1,0 +1,25 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""One Blender window for all the tests of this folder; each starts from the default scene."""
+
+import subprocess
+import sys
+from pathlib import Path
+
+import pytest
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from window import ROOT, BlenderWindow  # noqa: E402
+
+
+@pytest.fixture(scope="session")
+def blender(tmp_path_factory):
+    made = subprocess.run([ROOT / "tools" / "package.sh"], check=True, stdout=subprocess.PIPE, text=True)
+    window = BlenderWindow(tmp_path_factory.mktemp("ui"), ROOT / made.stdout.strip())
+    yield window
+    window.close()
+
+
+@pytest.fixture
+def window(blender):
+    blender.run("bpy.ops.wm.read_homefile(app_template='')\nresult = True")
+    return blender

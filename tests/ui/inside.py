@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs inside Blender's window: installs the add-on, then carries out what the tests send.
+
+    blender --factory-startup -P tests/ui/inside.py -- ZIP FOLDER
+
+A test writes FOLDER/request.py; a timer in Blender's own event loop runs it and answers in
+FOLDER/answer.json. The timer also counts its beats in `heartbeat`: while they go on, the window is alive.
+"""
+
+import importlib.util
+import json
+import os
+import sys
+import time
+import traceback
+from pathlib import Path
+
+import bpy
+
+ZIP, FOLDER = (Path(argument) for argument in sys.argv[sys.argv.index("--") + 1 :][:2])
+INTERVAL = 0.05
+
+
+def blender_tests():
+    """tests/blender/run.py, which knows how a user installs the zip."""
+    path = Path(__file__).resolve().parent.parent / "blender" / "run.py"
+    spec = importlib.util.spec_from_file_location("run_blender_tests", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+class Heartbeat:
+    """How often Blender's event loop came by, and its longest absence in seconds."""
+
+    def __init__(self):
+        self.start()
+
+    def start(self):
+        self.beats, self.longest_gap, self.last = 0, 0.0, time.monotonic()
+
+    def beat(self):
+        now = time.monotonic()
+        self.longest_gap = max(self.longest_gap, now - self.last)
+        self.beats, self.last = self.beats + 1, now
+
+
+heartbeat = Heartbeat()
+names = {"bpy": bpy, "heartbeat": heartbeat}
+
+
+def view3d():
+    """The context of the 3D view's sidebar for operators that want one."""
+    window = bpy.context.window_manager.windows[0]
+    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
+    return window, area
+
+
+names["view3d"] = view3d
+
+
+def serve():
+    heartbeat.beat()
+    request = FOLDER / "request.py"
+    if request.exists():
+        source = request.read_text()
+        request.unlink()
+        names.pop("result", None)
+        try:
+            exec(compile(source, "request.py", "exec"), names)
+            answer = {"result": names.get("result")}
+        except Exception:  # whatever it was, the test shall see it
+            answer = {"error": traceback.format_exc()}
+        partial = FOLDER / "answer.part"
+        partial.write_text(json.dumps(answer))
+        os.replace(partial, FOLDER / "answer.json")
+    return INTERVAL
+
+
+# The splash screen would swallow the first click.
+bpy.context.preferences.view.show_splash = False
+names["addon"] = blender_tests().install(ZIP)
+bpy.app.timers.register(serve, persistent=True)

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The menu entry, the panels, a bake from the button while the window lives, and Esc."""
+
+import time
+
+import pytest
+
+RECORD_OPERATORS = """
+class Recorder:
+    def __init__(self):
+        self.operators = []
+
+    def operator(self, name, **_):
+        self.operators.append(name)
+        return type("Properties", (), {})()
+
+    def __getattr__(self, _):
+        return lambda *arguments, **named: self
+
+
+class Menu:
+    layout = Recorder()
+
+
+for draw in bpy.types.TOPBAR_MT_file_import.draw._draw_funcs:
+    if draw.__module__.startswith(addon):
+        draw(Menu, bpy.context)
+result = Menu.layout.operators
+"""
+
+# A ground and a box over it, the default camera, and a saved file, since caches lie beside it.
+SNOW_SCENE = """
+bpy.ops.mesh.primitive_plane_add(size=8.0)
+ground = bpy.context.object
+bpy.data.objects["Cube"].location.z = 1.5
+scene = bpy.context.scene
+scene.frame_start, scene.frame_end = 1, {frames}
+for mesh in (ground, bpy.data.objects["Cube"]):
+    mesh.select_set(True)
+bpy.ops.snowbough.add_receivers()
+for entry in scene.snowbough.receivers:
+    entry.resolution = {resolution}
+bpy.ops.wm.save_as_mainfile(filepath={path!r})
+result = len(scene.snowbough.receivers)
+"""
+
+
+def heights(folder):
+    return sorted(folder.rglob("height_*.exr"))
+
+
+def test_file_import_offers_the_tree(window):
+    assert window.run(RECORD_OPERATORS) == ["import_scene.xfrog_tree"]
+    window.move(500, 250)
+    window.run(
+        """
+blender_window, area = view3d()
+with bpy.context.temp_override(window=blender_window, area=area):
+    bpy.ops.wm.call_menu(name="TOPBAR_MT_file_import")
+result = True
+"""
+    )
+    window.screenshot("import_menu")
+    window.key("Escape")
+
+
+def test_sidebar_tab_shows_the_quick_actions(window):
+    window.open_sidebar_tab()
+    window.screenshot("sidebar")
+    assert window.find_button("snowbough.add_receivers") is not None
+
+
+def test_scene_properties_show_the_settings(window):
+    shown = window.properties_panels("SCENE")
+    window.screenshot("scene_properties")
+    assert {"SNOWBOUGH_PT_scene", "SNOWBOUGH_PT_receivers", "SNOWBOUGH_PT_snowfall"} <= set(shown)
+
+
+def test_physics_properties_show_the_object(window):
+    shown = window.properties_panels("PHYSICS")
+    window.screenshot("physics_properties")
+    assert shown == ["SNOWBOUGH_PT_object"]
+
+
+def test_a_bake_from_the_button_ends_with_its_files(window, tmp_path):
+    assert window.run(SNOW_SCENE.format(frames=4, resolution=256, path=str(tmp_path / "shot.blend"))) == 2
+    window.open_sidebar_tab()
+    window.press_button("snowbough.bake")
+    end = time.monotonic() + 90
+    while len(heights(tmp_path)) < 8 and time.monotonic() < end:
+        time.sleep(0.2)
+    window.wait_until("not bpy.app.is_job_running('RENDER')")
+    assert [path.name for path in heights(tmp_path)] == [
+        f"height_{frame:04d}.exr" for frame in (1, 2, 3, 4)
+    ] * 2
+    assert window.run("result = bpy.context.scene.frame_current") == 1
+    window.screenshot("bake_done")
+
+
+def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
+    frames = 2000
+    window.run(SNOW_SCENE.format(frames=frames, resolution=512, path=str(tmp_path / "shot.blend")))
+    window.open_sidebar_tab()
+    window.press_button("snowbough.bake")
+    window.wait_until("bpy.app.is_job_running('RENDER')")
+    window.run("heartbeat.start()\nresult = True")
+    time.sleep(5.0)
+    # Still in the middle of it, and the event loop came by all the time.
+    assert window.run("result = bpy.app.is_job_running('RENDER')")
+    beats, longest_gap = window.run("result = [heartbeat.beats, heartbeat.longest_gap]")
+    assert beats >= 5
+    assert longest_gap < 2.0
+    window.screenshot("bake_running")
+
+    pressed = time.monotonic()
+    window.key("Escape")
+    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    assert time.monotonic() - pressed < 15.0
+    written = len(heights(tmp_path))
+    assert written < 2 * frames
+    time.sleep(1.5)
+    assert len(heights(tmp_path)) == written
+    assert list(tmp_path.rglob("*.part")) == []
+    window.screenshot("bake_stopped")
+
+
+@pytest.fixture(autouse=True)
+def nothing_failed_behind_the_window(blender):
+    """A panel that raises while it is drawn only prints: look there after every test."""
+    before = len(blender.messages())
+    yield
+    assert "Traceback" not in blender.messages()[before:]

@@ -1,0 +1,249 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's real window on a screen of its own (Xvfb), driven as a user would: keys, mouse, eyes."""
+
+import json
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+from PIL import ImageGrab
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+SCREENSHOTS = ROOT / "build" / "ui"
+WIDTH, HEIGHT = 1400, 900
+
+sys.path.insert(0, str(ROOT / "tests" / "blender"))
+import run as blender_tests  # noqa: E402
+
+# Notes the add-on's panels as they are drawn.
+WATCH_PANELS = """
+if "drawn" not in globals():
+    drawn = []
+
+    def watched(panel, draw):
+        def noting(self, context):
+            drawn.append(panel.__name__)
+            draw(self, context)
+
+        return noting
+
+    for panel in bpy.types.Panel.__subclasses__():
+        if panel.__module__.startswith(addon):
+            panel.draw = watched(panel, panel.draw)
+result = True
+"""
+
+
+class BlenderWindow:
+    """A Blender with the add-on installed from its zip into a fresh user directory."""
+
+    def __init__(self, folder, addon_zip, blender="/usr/bin/blender"):
+        self.folder = Path(folder)
+        SCREENSHOTS.mkdir(parents=True, exist_ok=True)
+        self.log_path = SCREENSHOTS / "blender.log"
+        self.screen, self.display = start_screen()
+        environment = blender_tests.user_environment(self.folder / "user")
+        environment.update(DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1")
+        self.log = self.log_path.open("w")
+        self.blender = subprocess.Popen(
+            [
+                blender,
+                "--factory-startup",
+                "--window-geometry",
+                "0",
+                "0",
+                str(WIDTH),
+                str(HEIGHT),
+                "--python-exit-code",
+                "1",
+                "-P",
+                str(Path(__file__).parent / "inside.py"),
+                "--",
+                str(addon_zip),
+                str(self.folder),
+            ],
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=self.log,
+            stderr=subprocess.STDOUT,
+        )
+        try:
+            self.run("result = True", timeout=90)
+            identifier = self.xdotool("search", "--onlyvisible", "--class", "Blender").split()[0]
+            # There is no window manager: the keyboard is handed over by hand.
+            self.xdotool("windowfocus", "--sync", identifier)
+        except BaseException:
+            self.close()
+            raise
+
+    def run(self, source, timeout=60):
+        """Runs Python in Blender's event loop and returns the value that it left in `result`."""
+        answer = self.folder / "answer.json"
+        answer.unlink(missing_ok=True)
+        partial = self.folder / "request.part"
+        partial.write_text(source)
+        os.replace(partial, self.folder / "request.py")
+        end = time.monotonic() + timeout
+        while not answer.exists():
+            if self.blender.poll() is not None:
+                raise AssertionError(
+                    f"Blender ended with {self.blender.returncode}:\n{self.messages()[-3000:]}"
+                )
+            if time.monotonic() > end:
+                raise AssertionError(f"no answer from Blender within {timeout} s:\n{self.messages()[-3000:]}")
+            time.sleep(0.03)
+        said = json.loads(answer.read_text())
+        if "error" in said:
+            raise AssertionError(said["error"])
+        return said["result"]
+
+    def wait_until(self, expression, timeout=60):
+        """Waits until a Python expression is true inside Blender."""
+        end = time.monotonic() + timeout
+        while not self.run(f"result = bool({expression})"):
+            if time.monotonic() > end:
+                raise AssertionError(f"not within {timeout} s: {expression}")
+            time.sleep(0.1)
+
+    def xdotool(self, *arguments):
+        return subprocess.run(
+            ["xdotool", *arguments],
+            env={**os.environ, "DISPLAY": self.display},
+            check=True,
+            capture_output=True,
+            text=True,
+            timeout=30,
+        ).stdout
+
+    def key(self, name):
+        """A real key press."""
+        self.xdotool("key", name)
+
+    def move(self, x, y):
+        """Moves the pointer; x, y in pixels from the screen's upper left corner."""
+        self.xdotool("mousemove", str(int(x)), str(int(y)))
+
+    def click(self, x, y):
+        self.move(x, y)
+        time.sleep(0.3)
+        self.xdotool("click", "1")
+
+    def sidebar(self):
+        """The 3D view's sidebar in pixels of the screen: left, top, width, height."""
+        x, y, width, height = self.run(
+            """
+area = view3d()[1]
+area.spaces.active.show_region_ui = True
+region = next(region for region in area.regions if region.type == "UI")
+result = [region.x, region.y, region.width, region.height]
+"""
+        )
+        return x, HEIGHT - y - height, width, height
+
+    def open_sidebar_tab(self):
+        """Opens the sidebar and clicks down its tabs until the add-on's panels are drawn."""
+        self.sidebar()
+        self.screenshot("before_tab")
+        x, top, width, height = self.sidebar()
+        self.run(WATCH_PANELS)
+        for y in range(top + 20, top + height, 25):
+            self.run("drawn.clear()\nresult = True")
+            self.click(x + width - 13, y)
+            time.sleep(0.3)
+            if self.run("result = any(name.startswith('SNOWBOUGH') for name in drawn)"):
+                return
+        raise AssertionError("no tab of the sidebar shows the add-on's panels")
+
+    def properties_panels(self, context):
+        """Opens a tab of the properties editor; returns the add-on's panels that are drawn there.
+
+        Closed panels are opened as a user may: the pointer over the header, the key A.
+        """
+        self.run(WATCH_PANELS)
+        x, y, width, height = self.run(
+            f"""
+drawn.clear()
+area = next(area for area in bpy.context.window_manager.windows[0].screen.areas if area.type == "PROPERTIES")
+area.spaces.active.context = {context!r}
+area.tag_redraw()
+region = next(region for region in area.regions if region.type == "WINDOW")
+result = [region.x, region.y, region.width, region.height]
+"""
+        )
+        time.sleep(1.0)
+        top = HEIGHT - y - height
+        for down in range(top + 30, top + height, 14):
+            if self.run("result = len(drawn)"):
+                break
+            self.move(x + 0.6 * width, down)
+            time.sleep(0.15)
+            self.key("a")
+            time.sleep(0.25)
+        return self.run("result = sorted(set(drawn))")
+
+    def find_button(self, operator):
+        """Where in the sidebar the operator's button is, or None.
+
+        The pointer goes down the sidebar; over a button Ctrl+C copies the call that it makes.
+        """
+        x, top, width, height = self.sidebar()
+        self.run("bpy.context.window_manager.clipboard = ''\nresult = True")
+        for y in range(top + 8, top + height, 9):
+            # Two buttons may stand side by side.
+            for share in (0.25, 0.7):
+                at = (x + width * share, y)
+                self.move(*at)
+                time.sleep(0.12)
+                self.key("ctrl+c")
+                time.sleep(0.08)
+                if f"bpy.ops.{operator}(" in self.run("result = bpy.context.window_manager.clipboard"):
+                    return at
+        return None
+
+    def press_button(self, operator):
+        at = self.find_button(operator)
+        if at is None:
+            self.screenshot("missing_button")
+            raise AssertionError(f"there is no button for {operator} in the sidebar")
+        self.click(*at)
+
+    def screenshot(self, name):
+        """Keeps build/ui/<name>.png and returns it as a PIL image."""
+        time.sleep(0.4)
+        image = ImageGrab.grab(xdisplay=self.display)
+        image.save(SCREENSHOTS / f"{name}.png")
+        return image
+
+    def messages(self):
+        self.log.flush()
+        return self.log_path.read_text(errors="replace")
+
+    def close(self):
+        for process in (self.blender, self.screen):
+            process.terminate()
+            try:
+                process.wait(10)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        self.log.close()
+
+
+def start_screen():
+    """Starts Xvfb on a free display; returns the process and the display's name."""
+    reading, writing = os.pipe()
+    screen = subprocess.Popen(
+        ["Xvfb", "-displayfd", str(writing), "-screen", "0", f"{WIDTH}x{HEIGHT}x24", "-nolisten", "tcp"],
+        pass_fds=[writing],
+        stdin=subprocess.DEVNULL,
+        stdout=subprocess.DEVNULL,
+        stderr=subprocess.DEVNULL,
+    )
+    os.close(writing)
+    with os.fdopen(reading) as numbers:
+        number = numbers.readline().strip()
+    if not number:
+        raise AssertionError("Xvfb did not start")
+    return screen, f":{number}"
