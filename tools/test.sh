@@ -39,7 +39,7 @@ while [ $# -gt 0 ]; do
   shift
 done
 case "$blender" in
-  '') [ ${#layers[@]} -gt 0 ] || layers=(native python) ;;
+  '') [ ${#layers[@]} -gt 0 ] || layers=(native python blender ui) ;;
   5.2 | bpy)
     if [ "${layers[*]:-blender}" != blender ]; then
       echo "test: --blender $blender runs the layer blender only" >&2

@@ -231,6 +231,8 @@ class SNOWBOUGH_OT_bake(bpy.types.Operator):
         global last_outcome
         try:
             running = self._session(context)
+            if bpy.app.background:  # nobody sees a progress bar there: a line a frame
+                running.on_frame = lambda _result: print(f"Snowbough: baked {running.status()}", flush=True)
             bake_engine.run(context, running)
         except (ValueError, RuntimeError) as error:
             return self._refuse(error)
