@@ -217,7 +217,7 @@ def compose(folder):
     top += taken + 8
     for index, (image, frame) in enumerate(zip(frames, demo["frames"])):
         place = (MARGIN + index % 3 * (column + GAP), top + index // 3 * (frame_size[1] + 48))
-        depth = demo["end_depth"] * 100.0 * frame / demo["last_frame"]
+        depth = demo["depths"][index] * 100.0
         put(
             sheet,
             image.resize(frame_size, Image.LANCZOS),

@@ -25,7 +25,10 @@ import demo_scene  # noqa: E402  (both folders are known from here on)
 import snowbough  # noqa: E402
 
 RESOLUTION = 1024
-RENDERED_FRAMES = (1, 12, 24, 33, 40, 48)
+RENDERED_FRAMES = (1, 10, 20, 32, 40, 48)
+# (frame, strength): the snow sets in, falls, and dies away as the cart drives off its dry patch.
+SNOWFALL = ((1, 0.0), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
+END_DEPTH = 0.06
 # The stage is built for a tree of this height, and of this reach around its foot.
 TREE_HEIGHT, TREE_REACH = 6.0, 3.6
 
@@ -78,6 +81,17 @@ def clothe(meshes):
             mesh.data.materials.append(bark)
 
 
+def strength(frame):
+    """How hard it snows in a frame, 0 to 1."""
+    return float(np.interp(frame, *zip(*SNOWFALL)))
+
+
+def depth_of(frame):
+    """Snow on open level ground after a frame, in metres."""
+    fallen = np.cumsum([strength(each) for each in range(1, demo_scene.FRAMES + 1)])
+    return END_DEPTH * float(fallen[frame - 1] / fallen[-1])
+
+
 def prepare_snowfall(receivers, backdrop):
     """Puts the receivers on the scene's list and says how it snows."""
     scene = bpy.context.scene
@@ -91,13 +105,16 @@ def prepare_snowfall(receivers, backdrop):
         entry.resolution = RESOLUTION
     for scenery in backdrop:
         scenery.snowbough.occlude = False
-    settings.end_depth = 0.06
+    settings.end_depth = END_DEPTH
+    for frame in range(1, demo_scene.FRAMES + 1):
+        settings.rate = strength(frame)
+        settings.keyframe_insert("rate", frame=frame)
     settings.fall_angle = np.radians(12.0)
     settings.bearing = np.radians(25.0)
     settings.pixel_size = 0.016
     settings.seed = 7
     # The shot stands for hours of snowfall: what steep sides cannot hold is gone within a few frames.
-    settings.max_depth = 0.25
+    settings.max_depth = 0.12
     settings.slide_half_life = 0.12
 
 
@@ -166,7 +183,7 @@ def main(tree, folder):
                 "faces": len(bark.data.polygons),
                 "frames": RENDERED_FRAMES,
                 "last_frame": demo_scene.FRAMES,
-                "end_depth": scene.snowbough.end_depth,
+                "depths": [depth_of(frame) for frame in RENDERED_FRAMES],
                 "resolution": RESOLUTION,
                 "receivers": len(scene.snowbough.receivers),
                 "import_seconds": round(import_seconds, 2),

@@ -16,7 +16,7 @@ from mathutils import Matrix, Vector
 
 FRAMES = 48
 # The cart waits under the tree, then drives off between these frames.
-CART_LEAVES, CART_STOPS = 24, 48
+CART_LEAVES, CART_STOPS = 29, 49
 CART_FROM, CART_TO = Vector((0.95, -1.35, 0.0)), Vector((3.75, -2.35, 0.0))
 WHEEL_RADIUS = 0.34
 # How far below the knoll the far forest stands.
@@ -203,7 +203,7 @@ def make_cart_body(material):
     """A hay cart without its wheels: floor, rails on three sides, two axles and a shaft in front."""
     mesh = bmesh.new()
     for plank in range(6):
-        add_box(mesh, Vector((0.0, -0.425 + 0.17 * plank, 0.56)), (1.9, 0.155, 0.035), cell=0.05)
+        add_box(mesh, Vector((0.0, -0.425 + 0.17 * plank, 0.56)), (1.9, 0.174, 0.035), cell=0.05)
     for side in (-0.52, 0.52):
         for rail in (0.68, 0.84):
             add_box(mesh, Vector((0.0, side, rail)), (1.9, 0.03, 0.10), cell=0.05)
@@ -355,7 +355,7 @@ def make_forest(distance, height, colour, seed):
 
 def make_sun(scene):
     light = bpy.data.lights.new("low sun", "SUN")
-    light.energy, light.angle, light.color = 4.2, math.radians(2.5), (1.0, 0.84, 0.66)
+    light.energy, light.angle, light.color = 5.0, math.radians(2.5), (1.0, 0.84, 0.66)
     sun = bpy.data.objects.new("low sun", light)
     # From the left behind the tree, 24 degrees high: raking light, long shadows towards the camera.
     sun.rotation_euler = (math.radians(66.0), 0.0, math.radians(-118.0))
@@ -391,6 +391,7 @@ def set_render(scene, width=800, height=500, samples=24):
     scene.render.image_settings.file_format = "PNG"
     looks = {item.name for item in type(scene.view_settings).bl_rna.properties["look"].enum_items}
     scene.view_settings.view_transform = "Filmic"
+    scene.view_settings.exposure = 0.35
     if "Medium High Contrast" in looks:
         scene.view_settings.look = "Medium High Contrast"
 
