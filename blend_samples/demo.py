@@ -27,7 +27,7 @@ import snowbough  # noqa: E402
 RESOLUTION = 1024
 RENDERED_FRAMES = (1, 10, 20, 32, 40, 48)
 # (frame, strength): the snow sets in, falls, and dies away as the cart drives off its dry patch.
-SNOWFALL = ((1, 0.0), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
+SNOWFALL = ((1, 0.02), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
 END_DEPTH = 0.06
 # The stage is built for a tree of this height, and of this reach around its foot.
 TREE_HEIGHT, TREE_REACH = 6.0, 3.6
