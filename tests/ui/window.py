@@ -8,7 +8,7 @@ import sys
 import time
 from pathlib import Path
 
-from PIL import ImageGrab
+from PIL import ImageGrab, ImageStat
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 SCREENSHOTS = ROOT / "build" / "ui"
@@ -208,6 +208,16 @@ result = [region.x, region.y, region.width, region.height]
             self.screenshot("missing_button")
             raise AssertionError(f"there is no button for {operator} in the sidebar")
         self.click(*at)
+
+    def wait_for_menu(self, box, timeout=30):
+        """Waits until a menu covers the part (left, top, right, bottom) of the screen: it is darker there."""
+        end = time.monotonic() + timeout
+        while True:
+            part = ImageGrab.grab(xdisplay=self.display).crop(box).convert("L")
+            if ImageStat.Stat(part).median[0] < 40:
+                return
+            assert time.monotonic() < end, f"no menu in {box} within {timeout} s"
+            time.sleep(0.2)
 
     def screenshot(self, name):
         """Keeps build/ui/<name>.png and returns it as a PIL image."""
