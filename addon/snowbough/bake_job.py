@@ -165,7 +165,7 @@ class BakeJob:
             # Between choosing and locking another machine may have finished it.
             if (cache.read_manifest(receiver.folder) or {}).get("complete"):
                 raise cache.CacheFinished(
-                    f"{receiver.label} was just finished in {self.version.name} by another bake; nothing to do"
+                    f"{receiver.label} was just finished in {self.version.name} by another bake"
                 )
 
     def _checkpoint_frame(self):
@@ -378,7 +378,7 @@ class BakeJob:
     def _output(self, receiver):
         """The maps of a receiver as they are written: {"height": (H, H)} and, where asked for, "normal"."""
         if hasattr(self._simulation, "output"):
-            return self._simulation.output(receiver.key)
+            return self._simulation.output(receiver.key, normal=self.request.write_normals)
         return {"height": self._simulation.height(receiver.key)}
 
     # -- files -----------------------------------------------------------------------------------------

@@ -5,6 +5,9 @@ One line a frame on standard output, made of ``name=value`` words, seconds and m
 
     SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
 
+What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
+standard error, what went wrong after as ``SNOWBOUGH error="..." code=N``.
+
 Exit codes, also in the JSON report:
 
 ===  ==================================================================================================
@@ -25,7 +28,7 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_operators, bake_plan, bake_request, cache, map_writer, native
+from . import bake_engine, bake_operators, bake_plan, bake_request, cache, map_writer, native, preflight
 
 OK, FAILED, USAGE, NO_CHECKPOINT, CHANGED, CACHE, NO_GPU, STOPPED = 0, 1, 2, 3, 4, 5, 6, 130
 
@@ -110,6 +113,9 @@ def _bake(request, report):
         )
 
     running = bake_operators.make_session(bpy.context.scene, request, on_frame)
+    report["warnings"] = preflight.warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    for text in report["warnings"]:
+        print(f"SNOWBOUGH warning={json.dumps(text)}", file=sys.stderr, flush=True)
     bake_engine.run(bpy.context, running)
     job = running.job
     report["version"] = str(job.version) if job.version else ""

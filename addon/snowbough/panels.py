@@ -9,7 +9,7 @@ import time
 
 import bpy
 
-from . import bake_engine, bake_operators, cache, compat, displacement, preflight, receivers
+from . import bake_engine, bake_operators, cache, compat, displacement, preflight, receivers, scene_reader
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 
@@ -285,7 +285,8 @@ class SNOWBOUGH_PT_object(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return context.object is not None and context.object.type in {"MESH", "EMPTY", "CURVE", "SURFACE", "FONT", "META"}
+        kinds = scene_reader.SURFACE_TYPES | {"EMPTY"}
+        return context.object is not None and context.object.type in kinds
 
     def draw(self, context):
         layout = self.layout

@@ -12,8 +12,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import bake_engine, bake_job, bake_operators, bake_plan, baked_receiver, cache, compat, displacement, native
-from . import receivers, scene_reader, uv_overlap
+from . import bake_engine, bake_job, bake_operators, bake_plan, baked_receiver, cache, compat
+from . import displacement, native, receivers, scene_reader, uv_overlap
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5
@@ -44,6 +44,13 @@ def check(scene, depsgraph):
     issues += _amounts(scene, [size for size in sizes if size])
     order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
     return sorted(issues, key=lambda issue: order[issue.severity])
+
+
+def warnings(scene, depsgraph):
+    """The texts of what would be baked but would not look right."""
+    enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
+    issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
+    return [issue.text for issue in issues if issue.severity == "WARNING"]
 
 
 def _environment():
@@ -220,7 +227,8 @@ class SNOWBOUGH_OT_fix(bpy.types.Operator):
     def execute(self, context):
         if self.kind == "SAVE":
             return bpy.ops.wm.save_as_mainfile("INVOKE_DEFAULT")
-        entry = next((e for e in context.scene.snowbough.receivers if e.object and e.object.name == self.object_name), None)
+        entries = [entry for entry in context.scene.snowbough.receivers if entry.object is not None]
+        entry = next((entry for entry in entries if entry.object.name == self.object_name), None)
         if entry is None:
             self.report({"ERROR"}, f"'{self.object_name}' is no receiver any more: check again")
             return {"CANCELLED"}
@@ -228,7 +236,8 @@ class SNOWBOUGH_OT_fix(bpy.types.Operator):
             if self.kind == "SHOW_IN_RENDER":
                 entry.object.hide_render = False
             elif self.kind == "UNWRAP":
-                entry.uv_map = receivers.clean_uv_map(entry.object.data) or receivers.make_uv_map(context, entry.object)
+                clean = receivers.clean_uv_map(entry.object.data)
+                entry.uv_map = clean or receivers.make_uv_map(context, entry.object)
         except (ValueError, RuntimeError) as error:
             self.report({"ERROR"}, bake_operators.one_line(error))
             return {"CANCELLED"}

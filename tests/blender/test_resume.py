@@ -128,7 +128,7 @@ def blender_command(addon, blend, *arguments):
     enable = (
         f"import sys; sys.path.insert(0, {os.path.dirname(folder)!r}); import snowbough; snowbough.register()"
         if package == "snowbough"
-        else f"import addon_utils; addon_utils.enable({package!r})"
+        else f"import addon_utils; addon_utils.check({package!r})[1] or addon_utils.enable({package!r})"
     )
     program = (
         f"{enable}\n"
@@ -177,6 +177,17 @@ def test_the_exit_code_says_what_went_wrong(addon, undisturbed, tmp_path, argume
     told = json.loads(report.read_text())
     assert told["exit_code"] == code and message in told["error"]
     assert "Traceback" not in done.stderr
+
+
+def test_overlapping_uvs_are_a_warning_on_the_command_line(addon, tmp_path):
+    ground = s.square("Ground")
+    twice = s.mesh_object("Twice", [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 2), (1, 0, 2), (1, 1, 2)],
+                          [(0, 1, 2, 3), (4, 5, 6)], [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0), (1, 0), (1, 1)])
+    s.receive(ground, twice)
+    s.settings(tmp_path / "cache")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    done = run_blender(addon, tmp_path / "shot.blend")
+    assert done.returncode == 0 and "warning=" in done.stderr and "'Twice'" in done.stderr and "'Ground'" not in done.stderr
 
 
 def test_without_egl_the_message_and_the_code_say_so(addon, undisturbed, tmp_path):
