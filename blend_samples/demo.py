@@ -114,7 +114,7 @@ def prepare_snowfall(receivers, backdrop):
     settings.pixel_size = 0.016
     settings.seed = 7
     # The shot stands for hours of snowfall: what steep sides cannot hold is gone within a few frames.
-    settings.max_depth = 0.12
+    settings.max_depth = 0.08
     settings.slide_half_life = 0.12
 
 

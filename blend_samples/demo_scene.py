@@ -17,7 +17,7 @@ from mathutils import Matrix, Vector
 FRAMES = 48
 # The cart waits under the tree, then drives off between these frames.
 CART_LEAVES, CART_STOPS = 29, 49
-CART_FROM, CART_TO = Vector((0.95, -1.35, 0.0)), Vector((3.75, -2.35, 0.0))
+CART_FROM, CART_TO = Vector((0.95, -1.35, 0.0)), Vector((3.35, -2.2, 0.0))
 WHEEL_RADIUS = 0.34
 # How far below the knoll the far forest stands.
 FOREST_DEPTH = 8.5
