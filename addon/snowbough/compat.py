@@ -260,6 +260,11 @@ def displacement_method(material):
     return owner.displacement_method
 
 
+def cycles_feature_set(scene):
+    """The scene's Cycles feature set; None where there is none (no Cycles, or 5.x, which has but one)."""
+    return getattr(getattr(scene, "cycles", None), "feature_set", None)
+
+
 def set_adaptive_subdivision(scene, obj, modifier, use):
     """Lets Cycles dice the mesh to the pixel: on the modifier from 5.0 on, before on the object, where
     it also needs the experimental feature set. Returns True where Cycles is there to do it."""

@@ -74,7 +74,7 @@ def _add_modifiers(scene, receiver):
 
 def _add_adaptive(scene, receiver):
     obj = receiver.object
-    feature_set = scene.cycles.feature_set if hasattr(scene, "cycles") else None
+    feature_set = compat.cycles_feature_set(scene)
     subdivision = obj.modifiers.new(SUBDIVISION_NAME, "SUBSURF")
     subdivision.subdivision_type = "SIMPLE"
     subdivision.levels = 0
