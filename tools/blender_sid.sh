@@ -51,9 +51,10 @@ in_sid() {
     DEBIAN_FRONTEND=noninteractive PYTHONUNBUFFERED=1 "$@" </dev/null
 }
 
-# Debian's Blender 5.2 does not name python3-cattr, which its extension manager imports.
+# Debian's Blender 5.2 does not name python3-cattr and python3-requests, which its extension manager imports.
 packages="$(awk '!/^#/ && NF { print $1 }' tools/dependencies.txt)
-python3-cattr"
+python3-cattr
+python3-requests"
 if [ "$(cat "$sid/.packages-complete" 2>/dev/null)" != "$packages" ]; then
   echo "blender 5.2: installing Blender and the build's packages in the Debian sid folder"
   # A mirror's copy of sid may be days old, which apt would refuse.
