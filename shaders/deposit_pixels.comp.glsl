@@ -1,12 +1,12 @@
 // Second part of the deposit: texels that together cover less than half of their pixel take no more
 // than half a pixel would hold; the rest (everything, where none takes part) goes to the texel under
 // the pixel's centre. Counts what the sky sees of every object.
+#include "pixel_counts.h"
 #include "texel_under.h"
 
 layout(local_size_x = 64) in;
 /// Thickness in units of step depth / kDepthUnits, saturating.
 layout(std430) buffer DepositUnits { uint deposit_units[]; };
-layout(std430) buffer Counts { PixelCounts counts[]; };
 uniform samplerBuffer texel_surface;
 uniform usampler2D weight_sum;
 /// Texels of the group in this batch: [first, end).
@@ -14,8 +14,6 @@ uniform uvec2 batch_texels;
 uniform bool counting;
 uniform ivec2 tile_size;
 uniform float step_depth;
-
-const uint kPixelsEach = 16u;
 
 void add_saturating(uint texel, uint units) {
   uint seen = deposit_units[texel];
@@ -49,22 +47,6 @@ bool is_homeless(ivec2 pixel, uint triangle, uint slot) {
                    uint(min(thickness / step_depth * kDepthUnits + 0.5, 4294967040.0)));
   }
   return false;
-}
-
-void flush(uint slot, inout PixelCounts count) {
-  if (count.visible > 0u) {
-    atomicAdd(counts[slot].visible, count.visible);
-  }
-  if (count.back_facing > 0u) {
-    atomicAdd(counts[slot].back_facing, count.back_facing);
-  }
-  if (count.homeless > 0u) {
-    atomicAdd(counts[slot].homeless, count.homeless);
-  }
-  if (count.snowed > 0u) {
-    atomicAdd(counts[slot].snowed, count.snowed);
-  }
-  count = PixelCounts(0u, 0u, 0u, 0u);
 }
 
 void main() {

@@ -3,11 +3,20 @@
 // so that the result does not depend on the length of a step.
 //
 // LAST_TILE: the shares of the step's last (mostly only) tile are worked out here, which saves a pass.
+// DEPOSIT_MAP: the deposit lies on a map of its own.
 // EARLIER_TILES: shares of further tiles wait in DepositShare.
+#include "snow_shared.h"
+#ifdef LAST_TILE
 #include "texel_share.h"
+#endif
 
 layout(local_size_x = 64) in;
+#ifdef DEPOSIT_MAP
+uniform sampler2DArray deposit_map;
+#else
 layout(std430) buffer DepositUnits { uint deposit_units[]; };
+uniform float step_depth;
+#endif
 #ifdef EARLIER_TILES
 /// Read, and left at 0 for the next step.
 layout(std430) buffer DepositShare { float deposit_share[]; };
@@ -21,7 +30,6 @@ layout(r32f) uniform image2DArray height_map;
 uniform usamplerBuffer texels;
 uniform samplerBuffer texel_surface;
 uniform samplerBuffer triangle_surface;
-uniform float step_depth;
 uniform float max_depth;
 /// Seconds; the half-life is positive.
 uniform float dt;
@@ -45,6 +53,7 @@ float settle(float height, float deposit, float capacity) {
   return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
 }
 
+#ifndef DEPOSIT_MAP
 /// The texel's deposit of the whole step, in metres; leaves the sums at 0.
 float take_deposit(int index, float area, out bool saturated) {
   const uint units = deposit_units[index];
@@ -68,6 +77,7 @@ float take_deposit(int index, float area, out bool saturated) {
 #endif
   return deposit;
 }
+#endif
 
 void main() {
   // An invocation takes every 64th texel of the work group's, so that no barrier is needed.
@@ -82,12 +92,17 @@ void main() {
       break;
     }
     const float area = texelFetch(texel_surface, index).w;
-    bool saturated;
-    const float deposit = take_deposit(index, area, saturated);
     const float capacity = max_depth * texelFetch(triangle_surface, int(texel.x)).z;
     const uint in_map = texel.y % map_texels;
     const ivec3 at = ivec3(in_map % uint(resolution), in_map / uint(resolution),
                            texel.y / map_texels);
+#ifdef DEPOSIT_MAP
+    const bool saturated = false;
+    const float deposit = texelFetch(deposit_map, at, 0).x;
+#else
+    bool saturated;
+    const float deposit = take_deposit(index, area, saturated);
+#endif
     const float height = imageLoad(height_map, at).x;
     const float settled = settle(height, deposit, capacity);
     if (settled != height) {

@@ -99,6 +99,22 @@ py::array_t<float> height(SnowSimulation& simulation, const std::string& name) {
   return square(std::move(values), resolution);
 }
 
+py::dict output(SnowSimulation& simulation, const std::string& name, bool normal) {
+  snow::MapOutput result;
+  int32_t resolution = 0;
+  {
+    const py::gil_scoped_release release;
+    result = simulation.output(name, normal);
+    resolution = simulation.resolution(name);
+  }
+  py::dict dict;
+  dict["height"] = square(std::move(result.height), resolution);
+  if (normal) {
+    dict["normal"] = to_numpy<float>(std::move(result.normal), {resolution, resolution, 3});
+  }
+  return dict;
+}
+
 py::array_t<float> texel_area(SnowSimulation& simulation, const std::string& name) {
   std::vector<float> values;
   int32_t resolution = 0;
@@ -118,7 +134,8 @@ void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
   dict["fallen_volume"] = balance.fallen_volume;
   dict["lost_volume"] = balance.lost_volume;
   dict["visible_area"] = balance.visible_area;
-  dict["back_face_share"] = balance.back_face_share;
+  dict["back_face_area"] = balance.back_face_area;
+  dict["back_face_share"] = balance.back_face_share();
   dict["saturated_texels"] = static_cast<int64_t>(balance.saturated_texels);
   dict["homeless_pixels"] = static_cast<int64_t>(balance.homeless_pixels);
 }
@@ -232,6 +249,18 @@ void bind_snow(py::module_& module) {
            "name it, later ones only when it moved.")
       .def("height", &height, "name"_a,
            "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0.")
+      .def(
+          "output", &output, "name"_a, "normal"_a = true,
+          "{'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both\n"
+          "continued beyond the charts and level at seams. normal=False leaves the normals out.")
+      .def("save", &SnowSimulation::save, "path"_a, py::call_guard<py::gil_scoped_release>(),
+           "Writes a checkpoint atomically.")
+      .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
+           py::call_guard<py::gil_scoped_release>(),
+           "Takes a checkpoint of a simulation with the same settings and objects, and goes on bit "
+           "for\n"
+           "bit. RuntimeError for a file that is none or is damaged, ValueError naming what "
+           "differs.")
       .def("texel_area", &texel_area, "name"_a,
            "Area in m2 that each texel covers now, (H, W) float32, 0 where there is no surface.")
       .def(

@@ -71,11 +71,22 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   statistics_.open(scene);
   const auto depth = static_cast<float>(input.fall.depth);
   PendingShares pending;
+  if (input.mapping == DepositMapping::kGeometry) {
+    if (deposit_geometry_ == nullptr) {
+      deposit_geometry_ = std::make_unique<DepositGeometryPass>();
+    }
+    deposit_geometry_->begin(scene);
+    pending.on_deposit_maps = true;
+  }
   if (input.fall.depth > 0.0) {
     const std::vector<Tile> tiles = make_tiles(receivers, input.tile_size);
     for (const Tile& tile : tiles) {
       const bool is_last = &tile == &tiles.back();
       occlusion_.run(scene, fall_, tile, ranges_in(objects, scene, rects, tile.pixels), target_);
+      if (input.mapping == DepositMapping::kGeometry) {
+        deposit_geometry_->run(scene, fall_, tile, target_);
+        continue;
+      }
       deposit_compute_.run(scene, fall_, tile, target_, depth, is_last);
       if (is_last) {
         pending = {&fall_, &deposit_compute_.weight_sum(), tile, tiles.size() > 1};

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "snow/deposit_compute.h"
+#include "snow/deposit_geometry.h"
 #include "snow/fall_grid.h"
 #include "snow/occlusion.h"
 #include "snow/scene_buffers.h"
@@ -40,6 +41,8 @@ class FrameStep {
   TexelSurfacePass surface_;
   OcclusionPass occlusion_;
   DepositComputePass deposit_compute_;
+  /// Made when it is first asked for.
+  std::unique_ptr<DepositGeometryPass> deposit_geometry_;
   StabilityPass stability_;
   StatisticsPass statistics_;
   OcclusionTarget target_;

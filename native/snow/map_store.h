@@ -21,6 +21,9 @@ struct MapGroup {
   gpu::Texture height;
   /// Who owns a texel, RG32UI: x = 1 + index in the group (0 = nobody), y = chart << 8 | coverage.
   gpu::Texture owners;
+  /// Only for the deposit's formulation GEOMETRY: a step's deposit in metres, R32F, and its target.
+  gpu::Texture deposit;
+  gpu::Framebuffer deposit_target;
 
   int32_t layers() const { return end_slot - first_slot; }
 };

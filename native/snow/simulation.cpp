@@ -7,13 +7,9 @@
 #include <numbers>
 #include <stdexcept>
 
-namespace snowbough::snow {
+#include "snow/simulation_gpu.h"
 
-/// All that lives on the GPU, made and destroyed there.
-struct SnowSimulation::Gpu {
-  SceneBuffers scene;
-  FrameStep frame_step;
-};
+namespace snowbough::snow {
 
 namespace {
 
@@ -86,6 +82,7 @@ void SnowSimulation::close() {
     thread_.reset();
   }
   objects_.clear();
+  outputs_.clear();
 }
 
 void SnowSimulation::require_open() const {

@@ -12,6 +12,7 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/frame_step.h"
+#include "snow/map_output.h"
 #include "snow/memory_estimate.h"
 #include "snow/scene_object.h"
 #include "snow/simulation_state.h"
@@ -42,6 +43,12 @@ struct SimulationSettings {
   std::string device;
 };
 
+/// What a receiver's output needs, built when it is first asked for.
+struct OutputTables {
+  SeamTable seams;
+  SmoothingPlan plan;
+};
+
 /// Positions of one object, N of them, in metres.
 using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
 
@@ -68,6 +75,10 @@ class SnowSimulation {
 
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);
+  /// What the outside sees: smoothed by blur_radius, continued by 4 texels beyond the charts, level
+  /// at seams; with normals in tangent space on request. Before the object's first step
+  /// std::invalid_argument.
+  MapOutput output(const std::string& name, bool with_normals);
   /// Area in m2 that every texel covers now; 0 where there is no surface. Before the first step
   /// std::invalid_argument.
   std::vector<float> texel_area(const std::string& name);
@@ -83,6 +94,13 @@ class SnowSimulation {
   /// what differs.
   void set_state(const SimulationState& state);
 
+  /// Writes a checkpoint. @throws std::runtime_error when the disk refuses.
+  void save(const std::string& path);
+  /// Takes a checkpoint of a simulation with the same settings, objects and (unless `any_driver`)
+  /// driver. @throws std::runtime_error for a file that is none or is damaged,
+  /// std::invalid_argument naming what differs.
+  void restore(const std::string& path, bool any_driver);
+
   /// Releases everything on the GPU. Further calls throw std::runtime_error.
   void close();
 
@@ -94,6 +112,7 @@ class SnowSimulation {
   void take_positions(const PositionMap& positions);
   /// Builds the GPU's scene where objects came in since the last step; the maps keep their content.
   void build_scene();
+  OutputTables& output_tables(const std::string& name, const SceneObject& object);
   SimulationState read_state();
   void write_state(const SimulationState& state);
   size_t index_of(const std::string& name) const;
@@ -104,6 +123,7 @@ class SnowSimulation {
   std::unique_ptr<Gpu> gpu_;
   /// By name: the drawing order.
   std::map<std::string, SceneObject> objects_;
+  std::map<std::string, std::unique_ptr<OutputTables>> outputs_;
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;
   /// Set before the scene is on the GPU: taken over when it is built.

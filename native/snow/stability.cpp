@@ -4,11 +4,22 @@
 
 namespace snowbough::snow {
 
+gpu::Program& StabilityPass::program_for(const PendingShares& pending) {
+  if (pending.on_deposit_maps) {
+    return deposit_map_;
+  }
+  if (pending.fall == nullptr) {
+    return shares_waiting_;
+  }
+  return pending.earlier_tiles ? all_tiles_ : last_tile_;
+}
+
 void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
                         const PendingShares& pending, float step_depth, float dt) {
-  const bool has_tile = pending.fall != nullptr;
-  const bool earlier = !has_tile || pending.earlier_tiles;
-  gpu::Program& program = !has_tile ? shares_waiting_ : earlier ? all_tiles_ : last_tile_;
+  const bool maps = pending.on_deposit_maps;
+  const bool has_tile = !maps && pending.fall != nullptr;
+  const bool earlier = !maps && (!has_tile || pending.earlier_tiles);
+  gpu::Program& program = program_for(pending);
   for (TexelBatch& batch : scene.batches) {
     program.use();
     program.bind_texture("triangle_surface", scene.views.triangle_surface);
@@ -24,11 +35,15 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     if (earlier) {
       program.bind("DepositShare", batch.share);
     }
-    program.bind("DepositUnits", batch.units);
+    const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
+    if (maps) {
+      program.bind_texture("deposit_map", group.deposit);
+    } else {
+      program.bind("DepositUnits", batch.units);
+      program.set("step_depth", step_depth);
+    }
     program.bind("Partials", batch.partials);
-    program.bind_image("height_map", scene.groups[static_cast<size_t>(batch.group)].height,
-                       GL_READ_WRITE);
-    program.set("step_depth", step_depth);
+    program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);
     program.set("dt", dt);
     program.set("half_life", std::max(settings.half_life, 1e-6f));

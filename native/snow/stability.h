@@ -21,6 +21,8 @@ struct PendingShares {
   Tile tile;
   /// Shares of further tiles wait in the batches' `share`.
   bool earlier_tiles = false;
+  /// The whole deposit lies on the groups' `deposit` maps; nothing of the above counts.
+  bool on_deposit_maps = false;
 };
 
 /// Adds the step's deposit (the batches' `units` and `share`, left at zero, and what is pending) to
@@ -28,12 +30,15 @@ struct PendingShares {
 /// leaves the volumes in the batches' `partials`.
 class StabilityPass {
  public:
-  /// `step_depth` is the depth that the step's `units` refer to, metres. Without a pending tile only
-  /// `units` and `share` count. GPU thread.
+  /// `step_depth` is the depth that the step's `units` refer to, metres. Without a pending tile
+  /// only `units` and `share` count. GPU thread.
   void run(SceneBuffers& scene, const StabilitySettings& settings, const PendingShares& pending,
            float step_depth, float dt);
 
  private:
+  gpu::Program& program_for(const PendingShares& pending);
+
+  gpu::Program deposit_map_{{"stability.comp.glsl"}, {"DEPOSIT_MAP"}};
   gpu::Program shares_waiting_{{"stability.comp.glsl"}, {"EARLIER_TILES"}};
   gpu::Program last_tile_{{"stability.comp.glsl"}, {"LAST_TILE"}};
   gpu::Program all_tiles_{{"stability.comp.glsl"}, {"LAST_TILE", "EARLIER_TILES"}};

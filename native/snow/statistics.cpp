@@ -1,17 +1,9 @@
 #include "snow/statistics.h"
 
-#include <algorithm>
-
 namespace snowbough::snow {
 namespace {
 
 void add(SnowBalance& sum, const SnowBalance& other) {
-  const double shown = sum.visible_area / std::max(1.0 - sum.back_face_share, 1e-12);
-  const double other_shown = other.visible_area / std::max(1.0 - other.back_face_share, 1e-12);
-  if (shown + other_shown > 0.0) {
-    sum.back_face_share =
-        (shown * sum.back_face_share + other_shown * other.back_face_share) / (shown + other_shown);
-  }
   sum.deposited_volume += other.deposited_volume;
   sum.slid_volume += other.slid_volume;
   sum.held_volume += other.held_volume;
@@ -19,6 +11,7 @@ void add(SnowBalance& sum, const SnowBalance& other) {
   sum.fallen_volume += other.fallen_volume;
   sum.lost_volume += other.lost_volume;
   sum.visible_area += other.visible_area;
+  sum.back_face_area += other.back_face_area;
   sum.saturated_texels += other.saturated_texels;
   sum.homeless_pixels += other.homeless_pixels;
 }
@@ -35,8 +28,7 @@ StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area) {
   step.fallen_volume = sums.fallen;
   step.lost_volume = sums.fallen - sums.deposited;
   step.visible_area = sums.visible * pixel_area;
-  const double pixels = sums.visible + sums.back_facing;
-  step.back_face_share = pixels > 0.0 ? sums.back_facing / pixels : 0.0;
+  step.back_face_area = sums.back_facing * pixel_area;
   step.saturated_texels = sums.saturated;
   step.homeless_pixels = sums.homeless;
 
@@ -48,7 +40,8 @@ StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area) {
   total.fallen_volume = sums.total_fallen;
   total.lost_volume = sums.total_fallen - sums.total_deposited;
   total.visible_area = sums.total_visible_area;
-  total.back_face_share = step.back_face_share;
+  // Back faces have no total of their own: what counts is whether they show now.
+  total.back_face_area = step.back_face_area;
   total.saturated_texels = sums.total_saturated;
   total.homeless_pixels = sums.total_homeless;
   return pair;

@@ -22,13 +22,19 @@ struct SnowBalance {
   /// without UV area, saturated texels) or was lost in rounding.
   double fallen_volume = 0.0;
   double lost_volume = 0.0;
-  /// Area seen from the sky, measured perpendicular to the fall; and the share of what the sky sees
-  /// of the object that is back faces, which gather nothing.
+  /// Area seen from the sky, measured perpendicular to the fall: of front faces, and of back faces,
+  /// which gather nothing.
   double visible_area = 0.0;
-  double back_face_share = 0.0;
+  double back_face_area = 0.0;
   /// Number of texels whose fixed-point sum was full; of pixels on triangles without UV area.
   double saturated_texels = 0.0;
   double homeless_pixels = 0.0;
+
+  /// Which share of what the sky sees is back faces: much of it hints at flipped normals.
+  double back_face_share() const {
+    const double seen = visible_area + back_face_area;
+    return seen > 0.0 ? back_face_area / seen : 0.0;
+  }
 };
 
 /// The last step, and all steps since the beginning.
@@ -46,7 +52,7 @@ struct SnowStatistics {
 
 /// Turns sums as they lie on the GPU into a balance. `pixel_area` in m2.
 StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area);
-/// Adds `other` to `sum` (the back face share weighted by area).
+/// Adds `other` to `sum`.
 void add_balance(StatisticsPair& sum, const StatisticsPair& other);
 
 /// Keeps the books of every receiver on the GPU, so that no step has to wait for a read.

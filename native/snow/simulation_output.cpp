@@ -1,0 +1,212 @@
+// The outside of a simulation: smoothed maps and checkpoints.
+#include <cstdio>
+#include <cstring>
+#include <sstream>
+#include <stdexcept>
+
+#include "snow/checkpoint.h"
+#include "snow/simulation.h"
+#include "snow/simulation_gpu.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// FNV-1a, 64 bits. Source: G. Fowler, L. C. Noll, K.-P. Vo, public domain.
+uint64_t digest(const void* data, size_t bytes, uint64_t hash = 0xcbf29ce484222325ull) {
+  const auto* byte = static_cast<const unsigned char*>(data);
+  for (size_t i = 0; i < bytes; ++i) {
+    hash = (hash ^ byte[i]) * 0x100000001b3ull;
+  }
+  return hash;
+}
+
+std::string hexadecimal(uint64_t value) {
+  char text[17];
+  std::snprintf(text, sizeof text, "%016llx", static_cast<unsigned long long>(value));
+  return text;
+}
+
+/// Exact, whatever the locale.
+std::string number(double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%a", value);
+  return text;
+}
+
+/// Lines "name=value" of all that decides about the bits of the result.
+std::string describe(const SimulationSettings& s, const std::map<std::string, SceneObject>& objects,
+                     const gpu::GpuInfo& gpu) {
+  std::string text;
+  text += "pixel_size=" + number(s.pixel_size) + "\n";
+  text += "noise_density=" + number(s.noise_density) + "\n";
+  text += "flutter=" + number(s.flutter) + "\n";
+  text += "max_depth=" + number(s.max_depth) + "\n";
+  text += "slide_half_life=" + number(s.slide_half_life) + "\n";
+  text += "seed=" + std::to_string(s.seed) + "\n";
+  text += std::string("mapping=") +
+          (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
+  text += "driver=" + gpu.renderer + ", " + gpu.version + "\n";
+  for (const auto& [name, object] : objects) {
+    const MapTopology& topology = object.description.topology;
+    uint64_t hash = digest(topology.triangles.data(), topology.triangles.size() * 4);
+    if (object.description.receive) {
+      hash = digest(topology.corner_uv.data(), topology.corner_uv.size() * 8, hash);
+    }
+    text += "object '" + name +
+            "'=" + (object.description.receive ? std::to_string(topology.resolution) : "occludes") +
+            " " + hexadecimal(hash) + "\n";
+  }
+  return text;
+}
+
+std::map<std::string, std::string> lines_of(const std::string& text) {
+  std::map<std::string, std::string> lines;
+  std::istringstream stream(text);
+  for (std::string line; std::getline(stream, line);) {
+    const size_t sign = line.rfind('=');
+    lines[line.substr(0, sign)] = sign == std::string::npos ? "" : line.substr(sign + 1);
+  }
+  return lines;
+}
+
+/// The names of what differs between two descriptions, the driver apart where it is allowed to.
+std::string differences(const std::string& one, const std::string& other, bool any_driver) {
+  const auto a = lines_of(one);
+  const auto b = lines_of(other);
+  std::string names;
+  const auto add = [&](const std::string& name) {
+    if (!(any_driver && name == "driver")) {
+      names += (names.empty() ? "" : ", ") + name;
+    }
+  };
+  for (const auto& [name, value] : a) {
+    const auto found = b.find(name);
+    if (found == b.end() || found->second != value) {
+      add(name);
+    }
+  }
+  for (const auto& [name, value] : b) {
+    if (!a.contains(name)) {
+      add(name);
+    }
+  }
+  return names;
+}
+
+bool is_software(const gpu::GpuInfo& info) {
+  return info.renderer.find("llvmpipe") != std::string::npos ||
+         info.renderer.find("softpipe") != std::string::npos;
+}
+
+/// Reads one value a texel from the GPU back into a map.
+void scatter_normals(const TexelTable& table, const SeamTable& seams,
+                     const std::vector<glm::vec4>& values, std::vector<glm::vec3>& map) {
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    map[static_cast<size_t>(table.texel[i])] = glm::vec3(values[i]);
+  }
+  for (size_t i = 0; i < seams.dilated.size(); ++i) {
+    map[static_cast<size_t>(seams.dilated[i])] =
+        glm::vec3(values[static_cast<size_t>(seams.dilated_nearest[i])]);
+  }
+}
+
+}  // namespace
+
+OutputTables& SnowSimulation::output_tables(const std::string& name, const SceneObject& object) {
+  auto found = outputs_.find(name);
+  if (found == outputs_.end()) {
+    auto tables = std::make_unique<OutputTables>();
+    const MapTopology& topology = object.description.topology;
+    const std::vector<glm::vec3> positions(object.positions.begin(),
+                                           object.positions.begin() + topology.vertex_count);
+    tables->seams = build_seam_table(topology, object.table, positions);
+    tables->plan =
+        plan_smoothing(object.table, tables->seams, static_cast<float>(settings_.blur_radius));
+    found = outputs_.emplace(name, std::move(tables)).first;
+  }
+  return *found->second;
+}
+
+MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
+  const std::vector<float> stored = height(name);
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  const SceneObject& object = find_receiver(name);
+  if (object.positions.empty()) {
+    throw std::invalid_argument("object '" + name +
+                                "' has no positions yet: output is known after its first step");
+  }
+  OutputTables& tables = output_tables(name, object);
+  const MapTopology& topology = object.description.topology;
+  std::vector<SurfaceMetric> metrics;
+  if (with_normals) {
+    const std::vector<glm::vec3> positions(object.positions.begin(),
+                                           object.positions.begin() + topology.vertex_count);
+    metrics = surface_metrics(topology, positions);
+  }
+  const bool fits =
+      largest_output_buffer(object.table, tables.seams) <= thread_->info().max_storage_buffer_bytes;
+  if (is_software(thread_->info()) || !fits || !scene_is_current_) {
+    return output_on_cpu(object.table, tables.seams, tables.plan, stored, metrics);
+  }
+  const size_t at = index_of(name);
+  return thread_->run([&] {
+    MapOutput result;
+    OutputBuffers buffers = make_output_buffers(object.table, tables.seams, tables.plan);
+    MapOutputPass& pass = thread_->resource<MapOutputPass>();
+    const MapGroup& group = gpu_->scene.groups[static_cast<size_t>(gpu_->scene.group[at])];
+    pass.run(group.height, gpu_->scene.slot[at] - group.first_slot, buffers);
+    result.height = buffers.map.read_all<float>();
+    if (with_normals) {
+      pass.run_normals(buffers, object.table, metrics);
+      result.normal.assign(result.height.size(), glm::vec3(0.0f, 0.0f, 1.0f));
+      scatter_normals(object.table, tables.seams, buffers.normals.read_all<glm::vec4>(),
+                      result.normal);
+    }
+    return result;
+  });
+}
+
+void SnowSimulation::save(const std::string& path) {
+  const SimulationState now = state();
+  CheckpointData data;
+  {
+    const std::scoped_lock lock(mutex_);
+    data.settings_hash = describe(settings_, objects_, thread_->info());
+  }
+  data.step_number = now.step_number;
+  for (const ObjectState& object : now.objects) {
+    CheckpointMap map{object.name, object.resolution, object.height, {}};
+    for (size_t i = 0; i < object.sums.size(); ++i) {
+      map.totals.emplace_back("sum" + std::to_string(i), object.sums[i]);
+    }
+    data.maps.push_back(std::move(map));
+  }
+  save_checkpoint(path, data);
+}
+
+void SnowSimulation::restore(const std::string& path, bool any_driver) {
+  CheckpointData data = load_checkpoint(path);
+  {
+    const std::scoped_lock lock(mutex_);
+    require_open();
+    const std::string changed =
+        differences(data.settings_hash, describe(settings_, objects_, thread_->info()), any_driver);
+    if (!changed.empty()) {
+      throw std::invalid_argument(path +
+                                  " belongs to another simulation; what differs: " + changed);
+    }
+  }
+  SimulationState state;
+  state.step_number = static_cast<uint32_t>(data.step_number);
+  for (CheckpointMap& map : data.maps) {
+    ObjectState object{map.name, map.resolution, std::move(map.height), {}};
+    for (size_t i = 0; i < object.sums.size() && i < map.totals.size(); ++i) {
+      object.sums[i] = map.totals[i].second;
+    }
+    state.objects.push_back(std::move(object));
+  }
+  set_state(state);
+}
+
+}  // namespace snowbough::snow

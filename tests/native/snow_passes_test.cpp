@@ -1,0 +1,344 @@
+// The passes of a snow step, one by one: small buffers in, one pass, read back, compare.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstring>
+#include <glm/geometric.hpp>
+#include <numbers>
+
+#include "gpu/gpu_thread.h"
+#include "snow/frame_step.h"
+#include "snow/memory_estimate.h"
+#include "snow/scene_buffers.h"
+#include "snow/simulation.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// A square of `size` metres at height z whose UVs fill the map.
+SceneObject square(const std::string& name, float size, float z, int32_t resolution = 64,
+                   bool receive = true) {
+  SceneObject object;
+  object.description.name = name;
+  object.description.receive = receive;
+  MapTopology& topology = object.description.topology;
+  topology.triangles = {0, 1, 2, 0, 2, 3};
+  topology.corner_uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+  topology.vertex_count = 4;
+  topology.resolution = resolution;
+  const float h = 0.5f * size;
+  object.positions = {{-h, -h, z}, {h, -h, z}, {h, h, z}, {-h, h, z}};
+  object.bounds.include(glm::dvec3(-h, -h, z));
+  object.bounds.include(glm::dvec3(h, h, z));
+  if (receive) {
+    object.table = build_texel_table(topology);
+  }
+  return object;
+}
+
+/// A scene on the GPU with everything a pass needs. Lives on the GPU thread.
+struct Bench {
+  explicit Bench(std::vector<SceneObject> given, FallSettings settings = {})
+      : objects(std::move(given)) {
+    std::vector<const SceneObject*> pointers;
+    Bounds bounds;
+    for (const SceneObject& object : objects) {
+      pointers.push_back(&object);
+      bounds.include(object.bounds);
+    }
+    scene = build_scene_buffers(pointers, info);
+    std::vector<int32_t> moved;
+    for (size_t i = 0; i < objects.size(); ++i) {
+      scene.positions.write(int64_t{12} * scene.first_vertex[i],
+                            static_cast<int64_t>(objects[i].positions.size()) * 12,
+                            objects[i].positions.data());
+      moved.push_back(static_cast<int32_t>(i));
+    }
+    TexelSurfacePass().run(scene, moved);
+    frame = make_fall_frame(settings, bounds);
+    fall = gpu::Buffer(sizeof frame, &frame);
+    std::vector<PixelRect> rects;
+    for (const SceneObject& object : objects) {
+      rects.push_back(pixels_of(object.bounds, frame));
+    }
+    tiles = make_tiles(rects, 2048);
+    OcclusionPass().run(scene, fall, tiles.front(), {{0, scene.triangle_count}}, target);
+  }
+
+  std::vector<glm::uvec4> visible() const {
+    const Buffer4 all = read();
+    std::vector<glm::uvec4> shown;
+    const glm::ivec2 size = tiles.front().pixels.size();
+    for (int32_t y = 0; y < size.y; ++y) {
+      for (int32_t x = 0; x < size.x; ++x) {
+        shown.push_back(all[static_cast<size_t>(y * target.visible.width() + x)]);
+      }
+    }
+    return shown;
+  }
+
+  using Buffer4 = std::vector<glm::uvec4>;
+  Buffer4 read() const {
+    Buffer4 all(static_cast<size_t>(target.visible.width()) *
+                static_cast<size_t>(target.visible.height()));
+    target.visible.read(0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(all.size()) * 16,
+                        all.data());
+    return all;
+  }
+
+  gpu::GpuInfo info = gpu::GpuThread::shared()->info();
+  std::vector<SceneObject> objects;
+  SceneBuffers scene;
+  shared::FallFrame frame;
+  gpu::Buffer fall;
+  std::vector<Tile> tiles;
+  OcclusionTarget target;
+};
+
+std::vector<SceneObject> objects_of(SceneObject a) {
+  std::vector<SceneObject> objects;
+  objects.push_back(std::move(a));
+  return objects;
+}
+
+std::vector<SceneObject> objects_of(SceneObject a, SceneObject b) {
+  std::vector<SceneObject> objects = objects_of(std::move(a));
+  objects.push_back(std::move(b));
+  return objects;
+}
+
+FallSettings falling(glm::dvec3 direction, double pixel_size, double depth = 0.01) {
+  FallSettings settings;
+  settings.direction = glm::normalize(direction);
+  settings.pixel_size = pixel_size;
+  settings.depth = depth;
+  return settings;
+}
+
+TEST(FallGrid, AxesAreAcrossTheFallAndPointToTheSky) {
+  for (const glm::dvec3 direction :
+       {glm::dvec3(0, 0, -1), glm::dvec3(1, 0, -1), glm::dvec3(0, 57, -1), glm::dvec3(-3, 1, -2)}) {
+    const shared::FallFrame frame = make_fall_frame(falling(direction, 0.5), Bounds{});
+    const glm::vec3 x(frame.grid_x);
+    const glm::vec3 y(frame.grid_y);
+    EXPECT_NEAR(glm::length(x), 2.0f, 1e-5f);
+    EXPECT_NEAR(glm::dot(x, y), 0.0f, 1e-5f);
+    EXPECT_NEAR(glm::dot(glm::cross(x, y) / 4.0f, glm::vec3(frame.direction)), -1.0f, 1e-5f);
+  }
+}
+
+TEST(FallGrid, IsAnchoredAtTheWorldsOriginWhereverTheSceneLies) {
+  // The same world point has the same global pixel for scenes with different middles.
+  const FallSettings settings = falling({0.2, 0.3, -1.0}, 0.01);
+  const glm::dvec3 point(1.234, -0.567, 0.25);
+  glm::dvec2 first;
+  for (const double shift : {0.0, 3.0, 700.0}) {
+    Bounds bounds;
+    bounds.include(point);
+    bounds.include(point + glm::dvec3(shift, 2.0 * shift, 0.0));
+    const shared::FallFrame frame = make_fall_frame(settings, bounds);
+    const glm::dvec3 offset = point - glm::dvec3(glm::vec3(frame.anchor));
+    const glm::dvec2 at(
+        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) + frame.grid_x.w + frame.base.x,
+        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) + frame.grid_y.w + frame.base.y);
+    if (shift == 0.0) {
+      first = at;
+    }
+    EXPECT_NEAR(at.x, first.x, 0.02) << shift;
+    EXPECT_NEAR(at.y, first.y, 0.02) << shift;
+  }
+}
+
+TEST(FallGrid, JitterFillsThePixelEvenly) {
+  int quarters[4] = {0, 0, 0, 0};
+  for (uint32_t step = 0; step < 64; ++step) {
+    const glm::dvec2 jitter = grid_jitter(5, step);
+    ASSERT_GE(jitter.x, 0.0);
+    ASSERT_LT(jitter.x, 1.0);
+    ++quarters[(jitter.x < 0.5 ? 0 : 1) + (jitter.y < 0.5 ? 0 : 2)];
+  }
+  for (const int count : quarters) {
+    EXPECT_NEAR(count, 16, 2);
+  }
+}
+
+TEST(FallGrid, FlutterStaysInItsConeAndBelowTheHorizon) {
+  const double cone = 3.0 * std::numbers::pi / 180.0;
+  const glm::dvec3 steep = glm::normalize(glm::dvec3(57.0, 0.0, -1.0));
+  for (uint32_t step = 0; step < 50; ++step) {
+    const glm::dvec3 down = flutter_direction({0, 0, -1}, cone, 1, step);
+    EXPECT_LE(std::acos(-down.z), cone + 1e-9);
+    EXPECT_LT(flutter_direction(steep, cone, 1, step).z, -0.0087);
+  }
+}
+
+TEST(FallGrid, TilesCoverEveryReceiverOnceAndLeaveOutEmptySky) {
+  const std::vector<Tile> tiles = make_tiles({{{0, 0}, {100, 50}}, {{5000, 0}, {5100, 50}}}, 64);
+  int64_t pixels = 0;
+  for (const Tile& tile : tiles) {
+    pixels += int64_t{tile.pixels.size().x} * tile.pixels.size().y;
+  }
+  EXPECT_EQ(pixels, 2 * 100 * 50);
+  EXPECT_THROW(make_tiles({{{0, 0}, {70000, 10}}}, 64), std::invalid_argument);
+}
+
+TEST(TexelSurface, HoldsPositionAndArea) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(square("a", 2.0f, 3.0f)), falling({0, 0, -1}, 0.1));
+    const auto surface = bench.scene.batches[0].surface.read_all<glm::vec4>();
+    double area = 0.0;
+    for (const glm::vec4& texel : surface) {
+      area += texel.w;
+    }
+    EXPECT_NEAR(area, 4.0, 1e-4);
+    EXPECT_NEAR(surface[0].x, -1.0f + 1.0f / 64.0f, 1e-5f);
+    EXPECT_NEAR(surface[0].y, -1.0f + 1.0f / 64.0f, 1e-5f);
+    EXPECT_EQ(surface[0].z, 3.0f);
+  });
+}
+
+TEST(Occlusion, ShowsTheNearerSurfaceWithItsDepth) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(square("ground", 1.0f, 0.0f), square("roof", 0.5f, 2.0f)),
+                falling({0, 0, -1}, 0.01));
+    int roof = 0;
+    int ground = 0;
+    for (const glm::uvec4& pixel : bench.visible()) {
+      if (pixel.x == 0) {
+        continue;
+      }
+      const bool is_roof = pixel.x > 2;
+      float depth = 0.0f;
+      std::memcpy(&depth, &pixel.y, 4);
+      EXPECT_NEAR(depth, is_roof ? -1.0f : 1.0f, 1e-5f);
+      (is_roof ? roof : ground) += 1;
+    }
+    EXPECT_EQ(roof, 2500);
+    EXPECT_EQ(ground, 7500);
+  });
+}
+
+TEST(Occlusion, MarksBackFaces) {
+  gpu::GpuThread::shared()->run([] {
+    SceneObject flipped = square("a", 1.0f, 0.0f);
+    std::swap(flipped.description.topology.triangles[1], flipped.description.topology.triangles[2]);
+    std::swap(flipped.description.topology.triangles[4], flipped.description.topology.triangles[5]);
+    Bench bench(objects_of(std::move(flipped)), falling({0, 0, -1}, 0.05));
+    int shown = 0;
+    for (const glm::uvec4& pixel : bench.visible()) {
+      if (pixel.x != 0) {
+        EXPECT_NE(pixel.x & shared::kBackFace, 0u);
+        ++shown;
+      }
+    }
+    EXPECT_EQ(shown, 400);
+  });
+}
+
+TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
+  gpu::GpuThread::shared()->run([] {
+    // Pixels of four by four texels: every inner pixel's texels fill it.
+    Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 16.0));
+    DepositComputePass deposit;
+    deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, 0.01f, false);
+    const gpu::Texture& sums = deposit.weight_sum();
+    std::vector<uint32_t> weights(static_cast<size_t>(sums.width() * sums.height()));
+    sums.read(0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(weights.size()) * 4,
+              weights.data());
+    const glm::ivec2 size = bench.tiles[0].pixels.size();
+    for (int32_t y = 4; y < size.y - 4; ++y) {
+      for (int32_t x = 4; x < size.x - 4; ++x) {
+        EXPECT_NEAR(
+            weights[static_cast<size_t>(y * sums.width() + x)] / double(shared::kPixelWeight), 1.0,
+            0.26);
+      }
+    }
+    double volume = 0.0;
+    const auto surface = bench.scene.batches[0].surface.read_all<glm::vec4>();
+    const auto share = bench.scene.batches[0].share.read_all<float>();
+    const auto units = bench.scene.batches[0].units.read_all<uint32_t>();
+    for (size_t i = 0; i < surface.size(); ++i) {
+      volume += surface[i].w * (share[i] + units[i] * (0.01 / shared::kDepthUnits));
+    }
+    EXPECT_NEAR(volume, 0.01, 0.01 * 0.13);  // the square's outline is cut by whole pixels
+  });
+}
+
+TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
+  gpu::GpuThread::shared()->run([] {
+    const auto settle = [](float height, float deposit, float dt, float max_depth) {
+      Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 0.1));
+      const std::vector<float> heights(64 * 64, height);
+      bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
+      std::vector<float> shares(static_cast<size_t>(bench.scene.batches[0].count), deposit);
+      bench.scene.batches[0].share = gpu::Buffer(shares);
+      StabilityPass().run(bench.scene, {max_depth, 2.0f}, {}, 0.01f, dt);
+      std::vector<float> result(64 * 64);
+      bench.scene.groups[0].height.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, result.data());
+      EXPECT_EQ(bench.scene.batches[0].share.read_all<float>()[0], 0.0f);
+      return result[1000];
+    };
+    const double k = std::numbers::ln2 / 2.0;
+    EXPECT_FLOAT_EQ(settle(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
+    EXPECT_NEAR(settle(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
+    EXPECT_NEAR(settle(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
+    // Crosses at a third of the step.
+    EXPECT_NEAR(settle(0.4f, 0.3f, 1.0f, 0.5f),
+                0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
+    EXPECT_NEAR(settle(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
+  });
+}
+
+TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
+  gpu::GpuThread::shared()->run([] {
+    gpu::Program program({"triangle_surface.comp.glsl"});
+    program.use();
+    EXPECT_THROW(program.set("no_such_uniform", 1.0f), std::invalid_argument);
+    EXPECT_THROW(program.bind("NoSuchBlock", gpu::Buffer(16)), std::invalid_argument);
+    program.set("first", 0u);
+    try {
+      program.dispatch(1);
+      FAIL() << "must throw";
+    } catch (const std::logic_error& error) {
+      EXPECT_NE(std::string(error.what()).find("'Positions'"), std::string::npos) << error.what();
+    }
+  });
+}
+
+TEST(MapStore, GroupsMapsBySizeAndSplitsLargeArrays) {
+  std::vector<SceneObject> objects;
+  for (int i = 0; i < 5; ++i) {
+    SceneObject object;
+    object.description.name = std::string(1, static_cast<char>('a' + i));
+    object.description.topology.resolution = i == 2 ? 64 : 8192;
+    object.description.receive = i != 4;
+    objects.push_back(std::move(object));
+  }
+  std::vector<const SceneObject*> pointers;
+  for (const SceneObject& object : objects) {
+    pointers.push_back(&object);
+  }
+  const MapPlan plan = plan_maps(pointers, 2048);
+  EXPECT_EQ(plan.slot, (std::vector<int32_t>{1, 2, 0, 3, 4}));
+  // An 8192 map's owner table takes 512 MiB: two an array.
+  ASSERT_EQ(plan.groups.size(), 3u);
+  EXPECT_EQ(plan.group, (std::vector<int32_t>{1, 1, 0, 2, -1}));
+}
+
+TEST(MemoryEstimate, RefusesWhatDoesNotFitWithTheFigure) {
+  SceneObject object = square("a", 1.0f, 0.0f, 256);
+  const MemoryEstimate estimate = estimate_memory({&object}, 1024);
+  EXPECT_EQ(estimate.maps, 256 * 256 * 12);
+  EXPECT_GT(estimate.texels, 256 * 256 * 40);
+  EXPECT_NO_THROW(require_memory(estimate, int64_t{1} << 32));
+  try {
+    require_memory(estimate, 1 << 20);
+    FAIL() << "must throw";
+  } catch (const std::runtime_error& error) {
+    EXPECT_NE(std::string(error.what()).find("1 MiB are free"), std::string::npos);
+    EXPECT_NE(std::string(error.what()).find("resolution"), std::string::npos);
+  }
+}
+
+}  // namespace
+}  // namespace snowbough::snow

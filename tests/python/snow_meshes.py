@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Small literal meshes for the snow tests: positions (N, 3), triangles (T, 3), uv (T, 3, 2)."""
+
+import numpy as np
+
+
+def grid(size_x=1.0, size_y=1.0, cells=1, margin=0.02):
+    """A level rectangle around the origin, facing up, its UVs filling the map but for a margin."""
+    steps = np.linspace(0.0, 1.0, cells + 1)
+    u, v = (axis.ravel() for axis in np.meshgrid(steps, steps))
+    positions = np.stack([(u - 0.5) * size_x, (v - 0.5) * size_y, np.zeros_like(u)], axis=1)
+    corner = (np.arange(cells)[:, None] * (cells + 1) + np.arange(cells)).ravel()
+    low = np.stack([corner, corner + 1, corner + cells + 2], axis=1)
+    high = np.stack([corner, corner + cells + 2, corner + cells + 1], axis=1)
+    triangles = np.concatenate([low, high]).astype(np.int32)
+    uv = np.stack([u, v], axis=1) * (1.0 - 2.0 * margin) + margin
+    return positions.astype(np.float32), triangles, uv[triangles].astype(np.float32)
+
+
+def sphere(radius=0.5, around=48, rings=24):
+    """A UV sphere around the origin; its map is one chart with a seam along one meridian."""
+    turn = np.linspace(0.0, 2.0 * np.pi, around + 1)
+    rise = np.linspace(-0.5 * np.pi, 0.5 * np.pi, rings + 1)
+    t, r = (axis.ravel() for axis in np.meshgrid(turn, rise))
+    positions = radius * np.stack([np.cos(r) * np.cos(t), np.cos(r) * np.sin(t), np.sin(r)], axis=1)
+    uv = np.stack([t / (2.0 * np.pi), r / np.pi + 0.5], axis=1) * 0.96 + 0.02
+    triangles = []
+    for ring in range(rings):
+        for i in range(around):
+            a = ring * (around + 1) + i
+            c = a + around + 1
+            if ring > 0:
+                triangles.append((a, a + 1, c + 1))
+            if ring < rings - 1:
+                triangles.append((a, c + 1, c))
+    triangles = np.array(triangles, np.int32)
+    return positions.astype(np.float32), triangles, uv[triangles].astype(np.float32)
+
+
+def box(size=1.0, height=1.0):
+    """An axis-aligned box standing on z = 0; charts in a 3 x 2 arrangement: -x +x -y / +y bottom top."""
+    h = 0.5 * size
+    corners = np.array([(x, y, z) for z in (0.0, height) for y in (-h, h) for x in (-h, h)], np.float32)
+    faces = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
+    triangles, uv = [], []
+    for index, (a, b, c, d) in enumerate(faces):
+        low = np.array([(index % 3) / 3.0, (index // 3) / 2.0]) + 0.02
+        size_uv = np.array([1.0 / 3.0, 0.5]) - 0.04
+        q = [low, low + size_uv * (1, 0), low + size_uv, low + size_uv * (0, 1)]
+        triangles += [(a, b, c), (a, c, d)]
+        uv += [(q[0], q[1], q[2]), (q[0], q[2], q[3])]
+    return corners, np.array(triangles, np.int32), np.array(uv, np.float32)
+
+
+def chart_of_box(map_values, index):
+    """The part of a box's map that holds face `index`, its border texels left out."""
+    size = map_values.shape[0]
+    u = (index % 3) / 3.0 + 0.02
+    v = (index // 3) / 2.0 + 0.02
+    columns = slice(int(u * size) + 2, int((u + 1.0 / 3.0 - 0.04) * size) - 2)
+    rows = slice(int(v * size) + 2, int((v + 0.5 - 0.04) * size) - 2)
+    return map_values[rows, columns]
+
+
+def rotated(positions, axis, degrees):
+    """Positions turned around the x, y or z axis through the origin."""
+    c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
+    turned = np.array(positions, np.float64)
+    turned[:, i], turned[:, j] = c * positions[:, i] - s * positions[:, j], s * positions[:, i] + c * positions[:, j]
+    return turned.astype(np.float32)
+
+
+def wind(degrees, bearing=0.0):
+    """The direction of a fall at an angle from vertical that blows to a bearing (0 = +Y, 90 = +X)."""
+    a, b = np.radians(degrees), np.radians(bearing)
+    return (np.sin(a) * np.sin(b), np.sin(a) * np.cos(b), -np.cos(a))

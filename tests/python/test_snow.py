@@ -1,0 +1,468 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Physics of the accumulation core, on small maps: amounts, places, time, state."""
+
+import gc
+
+import numpy as np
+import pytest
+import snowbough_native as native
+
+from snow_meshes import box, chart_of_box, grid, rotated, sphere, wind
+
+DOWN = (0.0, 0.0, -1.0)
+
+
+def simulation(pixel_size=0.02, max_depth=100.0, **settings):
+    return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, **settings)
+
+
+def snow_on(mesh, steps=8, depth=0.08, direction=DOWN, resolution=64, dt=1.0 / 24.0, **settings):
+    """Height, texel area and statistics after `depth` fell on one mesh in `steps` steps."""
+    positions, triangles, uv = mesh
+    with simulation(**settings) as sim:
+        sim.add_object("it", triangles, uv, resolution=resolution)
+        for _ in range(steps):
+            sim.step({"it": positions}, depth / steps, direction, dt)
+        return sim.height("it"), sim.texel_area("it"), sim.statistics()
+
+
+def volume(height, area):
+    return float((height.astype(np.float64) * area).sum())
+
+
+# Amounts
+
+
+@pytest.mark.parametrize("tilt", [0, 30, 60])
+@pytest.mark.parametrize("pixel_size", [0.002, 0.016, 0.16])
+def test_a_tilted_plane_gathers_depth_times_its_area_seen_from_above(tilt, pixel_size):
+    positions, triangles, uv = grid()
+    height, area, statistics = snow_on((rotated(positions, "x", tilt), triangles, uv), steps=48,
+                                       depth=0.48, pixel_size=pixel_size)
+    assert volume(height, area) == pytest.approx(0.48 * np.cos(np.radians(tilt)), rel=0.01)
+    total = statistics["total"]
+    assert total["deposited_volume"] == pytest.approx(0.01 * total["visible_area"], rel=1e-3)
+    assert total["held_volume"] == pytest.approx(volume(height, area), rel=1e-5)
+    assert abs(total["lost_volume"]) < 1e-4 * total["deposited_volume"]
+
+
+@pytest.mark.parametrize("resolution", [64, 256])
+def test_a_sphere_gathers_depth_times_its_disc(resolution):
+    height, area, _ = snow_on(sphere(), steps=16, depth=0.16, resolution=resolution, pixel_size=0.01)
+    assert area.sum() == pytest.approx(np.pi, rel=0.01)
+    disc = 24.0 * np.sin(2.0 * np.pi / 48.0) * 0.25  # the outline is a 48-gon
+    assert volume(height, area) == pytest.approx(0.16 * disc, rel=0.01)
+
+
+@pytest.mark.parametrize("angle, pixel_size", [(45, 0.01), (80, 0.002), (89, 0.0005)])
+def test_level_ground_gets_the_depth_whatever_the_wind(angle, pixel_size):
+    height, area, _ = snow_on(grid(cells=2), steps=24, depth=0.12, direction=wind(angle, 30.0),
+                              pixel_size=pixel_size)
+    assert volume(height, area) == pytest.approx(0.12, rel=0.01)
+    inner = height[8:-8, 8:-8]
+    assert np.percentile(inner, 5) > 0.85 * 0.12
+    assert np.percentile(inner, 95) < 1.15 * 0.12
+
+
+def test_a_strip_one_and_a_half_texels_wide_loses_nothing():
+    positions, triangles, _ = grid(size_x=0.2)
+    corners = (positions[:, :2] + (0.1, 0.5)) / (0.2, 1.0) * (1.5 / 64.0, 0.9) + (10.3 / 64.0, 0.05)
+    uv = corners[triangles].astype(np.float32)
+    height, area, _ = snow_on((positions, triangles, uv), steps=16, depth=0.16, pixel_size=0.01)
+    assert area.sum() == pytest.approx(0.2, rel=1e-5)
+    assert volume(height, area) == pytest.approx(0.16 * 0.2, rel=0.01)
+
+
+@pytest.mark.parametrize("stretch", [(1.0, 1.0), (0.3, 0.9), (0.9, 0.1)])
+def test_stretched_and_rotated_uvs_gather_the_same(stretch):
+    positions, triangles, uv = grid(cells=3)
+    turn = np.radians(27.0)
+    turned = (uv - 0.5) @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]])
+    uv = (turned * np.array(stretch) * 0.65 + 0.5).astype(np.float32)
+    height, area, _ = snow_on((positions, triangles, uv), steps=16, depth=0.16)
+    assert volume(height, area) == pytest.approx(0.16, rel=0.01)
+
+
+def test_noise_keeps_the_mean():
+    height, area, statistics = snow_on(grid(), steps=24, depth=0.24, pixel_size=0.005, noise_density=0.2)
+    assert volume(height, area) == pytest.approx(0.24, rel=0.02)
+    assert statistics["total"]["fallen_volume"] == pytest.approx(volume(height, area), rel=1e-3)
+    assert height[2:-2, 2:-2].std() > 0.01
+
+
+def test_twigs_a_third_of_a_pixel_wide_gather_the_right_volume_on_average():
+    twig = grid(size_x=0.01, size_y=1.0)
+    height, area, _ = snow_on(twig, steps=96, depth=0.96, pixel_size=0.03)
+    assert volume(height, area) == pytest.approx(0.96 * 0.01, rel=0.1)
+
+
+def test_far_from_the_origin_nothing_changes():
+    positions, triangles, uv = grid()
+    height, area, _ = snow_on((positions + np.float32(4096.0), triangles, uv), pixel_size=0.01)
+    assert volume(height, area) == pytest.approx(0.08, rel=0.01)
+
+
+# Places
+
+
+def test_an_upright_wall_gathers_nothing_without_wind_and_tangent_times_depth_in_it():
+    still, _, _ = snow_on(box(), steps=16, depth=0.16, resolution=128, pixel_size=0.01)
+    for face in range(5):
+        assert chart_of_box(still, face).max() == 0.0, f"face {face}"
+    assert chart_of_box(still, 5).mean() == pytest.approx(0.16, rel=0.01)
+
+    blown, _, _ = snow_on(box(), steps=16, depth=0.16, resolution=128, pixel_size=0.01,
+                          direction=wind(45.0), dt=0.0)  # towards +y: hits the face at -y
+    assert chart_of_box(blown, 2).mean() == pytest.approx(0.16, rel=0.03)
+    assert chart_of_box(blown, 3).max() == 0.0
+    assert chart_of_box(blown, 0).max() == 0.0
+
+
+def test_nothing_appears_below_a_thin_plate():
+    positions, triangles, uv = box(1.0, 0.002)
+    height, _, _ = snow_on((positions, triangles, uv), steps=8, resolution=128, pixel_size=0.02)
+    assert chart_of_box(height, 4).max() == 0.0
+    assert chart_of_box(height, 5).min() > 0.0
+
+
+@pytest.mark.parametrize("angle, pixel_size", [(0, 0.004), (80, 0.002), (89, 0.0005)])
+def test_a_shadow_is_sharp_and_clean(angle, pixel_size):
+    ground = grid(size_x=2.0, size_y=2.0)
+    wall = box(0.2, 0.01)
+    top = {0: 0.3, 80: 0.1, 89: 0.01}[angle]
+    with simulation(pixel_size=pixel_size) as sim:
+        sim.add_object("ground", ground[1], ground[2], resolution=256)
+        sim.add_object("wall", wall[1], wall[2], receive=False)
+        lifted = wall[0] + np.float32((0.0, -0.5, top))
+        for _ in range(12):
+            sim.step({"ground": ground[0], "wall": lifted}, 0.01, wind(angle))
+        height = sim.height("ground")
+    # The plate's shadow on the ground, by ray casting against its box.
+    steps = (np.arange(256) + 0.5) / 256.0
+    spot = (steps - 0.02) / 0.96 * 2.0 - 1.0
+    x, y = np.meshgrid(spot, spot)
+    tangent = np.tan(np.radians(angle))
+    near, far = -0.6 + top * tangent, -0.4 + (top + 0.01) * tangent
+    half_pixel = 0.5 * pixel_size / np.cos(np.radians(angle)) + 2.0 / 256.0
+    inside = (abs(x) < 0.1 - 0.015) & (y > near + half_pixel) & (y < far - half_pixel)
+    outside = (abs(x) > 0.1 + 0.015) | (y < near - half_pixel) | (y > far + half_pixel)
+    surface = (abs(x) < 0.98) & (abs(y) < 0.98)
+    assert inside.sum() > 100
+    assert height[inside & surface].max() == 0.0
+    assert height[outside & surface].min() > 0.5 * 0.12
+
+
+def test_back_faces_occlude_receive_nothing_and_are_reported():
+    positions, triangles, uv = grid()
+    height, _, statistics = snow_on((positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()))
+    assert height.max() == 0.0
+    assert statistics["back_face_share"] == 1.0
+
+
+# Persistence
+
+
+def test_an_occluder_that_leaves_leaves_a_step():
+    ground, plate = grid(), grid(size_x=0.5, size_y=2.0)
+    with simulation(pixel_size=0.01) as sim:
+        sim.add_object("ground", ground[1], ground[2], resolution=64)
+        sim.add_object("plate", plate[1], plate[2], receive=False)
+        sim.step({"ground": ground[0], "plate": plate[0] + np.float32((0.25, 0.0, 1.0))}, 0.0)
+        for _ in range(12):
+            sim.step({}, 0.01)
+        for _ in range(12):
+            sim.step({"plate": plate[0] + np.float32((5.0, 0.0, 1.0))}, 0.01)
+        height = sim.height("ground")
+    assert height[4:-4, 4:28].mean() == pytest.approx(0.24, rel=0.02)
+    assert height[4:-4, 36:-4].mean() == pytest.approx(0.12, rel=0.02)
+
+
+def test_a_plate_turned_over_keeps_and_then_sheds():
+    positions, triangles, uv = grid()
+    with simulation(max_depth=1.0, slide_half_life=1.0) as sim:
+        sim.add_object("plate", triangles, uv, resolution=64)
+        for _ in range(10):
+            sim.step({"plate": positions}, 0.01)
+        before = sim.statistics()["held_volume"]
+        assert before == pytest.approx(0.1, rel=0.01)
+        sim.step({"plate": rotated(positions, "x", 180.0)}, 0.0, DOWN, 0.01)
+        assert 0.85 * before < sim.statistics()["held_volume"] < before
+        for _ in range(10):
+            sim.step({}, 0.0, DOWN, 1.0)
+        statistics = sim.statistics()
+    assert statistics["held_volume"] == 0.0
+    assert statistics["total"]["slid_volume"] == pytest.approx(statistics["total"]["deposited_volume"], rel=1e-5)
+
+
+def test_a_moving_object_keeps_its_snow_and_a_stretched_one_its_thickness():
+    positions, triangles, uv = grid()
+    with simulation() as sim:
+        sim.add_object("cart", triangles, uv, resolution=64)
+        sim.step({"cart": positions}, 0.1)
+        before = sim.height("cart")
+        sim.step({"cart": positions * np.float32(2.0) + np.float32(3.0)}, 0.0)
+        assert np.array_equal(sim.height("cart"), before)
+        statistics = sim.statistics()
+    assert statistics["total"]["stretched_volume"] == pytest.approx(0.3, rel=0.01)
+
+
+def test_a_wind_that_turns_leaves_both_layers():
+    with simulation(pixel_size=0.01) as sim:
+        positions, triangles, uv = box()
+        sim.add_object("box", triangles, uv, resolution=128)
+        for bearing in (0.0, 180.0):
+            for _ in range(4):
+                sim.step({"box": positions}, 0.01, wind(45.0, bearing), 0.0)
+        height = sim.height("box")
+    assert chart_of_box(height, 2).mean() == pytest.approx(0.04, rel=0.05)
+    assert chart_of_box(height, 3).mean() == pytest.approx(0.04, rel=0.05)
+    assert chart_of_box(height, 5).mean() == pytest.approx(0.08, rel=0.02)
+
+
+# Stability
+
+
+def test_level_ground_holds_max_depth_and_a_slope_less():
+    for tilt in (0, 60):
+        positions, triangles, uv = grid()
+        height, _, _ = snow_on((rotated(positions, "x", tilt), triangles, uv), steps=60, depth=0.5,
+                               max_depth=0.2, slide_half_life=0.01, dt=1.0)
+        assert np.median(height) == pytest.approx(0.2 * np.cos(np.radians(tilt)), rel=0.01)
+
+
+def test_what_is_too_much_halves_in_the_half_life():
+    positions, triangles, uv = grid()
+    with simulation(max_depth=0.1, slide_half_life=2.0) as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        sim.step({"it": positions}, 0.3, DOWN, 0.0)
+        full = np.median(sim.height("it"))
+        sim.step({}, 0.0, DOWN, 2.0)
+        assert np.median(sim.height("it")) - 0.1 == pytest.approx(0.5 * (full - 0.1), rel=1e-3)
+
+
+@pytest.mark.parametrize("max_depth", [100.0, 0.05])
+def test_the_frame_rate_does_not_matter(max_depth):
+    depths = [np.median(snow_on(grid(), steps=rate, depth=0.1, dt=1.0 / rate, max_depth=max_depth,
+                                slide_half_life=0.5, pixel_size=0.005)[0][8:-8, 8:-8])
+              for rate in (24, 30, 60, 240)]
+    assert max(depths) / min(depths) < 1.01
+
+
+def test_a_rotating_ball_sheds_what_comes_to_its_underside():
+    positions, triangles, uv = sphere()
+    with simulation(max_depth=0.3, slide_half_life=0.1) as sim:
+        sim.add_object("ball", triangles, uv, resolution=128)
+        for _ in range(12):
+            sim.step({"ball": positions}, 0.01)
+        loaded = sim.height("ball")
+        assert loaded[96:].max() > 0.1 and loaded[:60].max() == 0.0
+        for frame in range(24):
+            sim.step({"ball": rotated(positions, "x", 7.5 * (frame + 1))}, 0.0)
+        for _ in range(48):
+            sim.step({}, 0.0)
+        turned = sim.height("ball")
+    assert turned[96:].max() < 0.01
+
+
+def test_scale_does_not_matter():
+    pictures = []
+    for scale in (0.01, 1.0, 100.0):
+        positions, triangles, uv = sphere()
+        height, _, _ = snow_on((positions * np.float32(scale), triangles, uv), depth=0.08 * scale,
+                               pixel_size=0.01 * scale, max_depth=0.05 * scale)
+        pictures.append(height / scale)
+    for picture in (pictures[0], pictures[2]):
+        assert abs(picture - pictures[1]).mean() < 1e-3 * pictures[1].mean()
+
+
+# Determinism and formulations
+
+
+def scene_heights(order, receivers, tile_size=2048, mapping="COMPUTE", seed=3):
+    objects = {"ball": sphere(), "ground": grid(3.0, 3.0, 2), "plate": grid(0.5, 0.5)}
+    placed = {"ball": objects["ball"][0] + np.float32((0.0, 0.0, 1.0)), "ground": objects["ground"][0],
+              "plate": objects["plate"][0] + np.float32((0.8, 0.0, 0.4))}
+    with simulation(pixel_size=0.01, noise_density=0.5, flutter=2.0, seed=seed, tile_size=tile_size,
+                    mapping=mapping) as sim:
+        for name in order:
+            sim.add_object(name, objects[name][1], objects[name][2], resolution=128,
+                           receive=name in receivers)
+        for frame in range(3):
+            sim.step(placed, 0.01, wind(20.0 + frame))
+        return {name: sim.height(name) for name in receivers}
+
+
+def test_order_tiles_and_the_choice_of_receivers_change_no_bit():
+    every = ("ball", "ground", "plate")
+    first = scene_heights(every, every)
+    assert first["ground"].max() > 0.0
+    for other in (scene_heights(every[::-1], every), scene_heights(every, every, tile_size=64),
+                  scene_heights(every, every), scene_heights(every, ("ground",)),
+                  scene_heights(every, ("ball", "plate"))):
+        for name, height in other.items():
+            assert np.array_equal(height, first[name]), name
+    assert not np.array_equal(scene_heights(every, every, seed=4)["ground"], first["ground"])
+
+
+@pytest.mark.parametrize("pixel_size", [0.004, 0.02, 0.05])
+def test_geometry_agrees_with_compute(pixel_size):
+    maps = {}
+    for mapping in ("COMPUTE", "GEOMETRY"):
+        maps[mapping] = snow_on(sphere(), steps=4, resolution=128, pixel_size=pixel_size,
+                                direction=wind(30.0), mapping=mapping)
+    (one, area, a), (two, _, b) = maps["COMPUTE"], maps["GEOMETRY"]
+    assert volume(two, area) == pytest.approx(volume(one, area), rel=0.005)
+    assert a["visible_area"] == b["visible_area"]
+    covered = one > 0.01 * one.max()
+    assert (abs(two - one)[covered] / one[covered]).max() < 0.02
+
+
+# State, errors, life time
+
+
+def test_a_checkpoint_continues_bit_for_bit(tmp_path):
+    positions, triangles, uv = sphere()
+
+    def start():
+        sim = simulation(pixel_size=0.01, noise_density=0.5, flutter=3.0)
+        sim.add_object("it", triangles, uv, resolution=64)
+        return sim
+
+    with start() as sim:
+        for _ in range(3):
+            sim.step({"it": positions}, 0.01)
+        sim.save(str(tmp_path / "state"))
+        for _ in range(3):
+            sim.step({}, 0.01)
+        expected, books = sim.height("it"), sim.statistics()
+    with start() as sim:
+        sim.restore(str(tmp_path / "state"))
+        for _ in range(3):
+            sim.step({"it": positions}, 0.01)
+        assert np.array_equal(sim.height("it"), expected)
+        assert sim.statistics()["total"] == books["total"]
+    with simulation(pixel_size=0.02) as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        with pytest.raises(ValueError, match="pixel_size"):
+            sim.restore(str(tmp_path / "state"))
+    with start() as sim:
+        data = (tmp_path / "state").read_bytes()
+        (tmp_path / "cut").write_bytes(data[: len(data) // 2])
+        with pytest.raises(RuntimeError, match="cut"):
+            sim.restore(str(tmp_path / "cut"))
+
+
+def test_objects_can_join_later_and_maps_keep_their_snow():
+    positions, triangles, uv = grid()
+    with simulation() as sim:
+        sim.add_object("b", triangles, uv, resolution=64)
+        sim.step({"b": positions}, 0.1)
+        before = sim.height("b")
+        sim.add_object("a", triangles, uv, resolution=128)
+        assert np.array_equal(sim.height("b"), before)
+        sim.step({"a": positions + np.float32((3.0, 0.0, 0.0))}, 0.0)
+        assert np.array_equal(sim.height("b"), before)
+        assert sim.statistics()["total"]["deposited_volume"] == pytest.approx(0.1, rel=0.01)
+
+
+def test_many_receivers_of_different_sizes():
+    positions, triangles, uv = grid(0.1, 0.1)
+    with simulation(pixel_size=0.01, tile_size=1024) as sim:
+        moved = {}
+        for i in range(200):
+            sim.add_object(f"{i:03}", triangles, uv, resolution=128 if i % 10 else 256)
+            moved[f"{i:03}"] = positions + np.float32((0.2 * (i % 20), 0.2 * (i // 20), 0.0))
+        estimate = sim.memory_estimate()
+        assert estimate["maps"] == (180 * 128**2 + 20 * 256**2) * 12
+        assert "MiB" in estimate["text"]
+        for _ in range(8):
+            sim.step(moved, 0.01)
+        objects = sim.statistics()["objects"]
+        volumes = [objects[name]["total"]["deposited_volume"] for name in moved]
+    assert np.mean(volumes) == pytest.approx(0.08 * 0.01, rel=0.01)
+    assert min(volumes) > 0.8 * 0.08 * 0.01
+
+
+def test_two_simulations_at_once():
+    positions, triangles, uv = grid()
+    with simulation() as one, simulation() as two:
+        for sim in (one, two):
+            sim.add_object("it", triangles, uv, resolution=64)
+        one.step({"it": positions}, 0.1)
+        two.step({"it": positions}, 0.2)
+        one.step({}, 0.1)
+        assert one.statistics()["held_volume"] == pytest.approx(0.2, rel=0.01)
+        assert two.statistics()["held_volume"] == pytest.approx(0.2, rel=0.01)
+
+
+def test_closing_and_collecting_release():
+    positions, triangles, uv = grid()
+    for _ in range(3):
+        sim = simulation()
+        sim.add_object("it", triangles, uv, resolution=64)
+        sim.step({"it": positions}, 0.1)
+        del sim
+        gc.collect()
+    sim = simulation()
+    sim.close()
+    sim.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        sim.step({}, 0.1)
+
+
+def test_gpu_info_names_the_driver():
+    info = native.gpu_info()
+    assert info["vendor"] and info["renderer"] and info["version"] and info["device"]
+    assert info["max_texture_size"] >= 8192
+    with pytest.raises(RuntimeError, match="no such device"):
+        native.gpu_info("no such device")
+
+
+def test_bad_input_is_refused_by_name():
+    positions, triangles, uv = grid()
+    with simulation() as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        with pytest.raises(ValueError, match="it"):
+            sim.add_object("it", triangles, uv, resolution=64)
+        with pytest.raises(ValueError, match="odd"):
+            sim.add_object("odd", triangles, uv[:1], resolution=64)
+        with pytest.raises(ValueError, match="it"):
+            sim.step({}, 0.1)
+        with pytest.raises(ValueError, match="other"):
+            sim.step({"it": positions, "other": positions}, 0.1)
+        sim.step({"it": positions}, 0.1)
+        with pytest.raises(ValueError, match="vertices"):
+            sim.step({"it": positions[:-1]}, 0.1)
+        with pytest.raises(ValueError, match="downwards"):
+            sim.step({}, 0.1, (0.0, 0.0, 1.0))
+        with pytest.raises(ValueError, match="finite"):
+            sim.step({"it": np.full_like(positions, np.nan)}, 0.1)
+        with pytest.raises(ValueError, match="depth"):
+            sim.step({}, -0.1)
+        with pytest.raises(ValueError, match="missing"):
+            sim.height("missing")
+        assert sim.statistics()["held_volume"] == pytest.approx(0.1, rel=0.01)
+    with pytest.raises(ValueError, match="pixel_size"):
+        native.SnowSimulation(pixel_size=0.0)
+    with pytest.raises(ValueError, match="mapping"):
+        native.SnowSimulation(mapping="MAGIC")
+
+
+def test_a_scene_that_spans_too_many_pixels_is_refused():
+    positions, triangles, uv = grid()
+    with simulation(pixel_size=1e-5) as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        with pytest.raises(ValueError, match="larger pixel_size"):
+            sim.step({"it": positions}, 0.1)
+
+
+def test_output_is_smooth_where_the_map_is_sharp():
+    positions, triangles, uv = grid()
+    with simulation(blur_radius=0.05, noise_density=0.1, pixel_size=0.01) as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        sim.step({"it": positions}, 0.1)
+        stored, output = sim.height("it"), sim.output("it")
+    assert output["height"].shape == (64, 64) and output["normal"].shape == (64, 64, 3)
+    inner = np.s_[8:-8, 8:-8]
+    assert output["height"][inner].std() < 0.5 * stored[inner].std()
+    assert output["height"][inner].mean() == pytest.approx(stored[inner].mean(), rel=0.1)
