@@ -29,6 +29,7 @@ MODULES = (
     "bake_operators",
     "result_operators",
     "direction",
+    "preview",
     "preflight",
     "panels",
 )

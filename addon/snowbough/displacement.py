@@ -168,23 +168,29 @@ def strip(scene, receiver):
 
 
 class Muted:
-    """Context: our own displacement is off in render evaluation, so that snow does not fall on snow."""
+    """Context: our own displacement is off, so that snow does not fall on snow.
 
-    def __init__(self, scene):
+    switch: "show_render" for render evaluation, "show_viewport" for what the viewport shows.
+    """
+
+    def __init__(self, scene, switch="show_render"):
+        self._switch = switch
         self._modifiers = [
-            (obj.name, modifier.name, modifier.show_render, modifier.show_viewport)
+            (obj.name, modifier.name, getattr(modifier, switch))
             for obj in scene.objects
             for modifier in getattr(obj, "modifiers", ())
             if modifier.name in (SUBDIVISION_NAME, DISPLACE_NAME)
         ]
 
+    def _set(self, value_of):
+        for obj, name, shown in self._modifiers:
+            modifier = bpy.data.objects[obj].modifiers.get(name) if obj in bpy.data.objects else None
+            if modifier is not None:
+                setattr(modifier, self._switch, value_of(shown))
+
     def __enter__(self):
-        for obj, modifier, _, _ in self._modifiers:
-            bpy.data.objects[obj].modifiers[modifier].show_render = False
+        self._set(lambda shown: False)
         return self
 
     def __exit__(self, *_exception):
-        for obj, name, show_render, _ in self._modifiers:
-            modifier = bpy.data.objects[obj].modifiers.get(name) if obj in bpy.data.objects else None
-            if modifier is not None:
-                modifier.show_render = show_render
+        self._set(lambda shown: shown)

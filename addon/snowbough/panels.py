@@ -9,7 +9,17 @@ import time
 
 import bpy
 
-from . import bake_engine, bake_operators, cache, compat, displacement, preflight, receivers, scene_reader
+from . import (
+    bake_engine,
+    bake_operators,
+    cache,
+    compat,
+    displacement,
+    preflight,
+    preview,
+    receivers,
+    scene_reader,
+)
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 
@@ -208,10 +218,8 @@ class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
         super().draw(context)
         settings = context.scene.snowbough
         column = self.layout.column(align=True)
-        if hasattr(settings, "show_direction"):
-            column.prop(settings, "show_direction")
-        if hasattr(bpy.types, "SNOWBOUGH_OT_add_direction_arrow"):
-            column.operator("snowbough.add_direction_arrow", icon="EMPTY_SINGLE_ARROW")
+        column.prop(settings, "show_direction")
+        column.operator("snowbough.add_direction_arrow", icon="EMPTY_SINGLE_ARROW")
         column = self.layout.column(align=True)
         column.prop(settings, "use_scene_range")
         sub = column.column(align=True)
@@ -271,6 +279,8 @@ class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
             split.use_property_split = True
             for name in ("end_depth", "fall_angle", "bearing"):
                 split.prop(settings, name)
+            running = preview.is_running()
+            column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
         draw_bake(layout, context)
         if state_of(context.scene) == "BAKED":
             draw_result(layout, context)

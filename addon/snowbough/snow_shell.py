@@ -84,8 +84,12 @@ def _store(tree, geometry, name, image, uv, frame=None, factor=None):
     return store.outputs["Geometry"]
 
 
-def _build(name, obj, uv_map, height, covered, levels, units_per_metre, material):
-    """The node tree: receiver -> subdivide -> sample -> raise along the normal -> cut -> material."""
+def build_tree(name, obj, uv_map, image, frames, covered, levels, units_per_metre, material):
+    """The node tree: receiver -> subdivide -> sample -> raise along the normal -> cut -> material.
+
+    image: heights in metres; frames: its BakedSequence, or None for a still image. covered: image of where
+    snow ever lies, or None. Returns the new node group.
+    """
     tree = _Tree(name)
     compat.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     receiver = tree.node("GeometryNodeObjectInfo", transform_space="RELATIVE")
@@ -97,9 +101,12 @@ def _build(name, obj, uv_map, height, covered, levels, units_per_metre, material
     geometry = subdivided.outputs["Mesh"]
 
     uv = tree.attribute(uv_map, "FLOAT_VECTOR", "VECTOR")
-    now = tree.node("GeometryNodeInputSceneTime").outputs["Frame"]
-    begun = tree.math("GREATER_THAN", now, height.first - 0.5)
-    geometry = _store(tree, geometry, HEIGHT_ATTRIBUTE, height.image, uv, _frame(tree, now, height), begun)
+    frame = begun = None
+    if frames is not None:
+        now = tree.node("GeometryNodeInputSceneTime").outputs["Frame"]
+        begun = tree.math("GREATER_THAN", now, frames.first - 0.5)
+        frame = _frame(tree, now, frames)
+    geometry = _store(tree, geometry, HEIGHT_ATTRIBUTE, image, uv, frame, begun)
     if covered is not None:
         geometry = _store(tree, geometry, COVERED_ATTRIBUTE, covered, uv)
 
@@ -127,7 +134,7 @@ def _build(name, obj, uv_map, height, covered, levels, units_per_metre, material
     return tree.tree
 
 
-def _material(name):
+def make_material(name):
     """Snow that fades to nothing at its rim: its depth comes with the shell as an attribute."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
@@ -162,6 +169,33 @@ def subdivision_levels(obj, size):
     return min(11, math.floor(math.log(wanted, 4.0) + 0.5))
 
 
+def make_object(scene, obj, name, tree, material):
+    """An object with that node tree as its modifier, linked beside `obj`; bakes leave it out."""
+    shell = bpy.data.objects.new(name, bpy.data.meshes.new(name))
+    shell.snowbough.is_shell = True
+    shell.snowbough.occlude = False
+    shell.data.materials.append(material)
+    shell.modifiers.new(MODIFIER_NAME, "NODES").node_group = tree
+    homes = [collection for collection in obj.users_collection if collection.library is None]
+    (homes[0] if homes else scene.collection).objects.link(shell)
+    return shell
+
+
+def delete_object(shell):
+    """Deletes a shell with its mesh, nodes and material."""
+    mesh = shell.data
+    trees = [modifier.node_group for modifier in shell.modifiers if modifier.type == "NODES"]
+    materials = [slot.material for slot in shell.material_slots]
+    bpy.data.objects.remove(shell)
+    bpy.data.meshes.remove(mesh)
+    for tree in trees:
+        if tree is not None:
+            bpy.data.node_groups.remove(tree)
+    for material in materials:
+        if material is not None and material.users == 0:
+            bpy.data.materials.remove(material)
+
+
 def make(scene, receiver):
     """Makes the receiver's shell from its baked files and links it beside the receiver.
 
@@ -176,26 +210,20 @@ def make(scene, receiver):
         raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")
     covered = baked_images.load_ever_covered(receiver.folder)
     name = f"{obj.name} snow"
-    material = _material(name)
+    material = make_material(name)
     units_per_metre = 1.0 / snow_material.metres_per_unit(scene)
-    tree = _build(
+    tree = build_tree(
         f"{TREE_PREFIX} {obj.name}",
         obj,
         uv_map,
+        height.image,
         height,
         covered,
         subdivision_levels(obj, height.size),
         units_per_metre,
         material,
     )
-    shell = bpy.data.objects.new(name, bpy.data.meshes.new(name))
-    shell.snowbough.is_shell = True
-    shell.snowbough.occlude = False
-    shell.data.materials.append(material)
-    modifier = shell.modifiers.new(MODIFIER_NAME, "NODES")
-    modifier.node_group = tree
-    homes = [collection for collection in obj.users_collection if collection.library is None]
-    (homes[0] if homes else scene.collection).objects.link(shell)
+    shell = make_object(scene, obj, name, tree, material)
     record = restore.read(receiver)
     record["shell"] = shell.name
     restore.write(receiver, record)
@@ -212,19 +240,8 @@ def remove(receiver):
     record = restore.read(receiver)
     shell = bpy.data.objects.get(record.pop("shell", ""))
     restore.write(receiver, record)
-    if shell is None:
-        return
-    mesh = shell.data
-    trees = [modifier.node_group for modifier in shell.modifiers if modifier.type == "NODES"]
-    materials = [slot.material for slot in shell.material_slots]
-    bpy.data.objects.remove(shell)
-    bpy.data.meshes.remove(mesh)
-    for tree in trees:
-        if tree is not None:
-            bpy.data.node_groups.remove(tree)
-    for material in materials:
-        if material is not None and material.users == 0:
-            bpy.data.materials.remove(material)
+    if shell is not None:
+        delete_object(shell)
 
 
 def freeze(scene, receiver, depsgraph):

@@ -1,0 +1,260 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live preview: while it is on, snow falls as the timeline plays forward and shows in the viewport.
+
+It simulates what the viewport shows, on small maps; each receiver gets a temporary shell that samples an
+image the preview writes. Nothing of it is baked, rendered or saved: the shells are gone when the preview
+ends, before the file is saved and when another file is loaded. Going back in time starts anew.
+"""
+
+import math
+
+import bpy
+import numpy as np
+
+from . import bake_job, bake_operators, bake_plan, displacement, native, scene_reader, snow_shell
+
+RESOLUTION = 256
+SUFFIX = "snow preview"
+# Frames that playback may drop and the preview still makes up for in one step.
+MAX_SKIPPED = 8
+
+
+class _Preview:
+    """A running preview: the simulation and, by name, what it shows itself with."""
+
+    def __init__(self, scene):
+        self.scene_name = scene.name
+        settings = scene.snowbough
+        start, end = settings.frame_start, settings.frame_end
+        rates = bake_operators.constant_rates(scene, start, end)
+        self.snowfall = bake_plan.plan_snowfall(
+            start, end, settings.start_depth, settings.end_depth, rates or (settings.rate,) * (end - start + 1)
+        )
+        self.fps = scene.render.fps / scene.render.fps_base
+        self.slide_half_life = settings.slide_half_life
+        self.frame = None
+        self.shells = {}
+        self.images = {}
+        # Positions by key: as last handed over, and those that wait for the next step.
+        self.sent = {}
+        self.untold = {}
+        self.simulation = None
+        self.muted = displacement.Muted(scene, "show_viewport")
+
+    # -- simulation --------------------------------------------------------------------------------
+
+    def begin(self, scene, depsgraph):
+        """Starts with the pose of the current frame, and the start depth on it."""
+        settings = scene.snowbough
+        specs = scene_reader.receiver_specs(scene)
+        self.reader = scene_reader.SceneReader(specs, scene_reader.scale_length(scene))
+        pose = self.reader.read(depsgraph, scene.frame_current)
+        texels = {}
+        for key, obj in pose.objects.items():
+            if obj.receiver is not None and obj.receiver.enabled:
+                areas = bake_job.surface_and_uv_area(obj.topology, obj.positions)
+                texels[key] = bake_plan.metres_per_map(*areas) / RESOLUTION
+        if not texels:
+            raise ValueError("There is nothing for snow to lie on: use 'Add Snow to Selected'")
+        filled = [obj.positions for obj in pose.objects.values() if len(obj.positions)]
+        low = np.min([positions.min(axis=0) for positions in filled], axis=0).tolist()
+        high = np.max([positions.max(axis=0) for positions in filled], axis=0).tolist()
+        self.simulation = native.load().SnowSimulation(
+            pixel_size=bake_plan.automatic_pixel_size(list(texels.values()), low, high),
+            flutter=math.degrees(settings.flutter),
+            max_depth=settings.max_depth,
+            slide_half_life=settings.slide_half_life,
+            blur_radius=settings.blur_radius * min(texels.values()),
+            seed=settings.seed,
+            mapping=settings.mapping,
+        )
+        self.topologies = {key: obj.topology for key, obj in pose.objects.items()}
+        for key, obj in pose.objects.items():
+            uv = obj.topology.corner_uv
+            if key not in texels:
+                uv = np.zeros((len(obj.topology.triangles), 3, 2), np.float32)
+            self.simulation.add_object(
+                key, obj.topology.triangles, uv, resolution=RESOLUTION if key in texels else 64, receive=key in texels
+            )
+        self.receivers = {key: pose.objects[key] for key in texels}
+        self._step(pose, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life))
+        self.frame = scene.frame_current
+
+    def _step(self, pose, steps):
+        direction = bake_plan.fall_direction(pose.fall_angle, pose.bearing)
+        for key, obj in pose.objects.items():
+            known = self.topologies.get(key)
+            if known is None or known.print != obj.topology.print or not len(obj.positions):
+                continue  # changed its mesh since the preview began: it keeps its last shape
+            if self.sent.get(key) is not obj.positions:
+                self.untold[key] = self.sent[key] = obj.positions
+        for step in steps:
+            self.simulation.step(self.untold, depth=step.depth, direction=direction, dt=step.dt)
+            self.untold = {}
+
+    def advance(self, scene, depsgraph):
+        """Lets the snow of the frames since the last call fall on the current pose."""
+        pose = self.reader.read(depsgraph, scene.frame_current)
+        steps = []
+        for frame in range(self.frame + 1, scene.frame_current + 1):
+            if self.snowfall.frame_start <= frame <= self.snowfall.frame_end:
+                steps += bake_plan.frame_steps(self.snowfall, frame, self.fps)
+        self._step(pose, steps)
+        self.frame = scene.frame_current
+
+    # -- showing it --------------------------------------------------------------------------------
+
+    def show(self):
+        for key, image_name in self.images.items():
+            image = bpy.data.images.get(image_name)
+            shell = bpy.data.objects.get(self.shells[key])
+            if image is None or shell is None:  # undone or deleted by hand
+                continue
+            height = self.simulation.output(key)["height"]
+            pixels = np.ones((*height.shape, 4), dtype=np.float32)
+            pixels[..., :3] = height[..., None]
+            image.pixels.foreach_set(pixels.reshape(-1))
+            image.update()
+            shell.update_tag()
+
+    def make_shells(self, scene):
+        """One shell a receiver that is a mesh of its own; instanced collections show in bakes only."""
+        self.muted.__enter__()
+        for key, pose in self.receivers.items():
+            obj = next(
+                (
+                    entry.object
+                    for entry in scene.snowbough.receivers
+                    if entry.object is not None
+                    and entry.object.type == "MESH"
+                    and (entry.object.name, scene_reader.library_path(entry.object)) == (pose.name, pose.library)
+                ),
+                None,
+            )
+            if obj is None:
+                continue
+            name = f"{obj.name} {SUFFIX}"
+            image = bpy.data.images.new(name, RESOLUTION, RESOLUTION, float_buffer=True, is_data=True)
+            material = snow_shell.make_material(name)
+            tree = snow_shell.build_tree(
+                f"{snow_shell.TREE_PREFIX} {name}",
+                obj,
+                pose.uv_map,
+                image,
+                None,
+                None,
+                snow_shell.subdivision_levels(obj, RESOLUTION),
+                1.0 / scene_reader.scale_length(scene),
+                material,
+            )
+            shell = snow_shell.make_object(scene, obj, name, tree, material)
+            shell.hide_render = True
+            shell.hide_select = True
+            self.shells[key], self.images[key] = shell.name, image.name
+
+    def end(self):
+        if self.simulation is not None:
+            self.simulation.close()
+            self.simulation = None
+        for name in self.shells.values():
+            shell = bpy.data.objects.get(name)
+            if shell is not None:
+                snow_shell.delete_object(shell)
+        for name in self.images.values():
+            image = bpy.data.images.get(name)
+            if image is not None:
+                bpy.data.images.remove(image)
+        self.muted.__exit__()
+
+
+_running = None
+
+
+def is_running():
+    return _running is not None
+
+
+def start(scene, depsgraph):
+    """Begins the preview at the current frame. Raises what reading the scene or the GPU raises."""
+    global _running
+    stop()
+    preview = _Preview(scene)
+    try:
+        preview.begin(scene, depsgraph)
+        preview.make_shells(scene)
+        preview.show()
+    except Exception:
+        preview.end()
+        raise
+    _running = preview
+    bpy.app.handlers.frame_change_post.append(_on_frame)
+
+
+def stop():
+    """Ends the preview and takes its shells away."""
+    global _running
+    if _on_frame in bpy.app.handlers.frame_change_post:
+        bpy.app.handlers.frame_change_post.remove(_on_frame)
+    preview, _running = _running, None
+    if preview is not None:
+        preview.end()
+
+
+@bpy.app.handlers.persistent
+def _on_frame(scene, depsgraph=None):
+    preview = _running
+    if preview is None or scene.name != preview.scene_name or bpy.app.is_job_running("RENDER"):
+        return
+    ahead = scene.frame_current - preview.frame
+    if ahead == 0 or depsgraph is None:
+        return
+    if 0 < ahead <= MAX_SKIPPED:
+        preview.advance(scene, depsgraph)
+    else:
+        preview.simulation.close()
+        preview.sent, preview.untold = {}, {}
+        preview.begin(scene, depsgraph)
+    preview.show()
+
+
+@bpy.app.handlers.persistent
+def _before_file(*_):
+    stop()
+
+
+class SNOWBOUGH_OT_toggle_preview(bpy.types.Operator):
+    """Shows snow in the viewport as the timeline plays forward, on small maps; nothing is baked"""
+
+    bl_idname = "snowbough.toggle_preview"
+    bl_label = "Live Preview"
+
+    @classmethod
+    def poll(cls, context):
+        if is_running() or any(receiver.object for receiver in context.scene.snowbough.receivers):
+            return True
+        cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")
+        return False
+
+    def execute(self, context):
+        if is_running():
+            stop()
+            return {"FINISHED"}
+        try:
+            start(context.scene, context.evaluated_depsgraph_get())
+        except (ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, bake_operators.one_line(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def register():
+    bpy.utils.register_class(SNOWBOUGH_OT_toggle_preview)
+    bpy.app.handlers.load_pre.append(_before_file)
+    bpy.app.handlers.save_pre.append(_before_file)
+
+
+def unregister():
+    stop()
+    bpy.app.handlers.save_pre.remove(_before_file)
+    bpy.app.handlers.load_pre.remove(_before_file)
+    bpy.utils.unregister_class(SNOWBOUGH_OT_toggle_preview)

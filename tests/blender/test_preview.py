@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The live preview: snow in the viewport while the timeline plays, and nothing left of it afterwards."""
+
+import bpy
+import numpy as np
+import pytest
+
+
+@pytest.fixture
+def ground():
+    """A 2 m square in the ground as the only receiver; 10 frames lay 0.1 m."""
+    mesh = bpy.data.meshes.new("Ground")
+    mesh.from_pydata([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], [], [(0, 1, 2, 3)])
+    for corner, uv in zip(mesh.uv_layers.new(name="snow").data, [(0, 0), (1, 0), (1, 1), (0, 1)]):
+        corner.uv = uv
+    obj = bpy.data.objects.new("Ground", mesh)
+    scene = bpy.context.scene
+    scene.collection.objects.link(obj)
+    scene.frame_start, scene.frame_end = 1, 10
+    scene.snowbough.flutter = 0.0
+    scene.snowbough.receivers.add().object = obj
+    yield obj
+    if bpy.data.objects.get("Ground snow preview"):
+        bpy.ops.snowbough.toggle_preview()
+
+
+def shown_height():
+    shell = bpy.data.objects["Ground snow preview"]
+    mesh = shell.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    points = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
+    mesh.vertices.foreach_get("co", points)
+    points = points.reshape(-1, 3)
+    return float(np.median(points[:, 2]))
+
+
+def play(first, last):
+    for frame in range(first, last + 1):
+        bpy.context.scene.frame_set(frame)
+
+
+def test_snow_grows_in_the_viewport_as_frames_pass(ground):
+    bpy.context.scene.frame_set(1)
+    bpy.ops.snowbough.toggle_preview()
+    play(2, 6)
+    assert shown_height() == pytest.approx(0.05, rel=0.02)
+    play(7, 10)
+    assert shown_height() == pytest.approx(0.09, rel=0.02)
+
+
+def test_dropped_frames_are_made_up_for(ground):
+    bpy.context.scene.frame_set(1)
+    bpy.ops.snowbough.toggle_preview()
+    bpy.context.scene.frame_set(6)
+    assert shown_height() == pytest.approx(0.05, rel=0.02)
+
+
+def test_going_back_starts_anew(ground):
+    bpy.context.scene.frame_set(1)
+    bpy.ops.snowbough.toggle_preview()
+    play(2, 8)
+    bpy.context.scene.frame_set(1)
+    play(2, 3)
+    assert shown_height() == pytest.approx(0.02, rel=0.05)
+
+
+def test_nothing_is_left_when_it_ends(ground):
+    def everything():
+        return {
+            name: sorted(block.name for block in getattr(bpy.data, name))
+            for name in ("objects", "meshes", "materials", "images")
+        }
+
+    before = everything()
+    bpy.ops.snowbough.toggle_preview()
+    assert everything() != before
+    bpy.ops.snowbough.toggle_preview()
+    assert everything() == before
+
+
+def test_a_saved_file_holds_nothing_of_the_preview(ground, tmp_path):
+    bpy.ops.snowbough.toggle_preview()
+    path = str(tmp_path / "shot.blend")
+    bpy.ops.wm.save_as_mainfile(filepath=path)
+    with bpy.data.libraries.load(path) as (content, _):
+        assert list(content.objects) == ["Ground"]
+
+
+def test_without_anything_to_snow_on_it_says_so(ground):
+    bpy.context.scene.snowbough.receivers[0].enabled = False
+    with pytest.raises(RuntimeError, match="nothing for snow to lie on"):
+        bpy.ops.snowbough.toggle_preview()
