@@ -77,6 +77,9 @@ esac
 
 mkdir -p "$sid/snowbough" "$sid/shared"
 mount --bind . "$sid/snowbough"
+# The command line run from the checkout looks for the module in build/python: in there it is sid's.
+mkdir -p build/python build/sid/python
+mount --bind build/sid/python "$sid/snowbough/build/python"
 if [ -d ../shared ]; then
   mount --bind ../shared "$sid/shared"
 fi
