@@ -347,7 +347,7 @@ class BakeJob:
         volume = slid = 0.0
         balance = self._simulation.statistics()["objects"]
         for receiver in self.receivers:
-            output = self._output(receiver)
+            output = self._simulation.output(receiver.key, normal=self.request.write_normals)
             receiver.covered.add(output["height"])
             writer.write(receiver.folder / cache.frame_file("height", frame), output["height"])
             if request.write_normals:
@@ -374,12 +374,6 @@ class BakeJob:
                              volume, slid)  # fmt: skip
         result.seconds = {"evaluate": evaluating, "snow": snowing, "maps": maps, "checkpoint": waiting}
         return result
-
-    def _output(self, receiver):
-        """The maps of a receiver as they are written: {"height": (H, H)} and, where asked for, "normal"."""
-        if hasattr(self._simulation, "output"):
-            return self._simulation.output(receiver.key, normal=self.request.write_normals)
-        return {"height": self._simulation.height(receiver.key)}
 
     # -- files -----------------------------------------------------------------------------------------
 

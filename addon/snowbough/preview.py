@@ -11,7 +11,7 @@ import math
 import bpy
 import numpy as np
 
-from . import bake_job, bake_operators, bake_plan, displacement, native, scene_reader, snow_shell
+from . import bake_operators, bake_plan, baked_receiver, displacement, native, scene_reader, snow_shell
 
 RESOLUTION = 256
 SUFFIX = "snow preview"
@@ -52,7 +52,7 @@ class _Preview:
         texels = {}
         for key, obj in pose.objects.items():
             if obj.receiver is not None and obj.receiver.enabled:
-                areas = bake_job.surface_and_uv_area(obj.topology, obj.positions)
+                areas = baked_receiver.surface_and_uv_area(obj.topology, obj.positions)
                 texels[key] = bake_plan.metres_per_map(*areas) / RESOLUTION
         if not texels:
             raise ValueError("There is nothing for snow to lie on: use 'Add Snow to Selected'")
@@ -77,7 +77,9 @@ class _Preview:
                 key, obj.topology.triangles, uv, resolution=RESOLUTION if key in texels else 64, receive=key in texels
             )
         self.receivers = {key: pose.objects[key] for key in texels}
-        self._step(pose, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life))
+        # One step without snow, at least, tells the simulation where everything is.
+        here = bake_plan.Step(scene.frame_current, 0.0, 0.0, 1.0 / self.fps)
+        self._step(pose, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life) or [here])
         self.frame = scene.frame_current
 
     def _step(self, pose, steps):
@@ -110,7 +112,7 @@ class _Preview:
             shell = bpy.data.objects.get(self.shells[key])
             if image is None or shell is None:  # undone or deleted by hand
                 continue
-            height = self.simulation.output(key)["height"]
+            height = self.simulation.output(key, normal=False)["height"]
             pixels = np.ones((*height.shape, 4), dtype=np.float32)
             pixels[..., :3] = height[..., None]
             image.pixels.foreach_set(pixels.reshape(-1))
