@@ -36,7 +36,14 @@ def parser():
     tree.add_argument("--lod-chain", action="store_true", help="all four levels of detail, _LOD0 the finest")
     tree.add_argument("--max-bones", type=int, default=1000, help="0 = all")
     tree.add_argument("--max-bone-level", type=int, default=-1, help="-1 = all")
-    tree.add_argument("--no-foliage", dest="foliage", action="store_false")
+    tree.add_argument("--no-foliage", dest="foliage", action="store_false", help="leave the leaves out")
+    tree.add_argument(
+        "--foliage", dest="foliage_names", metavar="NAMES", default="",
+        help="starts of the names of groups, objects or materials that are foliage, separated by commas",
+    )
+    tree.add_argument(
+        "--snow-resolution", type=int, default=1024, help="texels a side that the snow UV maps are laid out for"
+    )
 
     bake = commands.add_parser("bake", help="bake the snow of the loaded file")
     bake.add_argument("--frames", metavar="A-B", help="default: the scene's settings")

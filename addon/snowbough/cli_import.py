@@ -67,8 +67,8 @@ def run(args):
     except native.NativeModuleMissing as error:
         print(f"Snowbough: {error}", file=sys.stderr)
         return NO_NATIVE
-    except (ValueError, RuntimeError, OSError) as error:
-        print(f"Snowbough: {error}", file=sys.stderr)
+    except (ValueError, RuntimeError, OSError, MemoryError) as error:
+        print(f"Snowbough: {import_tree.message(error)}", file=sys.stderr)
         return FAILED
     for text in tree.report["warnings"]:
         print(f"Snowbough: warning: {text}")

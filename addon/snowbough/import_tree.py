@@ -8,7 +8,8 @@ only then Blender's data-blocks are made (:func:`create_tree`): bad input or Esc
 import json
 import threading
 import time
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import asdict, dataclass
 from pathlib import Path
 
 import bpy
@@ -37,6 +38,7 @@ class ImportOptions:
     max_bones: int = 1000
     max_bone_level: int = -1
     foliage: bool = True
+    foliage_names: str = ""
     snow_resolution: int = 1024
 
 
@@ -47,8 +49,40 @@ class NativeTree:
     skeleton: object
     meshes: list  # (level of detail, native mesh with reduced bones)
     leaf_bones: object
-    snow_uv: object
+    leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
     report: dict
+
+
+def _build_meshes(module, skeleton, options, step):
+    """(the first mesh with all bones, [(lod, mesh with reduced bones), ...]); step(share 0..1) may raise.
+
+    The native module works outside Python's lock: the finest level of a chain takes as long as all
+    others together, which a second thread makes meanwhile.
+    """
+
+    def build(lod):
+        whole = module.build_tree_mesh(
+            skeleton, options.width, options.species, lod=lod, snow_resolution=options.snow_resolution
+        )
+        reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
+        return (whole if lod == lods[0] else None), (lod, reduced)
+
+    lods = list(range(LOD_COUNT)) if options.lod_chain else [options.lod]
+    if len(lods) == 1:
+        whole, mesh = build(lods[0])
+        step(1.0)
+        return whole, [mesh]
+    built = {}
+    with ThreadPoolExecutor(2, "snowbough-lod") as workers:
+        futures = {workers.submit(build, lod): lod for lod in reversed(lods)}
+        try:
+            for number, future in enumerate(as_completed(futures)):
+                built[futures[future]] = future.result()
+                step((number + 1) / len(lods))
+        except BaseException:
+            workers.shutdown(wait=True, cancel_futures=True)
+            raise
+    return built[lods[0]][0], [built[lod][1] for lod in lods]
 
 
 def read_native(path, options, progress=None):
@@ -74,32 +108,23 @@ def read_native(path, options, progress=None):
         levels=options.levels,
         simplify=options.simplify,
         tolerance=options.tolerance,
-        foliage=options.foliage,
+        foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=None if progress is None else lambda share: progress(0.5 * share),
     )
     if not skeleton.branches:
         raise ValueError(f"{path} holds no branches: there is no tree to import")
-    meshes, warnings = [], []
-    lods = range(LOD_COUNT) if options.lod_chain else [options.lod]
-    whole = None
-    for number, lod in enumerate(lods):
-        step(0.5 + 0.4 * number / len(lods))
-        whole = module.build_tree_mesh(
-            skeleton, options.width, options.species, lod=lod, snow_resolution=options.snow_resolution
-        )
-        warnings += [text for text in whole.warnings if text not in warnings]
-        meshes.append((lod, module.reduce_bones(whole, options.max_bones, options.max_bone_level)))
-    step(0.9)
-    leaf_bones = snow_uv = None
+    step(0.5)
+    whole, meshes = _build_meshes(module, skeleton, options, lambda share: step(0.5 + 0.4 * share))
+    warnings = list(whole.warnings)
+    leaf_bones = leaf_layout = None
     if len(skeleton.foliage.vertices):
         bone_map = meshes[0][1].bone_map
         leaf_bones = module.leaf_bones(skeleton, whole)
         leaf_bones = leaf_bones if bone_map is None else bone_map[leaf_bones]
-        layout = module.layout_leaf_uvs(skeleton, options.snow_resolution)
-        snow_uv = layout["uv"]
-        if layout["resolution"] > options.snow_resolution:
+        leaf_layout = module.layout_leaf_uvs(skeleton, options.snow_resolution)
+        if leaf_layout["resolution"] > options.snow_resolution:
             warnings.append(
-                f"the leaves' snow UV map needs a resolution of {layout['resolution']}, "
+                f"the leaves' snow UV map needs a resolution of {leaf_layout['resolution']}, "
                 f"not {options.snow_resolution}"
             )
     step(1.0)
@@ -117,7 +142,7 @@ def read_native(path, options, progress=None):
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
-    return NativeTree(skeleton, meshes, leaf_bones, snow_uv, report)
+    return NativeTree(skeleton, meshes, leaf_bones, leaf_layout, report)
 
 
 def _lod_suffix(lod, chain):
@@ -143,16 +168,17 @@ def create_tree(context, title, tree, options):
             bark_name = f"{name}_bark{_lod_suffix(lod, options.lod_chain)}"
             bark = tree_objects.create_bark(bark_name, mesh, bones.names, bark_material)
             bark[LOD_PROPERTY] = lod
+            bark[tree_objects.SNOW_RESOLUTION_PROPERTY] = options.snow_resolution
             made.append(bark)
         if tree.leaf_bones is not None:
             foliage = tree.skeleton.foliage
             materials = [tree_material.leaf_material(source) for source in foliage.materials]
             materials.append(tree_material.leaf_material(name=f"{name}_leaf"))
-            made.append(
-                tree_objects.create_leaves(
-                    f"{name}_leaves", foliage, tree.snow_uv, tree.leaf_bones, bones.names, materials
-                )
+            leaves = tree_objects.create_leaves(
+                f"{name}_leaves", foliage, tree.leaf_layout["uv"], tree.leaf_bones, bones.names, materials
             )
+            leaves[tree_objects.SNOW_RESOLUTION_PROPERTY] = int(tree.leaf_layout["resolution"])
+            made.append(leaves)
         for obj in made[1:]:
             collection.objects.link(obj)
             tree_objects.bind(obj, rig)
@@ -195,6 +221,13 @@ def summary(report):
     ):
         text += f", {count} {what}" if count else ""
     return text
+
+
+def message(error):
+    """What is told of an error; a MemoryError says nothing of its own."""
+    if isinstance(error, MemoryError):
+        return "The tree does not fit into memory: choose a lower level of detail, or simplify it"
+    return str(error)
 
 
 def _tell(operator, report):
@@ -307,10 +340,19 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
         name="Foliage", description="Keep leaves, needles and flowers as a second object", default=True
     )
 
+    foliage_names: StringProperty(
+        name="Foliage Names",
+        description="What is foliage: starts of the names of groups, objects or materials, separated by "
+        "commas; empty: told by usual names and by shape",
+    )
+    snow_resolution: IntProperty(
+        name="Snow Resolution",
+        description="Side in texels of the accumulation map that the UV maps `snow` are laid out for",
+        default=1024, min=64, max=8192,
+    )
+
     def _options(self):
-        names = ("up_axis", "levels", "simplify", "tolerance", "width", "species", "lod", "lod_chain")
-        names += ("max_bones", "max_bone_level", "foliage")
-        return ImportOptions(**{name: getattr(self, name) for name in names})
+        return ImportOptions(**{name: getattr(self, name) for name in ImportOptions.__dataclass_fields__})
 
     def invoke(self, context, event):
         # A file dropped onto the window comes with its path: only the options are asked for.
@@ -322,7 +364,7 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     def execute(self, context):
         if getattr(self, "_in_window", False) and context.window is not None and not bpy.app.background:
             # A job of its own keeps the window alive and listens to Esc.
-            values = {name: getattr(self, name) for name in ImportOptions.__dataclass_fields__ if hasattr(self, name)}
+            values = asdict(self._options())
             bpy.ops.snowbough.import_tree_job("INVOKE_DEFAULT", filepath=self.filepath, **values)
             return {"FINISHED"}
         try:
@@ -330,8 +372,8 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
         except KeyboardInterrupt:
             self.report({"WARNING"}, "The import was stopped; nothing was changed")
             return {"CANCELLED"}
-        except (ValueError, RuntimeError, OSError) as error:
-            self.report({"ERROR"}, str(error))
+        except (ValueError, RuntimeError, OSError, MemoryError) as error:
+            self.report({"ERROR"}, message(error))
             return {"CANCELLED"}
         _tell(self, report)
         return {"FINISHED"}
@@ -357,10 +399,11 @@ class SNOWBOUGH_OT_import_tree_job(bpy.types.Operator):
     max_bones: IntProperty(default=1000)
     max_bone_level: IntProperty(default=-1)
     foliage: BoolProperty(default=True)
+    foliage_names: StringProperty()
+    snow_resolution: IntProperty(default=1024)
 
     def invoke(self, context, _event):
-        fields = ImportOptions.__dataclass_fields__
-        self._options = ImportOptions(**{name: getattr(self, name) for name in fields if hasattr(self, name)})
+        self._options = ImportOptions(**{name: getattr(self, name) for name in ImportOptions.__dataclass_fields__})
         try:
             self._job = _Job(self.filepath, self._options)
         except RuntimeError as error:
@@ -385,9 +428,13 @@ class SNOWBOUGH_OT_import_tree_job(bpy.types.Operator):
             return {"RUNNING_MODAL"}
         self._end(context)
         if self._job.error is not None:
-            self.report({"ERROR"}, str(self._job.error))
+            self.report({"ERROR"}, message(self._job.error))
             return {"CANCELLED"}
-        create_tree(context, Path(self.filepath).stem, self._job.tree, self._options)
+        try:
+            create_tree(context, Path(self.filepath).stem, self._job.tree, self._options)
+        except (ValueError, RuntimeError, OSError, MemoryError) as error:
+            self.report({"ERROR"}, message(error))
+            return {"CANCELLED"}
         _tell(self, self._job.tree.report)
         return {"FINISHED"}
 

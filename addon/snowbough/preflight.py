@@ -143,7 +143,7 @@ def _receiver(scene, entry, depsgraph):
         issues.append(
             Issue("WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use a snow shell", name)
         )
-    return issues, entry.resolution or _automatic_size(scene, obj, mesh, uv)
+    return issues, scene_reader.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
 
 
 def _automatic_size(scene, obj, mesh, uv):

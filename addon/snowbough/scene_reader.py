@@ -19,9 +19,11 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import cache, compat
+from . import bake_plan, cache, compat
 from .scene_inputs import fingerprint
 
+SNOW_UV = "snow"
+SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 # These only move vertices: where an object has no others, its topology cannot change.
@@ -401,6 +403,13 @@ def _each_once(arrays):
     return once
 
 
+def receiver_resolution(entry):
+    """The resolution of a line of the list; where that is 0, the one that an imported tree's map ``snow``
+    was laid out for (charts and gutters are so many texels wide); else 0, automatic."""
+    laid_out = entry.object.get(SNOW_RESOLUTION_PROPERTY, 0) if entry.uv_map in ("", SNOW_UV) else 0
+    return entry.resolution or min(int(laid_out), bake_plan.MAX_RESOLUTION)
+
+
 def receiver_specs(scene):
     """The scene's list as ReceiverSpec, without empty and doubled lines."""
     specs = {}
@@ -410,7 +419,7 @@ def receiver_specs(scene):
         library = library_path(entry.object)
         specs.setdefault(
             (entry.object.name, library),
-            ReceiverSpec(entry.object.name, library, entry.uv_map, entry.resolution, entry.enabled),
+            ReceiverSpec(entry.object.name, library, entry.uv_map, receiver_resolution(entry), entry.enabled),
         )
     return list(specs.values())
 

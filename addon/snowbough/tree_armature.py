@@ -2,7 +2,9 @@
 """The armature of a tree from the bones' arrays, and the weights of meshes that it deforms."""
 
 from dataclasses import dataclass
+from itertools import islice
 
+import bmesh
 import bpy
 import numpy as np
 
@@ -100,24 +102,27 @@ def create_armature(context, name, bones, collection):
     return rig
 
 
-def write_weights(obj, bone_names, indices, weights):
-    """Gives `obj` one vertex group a bone and writes the weights.
+def write_weights(mesh, indices, weights):
+    """Writes the weights into `mesh`, which has vertices only as yet; the groups' names are the object's.
 
-    indices int32 (V, K) into bone_names, weights float32 (V, K), 0 where unused; no bone twice in a
-    row. Vertices that share both bone and weight are written in one call: weights known by
-    construction take few values, and one call a vertex would cost many times more.
+    indices int32 (V, K): vertex groups by number; weights float32 (V, K), 0 where unused; no bone twice in a
+    row. Weights go through a BMesh: VertexGroup.add walks the list of groups for every single vertex,
+    which takes several times longer with a thousand bones. Edges and faces come later, so that the
+    BMesh stays small.
     """
-    groups = [obj.vertex_groups.new(name=name) for name in bone_names]
-    vertices, columns = np.nonzero(weights > 0)
-    bones = indices[vertices, columns].astype(np.int64)
-    values = np.ascontiguousarray(weights[vertices, columns], dtype=np.float32)
-    # Positive floats sort like their bit patterns: one key for (bone, weight).
-    keys = (bones << 32) | values.view(np.uint32).astype(np.int64)
-    order = np.argsort(keys, kind="stable")
-    keys = keys[order]
-    starts = np.concatenate([[0], np.nonzero(np.diff(keys))[0] + 1, [len(keys)]]).tolist()
-    sorted_vertices = vertices[order].tolist()
-    for start, end in zip(starts, starts[1:]):
-        if end > start:
-            which = order[start]
-            groups[bones[which]].add(sorted_vertices[start:end], float(values[which]), "REPLACE")
+    weights = np.asarray(weights)
+    used = weights > 0
+    vertices, columns = np.nonzero(used)
+    entries = zip(np.asarray(indices)[vertices, columns].tolist(), weights[vertices, columns].tolist())
+    counts = np.count_nonzero(used, axis=1).tolist()
+    work = bmesh.new()
+    try:
+        work.from_mesh(mesh)
+        layer = work.verts.layers.deform.verify()
+        for vertex, count in zip(work.verts, counts):
+            groups = vertex[layer]
+            for bone, weight in islice(entries, count):
+                groups[bone] = weight
+        work.to_mesh(mesh)
+    finally:
+        work.free()

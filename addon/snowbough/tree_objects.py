@@ -17,6 +17,8 @@ SNOW_UV = "snow"
 LEVEL_ATTRIBUTE = "branch_level"
 # glTF carries only attributes whose names begin with an underscore, and only those of points.
 POINT_LEVEL_ATTRIBUTE = "_BRANCH_LEVEL"
+# On an object: the side in texels that its UV map `snow` was laid out for.
+SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
 
 
 class Ledger:
@@ -51,18 +53,20 @@ def _checked(corner_vertex, vertex_count):
     return corner_vertex
 
 
-def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth):
+def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, weights):
     """A mesh from flat arrays.
 
     vertices float32 (V, 3); corner_vertex int32 (L,); face_begin int32 (F + 1,): polygon f owns the
     corners from face_begin[f] to face_begin[f + 1]; uvs: list of (name, float32 (L, 2)), in the
-    order the layers shall have. Raises ValueError for an index out of range.
+    order the layers shall have; bones int32, weights float32 (V, K): see tree_armature.write_weights.
+    Raises ValueError for an index out of range.
     """
     corner_vertex = _checked(np.ascontiguousarray(corner_vertex, dtype=np.int32).reshape(-1), len(vertices))
     face_begin = np.ascontiguousarray(face_begin, dtype=np.int32)
     faces = len(face_begin) - 1
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(vertices))
+    tree_armature.write_weights(mesh, bones, weights)
     mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, dtype=np.float32).reshape(-1))
     mesh.loops.add(len(corner_vertex))
     mesh.loops.foreach_set("vertex_index", corner_vertex)
@@ -75,6 +79,14 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth):
         compat.set_uv(mesh.uv_layers[layer_name], uv)
     mesh.update(calc_edges=True)
     return mesh
+
+
+def create_object(name, mesh, bone_names):
+    """An object of `mesh` whose vertex groups are the bones, in their order."""
+    obj = bpy.data.objects.new(name, mesh)
+    for bone in bone_names:
+        obj.vertex_groups.new(name=bone)
+    return obj
 
 
 def point_levels(quads, face_level, vertex_count):
@@ -95,17 +107,15 @@ def create_bark(name, tree, bone_names, material):
     quads = np.asarray(tree.quads, dtype=np.int32)
     vertices = np.asarray(tree.vertices, dtype=np.float32)
     uvs = [(BARK_UV, tree.uv_bark), (SNOW_UV, tree.uv_snow)]
-    mesh = create_mesh(name, vertices, quads, np.arange(len(quads) + 1) * 4, uvs, smooth=True)
+    mesh = create_mesh(name, vertices, quads, np.arange(len(quads) + 1) * 4, uvs, smooth=True,
+                       bones=tree.bone_indices, weights=tree.bone_weights)
     levels = np.ascontiguousarray(tree.branch_level, dtype=np.int32)
     mesh.attributes.new(LEVEL_ATTRIBUTE, "INT", "FACE").data.foreach_set("value", levels)
     # Float: glTF has no 32-bit integer attributes.
     at_points = point_levels(quads, levels, len(vertices)).astype(np.float32)
     mesh.attributes.new(POINT_LEVEL_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", at_points)
     mesh.materials.append(material)
-
-    bark = bpy.data.objects.new(name, mesh)
-    tree_armature.write_weights(bark, bone_names, tree.bone_indices, tree.bone_weights)
-    return bark
+    return create_object(name, mesh, bone_names)
 
 
 def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
@@ -116,19 +126,17 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
     """
     corner_vertex, face_begin = np.asarray(foliage.corner_vertex), np.asarray(foliage.face_begin)
     uvs = [(LEAF_UV, foliage.corner_uv), (SNOW_UV, snow_uv)]
-    mesh = create_mesh(name, foliage.vertices, corner_vertex, face_begin, uvs, smooth=False)
+    vertex_leaf = np.full(len(foliage.vertices), -1, dtype=np.int32)
+    vertex_leaf[corner_vertex] = np.repeat(foliage.face_leaf, np.diff(face_begin))
+    bones = np.where(vertex_leaf >= 0, np.asarray(leaf_bones)[vertex_leaf], 0).astype(np.int32)[:, None]
+    mesh = create_mesh(name, foliage.vertices, corner_vertex, face_begin, uvs, smooth=False,
+                       bones=bones, weights=np.ones(bones.shape, dtype=np.float32))
     for material in materials:
         mesh.materials.append(material)
     # -1, no material, is the last slot.
     slots = np.asarray(foliage.face_material) % len(materials)
     mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
-
-    leaves = bpy.data.objects.new(name, mesh)
-    vertex_leaf = np.full(len(foliage.vertices), -1, dtype=np.int32)
-    vertex_leaf[corner_vertex] = np.repeat(foliage.face_leaf, np.diff(face_begin))
-    bones = np.where(vertex_leaf >= 0, np.asarray(leaf_bones)[vertex_leaf], 0).astype(np.int32)
-    tree_armature.write_weights(leaves, bone_names, bones[:, None], np.ones((len(bones), 1), dtype=np.float32))
-    return leaves
+    return create_object(name, mesh, bone_names)
 
 
 def bind(obj, rig):

@@ -5,13 +5,13 @@ Pure numpy, no Blender. A limb is one branch's chain of bones; it is taken as a 
 parent limb carries along.
 
 - Frequency: first bending mode of a uniform round cantilever, f = 1.875^2 / (2 pi) * r / (2 L^2) *
-  sqrt(E / rho) (S. P. Timoshenko, Vibration Problems in Engineering, 1937, chapter 5): long thin limbs
-  swing slowly.
-- Amplitude: angle at the tip under an even load, q L^3 / (6 E I) with I = pi r^4 / 4 and the wind's drag
-  q = rho_air / 2 * v^2 * c_d * 2 r (S. P. Timoshenko, J. M. Gere, Mechanics of Materials, 1972,
-  appendix D): proportional to (L / r)^3. It levels off at `LARGEST_ANGLE`, since plants bend out of the
-  wind and feel less of it (E. de Langre, Effects of Wind on Plants, Annual Review of Fluid Mechanics 40,
-  2008, section 3.2).
+  sqrt(E / rho) (W. T. Thomson, Theory of Vibration with Applications, table 9.5-1: 3.52 = 1.875^2 for a
+  cantilever; r / 2 is a round section's radius of gyration): long thin limbs swing slowly.
+- Amplitude: angle at the tip under an even load, q L^3 / (6 E I) (any table of beam slopes and
+  deflections) with I = pi r^4 / 4 and the wind's drag q = rho_air / 2 * v^2 * c_d * 2 r: proportional to
+  (L / r)^3. It levels off at `LARGEST_ANGLE`, since slender plants bend out of the wind and feel less of
+  it (E. de Langre, A. Gutierrez, J. Cosse, On the scaling of drag reduction by reconfiguration in plants,
+  Comptes Rendus Mecanique 340, 2012, pages 35-40); how it levels off is our choice.
 - Share of each bone: curvature of that cantilever, M / (E I) with M ~ (1 - s)^2 and the bone's own radius.
 """
 
@@ -19,15 +19,15 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Green wood: Young's modulus 7 GPa, density 900 kg/m3 (Forest Products Laboratory, Wood Handbook,
-# FPL-GTR-282, 2021, tables 5-3 and 4-6: middle of the species of interest).
+# Living wood: Young's modulus 7 GPa, density 900 kg/m3. Round numbers of our choice; species differ by
+# a factor of two, which the operator's strength covers.
 WOOD_SPEED = (7.0e9 / 900.0) ** 0.5
 WOOD_MODULUS = 7.0e9
 AIR_DENSITY = 1.2
-# Twigs and leaves catch far more wind than the limb's own silhouette (a crown's drag over that of its
-# bare limbs; de Langre 2008, section 2.3).
+# Twigs and leaves catch far more wind than the limb's own silhouette. Chosen by eye: a fresh breeze moves
+# small trees as a whole.
 CROWN_DRAG = 40.0
-# Metres a second at strength 1: a fresh breeze, Beaufort 5.
+# Metres a second at strength 1: a fresh breeze, Beaufort 5 (8.0 to 10.7 m/s).
 WIND_SPEED = 9.0
 # Radians that a limb's tip turns by at most, relative to its base.
 LARGEST_ANGLE = np.radians(22.0)

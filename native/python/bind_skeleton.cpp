@@ -41,6 +41,21 @@ Simplify simplify_from(const std::string& name) {
   throw std::invalid_argument("simplify must be NONE, THESIS or TOLERANCE, not '" + name + "'");
 }
 
+/// foliage: a bool, "AUTO" (keep it), "NONE" (leave it out), or the names that are foliage.
+void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
+  if (py::isinstance<py::bool_>(foliage)) {
+    options.foliage = foliage.cast<bool>();
+    return;
+  }
+  if (!py::isinstance<py::str>(foliage)) {
+    throw std::invalid_argument(
+        "foliage must be True, False, 'AUTO', 'NONE' or names separated by commas");
+  }
+  const auto text = foliage.cast<std::string>();
+  options.foliage = text != "NONE";
+  if (options.foliage && text != "AUTO") options.foliage_names = text;
+}
+
 /// Calls Python's progress(share) with the GIL; a false return or a pending Ctrl-C stops the work.
 /// What Python raised is kept and raised again once the C++ work has unwound.
 class PythonProgress {
@@ -76,14 +91,14 @@ class PythonProgress {
 };
 
 Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
-                   const std::string& simplify, float tolerance, bool foliage,
+                   const std::string& simplify, float tolerance, const py::object& foliage,
                    const py::object& progress) {
   ReadTreeOptions options;
   options.up_axis = up_axis_from(up_axis);
   options.levels = levels;
   options.simplify = simplify_from(simplify);
   options.tolerance = tolerance;
-  options.foliage = foliage;
+  set_foliage(foliage, options);
   // os.fsdecode takes str, bytes and pathlib.Path.
   const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
   PythonProgress python_progress(progress);
@@ -257,8 +272,11 @@ void bind_skeleton(py::module_& module) {
 
   module.def("read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO",
              py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
-             py::arg("foliage") = true, py::arg("progress") = py::none(),
+             py::arg("foliage") = "AUTO", py::arg("progress") = py::none(),
              "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
+             "foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string "
+             "names what is foliage, separated by commas: parts whose group, object or material starts "
+             "with one of the names, and no others.\n\n"
              "progress(share) is called now and then; a return of False (not None) cancels with "
              "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
 }

@@ -190,6 +190,8 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
                                             : "a single plane, no limb");
     } else if (shapes.shape[p] == Shape::kOther && shapes.why[p] == NotATube::kForks) {
       skip(reason_text(shapes.why[p]));
+    } else if (labels.foliage_named) {
+      skip("no limb, and not named as foliage");
     }
   }
   result.foliage_count =

@@ -4,6 +4,7 @@
 #include <array>
 #include <cctype>
 #include <map>
+#include <stdexcept>
 
 namespace snowbough::tree {
 namespace {
@@ -51,12 +52,77 @@ NameMeaning meaning_of_run(const std::vector<NameMeaning>& names,
   return group != NameMeaning::kSilent ? group : material;
 }
 
+std::string lower_case(std::string_view text) {
+  std::string lower(text);
+  std::transform(lower.begin(), lower.end(), lower.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return lower;
+}
+
+/// Names (groups and objects, or materials) that start with one of `prefixes`; marks those used.
+std::vector<bool> starting_with(const std::vector<std::string>& names,
+                                const std::vector<std::string>& prefixes, std::vector<bool>& used) {
+  std::vector<bool> named;
+  for (const std::string& name : names) {
+    const std::string lower = lower_case(name);
+    bool any = false;
+    for (size_t i = 0; i < prefixes.size(); ++i) {
+      if (!lower.starts_with(prefixes[i])) continue;
+      any = true;
+      used[i] = true;
+    }
+    named.push_back(any);
+  }
+  return named;
+}
+
+std::vector<std::string> split_foliage_names(const std::string& list) {
+  std::vector<std::string> prefixes;
+  for (size_t from = 0; from <= list.size();) {
+    const size_t comma = std::min(list.find(',', from), list.size());
+    const std::string lower = lower_case(std::string_view(list).substr(from, comma - from));
+    const size_t first = lower.find_first_not_of(" \t");
+    if (first == std::string::npos) {
+      throw std::invalid_argument("foliage: a name is empty in '" + list + "'");
+    }
+    prefixes.push_back(lower.substr(first, lower.find_last_not_of(" \t") - first + 1));
+    from = comma + 1;
+  }
+  return prefixes;
+}
+
+/// What the user calls foliage is; all else falls back to wood or to its shape.
+void overrule_foliage(const ObjScene& scene, const Parts& parts, const std::string& list,
+                      PartLabels& labels) {
+  const std::vector<std::string> prefixes = split_foliage_names(list);
+  std::vector<bool> used(prefixes.size(), false);
+  const std::vector<bool> names = starting_with(scene.names, prefixes, used);
+  const std::vector<bool> materials = starting_with(scene.materials, prefixes, used);
+  for (size_t i = 0; i < prefixes.size(); ++i) {
+    if (used[i]) continue;
+    throw std::invalid_argument("foliage: no group, object or material of the file starts with '" +
+                                prefixes[i] + "'");
+  }
+  const auto is_named = [](const std::vector<bool>& named, int32_t i) {
+    return i >= 0 && named[i];
+  };
+  for (size_t p = 0; p < parts.run.size(); ++p) {
+    const FaceRun& run = scene.runs[parts.run[p]];
+    NameMeaning& meaning = labels.meaning[p];
+    if (is_named(names, run.group) || is_named(names, run.object) ||
+        is_named(materials, run.material)) {
+      meaning = NameMeaning::kFoliage;
+    } else if (meaning == NameMeaning::kFoliage) {
+      meaning = NameMeaning::kSilent;
+    }
+  }
+  labels.foliage_named = true;
+}
+
 }  // namespace
 
 NameMeaning meaning_of_name(std::string_view name) {
-  std::string lower(name);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(name);
   NameMeaning meaning = NameMeaning::kSilent;
   size_t last_end = 0;
   for (const Word& word : kWords) {
@@ -73,7 +139,8 @@ NameMeaning meaning_of_name(std::string_view name) {
   return meaning;
 }
 
-PartLabels label_parts(const ObjScene& scene, const Parts& parts) {
+PartLabels label_parts(const ObjScene& scene, const Parts& parts,
+                       const std::string& foliage_names) {
   PartLabels labels;
   std::vector<NameMeaning> names;
   std::vector<NameMeaning> materials;
@@ -105,6 +172,7 @@ PartLabels label_parts(const ObjScene& scene, const Parts& parts) {
     labels.label.push_back(label);
     labels.meaning.push_back(meaning_of_run(names, materials, run));
   }
+  if (!foliage_names.empty()) overrule_foliage(scene, parts, foliage_names, labels);
   return labels;
 }
 

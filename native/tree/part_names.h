@@ -25,8 +25,15 @@ struct PartLabels {
   std::vector<int32_t> label;
   /// Per part: what material, group and object together say.
   std::vector<NameMeaning> meaning;
+  /// The user has said which names are foliage: nothing else is.
+  bool foliage_named = false;
 };
 
-PartLabels label_parts(const ObjScene& scene, const Parts& parts);
+/// @param foliage_names names separated by commas: parts whose group, object or material starts
+/// with
+///   one of them (in any case) are foliage and no others. Empty: told by meaning_of_name.
+/// @throws std::invalid_argument where a name is empty or nothing in the file starts with it.
+PartLabels label_parts(const ObjScene& scene, const Parts& parts,
+                       const std::string& foliage_names = {});
 
 }  // namespace snowbough::tree

@@ -140,7 +140,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   {
     const ObjScene scene = read_obj_file(path, read_options);
     const Parts parts = split_parts(scene);
-    const PartLabels labels = label_parts(scene, parts);
+    const PartLabels labels = label_parts(scene, parts, options.foliage_names);
     ClassifiedParts classified =
         classify_parts(scene, parts, labels, part_of(options.progress, 0.5f, 0.8f));
     report.form = form_name(classified.form);

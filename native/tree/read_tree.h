@@ -22,6 +22,9 @@ struct ReadTreeOptions {
   float tolerance = 0.5f;
   /// Keep leaves, needles and flowers in Skeleton::foliage.
   bool foliage = true;
+  /// Names separated by commas: parts whose group, object or material starts with one of them are
+  /// foliage and no others. Empty: told by the names' words and by shape.
+  std::string foliage_names = {};
   /// Bytes of the file read at a time.
   size_t buffer_size = size_t{1} << 20;
   Progress progress = {};

@@ -432,6 +432,31 @@ TEST_F(ReadTree, FoliageCanBeLeftOut) {
               Contains(Pair(HasSubstr("foliage"), "left out by option")));
 }
 
+TEST_F(ReadTree, FoliageIsWhatTheUserNames) {
+  TreeText text;
+  text.tree(false, numbered);
+  text.line("g leaves");
+  text.leaf({0.5f, 0.1f, 2.6f}, {0.1f, 0.2f, 0});
+  text.line("g Tags 1\nusemtl paper");
+  text.leaf({0.5f, 0.1f, 2.7f}, {0.1f, 0.2f, 0});
+  for (const char* names : {"tags", " Paper ", "tags,paper"}) {
+    const Skeleton skeleton = read(text.text(), {.foliage_names = names});
+    EXPECT_EQ(skeleton.report.foliage_parts, 1) << names;
+    EXPECT_EQ(skeleton.foliage.vertices[0].z, 2.7f) << names;
+    EXPECT_THAT(skeleton.report.skipped_parts,
+                Contains(Pair("leaves", "no limb, and not named as foliage")))
+        << names;
+  }
+  EXPECT_EQ(read(text.text(), {.foliage_names = "leaves,tags"}).report.foliage_parts, 2);
+}
+
+TEST_F(ReadTree, FoliageNamesThatMeanNothingAreRefused) {
+  TreeText text;
+  text.tree(false, numbered);
+  EXPECT_THROW(read(text.text(), {.foliage_names = "tags"}), std::invalid_argument);
+  EXPECT_THROW(read(text.text(), {.foliage_names = "trunk,,twig"}), std::invalid_argument);
+}
+
 Branch tapering(std::string name, std::vector<glm::vec3> points, float radius) {
   Branch branch;
   branch.name = std::move(name);

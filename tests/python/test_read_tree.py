@@ -275,3 +275,20 @@ def test_the_gil_is_free_while_reading():
         ticks += 1
         time.sleep(0.001)
     assert ticks > 5
+
+
+def test_foliage_takes_a_bool_a_word_or_names(tmp_path):
+    ring = [(0.1, 0), (0, 0.1), (-0.1, 0), (0, -0.1)]
+    lines = ["g trunk1"] + [f"v {x} {y} {z}" for z in range(3) for x, y in ring]
+    for low in (1, 5):
+        lines += [f"f {low + k} {low + (k + 1) % 4} {low + 4 + (k + 1) % 4} {low + 4 + k}" for k in range(4)]
+    lines += ["v 0 0 2", "v 0.3 0 2.1", "v 0.3 0.1 2.3", "g tags", "f 13 14 15"]
+    path = tmp_path / "tree.obj"
+    path.write_text("\n".join(lines) + "\n")
+    corners = [len(native.read_tree(path, foliage=value).foliage.corner_vertex)
+               for value in (True, "AUTO", "", "tags", False, "NONE")]
+    assert corners == [3, 3, 3, 3, 0, 0]
+    with pytest.raises(ValueError, match="starts with 'petals'"):
+        native.read_tree(path, foliage="petals")
+    with pytest.raises(ValueError, match="foliage must be"):
+        native.read_tree(path, foliage=3)
