@@ -32,8 +32,7 @@ bool is_homeless(ivec2 pixel, uint triangle, uint slot) {
   if (sum >= half_pixel) {
     return false;
   }
-  ivec3 place;
-  const uint owner = texel_under(pixel, triangle, slot, place);
+  const uint owner = texel_under(pixel, triangle, slot);
   if (owner == 0u) {
     return true;
   }

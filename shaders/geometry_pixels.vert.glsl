@@ -24,8 +24,7 @@ void main() {
       slot < group_objects.x || slot >= group_objects.y || sum >= 0.5) {
     return;
   }
-  ivec3 place;
-  const uint owner = texel_under(pixel, seen.x - 1u, slot, place);
+  const uint owner = texel_under(pixel, seen.x - 1u, slot);
   if (owner == 0u || owner - 1u < batch_texels.x || owner - 1u >= batch_texels.y) {
     return;
   }

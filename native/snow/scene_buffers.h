@@ -13,7 +13,9 @@ namespace snowbough::snow {
 
 /// Texels of a batch: its widest array, 16 bytes a texel, fits llvmpipe's largest storage buffer
 /// (128 MiB) with room for the fragments.
-inline constexpr int32_t kBatchTexels = 1 << 22;
+inline constexpr int32_t kBatchTexels = (1 << 22) - static_cast<int32_t>(shared::kTexelGroup);
+/// OpenGL promises dispatches of 65,535 work groups; the smallest work groups take 64 texels.
+static_assert(kBatchTexels / 64 <= 65535 && kBatchTexels % shared::kTexelGroup == 0);
 
 /// A run of a map group's texels, with all that the passes keep per texel.
 struct TexelBatch {

@@ -67,7 +67,8 @@ def rotated(positions, axis, degrees):
     c, s = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
     i, j = {"x": (1, 2), "y": (2, 0), "z": (0, 1)}[axis]
     turned = np.array(positions, np.float64)
-    turned[:, i], turned[:, j] = c * positions[:, i] - s * positions[:, j], s * positions[:, i] + c * positions[:, j]
+    turned[:, i] = c * positions[:, i] - s * positions[:, j]
+    turned[:, j] = s * positions[:, i] + c * positions[:, j]
     return turned.astype(np.float32)
 
 
