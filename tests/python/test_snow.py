@@ -191,7 +191,8 @@ def test_a_plate_turned_over_keeps_and_then_sheds():
             sim.step({}, 0.0, DOWN, 1.0)
         statistics = sim.statistics()
     assert statistics["held_volume"] == 0.0
-    assert statistics["total"]["slid_volume"] == pytest.approx(statistics["total"]["deposited_volume"], rel=1e-5)
+    total = statistics["total"]
+    assert total["slid_volume"] == pytest.approx(total["deposited_volume"], rel=1e-5)
 
 
 def test_a_moving_object_keeps_its_snow_and_a_stretched_one_its_thickness():
