@@ -1,12 +1,12 @@
 #include "tree/rings.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <map>
-#include <numeric>
 #include <utility>
+
+#include "tree/closed_ends.h"
+#include "tree/local_mesh.h"
 
 namespace snowbough::tree {
 namespace {
@@ -17,71 +17,6 @@ constexpr float kSameThickness = 0.02f;
 constexpr float kFlatCap = 0.02f;
 /// A limb shorter than this share of its radius is a disc, not a tube.
 constexpr float kShortestLimb = 0.25f;
-/// Cosine between the normals of faces that lie in one plane.
-constexpr float kFlatPatch = 0.99f;
-/// A vertex with more faces than this is the centre of a fan.
-constexpr int32_t kFanFaces = 6;
-
-/// The component with vertices renumbered from 0 and faces as a flat list.
-struct LocalMesh {
-  std::vector<glm::vec3> positions;
-  std::vector<int32_t> face_begin{0};
-  std::vector<int32_t> corners;
-
-  int32_t face_count() const { return static_cast<int32_t>(face_begin.size()) - 1; }
-  std::span<const int32_t> face(int32_t f) const {
-    return {corners.data() + face_begin[f], corners.data() + face_begin[f + 1]};
-  }
-};
-
-LocalMesh extract(const ObjScene& scene, std::span<const int32_t> faces,
-                  std::span<const int32_t> vertices) {
-  LocalMesh mesh;
-  mesh.positions.reserve(vertices.size());
-  for (const int32_t v : vertices) mesh.positions.push_back(scene.positions[v]);
-  const bool contiguous =
-      vertices.back() - vertices.front() + 1 == static_cast<int32_t>(vertices.size());
-  for (const int32_t f : faces) {
-    for (int32_t c = scene.face_begin[f]; c < scene.face_begin[f + 1]; ++c) {
-      const int32_t v = scene.corner_vertex[c];
-      mesh.corners.push_back(
-          contiguous ? v - vertices.front()
-                     : static_cast<int32_t>(std::lower_bound(vertices.begin(), vertices.end(), v) -
-                                            vertices.begin()));
-    }
-    mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()));
-  }
-  return mesh;
-}
-
-/// Vertices at bit-equal positions become one; faces lose corners that fall together.
-LocalMesh weld_equal_positions(const LocalMesh& mesh) {
-  LocalMesh welded;
-  std::map<std::array<float, 3>, int32_t> numbers;
-  std::vector<int32_t> renumbered;
-  for (const glm::vec3& p : mesh.positions) {
-    const auto [found, added] =
-        numbers.try_emplace({p.x, p.y, p.z}, static_cast<int32_t>(welded.positions.size()));
-    if (added) welded.positions.push_back(p);
-    renumbered.push_back(found->second);
-  }
-  for (int32_t f = 0; f < mesh.face_count(); ++f) {
-    const size_t first = welded.corners.size();
-    for (const int32_t v : mesh.face(f)) {
-      const int32_t w = renumbered[v];
-      if (welded.corners.size() == first || welded.corners.back() != w) welded.corners.push_back(w);
-    }
-    while (welded.corners.size() > first + 1 && welded.corners.back() == welded.corners[first]) {
-      welded.corners.pop_back();
-    }
-    if (welded.corners.size() < first + 3) {
-      welded.corners.resize(first);
-    } else {
-      welded.face_begin.push_back(static_cast<int32_t>(welded.corners.size()));
-    }
-  }
-  return welded;
-}
 
 /// Whether rows of `k` consecutive vertices, with or without a single tip vertex, are this tube's
 /// rings: between each two rows stands a full belt of faces (2k triangles' worth; k at the tip).
@@ -125,88 +60,6 @@ std::optional<Limb> trace_rows(const LocalMesh& mesh) {
     return limb;
   }
   return std::nullopt;
-}
-
-/// Who touches whom: what a walk over the component needs.
-struct Topology {
-  std::vector<int32_t> vertex_face_begin;
-  std::vector<int32_t> vertex_faces;
-  /// Connected sets of boundary edges' vertices, each ascending, ordered by their smallest vertex.
-  std::vector<std::vector<int32_t>> boundary_loops;
-};
-
-Topology build_topology(const LocalMesh& mesh) {
-  Topology topology;
-  const size_t count = mesh.positions.size();
-  topology.vertex_face_begin.assign(count + 1, 0);
-  for (const int32_t v : mesh.corners) ++topology.vertex_face_begin[v + 1];
-  std::partial_sum(topology.vertex_face_begin.begin(), topology.vertex_face_begin.end(),
-                   topology.vertex_face_begin.begin());
-  topology.vertex_faces.resize(mesh.corners.size());
-  std::vector<int32_t> next(topology.vertex_face_begin.begin(),
-                            topology.vertex_face_begin.end() - 1);
-  std::vector<std::pair<int32_t, int32_t>> edges;
-  for (int32_t f = 0; f < mesh.face_count(); ++f) {
-    const std::span<const int32_t> face = mesh.face(f);
-    for (size_t i = 0; i < face.size(); ++i) {
-      topology.vertex_faces[next[face[i]]++] = f;
-      edges.emplace_back(std::minmax(face[i], face[(i + 1) % face.size()]));
-    }
-  }
-  std::sort(edges.begin(), edges.end());
-  std::vector<std::vector<int32_t>> neighbours(count);
-  for (size_t i = 0; i < edges.size();) {
-    size_t j = i;
-    while (j < edges.size() && edges[j] == edges[i]) ++j;
-    if (j == i + 1 && edges[i].first != edges[i].second) {
-      neighbours[edges[i].first].push_back(edges[i].second);
-      neighbours[edges[i].second].push_back(edges[i].first);
-    }
-    i = j;
-  }
-  std::vector<char> seen(count, 0);
-  for (size_t v = 0; v < count; ++v) {
-    if (seen[v] || neighbours[v].empty()) continue;
-    std::vector<int32_t> loop{static_cast<int32_t>(v)};
-    seen[v] = 1;
-    for (size_t i = 0; i < loop.size(); ++i) {
-      for (const int32_t w : neighbours[loop[i]]) {
-        if (!seen[w]) {
-          seen[w] = 1;
-          loop.push_back(w);
-        }
-      }
-    }
-    std::sort(loop.begin(), loop.end());
-    topology.boundary_loops.push_back(std::move(loop));
-  }
-  return topology;
-}
-
-using Layers = std::vector<std::vector<int32_t>>;
-
-/// Each layer holds the vertices that share a face with the layer before and were not met yet.
-Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start) {
-  std::vector<char> seen(mesh.positions.size(), 0);
-  for (const int32_t v : start) seen[v] = 1;
-  Layers layers;
-  while (!start.empty()) {
-    std::vector<int32_t> next;
-    for (const int32_t v : start) {
-      for (int32_t i = topology.vertex_face_begin[v]; i < topology.vertex_face_begin[v + 1]; ++i) {
-        for (const int32_t w : mesh.face(topology.vertex_faces[i])) {
-          if (!seen[w]) {
-            seen[w] = 1;
-            next.push_back(w);
-          }
-        }
-      }
-    }
-    std::sort(next.begin(), next.end());
-    layers.push_back(std::move(start));
-    start = std::move(next);
-  }
-  return layers;
 }
 
 /// An open end is one ring, however uneven the way there: the other boundary loop becomes the last
@@ -330,81 +183,10 @@ std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int
   return ordered;
 }
 
-glm::vec3 face_normal(const LocalMesh& mesh, int32_t f) {
-  const std::span<const int32_t> face = mesh.face(f);
-  glm::vec3 normal(0.0f);
-  for (size_t c = 1; c + 1 < face.size(); ++c) {
-    normal += glm::cross(mesh.positions[face[c]] - mesh.positions[face[0]],
-                         mesh.positions[face[c + 1]] - mesh.positions[face[0]]);
-  }
-  const float length = glm::length(normal);
-  return length > 0.0f ? normal / length : normal;
-}
-
-/// The vertices of a face and of the faces around it that lie in its plane.
-std::vector<int32_t> flat_patch(const LocalMesh& mesh, const Topology& topology, int32_t seed) {
-  const glm::vec3 normal = face_normal(mesh, seed);
-  std::vector<int32_t> patch(mesh.face(seed).begin(), mesh.face(seed).end());
-  for (size_t i = 0; i < patch.size(); ++i) {
-    const int32_t v = patch[i];
-    for (int32_t j = topology.vertex_face_begin[v]; j < topology.vertex_face_begin[v + 1]; ++j) {
-      const int32_t other = topology.vertex_faces[j];
-      if (glm::dot(face_normal(mesh, other), normal) < kFlatPatch) continue;
-      for (const int32_t w : mesh.face(other)) {
-        if (std::find(patch.begin(), patch.end(), w) == patch.end()) patch.push_back(w);
-      }
-    }
-  }
-  std::sort(patch.begin(), patch.end());
-  return patch;
-}
-
-/// Where a closed tube may end: the vertices farthest apart, in space and along the surface, the
-/// centres of fans and the polygons that close a ring; each with the faces and flat patches around.
-std::vector<std::vector<int32_t>> closed_ends(const LocalMesh& mesh, const Topology& topology) {
-  std::vector<int32_t> ends;
-  int32_t along = 0;
-  int32_t across = 0;
-  for (int sweep = 0; sweep < 2; ++sweep) {
-    along = walk_layers(mesh, topology, {along}).back().front();
-    const glm::vec3 from = mesh.positions[across];
-    for (size_t v = 0; v < mesh.positions.size(); ++v) {
-      if (glm::distance(mesh.positions[v], from) > glm::distance(mesh.positions[across], from)) {
-        across = static_cast<int32_t>(v);
-      }
-    }
-    ends.push_back(along);
-    ends.push_back(across);
-  }
-  std::vector<std::vector<int32_t>> starts;
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
-    if (topology.vertex_face_begin[v + 1] - topology.vertex_face_begin[v] > kFanFaces) {
-      starts.push_back({static_cast<int32_t>(v)});
-    }
-  }
-  for (int32_t f = 0; f < mesh.face_count(); ++f) {
-    if (mesh.face(f).size() <= 4) continue;
-    starts.emplace_back(mesh.face(f).begin(), mesh.face(f).end());
-    std::sort(starts.back().begin(), starts.back().end());
-  }
-  for (const int32_t end : ends) {
-    starts.push_back({end});
-    for (int32_t i = topology.vertex_face_begin[end]; i < topology.vertex_face_begin[end + 1];
-         ++i) {
-      const std::span<const int32_t> face = mesh.face(topology.vertex_faces[i]);
-      starts.emplace_back(face.begin(), face.end());
-      std::sort(starts.back().begin(), starts.back().end());
-      starts.push_back(flat_patch(mesh, topology, topology.vertex_faces[i]));
-    }
-  }
-  return starts;
-}
-
 std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   const Topology topology = build_topology(mesh);
   const bool closed = topology.boundary_loops.empty();
-  std::vector<std::vector<int32_t>> starts =
-      closed ? closed_ends(mesh, topology) : topology.boundary_loops;
+  Layers starts = closed ? closed_ends(mesh, topology) : topology.boundary_loops;
   constexpr size_t kMostStarts = 64;
   if (starts.size() > kMostStarts) starts.resize(kMostStarts);
 
@@ -548,7 +330,7 @@ float limb_length(const Limb& limb) {
 std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> faces,
                                std::span<const int32_t> vertices, NotATube& why) {
   why = NotATube::kNone;
-  const LocalMesh mesh = extract(scene, faces, vertices);
+  const LocalMesh mesh = extract_component(scene, faces, vertices);
   NotATube ignored = NotATube::kNone;
   if (std::optional<Limb> limb = finish_limb(trace_rows(mesh), ignored)) return limb;
   return trace_local(mesh, why);
@@ -557,7 +339,7 @@ std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> f
 std::optional<Limb> trace_tube_by_layers(const ObjScene& scene, std::span<const int32_t> faces,
                                          std::span<const int32_t> vertices, NotATube& why) {
   why = NotATube::kNone;
-  return trace_local(extract(scene, faces, vertices), why);
+  return trace_local(extract_component(scene, faces, vertices), why);
 }
 
 }  // namespace snowbough::tree
