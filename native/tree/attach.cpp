@@ -103,7 +103,8 @@ void take_parent(Branch& branch, const NearestSegment& found) {
   branch.attach_point = found.point;
 }
 
-/// Branches that start at one place are siblings: one found at the other's root takes that one's parent.
+/// Branches that start at one place are siblings: one found at the other's root takes that one's
+/// parent.
 /// @param branches those thicker than the child have their parents already.
 void prefer_common_parent(const std::vector<Branch>& branches, const Branch& child,
                           NearestSegment& found) {
@@ -113,7 +114,8 @@ void prefer_common_parent(const std::vector<Branch>& branches, const Branch& chi
     const float away = glm::distance(child.points.front(), sibling.attach_point);
     const CentrelinePlace place = nearest_place(branches[sibling.parent], sibling.attach_point);
     const float radius = radius_at(branches[sibling.parent], place);
-    // No farther from the common parent than from the sibling, but for the way through the limb itself.
+    // No farther from the common parent than from the sibling, but for the way through the limb
+    // itself.
     if (away > found.distance + radius) return;
     found.branch = sibling.parent;
     found.point = sibling.attach_point;
@@ -153,7 +155,8 @@ void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>&
 
 }  // namespace
 
-void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size) {
+void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size,
+                     const Progress& progress) {
   if (branches.empty()) return;
   const bool by_level = branches.front().level >= 0;
   std::vector<int32_t> order;
@@ -170,7 +173,11 @@ void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversibl
   std::iota(sequence.begin(), sequence.end(), 0);
   std::stable_sort(sequence.begin(), sequence.end(),
                    [&](int32_t a, int32_t b) { return order[a] < order[b]; });
+  size_t done = 0;
   for (const int32_t b : sequence) {
+    if ((done++ & 0xfff) == 0) {
+      report_progress(progress, static_cast<float>(done) / static_cast<float>(sequence.size()));
+    }
     Branch& branch = branches[b];
     NearestSegment found = segments.nearest(branch.points.front(), order[b], measure);
     if (reversible[b] && !touches(branch.radii.front(), found)) {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "tree/progress.h"
 #include "tree/skeleton.h"
 
 namespace snowbough::tree {
@@ -12,8 +13,7 @@ namespace snowbough::tree {
 /// A branch's parent is the branch whose centreline *segment* (not point) is nearest to its root:
 /// - with level names (every `level` >= 0): in metres, among the branches of lower levels;
 /// - without (every `level` == -1): in radii of the limb there, among thicker branches (larger
-/// largest
-///   radius; of equals the longer one). Levels are then the depth below the root.
+///   largest radius; of equals the longer one). Levels are then the depth below the root.
 /// A branch that reaches none of these, but another one that does not hang on it (with names: of
 /// the same level), takes that; one that reaches none stays a root. Cycles cannot arise.
 ///
@@ -28,8 +28,10 @@ namespace snowbough::tree {
 /// here.
 /// @param reversible per branch: either end may be the root. Sorted along with the branches.
 /// @param size largest extent of the tree, in the branches' units.
+/// @param progress receives 0..1.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, 3.2.2.
-void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size);
+void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size,
+                     const Progress& progress = {});
 
 }  // namespace snowbough::tree

@@ -51,13 +51,24 @@ void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vect
   }
 }
 
+/// How many faces or vertices pass between two calls of the progress callback.
+constexpr int32_t kProgressStep = 1 << 20;
+
+void report_step(const Progress& progress, int32_t i, int32_t count, float from, float to) {
+  if (i % kProgressStep == 0) {
+    report_progress(progress,
+                    from + (to - from) * static_cast<float>(i) / static_cast<float>(count));
+  }
+}
+
 }  // namespace
 
-Parts split_parts(const ObjScene& scene) {
+Parts split_parts(const ObjScene& scene, const Progress& progress) {
   const int32_t face_count = scene.face_count();
   const auto vertex_count = static_cast<int32_t>(scene.positions.size());
   SmallestRepresentative sets(scene.positions.size());
   for (int32_t f = 0; f < face_count; ++f) {
+    report_step(progress, f, face_count, 0.0f, 0.4f);
     const int32_t first = scene.corner_vertex[scene.face_begin[f]];
     for (int32_t c = scene.face_begin[f] + 1; c < scene.face_begin[f + 1]; ++c) {
       sets.join(first, scene.corner_vertex[c]);
@@ -69,6 +80,7 @@ Parts split_parts(const ObjScene& scene) {
   std::vector<int32_t> part_of(scene.positions.size(), -1);
   int32_t run = 0;
   for (int32_t f = 0; f < face_count; ++f) {
+    report_step(progress, f, face_count, 0.4f, 0.6f);
     while (run + 1 < static_cast<int32_t>(scene.runs.size()) &&
            scene.runs[run + 1].first_face <= f) {
       ++run;
@@ -82,14 +94,17 @@ Parts split_parts(const ObjScene& scene) {
   // Every vertex of a used set learns the number: representatives are the smallest, hence come
   // first.
   for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[sets.find(v)];
+  report_progress(progress, 0.7f);
 
   bucket_sort(
       face_count, parts.count(),
       [&](int32_t f) { return part_of[scene.corner_vertex[scene.face_begin[f]]]; }, parts.faces,
       parts.face_begin);
+  report_progress(progress, 0.9f);
   bucket_sort(
       vertex_count, parts.count(), [&](int32_t v) { return part_of[v]; }, parts.vertices,
       parts.vertex_begin);
+  report_progress(progress, 1.0f);
   return parts;
 }
 

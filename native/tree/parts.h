@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "tree/obj_scene.h"
+#include "tree/progress.h"
 
 namespace snowbough::tree {
 
@@ -32,6 +33,7 @@ struct Parts {
 };
 
 /// Splits by vertex index; vertices that no face uses belong to no part.
-Parts split_parts(const ObjScene& scene);
+/// @param progress receives 0..1.
+Parts split_parts(const ObjScene& scene, const Progress& progress = {});
 
 }  // namespace snowbough::tree

@@ -70,9 +70,10 @@ float extent_of(const std::vector<Branch>& branches) {
 }
 
 /// Connects by level names, and again by thickness if the names turn out to tell no levels.
-void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings) {
+void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings,
+             const Progress& progress) {
   const float size = extent_of(traced.branches);
-  attach_branches(traced.branches, traced.reversible, size);
+  attach_branches(traced.branches, traced.reversible, size, part_of(progress, 0.0f, 0.5f));
   const bool may_doubt =
       !levels_given && std::any_of(traced.branches.begin(), traced.branches.end(),
                                    [](const Branch& b) { return b.level > 0; });
@@ -83,7 +84,7 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
   }
   if (unattached <= kMostUnattached * static_cast<double>(traced.branches.size())) return;
   for (Branch& branch : traced.branches) branch.level = -1;
-  attach_branches(traced.branches, traced.reversible, size);
+  attach_branches(traced.branches, traced.reversible, size, part_of(progress, 0.5f, 1.0f));
   warnings.emplace_back(
       "the groups' names tell no levels; branches were connected by thickness (set level names to "
       "overrule)");
@@ -139,10 +140,10 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   TracedBranches traced;
   {
     const ObjScene scene = read_obj_file(path, read_options);
-    const Parts parts = split_parts(scene);
+    const Parts parts = split_parts(scene, part_of(options.progress, 0.5f, 0.55f));
     const PartLabels labels = label_parts(scene, parts, options.foliage_names);
     ClassifiedParts classified =
-        classify_parts(scene, parts, labels, part_of(options.progress, 0.5f, 0.8f));
+        classify_parts(scene, parts, labels, part_of(options.progress, 0.55f, 0.8f));
     report.form = form_name(classified.form);
     report.foliage_parts = classified.foliage_count;
     report_scene(scene, report);
@@ -169,7 +170,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
                       report.form == form_name(TreeForm::kMaterials) ||
                       report.form == form_name(TreeForm::kMergedSquares);
 
-  connect(traced, !options.levels.empty(), report.warnings);
+  connect(traced, !options.levels.empty(), report.warnings, part_of(options.progress, 0.8f, 0.85f));
   report_progress(options.progress, 0.85f);
   const bool y_up = options.up_axis == UpAxis::kY ||
                     (options.up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
