@@ -11,6 +11,7 @@
 #include "tree/classify.h"
 #include "tree/foliage.h"
 #include "tree/limbs.h"
+#include "tree/loose_faces.h"
 #include "tree/mtl_reader.h"
 #include "tree/obj_reader.h"
 #include "tree/part_names.h"
@@ -140,10 +141,14 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   TracedBranches traced;
   {
     const ObjScene scene = read_obj_file(path, read_options);
-    const Parts parts = split_parts(scene, part_of(options.progress, 0.5f, 0.55f));
-    const PartLabels labels = label_parts(scene, parts, options.foliage_names);
+    Parts parts = split_parts(scene, part_of(options.progress, 0.5f, 0.55f));
+    PartLabels labels = label_parts(scene, parts, options.foliage_names);
+    const int32_t split_count = parts.count();
+    parts =
+        join_loose_faces(scene, std::move(parts), labels, part_of(options.progress, 0.55f, 0.6f));
+    if (parts.count() < split_count) labels = label_parts(scene, parts, options.foliage_names);
     ClassifiedParts classified =
-        classify_parts(scene, parts, labels, part_of(options.progress, 0.55f, 0.8f));
+        classify_parts(scene, parts, labels, part_of(options.progress, 0.6f, 0.8f));
     report.form = form_name(classified.form);
     report.foliage_parts = classified.foliage_count;
     report_scene(scene, report);

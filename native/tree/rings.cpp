@@ -260,9 +260,13 @@ std::optional<Limb> trace_local(const LocalMesh& mesh, NotATube& why) {
   if (welded.positions.size() == mesh.positions.size() || welded.face_count() < 3) {
     return std::nullopt;
   }
-  NotATube ignored = NotATube::kNone;
-  if (std::optional<Limb> rows = trace_rows(welded)) return finish_limb(std::move(rows), ignored);
-  return finish_limb(trace_layers(welded, ignored), ignored);
+  NotATube welded_why = NotATube::kNone;
+  limb = trace_rows(welded);
+  if (!limb) limb = trace_layers(welded, welded_why);
+  limb = finish_limb(std::move(limb), welded_why);
+  // Where faces have vertices of their own, only the welded surface shows that it forks.
+  if (!limb && welded_why == NotATube::kForks) why = welded_why;
+  return limb;
 }
 
 }  // namespace

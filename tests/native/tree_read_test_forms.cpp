@@ -204,6 +204,43 @@ TEST_F(ReadTree, Form6MergedSquares) {
   expect_tree(read(text.text()), "MERGED_SQUARES");
 }
 
+/// The same OBJ text with vertices of its own for every corner of every face.
+std::string without_common_vertices(const std::string& text) {
+  std::istringstream lines(text);
+  std::vector<std::string> vertices;
+  std::string result;
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("v ")) {
+      vertices.push_back(line);
+    } else if (line.starts_with("f ")) {
+      std::istringstream corners(line.substr(2));
+      std::string face = "f";
+      int count = 0;
+      for (int corner = 0; corners >> corner; ++count) result += vertices.at(corner - 1) + "\n";
+      for (int c = count; c > 0; --c) face += " -" + std::to_string(c);
+      result += face + "\n";
+    } else {
+      result += line + "\n";
+    }
+  }
+  return result;
+}
+
+TEST_F(ReadTree, TubesWhoseFacesShareNoVertexAreTheSameTree) {
+  TreeText merged;
+  merged.tree(false, [](int, int) { return ""; });
+  expect_tree(read(without_common_vertices(merged.text())), "MERGED_TUBES");
+  TreeText grouped;
+  grouped.tree(false, numbered);
+  expect_tree(read(without_common_vertices(grouped.text())), "TUBES_PER_GROUP");
+}
+
+TEST_F(ReadTree, SquaresAreNotTakenForTubesOfLooseFaces) {
+  TreeText text;
+  text.tree(true, numbered);
+  expect_tree(read(without_common_vertices(text.text())), "SQUARES_PER_GROUP");
+}
+
 TEST_F(ReadTree, LeavesWithoutAnyNamesAreToldByTheirShape) {
   TreeText text;
   text.tree(false, [](int, int) { return ""; });

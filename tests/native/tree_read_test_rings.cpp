@@ -29,8 +29,6 @@ struct Tube {
   int tip_cap = 0;
   /// Columns split along a seam: the first is there twice.
   bool seam = false;
-  /// Whole polygons on vertices of their own.
-  bool soup = false;
 };
 
 void add_face(ObjScene& scene, const std::vector<int32_t>& corners) {

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <cstdint>
+#include <numeric>
+#include <vector>
+
+namespace snowbough::tree {
+
+/// Union-find whose representative is the smallest index of its set: independent of the union
+/// order.
+class SmallestRepresentative {
+ public:
+  explicit SmallestRepresentative(size_t count) : parent_(count) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+
+  int32_t find(int32_t x) {
+    while (parent_[x] != x) {
+      parent_[x] = parent_[parent_[x]];
+      x = parent_[x];
+    }
+    return x;
+  }
+
+  void join(int32_t a, int32_t b) {
+    a = find(a);
+    b = find(b);
+    if (a < b) {
+      parent_[b] = a;
+    } else {
+      parent_[a] = b;
+    }
+  }
+
+ private:
+  std::vector<int32_t> parent_;
+};
+
+}  // namespace snowbough::tree
