@@ -46,6 +46,38 @@ class ExactSum {
   int count_ = 0;
 };
 
+/// The exact sign where the rounded determinant cannot tell it; apart, so that the usual case is
+/// short enough to be inlined.
+[[gnu::noinline]] int exact_orientation(const glm::dvec3& u, const glm::dvec3& v,
+                                        const glm::dvec3& w) {
+  ExactSum sum;
+  sum.add_product(u.x, v.y, w.z);
+  sum.add_product(u.y, v.z, w.x);
+  sum.add_product(u.z, v.x, w.y);
+  sum.add_product(-u.z, v.y, w.x);
+  sum.add_product(-u.x, v.z, w.y);
+  sum.add_product(-u.y, v.x, w.z);
+  return sum.sign();
+}
+
+inline int side_of_plane(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
+                         const glm::dvec3& d) {
+  const glm::dvec3 u = a - d, v = b - d, w = c - d;
+  const double positive = u.x * v.y * w.z + u.y * v.z * w.x + u.z * v.x * w.y;
+  const double negative = u.z * v.y * w.x + u.x * v.z * w.y + u.y * v.x * w.z;
+  const double determinant = positive - negative;
+  const double magnitude = std::abs(u.x * v.y * w.z) + std::abs(u.y * v.z * w.x) +
+                           std::abs(u.z * v.x * w.y) + std::abs(u.z * v.y * w.x) +
+                           std::abs(u.x * v.z * w.y) + std::abs(u.y * v.x * w.z);
+  if (std::abs(determinant) > 1e-14 * magnitude) {
+    return determinant > 0.0 ? 1 : -1;
+  }
+  if (magnitude == 0.0) {
+    return 0;
+  }
+  return exact_orientation(u, v, w);
+}
+
 glm::dvec2 flatten(const glm::dvec3& p, int axis) {
   return axis == 0 ? glm::dvec2(p.y, p.z) : axis == 1 ? glm::dvec2(p.z, p.x) : glm::dvec2(p.x, p.y);
 }
@@ -82,26 +114,26 @@ bool crosses_in_plane(const glm::dvec3& p, const glm::dvec3& q, const Triangle& 
 }
 
 bool segment_crosses(const glm::dvec3& p, const glm::dvec3& q, const Triangle& t) {
-  const int side_p = orientation(t[0], t[1], t[2], p);
-  const int side_q = orientation(t[0], t[1], t[2], q);
+  const int side_p = side_of_plane(t[0], t[1], t[2], p);
+  const int side_q = side_of_plane(t[0], t[1], t[2], q);
   if (side_p * side_q > 0) {
     return false;
   }
   if (side_p == 0 && side_q == 0) {
     return crosses_in_plane(p, q, t);
   }
-  const int a = orientation(p, q, t[0], t[1]);
-  const int b = orientation(p, q, t[1], t[2]);
-  const int c = orientation(p, q, t[2], t[0]);
+  const int a = side_of_plane(p, q, t[0], t[1]);
+  const int b = side_of_plane(p, q, t[1], t[2]);
+  const int c = side_of_plane(p, q, t[2], t[0]);
   return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
 }
 
 /// All of `b` lies on one side of the plane of `a`: the usual case for the opposite walls of a
 /// limb.
 bool on_one_side(const Triangle& a, const Triangle& b) {
-  const int side = orientation(a[0], a[1], a[2], b[0]);
-  return side != 0 && orientation(a[0], a[1], a[2], b[1]) == side &&
-         orientation(a[0], a[1], a[2], b[2]) == side;
+  const int side = side_of_plane(a[0], a[1], a[2], b[0]);
+  return side != 0 && side_of_plane(a[0], a[1], a[2], b[1]) == side &&
+         side_of_plane(a[0], a[1], a[2], b[2]) == side;
 }
 
 bool apart(const Triangle& a, const Triangle& b) {
@@ -119,27 +151,7 @@ bool apart(const Triangle& a, const Triangle& b) {
 
 int orientation(const glm::dvec3& a, const glm::dvec3& b, const glm::dvec3& c,
                 const glm::dvec3& d) {
-  const glm::dvec3 u = a - d, v = b - d, w = c - d;
-  const double positive = u.x * v.y * w.z + u.y * v.z * w.x + u.z * v.x * w.y;
-  const double negative = u.z * v.y * w.x + u.x * v.z * w.y + u.y * v.x * w.z;
-  const double determinant = positive - negative;
-  const double magnitude = std::abs(u.x * v.y * w.z) + std::abs(u.y * v.z * w.x) +
-                           std::abs(u.z * v.x * w.y) + std::abs(u.z * v.y * w.x) +
-                           std::abs(u.x * v.z * w.y) + std::abs(u.y * v.x * w.z);
-  if (std::abs(determinant) > 1e-14 * magnitude) {
-    return determinant > 0.0 ? 1 : -1;
-  }
-  if (magnitude == 0.0) {
-    return 0;
-  }
-  ExactSum sum;
-  sum.add_product(u.x, v.y, w.z);
-  sum.add_product(u.y, v.z, w.x);
-  sum.add_product(u.z, v.x, w.y);
-  sum.add_product(-u.z, v.y, w.x);
-  sum.add_product(-u.x, v.z, w.y);
-  sum.add_product(-u.y, v.x, w.z);
-  return sum.sign();
+  return side_of_plane(a, b, c, d);
 }
 
 bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int, 3>& shared) {
@@ -154,7 +166,7 @@ bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int,
     const int free_a = shared[0] < 0 ? 0 : shared[1] < 0 ? 1 : 2;
     const int edge_0 = (free_a + 1) % 3, edge_1 = (free_a + 2) % 3;
     const int free_b = 3 - shared[edge_0] - shared[edge_1];
-    if (orientation(a[0], a[1], a[2], b[free_b]) != 0) {
+    if (side_of_plane(a[0], a[1], a[2], b[free_b]) != 0) {
       return false;
     }
     const glm::dvec3 edge = a[edge_1] - a[edge_0];
