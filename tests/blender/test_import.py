@@ -2,15 +2,18 @@
 """The import operator and the command line: what is made, what is told, what bad input leaves."""
 
 import json
+import os
+import signal
 import subprocess
 import sys
 import time
 from pathlib import Path
+from types import SimpleNamespace
 
 import bpy
 import numpy as np
 import pytest
-from conftest import ROOT
+from conftest import ROOT, SHARED_DATA
 from mathutils import Vector
 from synthetic_tree import evaluated_vertices
 
@@ -95,6 +98,17 @@ def test_max_bones_keeps_that_many_and_the_whole_tree_still_follows(budget):
     root = next(bone for bone in rig.pose.bones if bone.parent is None)
     root.location = root.bone.matrix_local.to_3x3().inverted() @ Vector((1, 2, 3))
     assert np.allclose(evaluated_vertices(bark) - rest, (1, 2, 3), atol=1e-4)
+
+
+def test_weights_are_those_of_the_native_module(addon):
+    options = addon("import_tree").ImportOptions(lod=1)
+    tree = addon("import_tree").read_native(MAPLE, options).meshes[0][1]
+    bark = _import(lod=1).objects["small_maple_bark"]
+    names = addon("bone_names").fitting_names(tree.bone_names)
+    assert [group.name for group in bark.vertex_groups] == names
+    for vertex, bones, weights in zip(bark.data.vertices, tree.bone_indices.tolist(), tree.bone_weights.tolist()):
+        expected = {bone: weight for bone, weight in zip(bones, weights) if weight > 0}
+        assert {entry.group: entry.weight for entry in vertex.groups} == expected
 
 
 def test_max_bone_level_keeps_the_trunk_only():
@@ -207,6 +221,33 @@ def test_foliage_can_be_left_out(tmp_path):
     assert "leafy_leaves" not in _import(_leafy(tmp_path, "x.png"), foliage=False).objects
 
 
+def test_foliage_is_what_is_named(tmp_path):
+    path = _leafy(tmp_path, "x.png")
+    assert "leafy_leaves" in _import(path, foliage_names="leaves").objects
+    assert "starts with 'petals'" in _refused(path, foliage_names="petals")
+
+
+def test_snow_maps_remember_the_resolution_they_are_for(addon, tmp_path):
+    objects = _import(_leafy(tmp_path, "x.png"), snow_resolution=512).objects
+    assert [objects[f"leafy_{part}"]["snowbough_snow_resolution"] for part in ("bark", "leaves")] == [512, 512]
+    receiver = bpy.context.scene.snowbough.receivers.add()
+    receiver.object, receiver.uv_map = objects["leafy_bark"], "snow"
+    resolution = addon("scene_reader").receiver_resolution
+    assert resolution(receiver) == 512
+    receiver.resolution = 256
+    assert resolution(receiver) == 256
+    receiver.resolution, receiver.uv_map = 0, "bark"
+    assert resolution(receiver) == 0
+
+
+def test_too_little_memory_is_told(addon, monkeypatch):
+    def fail(*_arguments, **_options):
+        raise MemoryError
+
+    monkeypatch.setattr(addon("native"), "load", lambda: SimpleNamespace(read_tree=fail))
+    assert "memory" in _refused(MAPLE)
+
+
 def test_bad_input_gets_one_message_and_leaves_nothing(tmp_path):
     (tmp_path / "empty.obj").write_text("")
     (tmp_path / "text.obj").write_text("Dear reader,\nthis is a letter.\n")
@@ -260,11 +301,51 @@ def test_presets_set_only_what_the_operator_has():
         _import(**values)
 
 
-def _blender(*arguments):
+@pytest.mark.parametrize("name", ["Broad-leaf", "Evergreen", "Game_engine", "Film_close-up"])
+def test_blender_applies_a_preset_to_the_operator(name):
+    folders = bpy.utils.preset_paths("operator/import_scene.xfrog_tree")
+    path = next(path for folder in folders for path in Path(folder).glob(f"{name}.py"))
+    lines = [line for line in path.read_text().splitlines() if line.startswith("op.")]
+    expected = {key[3:]: eval(value) for key, value in (line.split(" = ") for line in lines)}
+    # What the file browser shows beside its list: the properties of the operator that will run.
+    operator = bpy.context.window_manager.operator_properties_last("import_scene.xfrog_tree")
+    for key in expected:
+        operator.property_unset(key)
+    with bpy.context.temp_override(active_operator=operator):
+        bpy.ops.script.execute_preset(filepath=str(path), menu_idname="WM_MT_operator_presets")
+    assert {key: getattr(operator, key) for key in expected} == expected
+    for key in expected:
+        operator.property_unset(key)
+
+
+def test_the_import_menu_has_the_entry_once(addon):
+    drawn = bpy.types.TOPBAR_MT_file_import._dyn_ui_initialize()
+    assert drawn.count(addon("import_tree")._draw_menu) == 1
+    entries = []
+    layout = SimpleNamespace(operator=lambda name, text: entries.append((name, text)))
+    addon("import_tree")._draw_menu(SimpleNamespace(layout=layout), None)
+    assert entries == [("import_scene.xfrog_tree", "Xfrog Tree (.obj)")]
+
+
+def test_obj_files_can_be_dropped_where_trees_are_shown():
+    if not hasattr(bpy.types, "FileHandler"):
+        pytest.skip("this Blender has no file handlers (they came with 4.1)")
+    handler = bpy.types.SNOWBOUGH_FH_xfrog_tree
+    assert (handler.bl_import_operator, handler.bl_file_extensions) == ("import_scene.xfrog_tree", ".obj")
+    areas = {kind: SimpleNamespace(area=SimpleNamespace(type=kind)) for kind in ("VIEW_3D", "OUTLINER", "TEXT_EDITOR")}
+    assert [handler.poll_drop(context) for context in areas.values()] == [True, True, False]
+    assert not handler.poll_drop(SimpleNamespace(area=None))
+
+
+def _program():
     if getattr(bpy.app, "module", False) or not bpy.app.binary_path:
         pytest.skip("the command line needs the Blender program; this is the bpy module")
-    command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "-P", str(CLI), "--"]
-    return subprocess.run([*command, *map(str, arguments)], capture_output=True, text=True, timeout=120)
+    return [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1"]
+
+
+def _blender(*arguments):
+    command = [*_program(), "-P", str(CLI), "--", *map(str, arguments)]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
 
 
 def test_the_command_line_imports_saves_and_reports(tmp_path):
@@ -288,6 +369,93 @@ def test_the_command_line_refuses_bad_input_with_a_message(tmp_path):
         assert done.returncode == code and word in done.stderr, done.stderr
         assert "Traceback" not in done.stderr
     assert [path.name for path in tmp_path.iterdir()] == ["empty.obj"]
+
+
+def _write_forest(path, limbs=2500, rings=30):
+    """A thick trunk with many limbs of four-sided rings: about 20 MB, seconds of work."""
+    ring = ((1, 0), (0, 1), (-1, 0), (0, -1))
+    faces = "".join(
+        "f " + " ".join(str(corner - 4 * rings) for corner in (4 * r + k, 4 * r + (k + 1) % 4,
+                                                               4 * r + 4 + (k + 1) % 4, 4 * r + 4 + k)) + "\n"
+        for r in range(rings - 1)
+        for k in range(4)
+    )
+    steps = np.arange(rings)[:, None, None]
+    with path.open("w") as file:
+        for limb in range(limbs + 1):
+            turn, height = 2.4 * limb, 0.01 * limb
+            across = np.array((np.cos(turn), np.sin(turn), 0.0))
+            side = np.array((-np.sin(turn), np.cos(turn), 0.0))
+            squares = np.array([x * side + (0, 0, y) for x, y in ring])
+            if limb == 0:
+                rows = 0.5 * np.array([(x, y, 0) for x, y in ring]) + steps * (0, 0, 0.012 * limbs / rings)
+            else:
+                rows = 0.02 * squares + steps * 0.1 * across + (0, 0, height)
+            file.write("".join("v %.5f %.5f %.5f\n" % tuple(row) for row in rows.reshape(-1, 3).tolist()))
+            file.write(faces)
+
+
+def test_ctrl_c_stops_the_command_line_and_leaves_nothing(tmp_path):
+    if not Path("/proc/self/fd").is_dir():
+        pytest.skip("needs /proc to see when the file is being read")
+    forest, results = tmp_path / "forest.obj", tmp_path / "results"
+    results.mkdir()
+    _write_forest(forest)
+    arguments = ["import", forest, "--out", results / "t.blend", "--json", results / "r.json"]
+    running = subprocess.Popen(
+        [*_program(), "-P", str(CLI), "--", *map(str, arguments)],
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )
+
+    def reads_it():
+        try:
+            return any(os.readlink(entry.path) == str(forest) for entry in os.scandir(f"/proc/{running.pid}/fd"))
+        except FileNotFoundError:  # a file that was closed meanwhile
+            return False
+
+    try:
+        deadline = time.monotonic() + 60
+        while not reads_it():
+            assert running.poll() is None and time.monotonic() < deadline, running.communicate()
+            time.sleep(0.002)
+        running.send_signal(signal.SIGINT)
+        _output, errors = running.communicate(timeout=60)
+    finally:
+        if running.poll() is None:
+            running.kill()
+    assert running.returncode == 130, errors
+    assert "stopped" in errors and "Traceback" not in errors
+    assert list(results.iterdir()) == []
+
+
+def test_the_command_of_the_installed_add_on(tmp_path):
+    if not hasattr(bpy.utils, "register_cli_command"):
+        pytest.skip("this Blender has no -c (it came with 4.2)")
+    command = [*_program()[:3], "--addons", os.environ["SNOWBOUGH_TEST_ADDON"], "-c", "snowbough"]
+    done = subprocess.run(
+        [*command, "import", str(MAPLE), "--out", str(tmp_path / "t.blend")],
+        capture_output=True, text=True, timeout=120,
+    )
+    assert done.returncode == 0, done.stdout + done.stderr
+    assert (tmp_path / "t.blend").is_file()
+    done = subprocess.run([*command, "import", str(tmp_path / "no.obj")], capture_output=True, text=True, timeout=120)
+    assert done.returncode == 1 and "not found" in done.stderr
+
+
+def _shared_trees():
+    return sorted(str(path.relative_to(SHARED_DATA / "trees")) for path in (SHARED_DATA / "trees").rglob("*.obj"))
+
+
+@pytest.mark.parametrize("name", _shared_trees() or ["tubes/AL06a.obj"])
+def test_every_shared_tree_comes_in_closed_without_options(addon, shared_tree, name):
+    path = shared_tree(name)
+    collection = _import(path)
+    mesh = collection.objects[f"{path.stem}_bark"].data
+    corners = addon("compat").read_corner_vertices(mesh).reshape(-1, 4)
+    check = addon("native").load().check_mesh(addon("compat").read_positions(mesh), corners)
+    assert check["closed"]
+    assert list(check["euler"]) == [2] * check["components"]
+    assert check["components"] == 1 + len(_report(collection)["extra_roots"])
 
 
 @pytest.mark.parametrize("name", ["tubes/AL06a.obj", "squares/AL06a_squares.obj"])
