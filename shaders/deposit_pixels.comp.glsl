@@ -1,84 +1,56 @@
-// Second part of the deposit: texels that together cover less than half of their pixel take no more
-// than half a pixel would hold; the rest (everything, where none takes part) goes to the texel under
-// the pixel's centre. Counts what the sky sees of every object.
+// Second part of the deposit: lists the pixels whose texels cover less than half of them, for the next
+// part, and counts what the sky sees of every object. Kept apart from that part because software
+// renderers run every branch for every pixel.
 #include "pixel_counts.h"
-#include "texel_under.h"
 
 layout(local_size_x = 64) in;
-/// Thickness in units of step depth / kDepthUnits, saturating.
-layout(std430) buffer DepositUnits { uint deposit_units[]; };
-uniform samplerBuffer texel_surface;
+/// Work groups of the next part (x, 1, 1) and the number of listed pixels.
+layout(std430) buffer ListSize { uint list_groups; uint list_groups_y; uint list_groups_z; uint list_count; };
+/// Pixels as row * tile width + column.
+layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
+uniform usampler2D occlusion;
 uniform usampler2D weight_sum;
-/// Texels of the group in this batch: [first, end).
-uniform uvec2 batch_texels;
-uniform bool counting;
+/// Slots of the objects whose maps are in this group: [first, end).
+uniform uvec2 group_objects;
+uniform ivec2 tile_origin;
 uniform ivec2 tile_size;
-uniform float step_depth;
 
-void add_saturating(uint texel, uint units) {
-  uint seen = deposit_units[texel];
-  uint before;
-  do {
-    before = seen;
-    const uint after = before > kNowhere - units ? kNowhere : before + units;
-    seen = atomicCompSwap(deposit_units[texel], before, after);
-  } while (seen != before);
-}
-
-/// Puts what a pixel's texels do not take onto the texel under its centre; true when there is none.
-bool is_homeless(ivec2 pixel, uint triangle, uint slot) {
-  const uint half_pixel = kPixelWeight / 2u;
-  const uint sum = texelFetch(weight_sum, pixel, 0).x;
-  if (sum >= half_pixel) {
-    return false;
+void list(ivec2 pixel) {
+  const uint at = atomicAdd(list_count, 1u);
+  pixel_list[at] = uint(pixel.y * tile_size.x + pixel.x);
+  // A list that needs more groups than a dispatch may have is walked in strides.
+  if (at % 64u == 0u && at / 64u < kMostGroups) {
+    atomicAdd(list_groups, 1u);
   }
-  const uint owner = texel_under(pixel, triangle, slot);
-  if (owner == 0u) {
-    return true;
-  }
-  const uint texel = owner - 1u;
-  if (texel >= batch_texels.x && texel < batch_texels.y) {
-    const float left = 1.0 - float(sum) / float(half_pixel);
-    const float area = texelFetch(texel_surface, int(texel - batch_texels.x)).w;
-    const float thickness =
-        left * snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w / area;
-    add_saturating(texel - batch_texels.x,
-                   uint(min(thickness / step_depth * kDepthUnits + 0.5, 4294967040.0)));
-  }
-  return false;
 }
 
 void main() {
-  // A work group walks along a row, each lane every 64th pixel: counts change hands rarely.
+  // A work group walks along a row, each lane every 64th pixel, once for every object in its pixels:
+  // mostly one.
   const int y = int(gl_WorkGroupID.y);
   const int begin = int(gl_WorkGroupID.x * kPixelsEach * 64u + gl_LocalInvocationID.x);
-  uint current = 0u;
-  PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
-  for (uint i = 0u; i < kPixelsEach; ++i) {
-    const ivec2 pixel = ivec2(begin + int(i * 64u), y);
-    if (pixel.x >= tile_size.x) {
-      break;
+  uint slot = group_objects.x;
+  while (slot < group_objects.y) {
+    uint next = group_objects.y;
+    PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
+    for (uint i = 0u; i < kPixelsEach; ++i) {
+      const ivec2 pixel = ivec2(begin + int(i * 64u), y);
+      if (pixel.x >= tile_size.x) {
+        break;
+      }
+      const uvec4 seen = texelFetch(occlusion, pixel, 0);
+      const uint own = seen.x == 0u ? 0u : seen.z;
+      const bool mine = own == (slot | kReceives);
+      const bool front = mine && (seen.x & kBackFace) == 0u;
+      next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
+      count.back_facing += mine && !front ? 1u : 0u;
+      count.visible += front ? 1u : 0u;
+      count.snowed += front && snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
+      if (front && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u) {
+        list(pixel);
+      }
     }
-    const uvec4 seen = texelFetch(occlusion, pixel, 0);
-    const uint slot = seen.z & ~kReceives;
-    if (seen.x == 0u || (seen.z & kReceives) == 0u || slot < group_objects.x ||
-        slot >= group_objects.y) {
-      continue;
-    }
-    if (slot != current) {
-      flush(current, count);
-      current = slot;
-    }
-    if ((seen.x & kBackFace) != 0u) {
-      count.back_facing += counting ? 1u : 0u;
-      continue;
-    }
-    const bool homeless = is_homeless(pixel, seen.x - 1u, slot);
-    if (counting) {
-      count.visible += 1u;
-      count.homeless += homeless ? 1u : 0u;
-      count.snowed += snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
-    }
+    flush(slot, count);
+    slot = next;
   }
-  flush(current, count);
 }

@@ -2,20 +2,19 @@
 #extension GL_ARB_shading_language_420pack : require
 // GEOMETRY's second part, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the
 // snow that the pixel's texels do not take, for the texel under the pixel's centre.
-#include "texel_under.h"
-#include "geometry_place.h"
+#include "texel_spread.h"
 
-uniform usamplerBuffer texels;
-uniform samplerBuffer texel_surface;
 uniform sampler2D weight_map;
-/// Texels of the group in this batch: [first, end).
-uniform uvec2 batch_texels;
 uniform ivec2 tile_size;
+
+flat out float volume;
+/// Index in the batch of the texel under the centre; -1 where there is nothing to deposit.
+flat out int texel;
 
 void main() {
   const ivec2 pixel = ivec2(gl_VertexID % tile_size.x, gl_VertexID / tile_size.x);
-  thickness = 0.0;
-  map_place = ivec3(-1);
+  volume = 0.0;
+  texel = -1;
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
   const uvec4 seen = texelFetch(occlusion, pixel, 0);
   const uint slot = seen.z & ~kReceives;
@@ -28,8 +27,7 @@ void main() {
   if (owner == 0u || owner - 1u < batch_texels.x || owner - 1u >= batch_texels.y) {
     return;
   }
-  const int texel = int(owner - 1u - batch_texels.x);
-  const float volume = snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
-  thickness = (1.0 - sum / 0.5) * volume / texelFetch(texel_surface, texel).w;
-  map_place = decoded_place(texelFetch(texels, texel).y, textureSize(owners, 0).x);
+  texel = int(owner - 1u - batch_texels.x);
+  volume = (1.0 - sum / 0.5) * snow_of_pixel(pixel + tile_origin) * fall.direction.w *
+           fall.direction.w;
 }

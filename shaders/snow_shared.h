@@ -130,6 +130,8 @@ const uint kPixelWeight = 1u << 20;
 const float kDepthUnits = 262144.0f;
 /// Texels a work group handles; an object's texels begin at a multiple of it.
 const uint kTexelGroup = 1024u;
+/// Work groups in one direction that OpenGL promises for a dispatch.
+const uint kMostGroups = 65535u;
 /// Invocations of a work group of the stability pass: each leaves one partial sum.
 const uint kPartialsEach = 64u;
 

@@ -241,6 +241,13 @@ void Program::dispatch(int32_t groups_x, int32_t groups_y, int32_t groups_z) {
   }
 }
 
+void Program::dispatch_indirect(const Buffer& groups) {
+  require_ready();
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups.id());
+  glDispatchComputeIndirect(0);
+  glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
+}
+
 void Program::draw(GLenum mode, int32_t first, int32_t count) {
   require_ready();
   if (count > 0) {

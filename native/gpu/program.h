@@ -62,6 +62,9 @@ class Program {
 
   /// Runs a compute program. @throws std::logic_error naming inputs that were not set.
   void dispatch(int32_t groups_x, int32_t groups_y = 1, int32_t groups_z = 1);
+  /// Runs a compute program with the numbers of groups (three uint32) that lie at the buffer's
+  /// start.
+  void dispatch_indirect(const Buffer& groups);
   /// Draws `count` vertices with the bound vertex array. @throws as dispatch.
   void draw(GLenum mode, int32_t first, int32_t count);
 

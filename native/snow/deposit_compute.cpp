@@ -38,34 +38,52 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
   glMemoryBarrier(kBarriers);
 }
 
-void DepositComputePass::drop_on_pixels(SceneBuffers& scene, const gpu::Buffer& fall,
-                                        const Tile& tile, const OcclusionTarget& occlusion,
-                                        float step_depth) {
+void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                                     const OcclusionTarget& occlusion, const MapGroup& group) {
   const glm::ivec2 size = tile.pixels.size();
-  int32_t counted_group = -1;
-  for (TexelBatch& batch : scene.batches) {
-    const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
-    pixels_.use();
-    pixels_.bind("Fall", fall);
-    pixels_.bind_texture("positions", scene.views.positions);
-    pixels_.bind_texture("triangles", scene.views.triangles);
-    pixels_.bind_texture("map_triangles", scene.views.map_triangles);
-    pixels_.bind_texture("map_offsets", scene.views.map_offsets);
-    pixels_.bind_texture("texel_surface", batch.views.surface);
-    pixels_.bind("DepositUnits", batch.units);
-    pixels_.bind("Counts", scene.pixel_counts);
-    pixels_.bind_texture("occlusion", occlusion.visible);
-    pixels_.bind_texture("weight_sum", weight_sum_);
-    pixels_.bind_texture("owners", group.owners);
-    pixels_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
-    pixels_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
-    pixels_.set("counting", batch.group != counted_group ? 1 : 0);
-    pixels_.set("tile_origin", tile.pixels.low);
-    pixels_.set("tile_size", size);
-    pixels_.set("step_depth", step_depth);
-    pixels_.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
-    counted_group = batch.group;
-  }
+  const uint32_t empty[4] = {0, 1, 1, 0};
+  list_size_.write(0, sizeof empty, empty);
+  pixels_.use();
+  pixels_.bind("Fall", fall);
+  pixels_.bind("Counts", scene.pixel_counts);
+  pixels_.bind("ListSize", list_size_);
+  pixels_.bind("PixelList", pixel_list_);
+  pixels_.bind_texture("occlusion", occlusion.visible);
+  pixels_.bind_texture("weight_sum", weight_sum_);
+  pixels_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
+  pixels_.set("tile_origin", tile.pixels.low);
+  pixels_.set("tile_size", size);
+  pixels_.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
+  glMemoryBarrier(kBarriers | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                             const OcclusionTarget& occlusion, float step_depth, TexelBatch& batch,
+                             bool counting) {
+  const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
+  lay_.use();
+  lay_.bind("Fall", fall);
+  lay_.bind("Counts", scene.pixel_counts);
+  lay_.bind("ListSize", list_size_);
+  lay_.bind("PixelList", pixel_list_);
+  lay_.bind("DepositUnits", batch.units);
+  lay_.bind_texture("positions", scene.views.positions);
+  lay_.bind_texture("triangles", scene.views.triangles);
+  lay_.bind_texture("triangle_surface", scene.views.triangle_surface);
+  lay_.bind_texture("map_triangles", scene.views.map_triangles);
+  lay_.bind_texture("map_offsets", scene.views.map_offsets);
+  lay_.bind_texture("texels", batch.views.texels);
+  lay_.bind_texture("texel_surface", batch.views.surface);
+  lay_.bind_texture("occlusion", occlusion.visible);
+  lay_.bind_texture("weight_sum", weight_sum_);
+  lay_.bind_texture("owners", group.owners);
+  lay_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
+  lay_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
+  lay_.set("counting", counting ? 1 : 0);
+  lay_.set("tile_origin", tile.pixels.low);
+  lay_.set("tile_size", tile.pixels.size());
+  lay_.set("step_depth", step_depth);
+  lay_.dispatch_indirect(list_size_);
 }
 
 void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile) {
@@ -86,7 +104,21 @@ void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall,
 void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                              const OcclusionTarget& occlusion, float step_depth, bool is_last) {
   weigh(scene, fall, tile, occlusion);
-  drop_on_pixels(scene, fall, tile, occlusion, step_depth);
+  const glm::ivec2 size = tile.pixels.size();
+  const int64_t pixels = int64_t{size.x} * size.y;
+  if (pixel_list_.bytes() < pixels * 4) {
+    list_size_ = gpu::Buffer(16);
+    pixel_list_ = gpu::Buffer(pixels * 4);
+  }
+  int32_t listed_group = -1;
+  for (TexelBatch& batch : scene.batches) {
+    const bool is_new = batch.group != listed_group;
+    if (is_new) {
+      list_pixels(scene, fall, tile, occlusion, scene.groups[static_cast<size_t>(batch.group)]);
+      listed_group = batch.group;
+    }
+    lay(scene, fall, tile, occlusion, step_depth, batch, is_new);
+  }
   if (!is_last) {
     share_out(scene, fall, tile);
   }

@@ -7,7 +7,7 @@
 
 namespace snowbough::snow {
 
-/// The formulation COMPUTE of the deposit: three compute passes a tile. All sums over pixels and
+/// The formulation COMPUTE of the deposit: a few compute passes a tile. All sums over pixels and
 /// texels are integers, so the result does not depend on the order in which the GPU runs them.
 ///
 /// A texel takes part in the pixel that its sample point projects to, when the pixel shows its map,
@@ -27,14 +27,20 @@ class DepositComputePass {
  private:
   void weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
              const OcclusionTarget& occlusion);
-  void drop_on_pixels(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
-                      const OcclusionTarget& occlusion, float step_depth);
+  void list_pixels(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                   const OcclusionTarget& occlusion, const MapGroup& group);
+  void lay(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+           const OcclusionTarget& occlusion, float step_depth, TexelBatch& batch, bool counting);
   void share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile);
 
   gpu::Program weigh_{{"deposit_weigh.comp.glsl"}};
   gpu::Program pixels_{{"deposit_pixels.comp.glsl"}};
+  gpu::Program lay_{{"deposit_lay.comp.glsl"}};
   gpu::Program share_{{"deposit_share.comp.glsl"}};
   gpu::Texture weight_sum_;
+  /// Pixels of a tile that deposit_lay works on: arguments of its dispatch and their number, and them.
+  gpu::Buffer list_size_;
+  gpu::Buffer pixel_list_;
 };
 
 }  // namespace snowbough::snow

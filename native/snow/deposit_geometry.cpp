@@ -79,6 +79,7 @@ void DepositGeometryPass::drop_on_pixels(SceneBuffers& scene, const gpu::Buffer&
     pixels_.bind_texture("triangles", scene.views.triangles);
     pixels_.bind_texture("map_triangles", scene.views.map_triangles);
     pixels_.bind_texture("map_offsets", scene.views.map_offsets);
+    pixels_.bind_texture("triangle_surface", scene.views.triangle_surface);
     pixels_.bind_texture("texels", batch.views.texels);
     pixels_.bind_texture("texel_surface", batch.views.surface);
     pixels_.bind_texture("occlusion", occlusion.visible);

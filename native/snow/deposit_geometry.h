@@ -36,7 +36,7 @@ class DepositGeometryPass {
 
   gpu::Program weigh_{{"geometry_weigh.vert.glsl", "geometry_weigh.frag.glsl"}};
   gpu::Program pixels_{
-      {"geometry_pixels.vert.glsl", "geometry_deposit.geom.glsl", "geometry_deposit.frag.glsl"}};
+      {"geometry_pixels.vert.glsl", "geometry_pixels.geom.glsl", "geometry_deposit.frag.glsl"}};
   gpu::Program share_{
       {"geometry_share.vert.glsl", "geometry_deposit.geom.glsl", "geometry_deposit.frag.glsl"}};
   gpu::Program count_{{"pixel_counts.comp.glsl"}};

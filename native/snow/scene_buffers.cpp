@@ -67,7 +67,13 @@ class BatchWriter {
  public:
   BatchWriter(SceneBuffers& scene, int32_t group) : scene_(scene), group_(group) {}
 
-  void begin_object(int32_t slot) {
+  /// An object's texels share a batch unless they fill one alone: where batches end then depends on
+  /// the object only, and so does what its passes compute.
+  void begin_object(int32_t slot, size_t texel_count, size_t fragment_count) {
+    if (static_cast<size_t>(in_batch()) + texel_count > static_cast<size_t>(kBatchTexels) ||
+        arrays_.fragments.size() + fragment_count > kBatchFragments) {
+      flush();
+    }
     slot_ = slot;
     open_segment();
   }
@@ -216,7 +222,8 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
       const size_t i = by_slot[static_cast<size_t>(slot)];
       map_offsets[static_cast<size_t>(slot)] =
           static_cast<int32_t>(map_triangles.size()) - scene.first_triangle[i];
-      writer.begin_object(slot);
+      const TexelTable& table = objects[i]->table;
+      writer.begin_object(slot, table.texel.size(), table.fragment_share.size());
       add_receiver(*objects[i], scene.first_triangle[i], slot - group.first_slot, writer, group,
                    map_triangles);
       writer.end_object();

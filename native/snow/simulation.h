@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
+#include "snow/cpu_output.h"
 #include "snow/frame_step.h"
 #include "snow/map_output.h"
 #include "snow/memory_estimate.h"
@@ -47,6 +48,8 @@ struct SimulationSettings {
 struct OutputTables {
   SeamTable seams;
   SmoothingPlan plan;
+  /// On software renderers, and for maps that are too large for the driver's buffers.
+  std::unique_ptr<CpuOutput> processor;
 };
 
 /// Positions of one object, N of them, in metres.

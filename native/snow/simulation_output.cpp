@@ -147,7 +147,10 @@ MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
   const bool fits =
       largest_output_buffer(object.table, tables.seams) <= thread_->info().max_storage_buffer_bytes;
   if (is_software(thread_->info()) || !fits || !scene_is_current_) {
-    return output_on_cpu(object.table, tables.seams, tables.plan, stored, metrics);
+    if (tables.processor == nullptr) {
+      tables.processor = std::make_unique<CpuOutput>(object.table, tables.seams, tables.plan);
+    }
+    return tables.processor->run(stored, metrics);
   }
   const size_t at = index_of(name);
   return thread_->run([&] {

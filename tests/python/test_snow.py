@@ -96,6 +96,15 @@ def test_twigs_a_third_of_a_pixel_wide_gather_the_right_volume_on_average():
     assert volume(height, area) == pytest.approx(0.96 * 0.01, rel=0.1)
 
 
+@pytest.mark.parametrize("mapping", ["COMPUTE", "GEOMETRY"])
+def test_a_twig_a_fortieth_of_a_pixel_wide_carries_no_spikes(mapping):
+    """A hit brings a whole pixel of snow; on one texel of this map it would stand 4 m high."""
+    twig = grid(size_x=0.00075, size_y=1.0, cells=64)
+    height, area, _ = snow_on(twig, steps=96, depth=0.096, pixel_size=0.03, mapping=mapping)
+    assert (height * area).sum() == pytest.approx(0.096 * 0.00075, rel=0.5)
+    assert height.max() < 6 * 0.096
+
+
 def test_far_from_the_origin_nothing_changes():
     positions, triangles, uv = grid()
     height, area, _ = snow_on((positions + np.float32(4096.0), triangles, uv), pixel_size=0.01)
