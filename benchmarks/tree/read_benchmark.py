@@ -1,11 +1,13 @@
-"""Reading trees: the native reader against Blender's own OBJ importer, on the same files in one run.
+"""Trees from OBJ: our whole native part against Blender's own OBJ importer, on the same files in one run.
 
     PYTHONPATH=build/python python3 benchmarks/tree/read_benchmark.py [FILE.obj ...] [--megabytes 50]
-        [--repeats 3] [--blender blender]
+        [--repeats 3] [--blender blender] [--large]
 
-Prints a table: size of the file, seconds of read_tree (best of the repeats), seconds of Blender's importer
-(operator only, best of the repeats, factory settings), their ratio, and read_tree's peak memory against the
-file's size. Without files, a tree of tubes of about the given size is generated.
+Prints a table: size of the file; seconds of read_tree and of build_tree_mesh (surface, weights, both UV
+maps, as the import operator calls them; best of the repeats); seconds of Blender's importer, which does no
+more than read (operator only, best of the repeats, factory settings); read_tree and the whole against it;
+and read_tree's peak memory against the file's size. Without files, a tree of tubes of about the given size
+is generated. --large also reads, once, a generated file of a gigabyte: without Blender and without the mesh.
 """
 
 import argparse
@@ -26,14 +28,18 @@ def high_water():
         return next(int(line.split()[1]) for line in status if line.startswith("VmHWM"))
 
 before = high_water()
-times = []
+times, mesh_times = [], []
 for _ in range(int(sys.argv[2])):
     start = time.perf_counter()
-    skeleton = snowbough_native.read_tree(sys.argv[1])
-    times.append(time.perf_counter() - start)
+    skeleton = snowbough_native.read_tree(sys.argv[1], simplify="TOLERANCE")
+    read = time.perf_counter()
+    times.append(read - start)
     if len(times) == 1:
         peak = high_water()
-print(json.dumps({"seconds": min(times), "peak": (peak - before) * 1024,
+    if sys.argv[3] == "mesh":
+        mesh = snowbough_native.build_tree_mesh(skeleton)
+        mesh_times.append(time.perf_counter() - read)
+print(json.dumps({"seconds": min(times), "mesh": min(mesh_times, default=None), "peak": (peak - before) * 1024,
                   "branches": sum(skeleton.report["branches_per_level"]), "form": skeleton.report["form"]}))
 """
 
@@ -86,8 +92,8 @@ def write_tree(path, megabytes, seed=1):
                                for i in range(rng.randint(20, 80))], radius * rng.uniform(0.3, 0.7)))
 
 
-def read_native(path, repeats):
-    run = subprocess.run([sys.executable, "-c", READ, path, str(repeats)], check=True, text=True,
+def read_native(path, repeats, mesh=True):
+    run = subprocess.run([sys.executable, "-c", READ, path, str(repeats), "mesh" if mesh else ""], check=True, text=True,
                          capture_output=True)
     return json.loads(run.stdout)
 
@@ -98,27 +104,41 @@ def read_blender(blender, path, repeats):
     return json.loads(next(line for line in run.stdout.splitlines() if line.startswith("RESULT "))[7:])
 
 
+def print_row(path, native, blender):
+    size = os.path.getsize(path)
+    read, mesh = native["seconds"], native["mesh"]
+
+    def cell(value, width, digits):
+        return f"{'-':>{width}}" if value is None else f"{value:{width}.{digits}f}"
+
+    print(f"{os.path.basename(path)[:28]:28} {size / 1e6:6.1f} {native['branches']:8} {native['form'][:15]:15} "
+          f"{cell(read, 7, 3)} {cell(mesh, 7, 3)} {cell(blender, 9, 3)} "
+          f"{cell(blender and read / blender, 6, 2)} {cell(blender and (read + mesh) / blender, 6, 2)} "
+          f"{native['peak'] / size:9.1f}", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("files", nargs="*")
     parser.add_argument("--megabytes", type=float, default=50)
     parser.add_argument("--repeats", type=int, default=3)
     parser.add_argument("--blender", default="blender")
+    parser.add_argument("--large", action="store_true", help="also read a generated file of a gigabyte")
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         files = arguments.files
         if not files:
             files = [os.path.join(folder, "generated.obj")]
             write_tree(files[0], arguments.megabytes)
-        print(f"{'file':32} {'MB':>6} {'branches':>9} {'form':18} {'native s':>9} {'Blender s':>10} "
-              f"{'ratio':>6} {'peak / file':>11}")
+        print(f"{'file':28} {'MB':>6} {'branches':>8} {'form':15} {'read s':>7} {'mesh s':>7} {'Blender s':>9} "
+              f"{'read/B':>6} {'all/B':>6} {'peak/file':>9}")
         for path in files:
-            size = os.path.getsize(path)
-            native = read_native(path, arguments.repeats)
-            blender = read_blender(arguments.blender, path, arguments.repeats)
-            print(f"{os.path.basename(path):32} {size / 1e6:6.1f} {native['branches']:9} {native['form']:18} "
-                  f"{native['seconds']:9.3f} {blender:10.3f} {native['seconds'] / blender:6.2f} "
-                  f"{native['peak'] / size:11.1f}", flush=True)
+            print_row(path, read_native(path, arguments.repeats),
+                      read_blender(arguments.blender, path, arguments.repeats))
+        if arguments.large:
+            path = os.path.join(folder, "large.obj")
+            write_tree(path, 1000)
+            print_row(path, read_native(path, 1, mesh=False), None)
 
 
 if __name__ == "__main__":

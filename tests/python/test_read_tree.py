@@ -1,7 +1,10 @@
 """read_tree and Skeleton as Python sees them, on small files and on the real trees where they are there."""
 
 import json
+import os
 import pathlib
+import subprocess
+import sys
 import threading
 import time
 
@@ -141,6 +144,42 @@ def test_progress_runs_from_0_to_1(small):
     shares = []
     native.read_tree(small, progress=shares.append)
     assert shares == sorted(shares) and shares[0] == 0 and shares[-1] == 1
+
+
+INTERRUPTED_READ = """
+import os, signal, sys, threading, time
+import snowbough_native
+
+sent = []
+
+def press():
+    time.sleep(0.05)
+    sent.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=press).start()
+try:
+    snowbough_native.read_tree(sys.argv[1])
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", time.perf_counter() - sent[0])
+"""
+
+
+def test_ctrl_c_ends_a_long_read(tmp_path):
+    # Relative indices make equal blocks a file of many tubes: some 40 MB, far more than 50 ms of reading.
+    block = "".join("v %g %g %g\n" % corner for z in range(20) for corner in ring(0, 0, z, 0.1))
+    block += "".join(f"f {a} {a + 1} {a + 5} {a + 4}\n" for a in range(-80, -5))
+    path = tmp_path / "many.obj"
+    path.write_text(block * (40_000_000 // len(block)))
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
+    run = subprocess.run([sys.executable, "-c", INTERRUPTED_READ, str(path)], env=environment, text=True,
+                         capture_output=True, timeout=60)
+    path.unlink()
+    assert run.returncode == 0, run.stderr
+    word, *seconds = run.stdout.split()
+    assert word == "interrupted"
+    assert float(seconds[0]) < 2
 
 
 def test_progress_cancels(small):
