@@ -177,6 +177,11 @@ bool triangles_cross(const Triangle& a, const Triangle& b, const std::array<int,
   if (common == 1) {
     const int corner_a = shared[0] >= 0 ? 0 : shared[1] >= 0 ? 1 : 2;
     const int corner_b = shared[corner_a];
+    // Off the other's plane but for the shared corner: the usual case for neighbours on a limb.
+    const int side = side_of_plane(b[0], b[1], b[2], a[(corner_a + 1) % 3]);
+    if (side != 0 && side_of_plane(b[0], b[1], b[2], a[(corner_a + 2) % 3]) == side) {
+      return false;
+    }
     return segment_crosses(a[(corner_a + 1) % 3], a[(corner_a + 2) % 3], b) ||
            segment_crosses(b[(corner_b + 1) % 3], b[(corner_b + 2) % 3], a);
   }
