@@ -47,8 +47,6 @@ class BakeJob:
         # What the simulation has not been told yet.
         self._positions = {}
         self._driver = ""
-        # Texel size of the finest receiver of the whole list, whichever part of it is baked.
-        self._finest = 0.0
 
     # -- the recipe ------------------------------------------------------------------------------------
 
@@ -127,7 +125,6 @@ class BakeJob:
         boxes = [o.positions for o in pose.objects.values() if len(o.positions)]
         low = np.min([box.min(axis=0) for box in boxes], axis=0).tolist()
         high = np.max([box.max(axis=0) for box in boxes], axis=0).tolist()
-        self._finest = min(texels)
         self.pixel_size = request.pixel_size or bake_plan.automatic_pixel_size(texels, low, high)
 
     # -- settings, version, checkpoint -----------------------------------------------------------------
@@ -241,7 +238,6 @@ class BakeJob:
             flutter=request.flutter,
             max_depth=request.max_depth,
             slide_half_life=request.slide_half_life,
-            blur_radius=request.blur_radius * self._finest,
             seed=request.seed,
             mapping=request.mapping,
         )
@@ -258,6 +254,8 @@ class BakeJob:
                 resolution=receiver.resolution if receiver else bake_plan.MIN_RESOLUTION,
                 receive=receiver is not None,
                 occlude=True,
+                rest=receiver.rest if receiver else None,
+                blur_radius=self.request.blur_radius * receiver.texel if receiver else None,
             )
 
     def _poses(self, snowfall, frame):

@@ -23,6 +23,8 @@ class BakedReceiver:
     resolution: int
     texel: float
     """Mean texel size in metres at the shot's first frame."""
+    rest: np.ndarray
+    """(V, 3) positions at the shot's first frame, whatever frame the bake goes on from."""
     folder: Path = None
     frames: list = field(default_factory=list)
     covered: Coverage = None
@@ -129,5 +131,13 @@ def measure(obj, texel_size):
             f"{bake_plan.MIN_RESOLUTION} to {bake_plan.MAX_RESOLUTION}"
         )
     return BakedReceiver(
-        obj.key, obj.label, obj.name, obj.library, obj.receiver, obj.uv_map, resolution, per_map / resolution
+        obj.key,
+        obj.label,
+        obj.name,
+        obj.library,
+        obj.receiver,
+        obj.uv_map,
+        resolution,
+        per_map / resolution,
+        obj.positions,
     )

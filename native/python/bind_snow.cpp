@@ -1,5 +1,7 @@
+#include <cmath>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 
 #include "bindings.h"
 #include "numpy_arrays.h"
@@ -44,7 +46,8 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
 
 void add_object(SnowSimulation& simulation, const std::string& name,
                 const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-                int32_t resolution, bool receive, bool occlude) {
+                int32_t resolution, bool receive, bool occlude, const py::object& rest,
+                const std::optional<double>& blur_radius) {
   if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
     throw std::invalid_argument("object '" + name + "': triangles must have shape (T, 3)");
   }
@@ -60,6 +63,16 @@ void add_object(SnowSimulation& simulation, const std::string& name,
   description.topology.resolution = resolution;
   description.receive = receive;
   description.occlude = occlude;
+  if (blur_radius.has_value()) {
+    if (!std::isfinite(*blur_radius) || *blur_radius < 0.0) {
+      throw std::invalid_argument("object '" + name + "': blur_radius must be 0 metres or more");
+    }
+    description.blur_radius = *blur_radius;
+  }
+  if (!rest.is_none()) {
+    description.rest = rows_from_numpy<glm::vec3, float, 3>(py::cast<InputArray<float>>(rest),
+                                                            "object '" + name + "': rest");
+  }
   const py::gil_scoped_release release;
   simulation.add_object(std::move(description));
 }
@@ -236,10 +249,15 @@ void bind_snow(py::module_& module) {
            "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
            "tile_size"_a = 2048, "device"_a = "")
       .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
-           "receive"_a = true, "occlude"_a = true,
+           "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+           "blur_radius"_a = py::none(),
            "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
            "a\n"
-           "map of resolution x resolution texels, and occludes whatever `occlude` says.")
+           "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
+           "3):\n"
+           "the pose in which output measures distances, in metres; by default that of its first "
+           "step.\n"
+           "blur_radius: sigma in metres for this object, by default the simulation's.")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0,
            "Lets snow fall: depth in metres on open level ground, along direction, within dt "

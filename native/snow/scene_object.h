@@ -20,6 +20,12 @@ struct ObjectDescription {
   bool receive = true;
   /// Keeps snow from what is behind it.
   bool occlude = true;
+  /// Positions in metres of the pose in which output measures distances across seams and for the blur;
+  /// empty: those of the object's first step. A simulation that goes on from a checkpoint takes the pose
+  /// that the first one began with, so that it ends with the same output.
+  std::vector<glm::vec3> rest;
+  /// Sigma in metres of the blur of this object's output; negative: the simulation's.
+  double blur_radius = -1.0;
 };
 
 /// An object as the simulation holds it.

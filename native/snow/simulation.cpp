@@ -107,6 +107,11 @@ void SnowSimulation::add_object(ObjectDescription description) {
     highest = std::max(highest, index);
   }
   topology.vertex_count = highest + 1;
+  if (!description.rest.empty() && static_cast<int32_t>(description.rest.size()) <= highest) {
+    refuse("object '" + description.name + "': rest has " +
+           std::to_string(description.rest.size()) + " vertices, a triangle asks for number " +
+           std::to_string(highest));
+  }
   SceneObject object;
   if (description.receive) {
     try {
@@ -158,6 +163,9 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     if (object.positions.size() == points.size() &&
         std::memcmp(object.positions.data(), points.data(), points.size_bytes()) == 0) {
       continue;
+    }
+    if (object.description.receive && object.description.rest.empty()) {
+      object.description.rest.assign(points.begin(), points.end());
     }
     object.positions.assign(points.begin(), points.end());
     object.moved = true;

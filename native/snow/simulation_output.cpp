@@ -117,11 +117,12 @@ OutputTables& SnowSimulation::output_tables(const std::string& name, const Scene
   if (found == outputs_.end()) {
     auto tables = std::make_unique<OutputTables>();
     const MapTopology& topology = object.description.topology;
-    const std::vector<glm::vec3> positions(object.positions.begin(),
-                                           object.positions.begin() + topology.vertex_count);
-    tables->seams = build_seam_table(topology, object.table, positions);
-    tables->plan =
-        plan_smoothing(object.table, tables->seams, static_cast<float>(settings_.blur_radius));
+    const std::vector<glm::vec3>& rest = object.description.rest;
+    tables->seams = build_seam_table(topology, object.table,
+                                     {rest.begin(), rest.begin() + topology.vertex_count});
+    const double own = object.description.blur_radius;
+    const double blur_radius = own < 0.0 ? settings_.blur_radius : own;
+    tables->plan = plan_smoothing(object.table, tables->seams, static_cast<float>(blur_radius));
     found = outputs_.emplace(name, std::move(tables)).first;
   }
   return *found->second;

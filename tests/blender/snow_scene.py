@@ -105,7 +105,8 @@ def moving_scene(folder, frames=(1, 12), **values):
     edit.head, edit.tail = (0, -1.5, 0.5), (1.5, -1.5, 0.5)
     bpy.ops.object.mode_set(mode="OBJECT")
     group = flag.vertex_groups.new(name="Bone")
-    group.add(list(range(len(points))), 1.0, "REPLACE")
+    for i in range(cells + 1):  # the flag bends and stretches: it does not turn as one
+        group.add([i, i + cells + 1], i / cells, "REPLACE")
     modifier = flag.modifiers.new("Armature", "ARMATURE")
     modifier.object = bone
     pose = bone.pose.bones["Bone"]
