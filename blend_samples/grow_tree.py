@@ -368,15 +368,16 @@ def maple_leaf(at, axis, size, rng):
     length = 0.11 * size * rng.uniform(0.8, 1.2)
     side = across(axis)
     base = at + axis * 0.3 * length
-    vertices, uv, quads = [], [], []
+    # The lobes share the vertex at the stalk, so that a leaf is one piece.
+    vertices, uv, quads = [base], [(0.5, 0.1)], []
     for lobe, reach in ((-0.95, 0.75), (0.0, 1.0), (0.95, 0.75)):
         along = axis * np.cos(lobe) + side * np.sin(lobe)
         beside = np.cross(np.cross(axis, side), along)
-        for forward, sideways in ((0.0, 0.0), (0.55, -0.22), (1.0, 0.0), (0.55, 0.22)):
+        quads.append([0, *range(len(vertices), len(vertices) + 3)])
+        for forward, sideways in ((0.55, -0.22), (1.0, 0.0), (0.55, 0.22)):
             vertices.append(base + (along * forward + beside * sideways) * length * reach)
             place = np.array([np.sin(lobe) * forward, np.cos(lobe) * forward]) * reach
             uv.append((0.5 + 0.5 * (place[0] + np.cos(lobe) * sideways), 0.1 + 0.8 * place[1]))
-        quads.append(np.arange(4) + len(quads) * 4)
     return np.array(vertices), np.clip(uv, 0.0, 1.0), np.array(quads)
 
 

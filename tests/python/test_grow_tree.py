@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+import snowbough_native
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -96,6 +97,15 @@ def test_leaves_come_last_in_a_group_with_texture_coordinates(grow_tree, tmp_pat
     assert all(word.count("/") == 1 for word in faces[0].split()[1:])
     assert "g " not in leaves[2:]
     assert "newmtl leaf" in (tmp_path / "tree.mtl").read_text()
+
+
+def test_the_reader_takes_every_leaf_for_foliage_and_no_wood(grow_tree, tmp_path, tree):
+    species, trunk = tree
+    leaves = list(grow_tree.leaf_shapes(trunk, species, 6.0, np.random.default_rng(2)))
+    branches, count = grow_tree.write_squares(trunk, tmp_path / "tree.obj", leaves)
+    skeleton = snowbough_native.read_tree(str(tmp_path / "tree.obj"))
+    assert len(skeleton.branches) == branches
+    assert skeleton.report["foliage_parts"] == count
 
 
 def test_the_small_tree_in_the_repository_is_what_the_script_grows(grow_tree, tmp_path):
