@@ -26,8 +26,9 @@ import snowbough  # noqa: E402
 
 RESOLUTION = 1024
 RENDERED_FRAMES = (1, 10, 20, 32, 40, 48)
-# (frame, strength): the snow sets in, falls, and dies away as the cart drives off its dry patch.
-SNOWFALL = ((1, 0.02), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
+# (frame, strength): dry at first, then the snow sets in, falls, and dies away as the cart drives off its
+# dry patch.
+SNOWFALL = ((1, 0.0), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
 END_DEPTH = 0.06
 # The stage is built for a tree of this height, and of this reach around its foot.
 TREE_HEIGHT, TREE_REACH = 6.0, 3.6
@@ -41,7 +42,9 @@ def import_tree(path):
     """Imports the tree, lets it sway and fits it to the stage. Returns (armature, list of its meshes)."""
     before = set(bpy.data.objects)
     started = time.perf_counter()
-    bpy.ops.import_scene.xfrog_tree(filepath=str(path))
+    # Every joint of the export, for the flare at the root, and eight sides, on which snow thins out around
+    # a limb.
+    bpy.ops.import_scene.xfrog_tree(filepath=str(path), simplify="NONE", lod=1)
     seconds = time.perf_counter() - started
     new = [candidate for candidate in bpy.data.objects if candidate not in before]
     armature = next(candidate for candidate in new if candidate.type == "ARMATURE")
@@ -109,8 +112,9 @@ def prepare_snowfall(receivers, backdrop):
     for frame in range(1, demo_scene.FRAMES + 1):
         settings.rate = strength(frame)
         settings.keyframe_insert("rate", frame=frame)
-    settings.fall_angle = np.radians(12.0)
-    settings.bearing = np.radians(25.0)
+    # From the left: windward sides turn white, lee sides show what they are made of.
+    settings.fall_angle = np.radians(14.0)
+    settings.bearing = np.radians(70.0)
     settings.pixel_size = 0.016
     settings.seed = 7
     # The shot stands for hours of snowfall: what steep sides cannot hold is gone within a few frames.

@@ -1,0 +1,196 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Renews the user guide's pictures in docs/images, from our own sample trees.
+
+    ./tools/demo.sh
+    PYTHONPATH=build/python /usr/bin/python3 tools/guide_pictures.py [NAME ...]
+
+tree               the maple as exported, its branches, its rig     (from build/demo)
+shot               three frames of the demo                         (from build/demo)
+lod                one limb at the four levels of detail            (from build/demo/maple.obj)
+viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
+scene_properties   the Scene properties there
+
+Without names all of them. Every picture is a PNG of less than 150 KB.
+"""
+
+import json
+import subprocess
+import sys
+import tempfile
+import time
+from pathlib import Path
+
+import numpy as np
+import snowbough_native
+from PIL import Image
+
+ROOT = Path(__file__).resolve().parent.parent
+DEMO = ROOT / "build" / "demo"
+IMAGES = ROOT / "docs" / "images"
+MOST_BYTES = 150_000
+GAP = 12
+
+sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "tests" / "ui")]
+import contact_sheet  # noqa: E402
+import window as ui  # noqa: E402
+
+# A maple over a ground, half way through a snowfall with wind, previewed live.
+PREVIEWED_SCENE = """
+import math
+bpy.data.objects.remove(bpy.data.objects["Cube"])
+bpy.ops.import_scene.xfrog_tree(filepath={tree!r}, lod=1)
+tree = next(obj for obj in bpy.data.objects if obj.name.endswith("_bark"))
+bpy.ops.mesh.primitive_grid_add(x_subdivisions=60, y_subdivisions=60, size=7.0)
+ground = bpy.context.object
+bpy.ops.object.select_all(action="DESELECT")
+for obj in (ground, tree):
+    obj.select_set(True)
+bpy.ops.snowbough.add_receivers()
+for obj in bpy.data.objects:
+    obj.hide_set(obj.type in {{"ARMATURE", "LIGHT", "CAMERA"}})
+scene = bpy.context.scene
+scene.frame_end = 40
+scene.snowbough.fall_angle, scene.snowbough.bearing = math.radians(35.0), math.radians(110.0)
+scene.snowbough.end_depth = 0.15
+window, area = view3d()
+space = area.spaces.active
+space.shading.light, space.shading.color_type = "STUDIO", "OBJECT"
+space.overlay.show_relationship_lines = False
+ground.color, tree.color = (0.16, 0.13, 0.09, 1.0), (0.12, 0.07, 0.04, 1.0)
+space.region_3d.view_distance, space.region_3d.view_location = 21.0, (0.5, 0.0, 5.2)
+space.region_3d.view_rotation = (0.80, 0.55, 0.13, 0.19)
+bpy.ops.object.select_all(action="DESELECT")
+bpy.ops.snowbough.toggle_preview()
+result = True
+"""
+
+
+def keep(image, name):
+    """Writes docs/images/<name>.png with as many colours as its size allows."""
+    target = IMAGES / f"{name}.png"
+    for colours in (256, 192, 128, 96, 64, 32):
+        image.convert("RGB").quantize(colours, method=Image.Quantize.MEDIANCUT).save(target, optimize=True)
+        if target.stat().st_size < MOST_BYTES:
+            print(f"{target.relative_to(ROOT)}: {image.width} x {image.height}, {target.stat().st_size} bytes")
+            return
+    raise SystemExit(f"{target} is larger than {MOST_BYTES} bytes: make it smaller")
+
+
+def side_by_side(images):
+    width = sum(image.width for image in images) + GAP * (len(images) - 1)
+    row = Image.new("RGB", (width, max(image.height for image in images)), (255, 255, 255))
+    left = 0
+    for image in images:
+        row.paste(image, (left, 0))
+        left += image.width + GAP
+    return row
+
+
+def demo_result():
+    path = DEMO / "demo.json"
+    if not path.exists():
+        raise SystemExit("build/demo holds no demo: run ./tools/demo.sh first")
+    demo = json.loads(path.read_text())
+    if Path(demo["tree"]).name != "maple.obj":
+        raise SystemExit("build/demo shows another tree: run ./tools/demo.sh without a file first")
+    return demo
+
+
+def tree():
+    demo = demo_result()
+    skeleton = snowbough_native.read_tree(demo["tree"])
+    polygons = [
+        np.stack([polygon[:, 0], -polygon[:, 2], polygon[:, 1]], axis=1)
+        for polygon in contact_sheet.read_polygons(demo["tree"])
+    ]
+    levels = {branch.name.rstrip("0123456789"): branch.level for branch in skeleton.branches}
+    size = (330, 420)
+    return side_by_side(
+        [
+            contact_sheet.raw_plate(polygons, size),
+            contact_sheet.skeleton_plate(skeleton.branches, size),
+            contact_sheet.rig_plate(demo["bones"], levels, size),
+        ]
+    )
+
+
+def shot():
+    frames = demo_result()["frames"]
+    chosen = (frames[0], frames[len(frames) // 2], frames[-1])
+    return side_by_side(
+        [Image.open(DEMO / f"frame_{frame:04d}.png").resize((330, 206), Image.LANCZOS) for frame in chosen]
+    )
+
+
+def lod():
+    """A piece of the trunk with its first branches, every face drawn."""
+    demo_result()
+    skeleton = snowbough_native.read_tree(str(DEMO / "maple.obj"))
+    plates = []
+    for level in range(4):
+        mesh = snowbough_native.build_tree_mesh(skeleton, lod=level)
+        corners = mesh.vertices[mesh.quads]
+        centres = corners.mean(axis=1)
+        piece = (np.abs(centres - (-0.25, 0.0, 2.15)) < (0.75, 0.75, 0.75)).all(axis=1)
+        along = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        piece &= along[:, 1] < 0.3 * np.linalg.norm(along, axis=1)
+        plates.append(contact_sheet.raw_plate(list(corners[piece]), (244, 330)))
+    return side_by_side(plates)
+
+
+def with_window(work):
+    """Calls work(window) on a Blender window with the add-on installed."""
+    made = subprocess.run([ROOT / "tools" / "package.sh"], check=True, stdout=subprocess.PIPE, text=True).stdout
+    with tempfile.TemporaryDirectory(prefix="snowbough-guide-") as folder:
+        window = ui.BlenderWindow(folder, ROOT / made.strip())
+        try:
+            return work(window)
+        finally:
+            window.close()
+
+
+def viewport():
+    demo_result()
+
+    def work(window):
+        window.open_sidebar_tab()
+        window.run(PREVIEWED_SCENE.format(tree=str(DEMO / "maple.obj")), timeout=300)
+        for frame in range(2, 31):
+            window.run(f"bpy.context.scene.frame_set({frame})\nresult = True", timeout=120)
+        time.sleep(3.0)
+        area = window.run("area = view3d()[1]\nresult = [area.x, area.y, area.width, area.height]")
+        return cropped(window, "guide_viewport", area).resize((920, 640), Image.LANCZOS)
+
+    return with_window(work)
+
+
+def scene_properties():
+    def work(window):
+        window.run(
+            'area = next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "OUTLINER")\n'
+            'area.type = "PROPERTIES"\n'
+            "bpy.ops.snowbough.add_receivers()\nresult = True"
+        )
+        window.properties_panels("SCENE")
+        time.sleep(2.0)
+        area = window.run(
+            'area = max((a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "PROPERTIES"),'
+            " key=lambda a: a.height)\nresult = [area.x, area.y, area.width, area.height]"
+        )
+        return cropped(window, "guide_scene", area)
+
+    return with_window(work)
+
+
+def cropped(window, name, area):
+    x, y, width, height = area
+    return window.screenshot(name).crop((x, ui.HEIGHT - y - height, x + width, ui.HEIGHT - y))
+
+
+PICTURES = {"tree": tree, "shot": shot, "lod": lod, "viewport": viewport, "scene_properties": scene_properties}
+
+if __name__ == "__main__":
+    IMAGES.mkdir(parents=True, exist_ok=True)
+    for picture in sys.argv[1:] or PICTURES:
+        keep(PICTURES[picture](), picture)
