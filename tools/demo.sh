@@ -15,7 +15,7 @@ if [ -n "$tree" ] && [ ! -f "$tree" ]; then
   exit 1
 fi
 started=$SECONDS
-tools/setup.sh
+tools/setup.sh module
 unset PYTHONPATH PYTHONHOME
 rm -rf build/demo
 mkdir -p build/demo

@@ -5,16 +5,15 @@
     ./tools/demo.sh
     PYTHONPATH=build/python /usr/bin/python3 tools/guide_pictures.py [NAME ...]
 
-tree               the maple as exported, its branches, its rig     (from build/demo)
-shot               three frames of the demo                         (from build/demo)
-lod                one limb at the four levels of detail            (from build/demo/maple.obj)
+tree               the maple as exported, its branches, its rig
+shot               three frames of the demo, as they lie in build/demo
+lod                a piece of it at the four levels of detail
 viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
 scene_properties   the Scene properties there
 
 Without names all of them. Every picture is a PNG of less than 150 KB.
 """
 
-import json
 import subprocess
 import sys
 import tempfile
@@ -33,6 +32,7 @@ GAP = 12
 
 sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "tests" / "ui")]
 import contact_sheet  # noqa: E402
+import grow_tree  # noqa: E402
 import window as ui  # noqa: E402
 
 # A maple over a ground, half way through a snowfall with wind, previewed live.
@@ -66,6 +66,27 @@ result = True
 """
 
 
+# A receiver, the 3D view split for a column of properties, and Blender's own panels put away.
+SETTINGS_ALONE = """
+bpy.ops.snowbough.add_receivers()
+for name in dir(bpy.types):
+    if name.startswith("SCENE_PT_"):
+        bpy.utils.unregister_class(getattr(bpy.types, name))
+window, area = view3d()
+known = set(window.screen.areas)
+with bpy.context.temp_override(window=window, area=area):
+    bpy.ops.screen.area_split(direction="VERTICAL", factor=0.38)
+column = next(area for area in window.screen.areas if area not in known)
+column.type = "PROPERTIES"
+result = True
+"""
+SHOW_SCENE_SETTINGS = """
+column.spaces.active.context = "SCENE"
+column.tag_redraw()
+result = True
+"""
+
+
 def keep(image, name):
     """Writes docs/images/<name>.png with as many colours as its size allows."""
     target = IMAGES / f"{name}.png"
@@ -87,46 +108,45 @@ def side_by_side(images):
     return row
 
 
-def demo_result():
-    path = DEMO / "demo.json"
-    if not path.exists():
-        raise SystemExit("build/demo holds no demo: run ./tools/demo.sh first")
-    demo = json.loads(path.read_text())
-    if Path(demo["tree"]).name != "maple.obj":
-        raise SystemExit("build/demo shows another tree: run ./tools/demo.sh without a file first")
-    return demo
+def maple():
+    """The demo's tree, grown anew. Returns its path."""
+    path = ROOT / "build" / "guide" / "maple.obj"
+    path.parent.mkdir(parents=True, exist_ok=True)
+    grow_tree.main(["--species", "maple", "--seed", "1", str(path)])
+    return path
 
 
 def tree():
-    demo = demo_result()
-    skeleton = snowbough_native.read_tree(demo["tree"])
+    path = maple()
+    skeleton = snowbough_native.read_tree(str(path))
     polygons = [
         np.stack([polygon[:, 0], -polygon[:, 2], polygon[:, 1]], axis=1)
-        for polygon in contact_sheet.read_polygons(demo["tree"])
+        for polygon in contact_sheet.read_polygons(path)
     ]
     levels = {branch.name.rstrip("0123456789"): branch.level for branch in skeleton.branches}
+    rig = snowbough_native.reduce_bones(snowbough_native.build_tree_mesh(skeleton), 1000, -1)
+    names = [name.split(".")[0].rstrip("0123456789") for name in rig.bone_names]
     size = (330, 420)
     return side_by_side(
         [
             contact_sheet.raw_plate(polygons, size),
             contact_sheet.skeleton_plate(skeleton.branches, size),
-            contact_sheet.rig_plate(demo["bones"], levels, size),
+            contact_sheet.rig_plate(list(zip(rig.bone_heads, rig.bone_tails, names)), levels, size),
         ]
     )
 
 
 def shot():
-    frames = demo_result()["frames"]
+    frames = sorted(DEMO.glob("frame_*.png"))
+    if len(frames) < 3:
+        raise SystemExit("build/demo holds no rendered frames: run ./tools/demo.sh first")
     chosen = (frames[0], frames[len(frames) // 2], frames[-1])
-    return side_by_side(
-        [Image.open(DEMO / f"frame_{frame:04d}.png").resize((330, 206), Image.LANCZOS) for frame in chosen]
-    )
+    return side_by_side([Image.open(frame).resize((330, 206), Image.LANCZOS) for frame in chosen])
 
 
 def lod():
     """A piece of the trunk with its first branches, every face drawn."""
-    demo_result()
-    skeleton = snowbough_native.read_tree(str(DEMO / "maple.obj"))
+    skeleton = snowbough_native.read_tree(str(maple()))
     plates = []
     for level in range(4):
         mesh = snowbough_native.build_tree_mesh(skeleton, lod=level)
@@ -151,12 +171,13 @@ def with_window(work):
 
 
 def viewport():
-    demo_result()
+    path = maple()
 
     def work(window):
         window.open_sidebar_tab()
-        window.run(PREVIEWED_SCENE.format(tree=str(DEMO / "maple.obj")), timeout=300)
-        for frame in range(2, 31):
+        window.run(PREVIEWED_SCENE.format(tree=str(path)), timeout=300)
+        # The preview makes up for as many frames as playback may drop.
+        for frame in (8, 15, 22, 29):
             window.run(f"bpy.context.scene.frame_set({frame})\nresult = True", timeout=120)
         time.sleep(3.0)
         area = window.run("area = view3d()[1]\nresult = [area.x, area.y, area.width, area.height]")
@@ -167,17 +188,11 @@ def viewport():
 
 def scene_properties():
     def work(window):
-        window.run(
-            'area = next(a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "OUTLINER")\n'
-            'area.type = "PROPERTIES"\n'
-            "bpy.ops.snowbough.add_receivers()\nresult = True"
-        )
-        window.properties_panels("SCENE")
+        window.run(SETTINGS_ALONE)
         time.sleep(2.0)
-        area = window.run(
-            'area = max((a for a in bpy.context.window_manager.windows[0].screen.areas if a.type == "PROPERTIES"),'
-            " key=lambda a: a.height)\nresult = [area.x, area.y, area.width, area.height]"
-        )
+        window.run(SHOW_SCENE_SETTINGS)
+        time.sleep(4.0)
+        area = window.run("result = [column.x, column.y, column.width, column.height]")
         return cropped(window, "guide_scene", area)
 
     return with_window(work)

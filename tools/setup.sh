@@ -1,12 +1,23 @@
 #!/usr/bin/env bash
 # Sets a Debian 12 machine up for Snowbough: installs the packages that are missing, then builds.
 #
-#   ./tools/setup.sh
+#   ./tools/setup.sh           everything: the module, its tests and benchmarks
+#   ./tools/setup.sh module    only the Python module, which is all that the demo needs
 #
 # Afterwards `PYTHONPATH=build/python /usr/bin/python3 -c "import snowbough_native"` works. Nothing is
 # installed when everything is there, and only what changed is built again.
 set -euo pipefail
 cd "$(dirname "$0")/.."
+
+case "${1:-}" in
+  '') target=all ;;
+  module) target=snowbough_native ;;
+  *)
+    echo "setup: unknown argument '$1'" >&2
+    sed -n '4,5s/^# \{0,1\}//p' "$0" >&2
+    exit 2
+    ;;
+esac
 
 is_installed() {
   [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
@@ -59,7 +70,7 @@ if command -v ccache >/dev/null; then
   launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
 fi
 cmake --preset release "${launcher[@]}"
-cmake --build --preset release
+cmake --build --preset release --target "$target"
 
 PYTHONPATH=build/python /usr/bin/python3 -c "
 import snowbough_native

@@ -50,6 +50,12 @@ def test_test_script_refuses_unknown_arguments(arguments, complaint):
     assert complaint in ended.stderr
 
 
+def test_setup_script_refuses_unknown_arguments_before_it_does_anything():
+    ended = subprocess.run([ROOT / "tools" / "setup.sh", "nonsense"], capture_output=True, text=True)
+    assert ended.returncode == 2
+    assert "unknown argument 'nonsense'" in ended.stderr and ended.stdout == ""
+
+
 def test_summary_counts_a_layer_that_crashed(tmp_path):
     (tmp_path / "blender.exit").write_text("139\n")
     ended = subprocess.run(
