@@ -56,9 +56,11 @@ scene.snowbough.end_depth = 0.15
 window, area = view3d()
 space = area.spaces.active
 space.shading.light, space.shading.color_type = "STUDIO", "OBJECT"
-space.overlay.show_relationship_lines = False
+overlay = space.overlay
+overlay.show_relationship_lines = overlay.show_floor = overlay.show_cursor = overlay.show_object_origins = False
+overlay.show_axis_x = overlay.show_axis_y = False
 ground.color, tree.color = (0.16, 0.13, 0.09, 1.0), (0.12, 0.07, 0.04, 1.0)
-space.region_3d.view_distance, space.region_3d.view_location = 21.0, (0.5, 0.0, 5.2)
+space.region_3d.view_distance, space.region_3d.view_location = 21.0, (1.6, 0.0, 6.2)
 space.region_3d.view_rotation = (0.80, 0.55, 0.13, 0.19)
 bpy.ops.object.select_all(action="DESELECT")
 bpy.ops.snowbough.toggle_preview()
@@ -181,7 +183,7 @@ def viewport():
             window.run(f"bpy.context.scene.frame_set({frame})\nresult = True", timeout=120)
         time.sleep(3.0)
         area = window.run("area = view3d()[1]\nresult = [area.x, area.y, area.width, area.height]")
-        return cropped(window, "guide_viewport", area).resize((920, 640), Image.LANCZOS)
+        return cropped(window, "guide_viewport", area)
 
     return with_window(work)
 
