@@ -15,6 +15,12 @@ import numpy as np
 VERSION = bpy.app.version
 
 # --------------------------------------------------------------------------------------------------
+# Properties
+
+# From 5.0 on a path may begin with // (the .blend's folder) only where its property says so.
+BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if VERSION >= (5, 0, 0) else set()
+
+# --------------------------------------------------------------------------------------------------
 # Mesh data
 
 

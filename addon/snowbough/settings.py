@@ -19,6 +19,8 @@ from bpy.props import (
     StringProperty,
 )
 
+from . import compat
+
 MAPPINGS = (
     ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time (OpenGL 4.3)"),
     ("GEOMETRY", "Geometry", "A geometry shader and additive blending, for OpenGL 4.1"),
@@ -74,7 +76,7 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         name="Baked Files",
         description="Folder of the newest finished bake of this receiver",
         subtype="DIR_PATH",
-        options={"HIDDEN"},
+        options={"HIDDEN"} | compat.BLEND_RELATIVE,
     )
     restore: StringProperty(
         name="Restore",
@@ -91,6 +93,7 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         description="Folder for the baked maps; // stands for the folder of the .blend",
         subtype="DIR_PATH",
         default="//snowbough_cache",
+        options={"ANIMATABLE"} | compat.BLEND_RELATIVE,
     )
     cache_used: StringProperty(
         name="Cache of the Last Bake",

@@ -80,7 +80,8 @@ def test_nothing_is_left_when_it_ends(ground):
 def test_a_saved_file_holds_nothing_of_the_preview(ground, tmp_path):
     bpy.ops.snowbough.toggle_preview()
     path = str(tmp_path / "shot.blend")
-    bpy.ops.wm.save_as_mainfile(filepath=path)
+    # A copy: Blender does not read from the file that is open.
+    bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
     with bpy.data.libraries.load(path) as (content, _):
         assert list(content.objects) == ["Ground"]
 
