@@ -1,0 +1,118 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a step of snow costs, in tables like the thesis's table 4.2 and figure 4.13, ratios from one run.
+
+    python3 benchmarks/snow/speed.py [--steps 6] [--tables mapping,occlusion,maps,objects,triangles]
+
+The thesis's own figures: 103 to 112 frames a second with 1024 x 1024 maps on a GTX 580, scenes of 1,106 to
+42,918 base polygons within 10 % of each other (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and
+Snow, 2014, chapter 4). Every row is the median of its steps; the occlusion's extent is kept, its pixel varies.
+"""
+
+import argparse
+import os
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+from meshes import grid, native, waving_field  # noqa: E402
+
+EXTENT = 10.0
+SLANT = (0.3, 0.0, -1.0)
+
+
+def median_step(meshes, resolution, pixel_size, steps, density=1.0, mapping="COMPUTE"):
+    """Median seconds of a step with everything moving, after one that sets up."""
+    with native.SnowSimulation(pixel_size=pixel_size, noise_density=density, mapping=mapping) as sim:
+        for name, (_, triangles, uv) in meshes.items():
+            sim.add_object(name, triangles, uv, resolution=resolution)
+        taken = []
+        for step in range(steps + 1):
+            moved = {name: mesh[0] + np.float32(0.001 * step) for name, mesh in meshes.items()}
+            started = time.perf_counter()
+            sim.step(moved, 0.001, SLANT)
+            sim.statistics()  # waits for the GPU
+            taken.append(time.perf_counter() - started)
+        return float(np.median(taken[1:]))
+
+
+def line(*cells):
+    print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
+
+
+def head(title, *cells):
+    print(f"\n{title}  (load {os.getloadavg()[0]:.1f})\n")
+    line(*cells)
+    line(*("---" for _ in cells))
+
+
+def mapping_table(steps):
+    head("COMPUTE against GEOMETRY, noise density 10 %, maps and occlusion of one size", "size", "COMPUTE ms",
+         "GEOMETRY ms", "ratio (3 asked)")
+    field = {"field": waving_field()}
+    for size in (256, 512, 1024, 2048):
+        compute, geometry = [], []
+        for _ in range(2):  # turn about, so that a change of load meets both
+            compute.append(median_step(field, size, EXTENT / size, steps, 0.1))
+            geometry.append(median_step(field, size, EXTENT / size, steps, 0.1, "GEOMETRY"))
+        a, b = min(compute), min(geometry)
+        line(size, f"{a * 1e3:.1f}", f"{b * 1e3:.1f}", f"{b / a:.2f}")
+
+
+def occlusion_table(steps):
+    head("Occlusion size, one map of 1024, 32,768 triangles", "occlusion", "ms a step", "steps a second")
+    for size in (256, 512, 1024, 2048, 4096):
+        taken = median_step({"field": waving_field()}, 1024, EXTENT / size, steps)
+        line(f"{size} x {size}", f"{taken * 1e3:.1f}", f"{1 / taken:.1f}")
+
+
+def map_table(steps):
+    head("Map size, occlusion 1024 x 1024, 32,768 triangles", "map", "ms a step", "steps a second")
+    for size in (256, 512, 1024, 2048, 4096):
+        taken = median_step({"field": waving_field()}, size, EXTENT / 1024, steps)
+        line(f"{size} x {size}", f"{taken * 1e3:.1f}", f"{1 / taken:.1f}")
+
+
+def object_table(steps):
+    head("Object count, maps of 256, 2,048 triangles each, occlusion 1024 x 1024", "objects", "ms a step",
+         "steps a second", "ms an object")
+    for count in (1, 4, 16, 64, 256):
+        side = int(np.ceil(np.sqrt(count)))
+        patch = grid(EXTENT / side * 0.9, EXTENT / side * 0.9, 32)
+        placed = {}
+        for i in range(count):
+            shift = np.float32((EXTENT / side * (i % side), EXTENT / side * (i // side), 0.0))
+            placed[f"{i:04}"] = (patch[0] + shift, *patch[1:])
+        taken = median_step(placed, 256, EXTENT / 1024, steps)
+        line(count, f"{taken * 1e3:.1f}", f"{1 / taken:.1f}", f"{taken / count * 1e3:.2f}")
+
+
+def triangle_table(steps):
+    head("Triangle count, one map of 1024, occlusion 1024 x 1024 (thesis: within 10 % up to 42,918)", "triangles",
+         "ms a step", "steps a second", "against the first")
+    first = None
+    for cells in (23, 70, 146, 300, 700):
+        taken = median_step({"field": waving_field(cells)}, 1024, EXTENT / 1024, steps)
+        first = first or taken
+        line(f"{2 * cells * cells:,}", f"{taken * 1e3:.1f}", f"{1 / taken:.1f}", f"{taken / first:.2f}")
+
+
+TABLES = {"mapping": mapping_table, "occlusion": occlusion_table, "maps": map_table, "objects": object_table,
+          "triangles": triangle_table}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--steps", type=int, default=6)
+    parser.add_argument("--tables", default=",".join(TABLES))
+    given = parser.parse_args()
+    info = native.gpu_info()
+    print(f"{info['renderer']}, {info['version']}, {os.cpu_count()} cores")
+    for name in given.tables.split(","):
+        TABLES[name](given.steps)
+
+
+if __name__ == "__main__":
+    main()

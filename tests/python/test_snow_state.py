@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Checkpoints that are cut, foreign or damaged are refused, and leave the snow as it was."""
+
+import numpy as np
+import pytest
+import snowbough_native as native
+
+from snow_meshes import sphere
+
+
+@pytest.fixture
+def saved(tmp_path):
+    positions, triangles, uv = sphere(around=16, rings=8)
+
+    def start(resolution=64, name="it"):
+        sim = native.SnowSimulation(pixel_size=0.02, noise_density=0.5)
+        sim.add_object(name, triangles, uv, resolution=resolution)
+        return sim
+
+    with start() as sim:
+        sim.step({"it": positions}, 0.05)
+        sim.save(str(tmp_path / "state"))
+    return start, tmp_path, positions
+
+
+def test_a_checkpoint_cut_anywhere_is_refused(saved):
+    start, folder, _ = saved
+    data = (folder / "state").read_bytes()
+    with start() as sim:
+        for length in (0, 1, 7, 8, len(data) // 3, len(data) - 1):
+            (folder / "cut").write_bytes(data[:length])
+            with pytest.raises(RuntimeError, match="cut"):
+                sim.restore(str(folder / "cut"))
+
+
+def test_a_checkpoint_with_one_flipped_bit_is_refused(saved):
+    start, folder, _ = saved
+    data = bytearray((folder / "state").read_bytes())
+    seed = 11
+    with start() as sim:
+        for place in np.random.default_rng(seed).integers(0, len(data), 24):
+            data[place] ^= 1
+            (folder / "bad").write_bytes(bytes(data))
+            with pytest.raises(RuntimeError, match="bad"):
+                sim.restore(str(folder / "bad"))
+            data[place] ^= 1
+        (folder / "bad").write_bytes(bytes(data))
+        sim.restore(str(folder / "bad"))
+
+
+def test_a_file_of_another_kind_and_one_that_is_absent_are_refused(saved):
+    start, folder, _ = saved
+    (folder / "other").write_bytes(b"\x80\x04K\x01." * 400)  # a pickle
+    with start() as sim:
+        for name in ("other", "absent"):
+            with pytest.raises(RuntimeError, match=name):
+                sim.restore(str(folder / name))
+
+
+def test_a_checkpoint_of_other_objects_says_what_differs(saved):
+    start, folder, _ = saved
+    for other in ({"resolution": 128}, {"name": "that"}):
+        with start(**other) as sim, pytest.raises(ValueError, match="differs.*it"):
+            sim.restore(str(folder / "state"))
+
+
+def test_a_refused_checkpoint_leaves_the_snow_as_it_was(saved):
+    start, folder, positions = saved
+    (folder / "cut").write_bytes((folder / "state").read_bytes()[:-40])
+    with start() as sim:
+        sim.step({"it": positions}, 0.02)
+        before = sim.height("it")
+        with pytest.raises(RuntimeError):
+            sim.restore(str(folder / "cut"))
+        assert np.array_equal(sim.height("it"), before)
+
+
+def test_the_same_state_is_saved_as_the_same_bytes(saved):
+    start, folder, _ = saved
+    with start() as sim:
+        sim.restore(str(folder / "state"))
+        sim.save(str(folder / "again"))
+    assert (folder / "again").read_bytes() == (folder / "state").read_bytes()
