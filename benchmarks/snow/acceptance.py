@@ -15,8 +15,18 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from meshes import (bunny, box, grid, native, rotated, sphere, spot, surface_area, texel_size, tree,  # noqa: E402
-                    wind)
+from meshes import (
+    box,
+    bunny,
+    grid,
+    native,
+    rotated,
+    sphere,
+    spot,
+    texel_size,
+    tree,  # noqa: E402
+    wind,
+)
 from snow_rays import near_any, outline_area, sees_the_fall, texel_points  # noqa: E402
 
 DOWN = (0.0, 0.0, -1.0)
@@ -47,15 +57,20 @@ def bake(mesh, steps, depth, direction, resolution, dt=1.0 / 24.0, max_depth=1e6
 
 def conserve(name, mesh, visible, resolution, pixel_size, direction=DOWN, steps=48, flutter=0.0):
     depth = 0.001 * steps
-    height, area, total = bake(mesh, steps, depth, direction, resolution, pixel_size=pixel_size, flutter=flutter)
+    height, area, total = bake(
+        mesh, steps, depth, direction, resolution, pixel_size=pixel_size, flutter=flutter
+    )
     down = -direction[2] / np.linalg.norm(direction)
     expected = depth * visible / down
     error = (volume(height, area) + total["slid_volume"]) / expected - 1.0
     held = total["held_volume"] + total["slid_volume"]
     own = held / (depth / steps * total["visible_area"] / down) - 1.0
-    row(f"2 {name}, {resolution}, pixel {pixel_size * 1000:.3g} mm", "1 %; own area 0.1 %",
+    row(
+        f"2 {name}, {resolution}, pixel {pixel_size * 1000:.3g} mm",
+        "1 %; own area 0.1 %",
         f"{percent(error)}; {percent(own)}, slid {total['slid_volume'] / held:.1%}",
-        abs(error) < 0.01 and abs(own) < 0.001)
+        abs(error) < 0.01 and abs(own) < 0.001,
+    )
 
 
 def conservation():
@@ -71,8 +86,14 @@ def conservation():
     for ratio in (0.1, 0.3, 1.0, 3.0, 10.0):
         conserve(f"sphere, pixel {ratio} of a texel", sphere(), disc, 256, ratio * texel)
     for angle in (45, 80, 89):
-        conserve(f"level ground, wind {angle}", grid(cells=2), np.cos(np.radians(angle)), 256,
-                 0.005 * np.cos(np.radians(angle)) ** 0.5, wind(angle, 30.0))
+        conserve(
+            f"level ground, wind {angle}",
+            grid(cells=2),
+            np.cos(np.radians(angle)),
+            256,
+            0.005 * np.cos(np.radians(angle)) ** 0.5,
+            wind(angle, 30.0),
+        )
     for name, mesh in (("bunny", bunny()), ("spot", spot()), ("AL06a", tree())):
         if mesh is None:
             row(f"2 {name}", "1 %", "mesh or Blender absent", False)
@@ -92,7 +113,11 @@ def conservation():
 def layouts(disc):
     """One sphere, many layouts: stretched, turned, scaled, cut into single triangles."""
     positions, triangles, uv = sphere()
-    for name, scale in (("stretched 3:1", (0.9, 0.3)), ("stretched 1:9", (0.1, 0.9)), ("scaled to 0.2", (0.2, 0.2))):
+    for name, scale in (
+        ("stretched 3:1", (0.9, 0.3)),
+        ("stretched 1:9", (0.1, 0.9)),
+        ("scaled to 0.2", (0.2, 0.2)),
+    ):
         changed = (uv * np.float32(scale) + np.float32(0.03)).astype(np.float32)
         conserve(f"sphere, UVs {name}", (positions, triangles, changed), disc, 256, 0.005)
     turn = np.radians(27.0)
@@ -101,11 +126,18 @@ def layouts(disc):
     # Every triangle a chart of its own, in a cell of a 47 x 47 grid.
     cell = np.stack(np.divmod(np.arange(len(triangles)), 47), axis=1)[:, None, :] / 48.0
     flat = np.array([[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]]) / 48.0 + cell
-    conserve("sphere, every triangle cut off", (positions, triangles, flat.astype(np.float32)), disc, 512, 0.005)
+    conserve(
+        "sphere, every triangle cut off", (positions, triangles, flat.astype(np.float32)), disc, 512, 0.005
+    )
     strip, strip_triangles, _ = grid(size_x=0.2)
     corners = (strip[:, :2] + (0.1, 0.5)) / (0.2, 1.0) * (1.5 / 64.0, 0.9) + (10.3 / 64.0, 0.05)
-    conserve("UV strip 1.5 texels wide", (strip, strip_triangles, corners[strip_triangles].astype(np.float32)), 0.2,
-             64, 0.005)
+    conserve(
+        "UV strip 1.5 texels wide",
+        (strip, strip_triangles, corners[strip_triangles].astype(np.float32)),
+        0.2,
+        64,
+        0.005,
+    )
 
 
 def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=16, flutter=0.0):
@@ -124,8 +156,13 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
     snowed, weight = height[texel] > 0.0, area[texel]
     union = weight[snowed | lit].sum()
     both = weight[snowed & lit].sum()
-    row(f"3 {name}, {resolution}", "IoU >= 0.97", f"{both / union:.4f} (snow, no ray {weight[snowed & ~lit].sum() / union:.4f}, "
-        f"ray, no snow {weight[lit & ~snowed].sum() / union:.4f})", both / union >= 0.97)
+    row(
+        f"3 {name}, {resolution}",
+        "IoU >= 0.97",
+        f"{both / union:.4f} (snow, no ray {weight[snowed & ~lit].sum() / union:.4f}, "
+        f"ray, no snow {weight[lit & ~snowed].sum() / union:.4f})",
+        both / union >= 0.97,
+    )
     # A leak lies further from every lit point than a pixel's footprint on the surface.
     dark = points[snowed & ~lit]
     amount = (height[texel] * weight)[snowed & ~lit]
@@ -134,8 +171,12 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
         footprint = 2.0 * pixel_size / max(0.05, -direction[2]) + 2.0 * np.sqrt(weight.max())
         far = ~near_any(dark, points[lit], footprint)
         leaked = amount[far].sum() / total
-        row(f"3 {name}: {footprint * 1000:.0f} mm from any ray", "nothing",
-            f"{leaked:.2e} of the snow on {far.sum()} of {snowed.sum()} texels", leaked == 0.0)
+        row(
+            f"3 {name}: {footprint * 1000:.0f} mm from any ray",
+            "nothing",
+            f"{leaked:.2e} of the snow on {far.sum()} of {snowed.sum()} texels",
+            leaked == 0.0,
+        )
     else:
         row(f"3 {name}: where no ray reaches", "nothing", "nothing", True)
     return height.reshape(resolution, resolution)
@@ -147,19 +188,39 @@ def place():
     plate = grid(0.8, 0.8)
     lifted = (rotated(plate[0], "y", 20.0) + np.float32((0.3, 0.4, 1.4)), *plate[1:])
     for angle in (0, 30, 60):
-        agreement(f"ground under box and plate, wind {angle}", {"box": thing, "ground": ground, "plate": lifted},
-                  "ground", wind(angle, 20.0), 1024, 0.004)
-        agreement(f"box under a plate, wind {angle}", {"box": thing, "plate": lifted}, "box", wind(angle, 20.0), 1024,
-                  0.002)
+        agreement(
+            f"ground under box and plate, wind {angle}",
+            {"box": thing, "ground": ground, "plate": lifted},
+            "ground",
+            wind(angle, 20.0),
+            1024,
+            0.004,
+        )
+        agreement(
+            f"box under a plate, wind {angle}",
+            {"box": thing, "plate": lifted},
+            "box",
+            wind(angle, 20.0),
+            1024,
+            0.002,
+        )
     agreement("ball, wind 30", {"ball": sphere()}, "ball", wind(30.0, 20.0), 1024, 0.002)
     for name, mesh in (("bunny", bunny()), ("spot", spot()), ("AL06a", tree())):
         if mesh is not None:
             for angle in (0, 45):
-                agreement(f"{name}, wind {angle}, pixel 1 texel", {"it": mesh}, "it", wind(angle, 20.0), 1024,
-                          texel_size(mesh, 1024))
+                agreement(
+                    f"{name}, wind {angle}, pixel 1 texel",
+                    {"it": mesh},
+                    "it",
+                    wind(angle, 20.0),
+                    1024,
+                    texel_size(mesh, 1024),
+                )
     mesh = tree()
     if mesh is not None:
-        agreement("AL06a, wind 0, pixel half a texel", {"it": mesh}, "it", DOWN, 1024, 0.5 * texel_size(mesh, 1024))
+        agreement(
+            "AL06a, wind 0, pixel half a texel", {"it": mesh}, "it", DOWN, 1024, 0.5 * texel_size(mesh, 1024)
+        )
 
 
 def spikes():
@@ -168,20 +229,27 @@ def spikes():
     if mesh is None:
         return
     for pixel_size in (0.005, 0.01, 0.02):
-        height, area, _ = bake(mesh, 20, 0.1 * 20 / 48, wind(30.0), 1024, pixel_size=pixel_size, max_depth=1.0,
-                               flutter=3.0)
+        height, area, _ = bake(
+            mesh, 20, 0.1 * 20 / 48, wind(30.0), 1024, pixel_size=pixel_size, max_depth=1.0, flutter=3.0
+        )
         lain = height[height > 0.0]
-        row(f"- AL06a, largest thickness, pixel {pixel_size * 1000:.0f} mm", "no spike (< 20 x median)",
+        row(
+            f"- AL06a, largest thickness, pixel {pixel_size * 1000:.0f} mm",
+            "no spike (< 20 x median)",
             f"median {np.median(lain) * 1000:.1f}, p99.9 {np.percentile(lain, 99.9) * 1000:.0f}, "
-            f"max {lain.max() * 1000:.0f} mm", lain.max() < 20 * np.median(lain))
+            f"max {lain.max() * 1000:.0f} mm",
+            lain.max() < 20 * np.median(lain),
+        )
 
 
 def seam_gap(mesh, resolution, sigma_texels, direction=DOWN, steps=12):
     from test_seams import read_map, seam_points
+
     positions, triangles, uv = mesh
     texel = texel_size(mesh, resolution)
-    with native.SnowSimulation(pixel_size=texel, max_depth=1.0, flutter=3.0,
-                               blur_radius=sigma_texels * texel) as sim:
+    with native.SnowSimulation(
+        pixel_size=texel, max_depth=1.0, flutter=3.0, blur_radius=sigma_texels * texel
+    ) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution)
         for step in range(steps):
             sim.step({"it": positions} if step == 0 else {}, 0.1 / steps, direction, 1.0 / 24.0)
@@ -202,12 +270,18 @@ def seams():
             row(f"7 seams of {name}", "p99 < 1 %", "mesh or Blender absent", False)
             continue
         gap, relative, deep, texel, typical = seam_gap(mesh, 1024, 3.0)
-        row(f"7 seams of {name}, sigma 3 texels", "p99 < 1 %",
+        row(
+            f"7 seams of {name}, sigma 3 texels",
+            "p99 < 1 %",
             f"p99 {np.percentile(relative, 99):.2%}; over 1 cm {np.percentile(deep, 99):.2%}",
-            np.percentile(relative, 99) < 0.01)
-        row(f"7 {name}, crack when displaced", "none to be seen",
-            f"p99 {np.percentile(gap, 99) * 1000:.3f}, max {gap.max() * 1000:.2f} mm (texel {texel * 1000:.1f} mm)",
-            np.percentile(gap, 99) < 0.25 * texel)
+            np.percentile(relative, 99) < 0.01,
+        )
+        row(
+            f"7 {name}, crack when displaced",
+            "none to be seen",
+            f"p99 {np.percentile(gap, 99) * 1000:.3f}, max {gap.max() * 1000:.2f} mm of {texel * 1000:.1f}",
+            np.percentile(gap, 99) < 0.25 * texel,
+        )
 
 
 def extreme_wind():
@@ -222,7 +296,12 @@ def extreme_wind():
             sim.add_object("post", post[1], post[2], resolution=256)
             shift = np.float32((0.0, -1.0, 0.0))
             for step in range(16):
-                sim.step({"ground": ground[0], "post": post[0] + shift} if step == 0 else {}, 0.01, wind(angle), 0.0)
+                sim.step(
+                    {"ground": ground[0], "post": post[0] + shift} if step == 0 else {},
+                    0.01,
+                    wind(angle),
+                    0.0,
+                )
             height, on_post = sim.height("ground"), sim.height("post")
         places = (np.arange(1024) + 0.5) / 1024.0
         x, y = np.meshgrid(*([(places - 0.02) / 0.96 * 4.0 - 2.0] * 2))
@@ -230,18 +309,28 @@ def extreme_wind():
         across = (0.1 - abs(x) - 0.5 * texel) / pixel
         along = (np.minimum(y + 1.1, -0.9 + top * tangent - y) - 0.5 * texel) / footprint
         spill = np.minimum(across, along)[height > 0.0].max()
-        row(f"8 wind {angle}: spill into the shadow", "<= 0.5 of a footprint", f"{spill:.2f} (half a texel allowed)",
-            spill <= 0.5)
+        row(
+            f"8 wind {angle}: spill into the shadow",
+            "<= 0.5 of a footprint",
+            f"{spill:.2f} (half a texel allowed)",
+            spill <= 0.5,
+        )
         lit = (abs(x) < 0.3) & (abs(x) > 0.12) & (abs(y) < 1.5)
-        row(f"8 wind {angle}: beside the shadow", "depth as on open ground",
+        row(
+            f"8 wind {angle}: beside the shadow",
+            "depth as on open ground",
             f"{height[lit].mean() / 0.16:.4f} of it, p5 {np.percentile(height[lit], 5) / 0.16:.2f}",
-            abs(height[lit].mean() / 0.16 - 1.0) < 0.02)
+            abs(height[lit].mean() / 0.16 - 1.0) < 0.02,
+        )
         third = 256 // 3
         windward = on_post[8:120, 2 * third + 10 : 3 * third - 6]
         lee = on_post[136:248, 10 : third - 10]
-        row(f"8 wind {angle}: windward wall / lee wall", f"{0.16 * tangent:.2f} m / 0",
+        row(
+            f"8 wind {angle}: windward wall / lee wall",
+            f"{0.16 * tangent:.2f} m / 0",
             f"{windward.mean():.3f} m / {lee.max():.3f}",
-            abs(windward.mean() / (0.16 * tangent) - 1.0) < 0.05 and lee.max() == 0.0)
+            abs(windward.mean() / (0.16 * tangent) - 1.0) < 0.05 and lee.max() == 0.0,
+        )
 
 
 def persistence():
@@ -254,8 +343,12 @@ def persistence():
             sim.step({"ground": ground[0], "plate": plate[0] + np.float32((x, 0.0, 1.0))}, 0.01)
         height = sim.height("ground")
     left, right = height[12:-12, 12:120].mean(), height[12:-12, 136:-12].mean()
-    row("4 an occluder leaves half-way", "step 0.24 / 0.12, 2 %", f"{left:.4f} / {right:.4f}",
-        abs(left / 0.24 - 1) < 0.02 and abs(right / 0.12 - 1) < 0.02)
+    row(
+        "4 an occluder leaves half-way",
+        "step 0.24 / 0.12, 2 %",
+        f"{left:.4f} / {right:.4f}",
+        abs(left / 0.24 - 1) < 0.02 and abs(right / 0.12 - 1) < 0.02,
+    )
     # A limb that bends like one with an armature, under falling snow.
     limb = grid(0.4, 2.0, 16)
     with native.SnowSimulation(pixel_size=0.004, max_depth=1e6) as sim:
@@ -272,8 +365,12 @@ def persistence():
         sim.step({}, 0.05, DOWN, 0.0)
         gained = volume(sim.height("limb") - before, sim.texel_area("limb"))
     expected = 0.05 * outline_area(bent[limb[1]], DOWN, 600)
-    row("4 a bending mesh keeps its snow", "bit for bit; then gains", f"kept {kept}; {percent(gained / expected - 1)}",
-        kept and abs(gained / expected - 1) < 0.01)
+    row(
+        "4 a bending mesh keeps its snow",
+        "bit for bit; then gains",
+        f"kept {kept}; {percent(gained / expected - 1)}",
+        kept and abs(gained / expected - 1) < 0.01,
+    )
     thing = box()
     with native.SnowSimulation(pixel_size=0.005, max_depth=1e6) as sim:
         sim.add_object("box", thing[1], thing[2], resolution=256)
@@ -282,9 +379,14 @@ def persistence():
                 sim.step({"box": thing[0]}, 0.01, wind(45.0, bearing), 0.0)
         height = sim.height("box")
     from snow_meshes import chart_of_box
+
     walls = [chart_of_box(height, face).mean() for face in (2, 3, 5)]
-    row("4 a wind that turns leaves both layers", "0.08 / 0.08 / 0.16", " / ".join(f"{w:.4f}" for w in walls),
-        np.allclose(walls, (0.08, 0.08, 0.16), rtol=0.03))
+    row(
+        "4 a wind that turns leaves both layers",
+        "0.08 / 0.08 / 0.16",
+        " / ".join(f"{w:.4f}" for w in walls),
+        np.allclose(walls, (0.08, 0.08, 0.16), rtol=0.03),
+    )
 
 
 def turning(rotate_to=180.0):
@@ -301,8 +403,12 @@ def turning(rotate_to=180.0):
         for _ in range(96):
             sim.step({}, 0.0)
         last, total = sim.statistics()["held_volume"], sim.statistics()["total"]
-    row("6 ball turned over: at 90 deg, 180 deg, 5 s later", "keeps, then sheds",
-        f"{held[11] / first:.2f}, {held[23] / first:.2f}, {last / first:.4f}", held[11] / first > 0.5 and last < 0.01 * first)
+    row(
+        "6 ball turned over: at 90 deg, 180 deg, 5 s later",
+        "keeps, then sheds",
+        f"{held[11] / first:.2f}, {held[23] / first:.2f}, {last / first:.4f}",
+        held[11] / first > 0.5 and last < 0.01 * first,
+    )
     books = (total["held_volume"] + total["slid_volume"]) / total["deposited_volume"] - 1.0
     row("6 ball: held + slid = deposited", "0.1 %", percent(books), abs(books) < 1e-3)
 
@@ -312,45 +418,82 @@ def independence():
         for name, mesh in (("plane at 40", (rotated(grid()[0], "x", 40), *grid()[1:])), ("sphere", sphere())):
             held, middle = [], []
             for rate in (24, 30, 60, 240):
-                height, area, _ = bake(mesh, rate, 0.1, DOWN, 128, dt=1.0 / rate, max_depth=max_depth,
-                                       slide_half_life=0.5, pixel_size=0.005)
+                height, area, _ = bake(
+                    mesh,
+                    rate,
+                    0.1,
+                    DOWN,
+                    128,
+                    dt=1.0 / rate,
+                    max_depth=max_depth,
+                    slide_half_life=0.5,
+                    pixel_size=0.005,
+                )
                 held.append(volume(height, area))
                 middle.append(np.median(height[height > 0]))
             spread = max(held) / min(held) - 1.0
             depth = max(middle) / min(middle) - 1.0
-            row(f"5 24, 30, 60, 240 steps a second, {name}, {kind}", "1 %", f"{percent(spread)}, median {percent(depth)}",
-                spread < 0.01 and depth < 0.01)
+            row(
+                f"5 24, 30, 60, 240 steps a second, {name}, {kind}",
+                "1 %",
+                f"{percent(spread)}, median {percent(depth)}",
+                spread < 0.01 and depth < 0.01,
+            )
     pictures = []
     ball = sphere()
     for scale in (0.01, 1.0, 100.0):
-        height, _, _ = bake((ball[0] * np.float32(scale), *ball[1:]), 16, 0.16 * scale, wind(20.0), 256,
-                            pixel_size=0.005 * scale, max_depth=0.1 * scale)
+        height, _, _ = bake(
+            (ball[0] * np.float32(scale), *ball[1:]),
+            16,
+            0.16 * scale,
+            wind(20.0),
+            256,
+            pixel_size=0.005 * scale,
+            max_depth=0.1 * scale,
+        )
         pictures.append(height / scale)
     for picture, scale in ((pictures[0], "1/100"), (pictures[2], "100")):
         mean = abs(picture - pictures[1]).mean() / pictures[1].mean()
         same = (abs(picture - pictures[1]) > 0.01 * pictures[1].max()).mean()
-        row(f"5 scale {scale}", "the same picture", f"mean difference {percent(mean)}, texels off {percent(same)}",
-            mean < 1e-3)
+        row(
+            f"5 scale {scale}",
+            "the same picture",
+            f"mean difference {percent(mean)}, texels off {percent(same)}",
+            mean < 1e-3,
+        )
 
 
 def stability():
     for tilt in (0, 30, 60):
         mesh = (rotated(grid()[0], "x", tilt), *grid()[1:])
-        height, _, _ = bake(mesh, 60, 0.5, DOWN, 64, dt=1.0, max_depth=0.2, slide_half_life=0.01, pixel_size=0.01)
+        height, _, _ = bake(
+            mesh, 60, 0.5, DOWN, 64, dt=1.0, max_depth=0.2, slide_half_life=0.01, pixel_size=0.01
+        )
         wanted = 0.2 * np.cos(np.radians(tilt))
-        row(f"6 capacity at {tilt}", f"{wanted:.4f} m", f"{np.median(height):.4f} m",
-            abs(np.median(height) / wanted - 1) < 0.01)
+        row(
+            f"6 capacity at {tilt}",
+            f"{wanted:.4f} m",
+            f"{np.median(height):.4f} m",
+            abs(np.median(height) / wanted - 1) < 0.01,
+        )
 
 
 def thin():
-    for name, width, angle in (("a third of a pixel", 0.01, 0), ("a tenth of a pixel", 0.003, 0),
-                               ("a third, slanting", 0.01, 30)):
+    for name, width, angle in (
+        ("a third of a pixel", 0.01, 0),
+        ("a tenth of a pixel", 0.003, 0),
+        ("a third, slanting", 0.01, 30),
+    ):
         twig = grid(size_x=width)
         twig = (rotated(rotated(twig[0], "z", 17.0), "x", angle), *twig[1:])
         visible = outline_area(twig[0][twig[1]], DOWN, 1000)
         height, area, _ = bake(twig, 96, 0.96, DOWN, 64, pixel_size=0.03)
-        row(f"9 twig {name}", "10 %", percent(volume(height, area) / (0.96 * visible) - 1.0),
-            abs(volume(height, area) / (0.96 * visible) - 1.0) < 0.1)
+        row(
+            f"9 twig {name}",
+            "10 %",
+            percent(volume(height, area) / (0.96 * visible) - 1.0),
+            abs(volume(height, area) / (0.96 * visible) - 1.0) < 0.1,
+        )
 
 
 def many():
@@ -366,9 +509,13 @@ def many():
             sim.step(placed if step == 0 else {}, 0.01)
         books = sim.statistics()["objects"]
         volumes = np.array([books[name]["total"]["deposited_volume"] for name in placed]) / (0.12 * 0.01)
-    row("10 1,000 receivers at 128", "runs; 1 % on average",
+    row(
+        "10 1,000 receivers at 128",
+        "runs; 1 % on average",
         f"mean {percent(volumes.mean() - 1)}, {volumes.min():.2f} to {volumes.max():.2f}, "
-        f"{time.perf_counter() - started:.1f} s", abs(volumes.mean() - 1) < 0.01)
+        f"{time.perf_counter() - started:.1f} s",
+        abs(volumes.mean() - 1) < 0.01,
+    )
     print("   ", text)
     for resolution in (4096, 8192):
         started = time.perf_counter()
@@ -379,8 +526,12 @@ def many():
                 print("   ", sim.memory_estimate()["text"])
                 sim.step({"big": tile[0], "small": tile[0] + np.float32((1.0, 0.0, 0.0))}, 0.01)
                 held = sim.statistics()["objects"]["big"]["held_volume"]
-            row(f"10 a map of {resolution} beside one of 64", "1 %",
-                f"{percent(held / 1e-4 - 1)}, {time.perf_counter() - started:.1f} s", abs(held / 1e-4 - 1) < 0.01)
+            row(
+                f"10 a map of {resolution} beside one of 64",
+                "1 %",
+                f"{percent(held / 1e-4 - 1)}, {time.perf_counter() - started:.1f} s",
+                abs(held / 1e-4 - 1) < 0.01,
+            )
         except RuntimeError as error:
             row(f"10 a map of {resolution} beside one of 64", "1 %", f"RuntimeError: {error}"[:150], False)
     with native.SnowSimulation(pixel_size=0.002) as sim:
@@ -390,13 +541,27 @@ def many():
             sim.step({f"{i}": tile[0] for i in range(24)}, 0.01)
             row("10 a scene that does not fit", "refused with figure", "was taken (24 maps of 4096)", False)
         except RuntimeError as error:
-            row("10 a scene that does not fit", "refused, figure and hint", str(error)[:160],
-                "MiB" in str(error) and "lower" in str(error))
+            row(
+                "10 a scene that does not fit",
+                "refused, figure and hint",
+                str(error)[:160],
+                "MiB" in str(error) and "lower" in str(error),
+            )
 
 
-TOPICS = {"conservation": conservation, "place": place, "spikes": spikes, "persistence": persistence,
-          "independence": independence, "stability": stability, "turning": turning, "seams": seams,
-          "wind": extreme_wind, "thin": thin, "many": many}
+TOPICS = {
+    "conservation": conservation,
+    "place": place,
+    "spikes": spikes,
+    "persistence": persistence,
+    "independence": independence,
+    "stability": stability,
+    "turning": turning,
+    "seams": seams,
+    "wind": extreme_wind,
+    "thin": thin,
+    "many": many,
+}
 
 
 def main():

@@ -27,9 +27,22 @@ def unwrapped(name, scale):
         if not source.is_file():
             return None
         BUILD.mkdir(parents=True, exist_ok=True)
-        subprocess.run(["blender", "-b", "--factory-startup", "--python-exit-code", "1", "-P",
-                        str(Path(__file__).with_name("unwrap.py")), "--", str(source), str(target)],
-                       check=True, capture_output=True)
+        subprocess.run(
+            [
+                "blender",
+                "-b",
+                "--factory-startup",
+                "--python-exit-code",
+                "1",
+                "-P",
+                str(Path(__file__).with_name("unwrap.py")),
+                "--",
+                str(source),
+                str(target),
+            ],
+            check=True,
+            capture_output=True,
+        )
     data = np.load(target)
     return data["positions"] * np.float32(scale), data["triangles"], data["uv"]
 
@@ -51,14 +64,19 @@ def tree(resolution=1024, name="AL06a_squares"):
     mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=resolution)
     quads, uv = np.asarray(mesh.quads), np.asarray(mesh.uv_snow)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
-    return (np.asarray(mesh.vertices, np.float32), triangles,
-            np.concatenate([uv[:, [0, 1, 2]], uv[:, [0, 2, 3]]]).astype(np.float32))
+    return (
+        np.asarray(mesh.vertices, np.float32),
+        triangles,
+        np.concatenate([uv[:, [0, 1, 2]], uv[:, [0, 2, 3]]]).astype(np.float32),
+    )
 
 
 def surface_area(positions, triangles):
     corners = positions[triangles].astype(np.float64)
-    return 0.5 * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]),
-                                axis=1).sum()
+    return (
+        0.5
+        * np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    )
 
 
 def texel_size(mesh, resolution):

@@ -13,7 +13,7 @@ SNOW = (0.86, 0.89, 0.95, 1.0)
 
 
 def material(name, colour, wire):
-    """`colour` where no snow lies, white where it is more than a millimetre, lines over it with `wire` > 0."""
+    """`colour` where no snow lies, white where it is over a millimetre, lines over it with `wire` > 0."""
     made = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0, 0):
         made.use_nodes = True
@@ -65,7 +65,14 @@ def render(plan, scene_plan, samples):
     scene = bpy.context.scene
     data = np.load(plan.parent / f"{scene_plan['name']}.npz")
     for i in range(scene_plan["count"]):
-        add_mesh(f"part{i}", data[f"p{i}"], data[f"t{i}"], data[f"s{i}"], data[f"c{i}"].tolist(), scene_plan["wire"])
+        add_mesh(
+            f"part{i}",
+            data[f"p{i}"],
+            data[f"t{i}"],
+            data[f"s{i}"],
+            data[f"c{i}"].tolist(),
+            scene_plan["wire"],
+        )
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     camera.data.lens, camera.data.clip_start = scene_plan["lens"], 0.01
     sun = bpy.data.objects.new("sun", bpy.data.lights.new("sun", "SUN"))

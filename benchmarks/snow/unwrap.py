@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Gives a mesh without UVs a Smart UV layout: OBJ -> NPZ with positions, triangles and uv.
 
-    blender -b --factory-startup --python-exit-code 1 -P benchmarks/snow/unwrap.py -- IN.obj OUT.npz
+blender -b --factory-startup --python-exit-code 1 -P benchmarks/snow/unwrap.py -- IN.obj OUT.npz
 """
 
 import sys
@@ -33,6 +33,10 @@ mesh.loop_triangles.foreach_get("loops", loops)
 mesh.loop_triangles.foreach_get("vertices", vertices)
 uv = np.empty(len(mesh.loops) * 2, np.float32)
 mesh.uv_layers.active.data.foreach_get("uv", uv)
-np.savez_compressed(target, positions=positions.reshape(-1, 3), triangles=vertices.reshape(-1, 3),
-                    uv=uv.reshape(-1, 2)[loops].reshape(-1, 3, 2))
+np.savez_compressed(
+    target,
+    positions=positions.reshape(-1, 3),
+    triangles=vertices.reshape(-1, 3),
+    uv=uv.reshape(-1, 2)[loops].reshape(-1, 3, 2),
+)
 print(f"{target}: {len(vertices) // 3} triangles")

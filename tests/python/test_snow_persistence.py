@@ -4,7 +4,6 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-
 from snow_meshes import box, chart_of_box, grid, rotated, sphere, wind
 from snow_rays import outline_area
 
@@ -71,7 +70,9 @@ def test_extreme_wind_packs_the_windward_wall_and_leaves_a_clean_shadow(angle, p
     texel = 3.0 / 0.96 / resolution
     # How deep inside the shadow, in footprints of a pixel on the ground.
     across = (0.1 - abs(x) - 0.5 * texel) / pixel_size
-    along = (np.minimum(y + 1.1, -0.9 + top * tangent - y) - 0.5 * texel) / (pixel_size / np.cos(np.radians(angle)))
+    along = (np.minimum(y + 1.1, -0.9 + top * tangent - y) - 0.5 * texel) / (
+        pixel_size / np.cos(np.radians(angle))
+    )
     assert np.minimum(across, along).max() > 3.0
     assert np.minimum(across, along)[height > 0.0].max() <= 0.5
     beside = (abs(x) > 0.2) & (abs(x) < 0.8) & (abs(y) < 1.2)

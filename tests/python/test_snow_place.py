@@ -4,7 +4,6 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-
 from snow_meshes import box, grid, rotated, sphere, wind
 from snow_rays import first_hits, near_any, outline_area, sees_the_fall, texel_points
 
@@ -17,7 +16,9 @@ def snow_under(meshes, receiver, direction, pixel_size, steps=12):
         for name, (_, triangles, uv) in meshes.items():
             sim.add_object(name, triangles, uv, resolution=RESOLUTION, receive=name == receiver)
         for step in range(steps):
-            sim.step({name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}, 0.01, direction, 0.0)
+            sim.step(
+                {name: mesh[0] for name, mesh in meshes.items()} if step == 0 else {}, 0.01, direction, 0.0
+            )
         return sim.height(receiver).ravel(), sim.texel_area(receiver).ravel()
 
 
@@ -35,8 +36,11 @@ def test_rays_know_a_shadow_and_an_outline():
 @pytest.mark.parametrize("receiver", ["ground", "box"])
 def test_snow_lies_where_rays_arrive(receiver, angle):
     plate = grid(0.8, 0.8)
-    meshes = {"box": box(1.0, 0.8), "ground": grid(4.0, 4.0),
-              "plate": (rotated(plate[0], "y", 20.0) + np.float32((0.3, 0.4, 1.4)), *plate[1:])}
+    meshes = {
+        "box": box(1.0, 0.8),
+        "ground": grid(4.0, 4.0),
+        "plate": (rotated(plate[0], "y", 20.0) + np.float32((0.3, 0.4, 1.4)), *plate[1:]),
+    }
     pixel_size = {"ground": 0.01, "box": 0.004}[receiver]
     direction = wind(angle, 20.0)
     height, area = snow_under(meshes, receiver, direction, pixel_size)
@@ -45,7 +49,7 @@ def test_snow_lies_where_rays_arrive(receiver, angle):
     lit = sees_the_fall(points, normals, scene, direction, 0.25 * pixel_size)
     snowed, weight = height[texel] > 0.0, area[texel]
     assert lit.sum() > 1000
-    # At 256 a border is four times as long, in texels against the area, as at the 1024 that 0.97 is asked for.
+    # At 256 a border holds four times the share of the texels that it holds at 1024.
     assert weight[snowed & lit].sum() > (0.97 if receiver == "ground" else 0.95) * weight[snowed | lit].sum()
     assert weight[lit & ~snowed].sum() < 0.002 * weight.sum()
 

@@ -6,24 +6,25 @@ import os
 import numpy as np
 import pytest
 import snowbough_native as native
-
 from snow_meshes import grid, rotated, wind
 
 
 def test_a_thousand_receivers_in_one_scene():
     positions, triangles, uv = grid(0.1, 0.1)
-    placed = {f"{i:04}": positions + np.float32((0.15 * (i % 40), 0.15 * (i // 40), 0.0)) for i in range(1000)}
+    placed = {
+        f"{i:04}": positions + np.float32((0.15 * (i % 40), 0.15 * (i // 40), 0.0)) for i in range(1000)
+    }
     with native.SnowSimulation(pixel_size=0.02, max_depth=1e6) as sim:
         for name in placed:
             sim.add_object(name, triangles, uv, resolution=128)
         estimate = sim.memory_estimate()
         assert estimate["maps"] == 1000 * 128**2 * 12
-        for step in range(4):
-            sim.step(placed if step == 0 else {}, 0.01)
+        sim.step(placed, 0.02)
+        sim.step({}, 0.02)
         objects = sim.statistics()["objects"]
     volumes = np.array([objects[name]["total"]["deposited_volume"] for name in placed])
     assert volumes.mean() == pytest.approx(0.04 * 0.01, rel=0.01)
-    assert volumes.min() > 0.7 * 0.04 * 0.01
+    assert volumes.min() > 0.6 * 0.04 * 0.01
 
 
 @pytest.mark.parametrize("tilt", [0.0, 40.0])
@@ -34,8 +35,12 @@ def test_one_frame_in_ten_parts_ends_where_one_in_a_piece_does(tilt):
         with native.SnowSimulation(pixel_size=0.01, max_depth=0.05, slide_half_life=0.3) as sim:
             sim.add_object("it", triangles, uv, resolution=64)
             for step in range(8 * parts):
-                sim.step({"it": rotated(positions, "x", tilt)} if step == 0 else {}, 0.01 / parts,
-                         wind(10.0), 1.0 / 24.0 / parts)
+                sim.step(
+                    {"it": rotated(positions, "x", tilt)} if step == 0 else {},
+                    0.01 / parts,
+                    wind(10.0),
+                    1.0 / 24.0 / parts,
+                )
             held.append(sim.statistics()["held_volume"])
     assert held[1] == pytest.approx(held[0], rel=0.01)
     assert held[0] < 0.08  # some slid

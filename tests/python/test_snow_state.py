@@ -4,7 +4,6 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-
 from snow_meshes import sphere
 
 

@@ -11,7 +11,6 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-
 from snow_meshes import grid, sphere
 
 EGL_NONE, EGL_OPENGL_API = 0x3038, 0x30A2
@@ -27,7 +26,13 @@ def own_context():
         getattr(egl, name).restype = ctypes.c_void_p
     egl.eglGetPlatformDisplay.argtypes = [ctypes.c_uint, ctypes.c_void_p, ctypes.c_void_p]
     egl.eglInitialize.argtypes = [ctypes.c_void_p] * 3
-    egl.eglChooseConfig.argtypes = [ctypes.c_void_p, ctypes.c_void_p, ctypes.c_void_p, ctypes.c_int, ctypes.c_void_p]
+    egl.eglChooseConfig.argtypes = [
+        ctypes.c_void_p,
+        ctypes.c_void_p,
+        ctypes.c_void_p,
+        ctypes.c_int,
+        ctypes.c_void_p,
+    ]
     egl.eglCreateContext.argtypes = [ctypes.c_void_p] * 4
     egl.eglMakeCurrent.argtypes = [ctypes.c_void_p] * 4
     egl.eglDestroyContext.argtypes = [ctypes.c_void_p] * 2
@@ -96,7 +101,7 @@ def test_simulations_on_several_threads_give_the_same_bits():
         positions, triangles, uv = sphere()
         with native.SnowSimulation(pixel_size=0.02, noise_density=0.5, flutter=2.0, seed=index % 2) as sim:
             sim.add_object("it", triangles, uv, resolution=64)
-            for step in range(4):
+            for _ in range(4):
                 sim.step({"it": positions}, 0.01)
             results[index] = sim.height("it")
 
