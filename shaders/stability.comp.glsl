@@ -29,7 +29,7 @@ layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 uniform usamplerBuffer texels;
 uniform samplerBuffer texel_surface;
-uniform samplerBuffer triangle_surface;
+uniform samplerBuffer texel_up;
 uniform float max_depth;
 /// Seconds; the half-life is positive.
 uniform float dt;
@@ -92,7 +92,7 @@ void main() {
       break;
     }
     const float area = texelFetch(texel_surface, index).w;
-    const float capacity = max_depth * texelFetch(triangle_surface, int(texel.x)).z;
+    const float capacity = max_depth * texelFetch(texel_up, index).x;
     const uint in_map = texel.y % map_texels;
     const ivec3 at = ivec3(in_map % uint(resolution), in_map / uint(resolution),
                            texel.y / map_texels);

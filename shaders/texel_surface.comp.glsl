@@ -11,6 +11,9 @@ uniform usamplerBuffer fragment_begin;
 uniform usamplerBuffer fragments;
 /// xyz: position in metres, w: covered area in m2.
 layout(std430) writeonly buffer TexelSurface { vec4 texel_surface[]; };
+/// Upward part of the normal, 1 on level ground, for the capacity. A texel that goes round a twig holds
+/// snow by those of its parts that face up; one without any is past vertical by the mean of its parts.
+layout(std430) writeonly buffer TexelUp { float texel_up[]; };
 uniform uint first;
 
 vec3 vertex(uint index) { return texelFetch(positions, int(index)).xyz; }
@@ -26,10 +29,17 @@ void main() {
   const vec3 position = a + uintBitsToFloat(texel.z) * (vertex(triangle.y) - a) +
                         uintBitsToFloat(texel.w) * (vertex(triangle.z) - a);
   float area = 0.0;
+  float up = 0.0;
+  float upper = 0.0;
   const int end = int(texelFetch(fragment_begin, index + 1).x);
   for (int i = int(texelFetch(fragment_begin, index).x); i < end; ++i) {
     const uvec2 fragment = texelFetch(fragments, i).xy;
-    area += uintBitsToFloat(fragment.y) * texelFetch(triangle_surface, int(fragment.x)).w;
+    const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
+    const float own = uintBitsToFloat(fragment.y) * surface.w;
+    area += own;
+    up += own * surface.z;
+    upper += own * max(surface.z, 0.0);
   }
   texel_surface[index] = vec4(position, area);
+  texel_up[index] = area > 0.0 ? (upper > 0.0 ? upper : up) / area : 0.0;
 }

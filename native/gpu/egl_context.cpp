@@ -100,7 +100,7 @@ std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::
   }
   std::vector<Candidate> chosen;
   for (const Candidate& candidate : all) {
-    const bool by_index = candidate.label == "EGL device " + wanted ||
+    const bool by_index = candidate.label == wanted || candidate.label == "EGL device " + wanted ||
                           candidate.label.starts_with("EGL device " + wanted + " ");
     const bool by_file =
         wanted.starts_with("/") && candidate.label.find("(" + wanted + ")") != std::string::npos;

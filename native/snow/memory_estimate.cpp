@@ -39,7 +39,7 @@ std::string MemoryEstimate::text() const {
 
 MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size) {
   constexpr int64_t kPerTexel =
-      sizeof(shared::Texel) + 4 + 16 + sizeof(shared::TexelTarget) + 4 + 4;
+      sizeof(shared::Texel) + 4 + 16 + 4 + sizeof(shared::TexelTarget) + 4 + 4;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
   for (const SceneObject* object : objects) {
@@ -62,7 +62,8 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
         texels * kPerTexel + texels / group * 16 +
         static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
   }
-  estimate.tile = int64_t{tile_size} * tile_size * (8 + 4 + 4);
+  // What is seen, its depth, the sums and the list of pixels.
+  estimate.tile = int64_t{tile_size} * tile_size * (16 + 4 + 4 + 4);
   // Two heights, a normal and its tables.
   estimate.output = largest_map * (4 + 4 + 16 + 8);
   return estimate;

@@ -44,6 +44,7 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.segments = std::move(arrays.segments);
   const int64_t count = batch.count;
   batch.surface = gpu::Buffer(count * 16);
+  batch.up = gpu::Buffer(count * 4);
   batch.targets = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelTarget)));
   batch.share = gpu::Buffer(count * 4);
   batch.units = gpu::Buffer(count * 4);
@@ -57,6 +58,7 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.views.fragment_begin = gpu::BufferTexture(batch.fragment_begin, GL_R32UI);
   batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RG32UI);
   batch.views.surface = gpu::BufferTexture(batch.surface, GL_RGBA32F);
+  batch.views.up = gpu::BufferTexture(batch.up, GL_R32F);
   batch.views.targets = gpu::BufferTexture(batch.targets, GL_RG32UI);
   batch.views.group_slots = gpu::BufferTexture(batch.group_slots, GL_R32UI);
   return batch;

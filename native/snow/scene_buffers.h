@@ -30,6 +30,7 @@ struct TexelBatch {
   gpu::Buffer fragment_begin;
   gpu::Buffer fragments;
   gpu::Buffer surface;
+  gpu::Buffer up;
   gpu::Buffer targets;
   gpu::Buffer share;
   gpu::Buffer units;
@@ -43,6 +44,7 @@ struct TexelBatch {
     gpu::BufferTexture fragment_begin;
     gpu::BufferTexture fragments;
     gpu::BufferTexture surface;
+    gpu::BufferTexture up;
     gpu::BufferTexture targets;
     gpu::BufferTexture group_slots;
   } views;

@@ -22,7 +22,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
   gpu::Program& program = program_for(pending);
   for (TexelBatch& batch : scene.batches) {
     program.use();
-    program.bind_texture("triangle_surface", scene.views.triangle_surface);
+    program.bind_texture("texel_up", batch.views.up);
     program.bind_texture("texels", batch.views.texels);
     program.bind_texture("texel_surface", batch.views.surface);
     if (has_tile) {

@@ -72,6 +72,7 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
     texels_.bind_texture("fragment_begin", batch.views.fragment_begin);
     texels_.bind_texture("fragments", batch.views.fragments);
     texels_.bind("TexelSurface", batch.surface);
+    texels_.bind("TexelUp", batch.up);
     for (const Run& run : joined(groups, kJoinGap)) {
       texels_.set("first", static_cast<uint32_t>(run.first) * shared::kTexelGroup);
       texels_.dispatch((run.end - run.first) * static_cast<int32_t>(shared::kTexelGroup / 64));

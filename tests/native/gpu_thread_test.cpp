@@ -50,6 +50,11 @@ TEST(GpuThread, NamesTheDriverAndItsLimits) {
   EXPECT_GE(info.max_storage_buffer_bytes, int64_t{1} << 27);
 }
 
+TEST(GpuThread, TakesTheDeviceByTheNameThatItTells) {
+  const std::string device = GpuThread::shared()->info().device;
+  EXPECT_EQ(GpuThread(device).info().device, device);
+}
+
 TEST(GpuThread, RefusesAnUnknownDeviceByName) {
   try {
     GpuThread gpu("no such device");

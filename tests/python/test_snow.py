@@ -96,6 +96,24 @@ def test_twigs_a_third_of_a_pixel_wide_gather_the_right_volume_on_average():
     assert volume(height, area) == pytest.approx(0.96 * 0.01, rel=0.1)
 
 
+def test_a_texel_that_goes_half_around_a_twig_holds_snow_by_its_upper_parts():
+    """Eight sides in two texels: whichever side a texel's sample point lies on, the twig's back holds snow."""
+    angle = 2 * np.pi * np.arange(9) / 8
+    ring = np.stack([np.zeros(9), 0.01 * np.sin(angle), 0.01 * np.cos(angle)], axis=1)
+    positions = np.concatenate([ring + (end, 0, 0) for end in (-0.5, 0.5)]).astype(np.float32)
+    around = np.stack([(10 + 2 * np.arange(9) / 8) / 64, np.full(9, 0.05)], axis=1)
+    corner = np.concatenate([around, around + (0, 0.9)])
+    side = np.arange(8)
+    triangles = np.concatenate([np.stack([side, side + 9, side + 10], 1), np.stack([side, side + 10, side + 1], 1)])
+    uv = corner[triangles].astype(np.float32)
+    height, area, statistics = snow_on(
+        (positions, triangles.astype(np.int32), uv), steps=24, depth=0.02, pixel_size=0.005, max_depth=1e6
+    )
+    total = statistics["total"]
+    assert total["slid_volume"] < 0.01 * total["fallen_volume"]
+    assert volume(height, area) == pytest.approx(0.02 * 0.02, rel=0.1)
+
+
 @pytest.mark.parametrize("mapping", ["COMPUTE", "GEOMETRY"])
 def test_a_twig_a_fortieth_of_a_pixel_wide_carries_no_spikes(mapping):
     """A hit brings a whole pixel of snow; on one texel of this map it would stand 4 m high."""
