@@ -26,6 +26,7 @@ MODULES = (
     "settings",
     "receivers",
     "bake_engine",
+    "bake_lock",
     "bake_operators",
     "result_operators",
     "direction",

@@ -12,6 +12,8 @@ other view layers, and Snowbough's own displacement, or a second bake would snow
 The engine's class is registered only while a bake runs, so it shows up in no menu.
 """
 
+import os
+import sys
 import time
 
 import bpy
@@ -22,6 +24,14 @@ ENGINE = "SNOWBOUGH_BAKE"
 CAMERA = "Snowbough Bake Camera"
 
 POLL_SECONDS = 0.1
+
+WINDOW_NICENESS = 10
+
+# How often panels show the progress: drawing takes time from the bake.
+REDRAW_SECONDS = 0.5
+
+# A frame takes less even where maps are huge; loading a file waits no longer than this for the bake's last.
+STOPPING_SECONDS = 120.0
 
 # What a bake renders with: attribute of scene.render -> value.
 RENDER_SETTINGS = {
@@ -34,7 +44,9 @@ RENDER_SETTINGS = {
     "use_sequencer": False,
     "use_multiview": False,
     "use_freestyle": False,
-    "use_lock_interface": True,
+    # Blender's own lock stops drawing the 3D view and takes the clicks from our Stop button: bake_lock
+    # keeps the artist's hands off instead.
+    "use_lock_interface": False,
 }
 
 
@@ -50,6 +62,7 @@ class Session:
         self.cancelled = False
         self.stop_requested = False
         self.begun = time.monotonic()
+        self.shown = 0.0
         self.taken = False
         self.done = False
         self.last_result = None
@@ -72,6 +85,8 @@ class Session:
 
     def status(self):
         """One line for people: ``frame 12 of 1-48, 0:34 left``."""
+        if self.stop_requested:
+            return "stopping after this frame"
         if self.last_result is None:
             return "preparing"
         left = int(self.seconds_left() + 0.5)
@@ -82,11 +97,20 @@ class Session:
 _session = None
 _prepared = None
 _finished = None
+_registered = False
 
 
 def session():
     """The running Session, or None."""
     return _session
+
+
+def _step_back():
+    """Lets the window's thread go first where processors are short: lowers this thread's priority and with
+    it that of all threads it starts, the software driver's too. Elsewhere than on Linux it would be the
+    whole process's."""
+    if sys.platform == "linux":
+        os.nice(WINDOW_NICENESS)
 
 
 class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
@@ -100,6 +124,8 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
         running.taken = True
         reader = scene_reader.SceneReader(running.specs, running.scale_length)
         in_window = not bpy.app.background
+        if in_window:
+            _step_back()
 
         def evaluate(frame, subframe):
             self.frame_set(frame, subframe)
@@ -140,7 +166,8 @@ class _PreparedScene:
         self._display = preferences.render_display_type
         self._temporary_camera = scene.camera is None
 
-        bpy.utils.register_class(SNOWBOUGH_BAKE)
+        if not hasattr(bpy.types, ENGINE):
+            bpy.utils.register_class(SNOWBOUGH_BAKE)
         self._muted.__enter__()
         for name in self._settings:
             setattr(render, name, RENDER_SETTINGS[name])
@@ -150,7 +177,7 @@ class _PreparedScene:
             scene.camera = bpy.data.objects.new(CAMERA, bpy.data.cameras.new(CAMERA))
         preferences.render_display_type = "NONE"
 
-    def restore(self):
+    def restore(self, keep_engine=False):
         bpy.context.preferences.view.render_display_type = self._display
         scene = bpy.data.scenes.get(self._scene_name)
         if scene is not None:
@@ -162,7 +189,8 @@ class _PreparedScene:
             if self._temporary_camera:
                 self._remove_camera(scene)
             scene.frame_set(self._frame[0], subframe=self._frame[1])
-        bpy.utils.unregister_class(SNOWBOUGH_BAKE)
+        if not keep_engine:
+            bpy.utils.unregister_class(SNOWBOUGH_BAKE)
 
     @staticmethod
     def _remove_camera(scene):
@@ -230,36 +258,83 @@ def _poll():
     global _finished
     if _session is None:
         return None
-    for window in bpy.context.window_manager.windows:
-        for area in window.screen.areas:
-            if area.type in {"PROPERTIES", "VIEW_3D"}:
-                area.tag_redraw()
+    if time.monotonic() - _session.shown > REDRAW_SECONDS:
+        _session.shown = time.monotonic()
+        _redraw_panels()
+        _show_status(f"Baking snow: {_session.status()}    Esc: stop and keep what is done")
     if bpy.app.is_job_running("RENDER") or not (_session.done or time.monotonic() - _session.begun > 5.0):
         return POLL_SECONDS
     running = _end()
     finished, _finished = _finished, None
-    finished(running)
+    _show_status(None)
+    if _registered:
+        finished(running)
+    else:  # the add-on was switched off meanwhile
+        _remove_handlers()
     return None
+
+
+def _redraw_panels():
+    """Only what shows the bake's progress: drawing the scene itself would take time from the bake."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+            elif area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()
+
+
+def _show_status(text):
+    """In the status bar of all windows; None gives it back to Blender."""
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(text)
 
 
 @bpy.app.handlers.persistent
 def _forget(*_):
-    """Another file is being loaded: the job has been stopped by Blender, and its scene is going."""
+    """Another file is about to be loaded: waits until the render thread has left the scene, and puts
+    everything back, in case that loading fails. Blender's job itself ends in the middle of loading."""
     global _session, _prepared, _finished
-    if _session is None:
+    running, _session = _session, None
+    if running is None:
         return
-    _session.stop_requested = True
-    _end()
-    _finished = None
+    running.stop_requested = True
+    begun = time.monotonic()
+    while running.taken and not running.done and time.monotonic() - begun < STOPPING_SECONDS:
+        time.sleep(0.01)
+    _prepared.restore(keep_engine=True)
+    _show_status(None)
+    _prepared = _finished = None
+
+
+@bpy.app.handlers.persistent
+def _after_load(*_):
+    """The engine's class outlives the job that Blender ended while it loaded the file."""
+    if _session is None and hasattr(bpy.types, ENGINE):
+        bpy.utils.unregister_class(SNOWBOUGH_BAKE)
 
 
 def register():
+    global _registered
+    _registered = True
+    if _forget in bpy.app.handlers.load_pre:  # switched off and on again while a bake ends
+        return
     bpy.app.handlers.load_pre.append(_forget)
+    bpy.app.handlers.load_post.append(_after_load)
+
+
+def _remove_handlers():
+    bpy.app.handlers.load_pre.remove(_forget)
+    bpy.app.handlers.load_post.remove(_after_load)
 
 
 def unregister():
-    if _forget in bpy.app.handlers.load_pre:
-        bpy.app.handlers.load_pre.remove(_forget)
+    """While a bake runs, the add-on's rest goes and the bake is asked to stop; _poll stays until Blender's
+    job has ended, since the render thread is in the engine until then, and puts everything back."""
+    global _registered
+    _registered = False
     stop()
-    if _session is not None and bpy.app.timers.is_registered(_poll):
-        bpy.app.timers.unregister(_poll)
+    if _session is None:
+        _remove_handlers()

@@ -20,7 +20,7 @@ import numpy as np
 
 from . import bake_plan, baked_receiver, cache
 from .bake_log import open_log
-from .bake_request import BakeCancelled, FrameResult, NoGpu
+from .bake_request import SHOT_SETTINGS, BakeCancelled, FrameResult, NoGpu
 from .map_writer import MapWriter
 from .scene_inputs import SceneInputs
 from .scene_tracker import SceneTracker
@@ -68,6 +68,7 @@ class BakeJob:
             stack.callback(cache.remove_empty_folders, self.root)
             self._open_version(settings, stack)
             if not self.receivers:
+                self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
             rest = self._checkpoint_frame()
             log = stack.enter_context(open_log(self.root))
@@ -79,7 +80,7 @@ class BakeJob:
                     receiver.start(settings)
                 begin = request.frame_start
             else:
-                self._go_on(rest, evaluate, snowfall, first_pose, settings, log)
+                self._go_on(rest, evaluate, snowfall, first_pose, settings, log, cancelled)
                 begin = rest + 1
             self._bake(begin, evaluate, snowfall, settings, report, cancelled, log)
 
@@ -131,14 +132,7 @@ class BakeJob:
 
     def _settings(self, snowfall):
         request = self.request
-        shot = {
-            name: getattr(request, name)
-            for name in (
-                "frame_start", "frame_end", "fps", "start_depth", "end_depth", "flutter", "max_depth",
-                "slide_half_life", "blur_radius", "substeps", "seed", "noise_density", "mapping",
-                "write_normals", "checkpoint_interval",
-            )
-        }  # fmt: skip
+        shot = {name: getattr(request, name) for name in SHOT_SETTINGS}
         return {**shot, "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
 
     def _open_version(self, settings, stack):
@@ -183,7 +177,7 @@ class BakeJob:
             )
         return None
 
-    def _go_on(self, frame, evaluate, snowfall, first_pose, settings, log):
+    def _go_on(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
         request = self.request
         numbers, states, before = set(), {}, None
@@ -202,7 +196,8 @@ class BakeJob:
                 f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
             )
         log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        self._walk(evaluate, snowfall, first_pose, frame)
+        added, self._positions = self._walk(evaluate, snowfall, first_pose, frame, cancelled)
+        self._add(added)
         difference = SceneInputs(before).first_difference(self._tracker.inputs)
         if difference:
             raise cache.InputsChanged(
@@ -215,18 +210,32 @@ class BakeJob:
         )
         log(f"restored the checkpoint of frame {frame}")
 
-    def _walk(self, evaluate, snowfall, first_pose, last):
-        """Evaluates all poses up to frame ``last`` without snow, and hands the simulation its objects."""
+    def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
+        """Compares the scene, frame by frame, with what the finished receivers were baked from."""
+        recorded = next((poses for r in self.baked if (poses := cache.read_inputs(r.folder)) is not None), None)
+        if recorded is None:
+            return
+        self._walk(evaluate, snowfall, first_pose, self.request.last, cancelled)
+        difference = SceneInputs(recorded).first_difference(self._tracker.inputs)
+        if difference:
+            raise cache.InputsChanged(
+                f"The scene is not the one that {self.version.name} was baked from ({difference}): bake again; "
+                "the finished version is kept until it is freed"
+            )
+
+    def _walk(self, evaluate, snowfall, first_pose, last, cancelled):
+        """Evaluates all poses up to frame ``last`` without snow; returns what take() does for all together."""
         start = (self.request.frame_start, 0.0)
         added, positions = self._tracker.take(first_pose, *start)
         for frame in range(start[0], last + 1):
+            if cancelled():
+                raise BakeCancelled
             for at, _ in self._poses(snowfall, frame):
                 if at != start:
                     more, moved = self._tracker.take(evaluate(*at), *at)
                     added += more
                     positions.update(moved)
-        self._add(added)
-        self._positions = positions
+        return added, positions
 
     # -- the scene and the simulation ------------------------------------------------------------------
 
@@ -283,6 +292,7 @@ class BakeJob:
                 nonlocal started
                 result = future.result()
                 result.seconds["total"], started = clock() - started, clock()
+                result.seconds["files"] = writer.take_seconds()
                 self.results.append(result)
                 log(
                     f"frame {result.frame} "
@@ -325,7 +335,7 @@ class BakeJob:
             if last == request.frame_end:
                 writer.flush()
                 for receiver in self.receivers:
-                    receiver.complete(settings, self.native)
+                    receiver.complete(settings, self.native, self._inputs_at)
             else:
                 self._stop(settings, writer)
 
@@ -342,10 +352,12 @@ class BakeJob:
                 )
                 self._positions = {}
         snowing = clock() - begun
-        volume = slid = 0.0
+        volume = slid = reading = 0.0
         balance = self._simulation.statistics()["objects"]
         for receiver in self.receivers:
+            reading -= clock()
             output = self._simulation.output(receiver.key, normal=self.request.write_normals)
+            reading += clock()
             receiver.covered.add(output["height"])
             writer.write(receiver.folder / cache.frame_file("height", frame), output["height"])
             if request.write_normals:
@@ -363,23 +375,34 @@ class BakeJob:
                 }
             )
         self._inputs_at = inputs
-        maps = clock() - begun - snowing
+        saving = clock()
         regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
         if regular and frame < request.frame_end:
             self._checkpoint(frame, settings, writer)
-        waiting = clock() - begun - snowing - maps
+        saving = clock() - saving
         result = FrameResult(frame, request.first, request.last, snowfall.totals[frame - request.frame_start],
                              volume, slid)  # fmt: skip
-        result.seconds = {"evaluate": evaluating, "snow": snowing, "maps": maps, "checkpoint": waiting}
+        result.seconds = {
+            "evaluate": evaluating,
+            "snow": snowing,
+            "maps": reading,
+            "gpu": snowing + reading + saving,
+        }
         return result
 
     # -- files -----------------------------------------------------------------------------------------
 
     def _checkpoint(self, frame, settings, writer):
-        writer.flush()
+        """Reads the state back; packing and writing it is the files' thread's, after the maps before it."""
         state = self.native.simulation_state(self._simulation)
+        inputs, driver = self._inputs_at, self._driver
         for receiver in self.receivers:
-            receiver.write_checkpoint(frame, settings, state, self._driver, self._inputs_at)
+            noted = receiver.noted()
+            writer.call(
+                lambda receiver=receiver, noted=noted: receiver.write_checkpoint(
+                    frame, settings, state, driver, inputs, noted
+                )
+            )
 
     def _stop(self, settings, writer):
         """Leaves a checkpoint at the last frame that is whole."""
@@ -387,6 +410,7 @@ class BakeJob:
         writer.flush()
         if done and done[-1]["frame"] not in cache.checkpoints(self.receivers[0].folder):
             self._checkpoint(done[-1]["frame"], settings, writer)
+            writer.flush()
 
     def _close_simulation(self):
         if self._simulation is not None:

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_job, bake_request, cache, compat, displacement, native, scene_reader
+from . import bake_engine, bake_job, bake_lock, bake_request, cache, compat, displacement, native, scene_reader
 
 # How the last bake in this Blender went, for the panel: (severity, text).
 last_outcome = ("INFO", "")
@@ -110,7 +110,7 @@ def outcome(running):
         return "WARNING", "The bake was stopped. What was baked is kept: Resume goes on from there"
     results = running.job.results
     if not results:
-        return "INFO", "Everything was baked already"
+        return "INFO", "Everything was baked already, from the scene as it is now"
     seconds = sum(result.seconds["total"] for result in results)
     return "INFO", f"Baked {len(results)} frames in {seconds:.1f} s"
 
@@ -223,6 +223,7 @@ class SNOWBOUGH_OT_bake(bpy.types.Operator):
     def invoke(self, context, _event):
         try:
             bake_engine.start(context, self._session(context), _finished_in_window)
+            bake_lock.lock(context)
         except (ValueError, RuntimeError) as error:
             return self._refuse(error)
         return {"FINISHED"}

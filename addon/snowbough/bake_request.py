@@ -4,6 +4,14 @@
 from dataclasses import dataclass, field
 
 
+# What of a request decides about the maps of the whole shot, besides the depth of each frame.
+SHOT_SETTINGS = (
+    "frame_start", "frame_end", "fps", "start_depth", "end_depth", "flutter", "max_depth",
+    "slide_half_life", "blur_radius", "substeps", "seed", "noise_density", "mapping",
+    "write_normals", "checkpoint_interval",
+)  # fmt: skip
+
+
 class BakeCancelled(Exception):
     """The artist stopped the bake; everything up to the last whole frame is there and resumable."""
 
@@ -71,4 +79,7 @@ class FrameResult:
     slid: float
     """m3 that slid off them since the first frame."""
     seconds: dict = field(default_factory=dict)
-    """evaluate, snow, write, total."""
+    """evaluate: Blender's evaluation of the poses; snow and maps: steps, and maps made and read back; gpu:
+    both, and the simulation's state where a checkpoint is due; files: what the thread that packs and writes
+    was busy with since the frame before; total: from the frame before to this one. The first three run
+    beside each other, so total is less than their sum."""

@@ -53,7 +53,11 @@ class BakedReceiver:
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
-    def write_manifest(self, shot, complete):
+    def noted(self):
+        """What belongs to a checkpoint of this moment: (coverage, statistics), as they are now."""
+        return Coverage(self.resolution, self.covered.mask.copy()), list(self.frames)
+
+    def write_manifest(self, shot, complete, frames=None):
         own = self.settings(shot)
         cache.write_manifest(
             self.folder,
@@ -64,16 +68,17 @@ class BakedReceiver:
                 "complete": complete,
                 "hash": cache.digest(own),
                 "settings": own,
-                "frames": self.frames,
+                "frames": self.frames if frames is None else frames,
             },
         )
 
-    def write_checkpoint(self, frame, shot, state, driver, inputs):
-        """Writes the checkpoint of ``frame``: state as simulation_state gives it, the driver's name, and
-        the poses so far (scene_inputs). All maps up to the frame must be on disk."""
-        sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
+    def write_checkpoint(self, frame, shot, state, driver, inputs, noted):
+        """Writes the checkpoint of ``frame``: state as simulation_state gives it, the driver's name, the
+        poses so far (scene_inputs), and what noted() gave then. All maps up to the frame must be on disk."""
+        covered, frames = noted
+        sidecar = {"covered": covered.pack(), "driver": driver, "frames": frames, "inputs": inputs}
         cache.write_sidecar(self.folder, frame, sidecar)
-        self.write_manifest(shot, complete=False)
+        self.write_manifest(shot, False, frames)
         checkpoint.write(
             self.folder / cache.state_file(frame), state["step_number"], state["objects"][self.key]
         )
@@ -95,8 +100,9 @@ class BakedReceiver:
             if later > frame:
                 cache.remove_checkpoint(self.folder, later)
 
-    def complete(self, shot, native):
-        """Finishes the receiver: from here on nothing is written there any more."""
+    def complete(self, shot, native, inputs):
+        """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
+        cache.write_inputs(self.folder, inputs)
         self.covered.write(native, self.folder / cache.EVER_COVERED)
         self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
         self.write_manifest(shot, complete=True)

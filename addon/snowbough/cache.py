@@ -6,6 +6,7 @@
     <cache>/<scene>/v001/<safe object name>-<id>/height_0001.exr   metres
                                                  normal_0001.exr   only with normals
                                                  ever_covered.exr  1 where snow lay on any frame
+                                                 inputs.json       fingerprints of what it was baked from
                                                  object.json       the manifest (read_manifest)
                                                  state_0010        checkpoint: the simulation's own file
                                                  state_0010.json   what belongs to it: inputs, coverage
@@ -40,6 +41,7 @@ FORMAT = 1
 MANIFEST = "object.json"
 LOCK = "lock"
 EVER_COVERED = "ever_covered.exr"
+INPUTS = "inputs.json"
 TEMPORARY_SUFFIX = ".tmp"
 
 _VERSION = re.compile(r"v(\d{3,})$")
@@ -167,6 +169,16 @@ def write_manifest(folder, manifest):
     write_bytes(Path(folder) / MANIFEST, to_json({"format": FORMAT, **manifest}))
 
 
+def write_inputs(folder, poses):
+    """Fingerprints of all poses of a finished bake (scene_inputs), to tell later what has changed."""
+    write_bytes(Path(folder) / INPUTS, to_json(poses))
+
+
+def read_inputs(folder):
+    """What write_inputs wrote, or None."""
+    return _read_json(Path(folder) / INPUTS)
+
+
 def checkpoints(folder):
     """Frames of the whole checkpoints in a folder, ascending."""
     if not Path(folder).is_dir():
@@ -205,7 +217,7 @@ def remove_irregular_checkpoints(folder, frame_start, interval, before):
 
 def _is_ours(name):
     return (
-        name in (MANIFEST, LOCK, EVER_COVERED)
+        name in (MANIFEST, LOCK, EVER_COVERED, INPUTS)
         or bool(_FRAME.match(name))
         or bool(_STATE.match(name.removesuffix(".json")))
         or (name.endswith(TEMPORARY_SUFFIX) or ".tmp" in name)

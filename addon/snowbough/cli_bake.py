@@ -3,7 +3,10 @@
 
 One line a frame on standard output, made of ``name=value`` words, seconds and metres::
 
-    SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
+    SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8 evaluate=0.012 gpu=0.371 files=0.094
+
+``seconds`` is the time from the frame before to this one; ``evaluate`` (Blender's poses), ``gpu`` (snow and
+maps) and ``files`` (packing and writing) run beside each other.
 
 What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
 standard error, what went wrong after as ``SNOWBOUGH error="..." code=N``.
@@ -51,7 +54,8 @@ def frame_line(result, seconds_left):
     return (
         f"SNOWBOUGH frame={result.frame} first={result.first} last={result.last} depth={result.depth:.6f} "
         f"volume={result.volume:.6f} slid={result.slid:.6f} seconds={result.seconds['total']:.3f} "
-        f"left={seconds_left:.1f}"
+        f"left={seconds_left:.1f} "
+        + " ".join(f"{name}={result.seconds[name]:.3f}" for name in ("evaluate", "gpu", "files"))
     )
 
 

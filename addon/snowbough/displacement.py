@@ -13,6 +13,7 @@ from . import baked_images, compat, restore, snow_material, snow_shell
 
 SUBDIVISION_NAME = "Snowbough Subdivision"
 DISPLACE_NAME = "Snowbough Displace"
+OWN_MODIFIERS = (SUBDIVISION_NAME, DISPLACE_NAME)
 SCALE_TOLERANCE = 1e-3
 
 MODES = (
@@ -60,6 +61,8 @@ def _add_modifiers(scene, receiver):
     subdivision.subdivision_type = "SIMPLE"
     if sequence is not None:
         subdivision.render_levels = snow_shell.subdivision_levels(obj, sequence.size)
+    else:  # not baked yet: nothing to displace
+        subdivision.render_levels = 0
     subdivision.levels = max(0, subdivision.render_levels - 1)
     if sequence is None:
         return
@@ -179,7 +182,7 @@ class Muted:
             (obj.name, modifier.name, getattr(modifier, switch))
             for obj in scene.objects
             for modifier in getattr(obj, "modifiers", ())
-            if modifier.name in (SUBDIVISION_NAME, DISPLACE_NAME)
+            if modifier.name in OWN_MODIFIERS
         ]
 
     def _set(self, value_of):

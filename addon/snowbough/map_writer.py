@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs and writes maps beside the simulation, in a thread of its own. No ``bpy``."""
+"""Packs and writes maps and checkpoints beside the simulation, in a thread of its own. No ``bpy``."""
 
 import queue
 import threading
+import time
 
 # So many maps may wait; more would only fill memory when the disk is the slowest.
 MAX_WAITING = 8
@@ -23,6 +24,8 @@ class MapWriter:
         self._native = native
         self._queue = queue.Queue(MAX_WAITING)
         self._error = None
+        self._busy = 0.0
+        self._taken = 0.0
         self._thread = threading.Thread(target=self._work, name="snowbough-files", daemon=True)
 
     def __enter__(self):
@@ -41,6 +44,17 @@ class MapWriter:
         self._raise()
         self._queue.put((str(path), pixels))
 
+    def call(self, work):
+        """Queues work(), which writes files of its own; all maps queued before are on disk by then."""
+        self._raise()
+        self._queue.put(work)
+
+    def take_seconds(self):
+        """Seconds that the thread was busy since the last call."""
+        busy = self._busy
+        taken, self._taken = self._taken, busy
+        return busy - taken
+
     def flush(self):
         """Waits until all queued files are on disk."""
         self._queue.join()
@@ -50,6 +64,16 @@ class MapWriter:
         if self._error is not None:
             raise self._error
 
+    def _do(self, item):
+        if callable(item):
+            item()
+            return
+        path, pixels = item
+        if pixels.ndim == 3:
+            self._native.write_exr(path, pixels * 0.5 + 0.5, half=True)
+        else:
+            self._native.write_exr(path, pixels)
+
     def _work(self):
         while True:
             item = self._queue.get()
@@ -57,11 +81,9 @@ class MapWriter:
                 if item is None:
                     return
                 if self._error is None:
-                    path, pixels = item
-                    if pixels.ndim == 3:
-                        self._native.write_exr(path, pixels * 0.5 + 0.5, half=True)
-                    else:
-                        self._native.write_exr(path, pixels)
+                    begun = time.perf_counter()
+                    self._do(item)
+                    self._busy += time.perf_counter() - begun
             except Exception as error:  # handed to the thread that bakes
                 self._error = WriteFailed(f"{error}. What is done is kept: make room, then resume")
             finally:

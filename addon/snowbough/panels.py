@@ -19,6 +19,7 @@ from . import (
     preview,
     receivers,
     scene_reader,
+    stale,
 )
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
@@ -33,6 +34,9 @@ def state_of(scene):
         return "EMPTY"
     return "BAKED" if all(entry.folder for entry in enabled) else "READY"
 
+
+# So many changes are named in the panel.
+MAX_CHANGES = 5
 
 # A look into the cache is a few file reads; panels redraw with every movement of the mouse.
 LOOK_SECONDS = 1.0
@@ -82,9 +86,20 @@ def draw_bake(layout, context):
     row.operator("snowbough.bake", icon="FREEZE").resume = False
     if state_of(scene) != "EMPTY" and _resumable(scene):
         row.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
+    elif state_of(scene) == "BAKED":
+        row.operator("snowbough.bake", text="Compare", icon="VIEWZOOM").resume = True
     row = column.row(align=True)
-    row.enabled = state_of(scene) == "BAKED"
+    row.enabled = state_of(scene) == "BAKED" or _resumable(scene)
     row.operator("snowbough.free_bake", icon="TRASH")
+    changes = stale.settings_changes(scene)
+    if changes:
+        box = column.box().column(align=True)
+        box.label(text="Baked with other settings; bake again", icon="ERROR")
+        for change in changes[:MAX_CHANGES]:
+            for line in bake_operators.wrapped(change, 44):
+                box.label(text=line, icon="BLANK1")
+        if len(changes) > MAX_CHANGES:
+            box.label(text=f"and {len(changes) - MAX_CHANGES} more", icon="BLANK1")
     severity, text = bake_operators.last_outcome
     if text:
         box = column.box().column(align=True)

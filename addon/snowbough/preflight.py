@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import bake_engine, bake_job, bake_operators, bake_plan, baked_receiver, cache, compat
-from . import displacement, native, receivers, scene_reader, uv_overlap
+from . import displacement, native, receivers, scene_reader, stale, uv_overlap
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5
@@ -42,6 +42,8 @@ def check(scene, depsgraph):
             issues += own
             sizes.append(size)
     issues += _amounts(scene, [size for size in sizes if size])
+    for text in [*stale.settings_changes(scene), *stale.scene_changes(scene, depsgraph)]:
+        issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
     order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
     return sorted(issues, key=lambda issue: order[issue.severity])
 

@@ -3,13 +3,14 @@
 
 Snow needs a UV map that stores every place once. add_receivers takes the map ``snow`` or the active one
 where it does not overlap; otherwise it makes a map ``snow``, by Smart UV Project, or by Lightmap Pack where
-that does not come out clean. The object's active map stays the active one.
+that does not come out clean. The object's active map stays the active one. It also dresses the objects
+with snow material and displacement, which show nothing until there are baked files; a bake refreshes them.
 """
 
 import bpy
 import numpy as np
 
-from . import bake_engine, compat, uv_overlap
+from . import bake_engine, compat, displacement, uv_overlap
 
 SNOW_UV = "snow"
 MAX_UV_MAPS = 8
@@ -146,8 +147,17 @@ class _NotWhileBaking:
 class SNOWBOUGH_OT_add_receivers(_NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.add_receivers"
     bl_label = "Add Snow to Selected"
-    bl_description = "Let snow lie on the selected objects; gives them a UV map without overlaps where needed"
+    bl_description = (
+        "Let snow lie on the selected objects: gives them a UV map without overlaps where needed, snow material "
+        "and displacement. They show snow once it is baked"
+    )
     bl_options = {"REGISTER", "UNDO"}
+
+    setup_result: bpy.props.BoolProperty(
+        name="Set Up Material and Displacement",
+        description="Also dress the objects for snow, as suits each; Remove Snow takes it off again",
+        default=True,
+    )
 
     @classmethod
     def ready(cls, context):
@@ -160,8 +170,10 @@ class SNOWBOUGH_OT_add_receivers(_NotWhileBaking, bpy.types.Operator):
         added, refused = 0, []
         for obj in list(context.selected_objects):
             try:
-                add(context, obj)
+                entry = add(context, obj)
                 added += 1
+                if self.setup_result and displacement.mode_of(entry) is None:
+                    displacement.apply(context.scene, entry, displacement.default_mode(obj))
             except ValueError as error:
                 refused.append(str(error))
         for text in refused:

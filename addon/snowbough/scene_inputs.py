@@ -10,6 +10,9 @@ import hashlib
 
 import numpy as np
 
+# Label of the direction that snow falls in, among the objects' labels.
+SNOWFALL = "Snowfall"
+
 PARTS = ("transform", "shape", "topology or UV map")
 
 
@@ -52,6 +55,15 @@ class SceneInputs:
         self.poses.append([pose, changes])
         self._apply(changes)
 
+    def at(self, pose):
+        """{label: [transform, shape, topology]} at a pose, or None where there was no such pose."""
+        state = {}
+        for name, changes in self.poses:
+            _patch(state, changes)
+            if name == pose:
+                return {label: prints for label, prints in state.items() if prints is not None}
+        return None
+
     def first_difference(self, other):
         """Text on the first pose at which other (a later look at the same frames) differs, or None."""
         ours, theirs = {}, {}
@@ -61,7 +73,9 @@ class SceneInputs:
             _patch(ours, changes)
             _patch(theirs, other_changes)
             for label in sorted(set(changes) | set(other_changes)):
-                text = _difference(ours.get(label), theirs.get(label))
+                text = difference(ours.get(label), theirs.get(label))
+                if text and label == SNOWFALL:
+                    text = "direction changed"
                 if text:
                     return f"{label}: {text} at frame {pose}"
         return None
@@ -72,7 +86,8 @@ def _patch(current, changes):
         current[label] = prints
 
 
-def _difference(before, after):
+def difference(before, after):
+    """``transform changed`` and the like, or None: prints of one object before and after."""
     if before == after:
         return None
     if before is None:

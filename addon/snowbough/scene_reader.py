@@ -19,7 +19,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import bake_plan, cache, compat
+from . import bake_plan, cache, compat, displacement
 from .scene_inputs import fingerprint
 
 SNOW_UV = "snow"
@@ -145,13 +145,17 @@ def _is_deforming_only(obj):
     return all(modifier.type in DEFORMING_MODIFIERS for modifier in obj.modifiers)
 
 
-def _is_rigid(obj):
-    """The object's mesh in its own space is the same on every frame: nothing can deform it."""
+def _is_rigid(obj, switch):
+    """The object's mesh in its own space is the same on every frame: nothing can deform it, since our own
+    displacement is off while a bake or preview reads. switch: what of a modifier counts, as in Muted."""
     original = obj.original
     data = original.data
     return (
         original.type == "MESH"
-        and not original.modifiers
+        and all(
+            modifier.name in displacement.OWN_MODIFIERS and not getattr(modifier, switch)
+            for modifier in original.modifiers
+        )
         and data.shape_keys is None
         and data.animation_data is None
         and not original.is_evaluated
@@ -169,12 +173,14 @@ class SceneReader:
         self._scale = scale_length
         self._known = {}
         self._rigid = {}
+        self._switch = ""
 
     def read(self, depsgraph, frame):
         """The pose that depsgraph holds. frame: a number for messages.
 
         Raises SceneError for receivers without a mesh or without the UV map.
         """
+        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         groups = self._gather(depsgraph)
         objects = {}
         for key in sorted(groups):
@@ -248,7 +254,7 @@ class SceneReader:
         finally:
             if temporary:
                 obj.to_mesh_clear()
-        if not temporary and _is_rigid(obj):
+        if not temporary and _is_rigid(obj, self._switch):
             record.detach()
             self._rigid[rigid_key] = found
         shared[pointer] = found

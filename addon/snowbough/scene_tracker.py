@@ -4,7 +4,7 @@
 import numpy as np
 
 from .bake_request import TopologyChanged
-from .scene_inputs import SceneInputs, fingerprint, pose_name
+from .scene_inputs import SNOWFALL, SceneInputs, fingerprint, pose_name
 
 
 class SceneTracker:
@@ -61,7 +61,7 @@ class SceneTracker:
         self._entries_complete = True
         if name != self._pose_recorded:
             sky = fingerprint(np.array([pose.fall_angle, pose.bearing], dtype=np.float64))
-            self.inputs.add(name, {**dict(_unique_labels(pose.objects)), "Snowfall": (sky, "", "")})
+            self.inputs.add(name, {**dict(_unique_labels(pose.objects)), SNOWFALL: (sky, "", "")})
             self._pose_recorded = name
         return added, changed
 

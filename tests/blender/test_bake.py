@@ -243,9 +243,8 @@ def test_the_manifest_says_settings_and_statistics(tmp_path):
     assert [frame["frame"] for frame in manifest["frames"]] == [1, 2, 3, 4]
     assert manifest["frames"][-1]["depth"] == pytest.approx(0.1, rel=1e-6)
     assert manifest["frames"][-1]["volume"] == pytest.approx(0.1 * 4.0, rel=5e-3)
-    assert sorted(os.listdir(folder)) == ["ever_covered.exr"] + [f"height_000{i}.exr" for i in range(1, 5)] + [
-        "object.json"
-    ]
+    heights = [f"height_000{i}.exr" for i in range(1, 5)]
+    assert sorted(os.listdir(folder)) == ["ever_covered.exr", *heights, "inputs.json", "object.json"]
 
 
 def test_ever_covered_marks_where_snow_lay(native, tmp_path):

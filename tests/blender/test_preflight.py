@@ -32,6 +32,70 @@ def test_a_clean_scene_has_no_errors_and_no_warnings(addon, tmp_path):
     assert "1 maps, up to 64 texels" in " ".join(texts(addon, "INFO"))
 
 
+def test_changed_settings_are_told_at_once(addon, tmp_path):
+    ground = s.square("Ground")
+    s.receive(ground)
+    own = s.settings(tmp_path)
+    s.bake()
+    changes = addon("stale").settings_changes
+    assert changes(bpy.context.scene) == []
+    own.end_depth = 0.25
+    own.receivers[0].resolution = 128
+    assert changes(bpy.context.scene) == ["End Depth: 0.25, was 0.1", "Ground: resolution 128, was 64"]
+    own.end_depth = 0.1
+    own.receivers[0].resolution = 64
+    s.key(bpy.context.scene.snowbough, "rate", (1, 0.0), (4, 1.0))
+    assert changes(bpy.context.scene) == ["Rate: its animation changed"]
+    s.bake()
+    assert changes(bpy.context.scene) == []
+
+
+def test_the_check_names_what_moved_since_the_bake(addon, tmp_path):
+    ground, roof = s.square("Ground"), s.square("Roof", 1.0, z=1.0)
+    s.receive(ground)
+    s.settings(tmp_path)
+    s.bake()
+    bpy.context.scene.frame_set(3)
+    assert texts(addon, "WARNING") == []
+    roof.location.x = 0.5
+    ground.data.vertices[0].co.z = -0.1
+    found = "\n".join(texts(addon, "WARNING"))
+    assert "Roof: transform changed at frame 3" in found and "Ground: shape changed at frame 3" in found
+    bpy.data.objects.remove(roof)
+    assert "Roof: removed" in "\n".join(texts(addon, "WARNING"))
+
+
+def test_adding_snow_dresses_the_object_and_a_bake_shows_its_files(addon, tmp_path):
+    ground = s.square("Ground")
+    own = s.settings(tmp_path)
+    select(ground)
+    bpy.ops.snowbough.add_receivers()
+    own.receivers[0].resolution = 64
+    displacement = addon("displacement")
+    assert displacement.mode_of(own.receivers[0]) == "MODIFIER"
+    assert [m.name for m in ground.modifiers] == [displacement.SUBDIVISION_NAME]
+    for version in ("v001", "v002"):
+        s.bake()
+        image = ground.modifiers[displacement.DISPLACE_NAME].texture.image
+        assert version in image.filepath and "height_0001.exr" in image.filepath
+        shown = [n.image for n in ground.material_slots[0].material.node_tree.nodes if n.type == "TEX_IMAGE"]
+        assert shown and all(version in image.filepath for image in shown)
+    bpy.context.scene.frame_set(4)
+    depsgraph = bpy.context.evaluated_depsgraph_get()
+    highest = max(v.co.z for v in ground.evaluated_get(depsgraph).data.vertices)
+    assert highest == pytest.approx(0.1, abs=0.02)
+    bpy.ops.snowbough.remove()
+    assert len(ground.modifiers) == 0 and not ground.material_slots
+
+
+def test_adding_snow_can_leave_the_object_undressed(addon, tmp_path):
+    ground = s.square("Ground")
+    select(ground)
+    bpy.ops.snowbough.add_receivers(setup_result=False)
+    assert addon("displacement").mode_of(bpy.context.scene.snowbough.receivers[0]) is None
+    assert len(ground.modifiers) == 0
+
+
 def test_overlapping_uvs_are_a_warning_and_can_be_mended(addon, tmp_path):
     stack = stacked()
     s.receive(stack)

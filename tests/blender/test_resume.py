@@ -91,6 +91,26 @@ def test_a_moved_object_is_named_with_its_frame(addon, undisturbed):
         s.bake(resume=True)
 
 
+def test_a_finished_bake_is_compared_to_its_last_frame(undisturbed, tmp_path):
+    s.bake()
+    s.bake(resume=True)
+    cart = bpy.data.objects["Cart"]
+    cart.location = (0, 0, 2)
+    cart.keyframe_insert("location", frame=11.9)
+    cart.animation_data.action.fcurves[2].keyframe_points[0].interpolation = "CONSTANT"
+    with pytest.raises(RuntimeError, match=r"v001 was baked from \(Cart: transform changed at frame"):
+        s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_a_finished_bake_with_other_settings_is_told(undisturbed, tmp_path):
+    s.bake()
+    bpy.context.scene.snowbough.end_depth = 0.2
+    with pytest.raises(RuntimeError, match="other settings .*end_depth"):
+        s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
 def test_a_changed_mesh_is_named(addon, undisturbed):
     assert run_part(addon, 1, 8).error is None
     bpy.data.objects["Ground"].data.vertices[0].co.z = -0.5
@@ -179,6 +199,24 @@ def test_the_exit_code_says_what_went_wrong(addon, undisturbed, tmp_path, argume
     assert "Traceback" not in done.stderr
 
 
+def test_a_changed_scene_ends_with_its_own_code(addon, undisturbed, tmp_path):
+    s.bake()
+    bpy.data.objects["Ground"].location.x = 0.25
+    bpy.ops.wm.save_mainfile()
+    done = run_blender(addon, tmp_path / "shot.blend", "--resume", "yes")
+    assert done.returncode == 4 and "Ground: transform changed at frame 1)" in done.stderr
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_a_file_whose_drivers_are_disabled_is_refused(addon, undisturbed, tmp_path):
+    curve = bpy.data.objects["Ground"].driver_add("location", 0)
+    curve.driver.expression = "len(str(frame)) * 0.1"  # only Python can evaluate this
+    bpy.ops.wm.save_mainfile()
+    done = run_blender(addon, tmp_path / "shot.blend")
+    assert done.returncode == 1 and "disabled scripts" in done.stderr and "-y" in done.stderr
+    assert not list((tmp_path / "cache").rglob("*.exr"))
+
+
 def test_overlapping_uvs_are_a_warning_on_the_command_line(addon, tmp_path):
     ground = s.square("Ground")
     twice = s.mesh_object("Twice", [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 2), (1, 0, 2), (1, 1, 2)],
@@ -214,9 +252,16 @@ def test_two_machines_share_a_shot(addon, undisturbed, tmp_path):
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+def checkpoints_among(files):
+    """The frames of the checkpoints in a listing of a cache: ``4 8``, or ``-``."""
+    frames = {int(name[-4:]) for name in files if "/state_" in name and not name.endswith((".json", ".tmp"))}
+    return " ".join(map(str, sorted(frames))) or "-"
+
+
 def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undisturbed, tmp_path):
     seed = int(os.environ.get("SNOWBOUGH_TEST_SEED", random.randrange(1 << 30)))
     print("seed", seed)
+    print("| kill | frames reported | files left | checkpoints left | files after resume | stray | bytes |")
     moments = random.Random(seed)
     for number in range(KILLS):
         command = blender_command(addon, tmp_path / "shot.blend")
@@ -230,8 +275,13 @@ def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undist
         process.send_signal(signal.SIGKILL)
         process.stdout.close()
         process.wait()
+        killed = s.files_of(tmp_path / "cache") if (tmp_path / "cache").exists() else {}
         s.bake(resume=True)
-        assert s.files_of(tmp_path / "cache") == undisturbed, f"kill {number} after {wanted} frames"
+        resumed = s.files_of(tmp_path / "cache")
+        same, stray = resumed == undisturbed, sorted(set(resumed) - set(undisturbed))
+        print(f"| {number + 1:2} | {lines:2} | {len(killed):2} | {checkpoints_among(killed):10} "
+              f"| {len(resumed)} | {len(stray)} | {'same' if same else 'DIFFERENT'} |")  # fmt: skip
+        assert same, f"kill {number} after {wanted} frames; stray: {stray}"
         bpy.ops.snowbough.free_bake()
         assert not list((tmp_path / "cache").rglob("*.exr"))
 
@@ -258,6 +308,18 @@ def test_a_full_disk_stops_with_a_message_and_can_be_resumed(undisturbed, small_
     assert not [name for name in s.files_of(folder) if ".tmp" in name]
     grow()
     s.bake(resume=True)
+    assert s.files_of(folder) == undisturbed
+
+
+def test_a_read_only_disk_is_refused_and_can_be_used_later(addon, undisturbed, small_disk, tmp_path):
+    folder, grow = small_disk
+    subprocess.run(["mount", "-o", "remount,ro", str(folder)], check=True)
+    done = run_blender(addon, tmp_path / "shot.blend", "--cache", str(folder))
+    assert done.returncode == 5 and "cannot be written" in done.stderr and "Traceback" not in done.stderr
+    assert s.files_of(folder) == {}
+    subprocess.run(["mount", "-o", "remount,rw", str(folder)], check=True)
+    grow()
+    assert run_blender(addon, tmp_path / "shot.blend", "--cache", str(folder)).returncode == 0
     assert s.files_of(folder) == undisturbed
 
 

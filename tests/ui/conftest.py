@@ -12,9 +12,14 @@ from window import ROOT, BlenderWindow  # noqa: E402
 
 
 @pytest.fixture(scope="session")
-def blender(tmp_path_factory):
+def addon_zip():
     made = subprocess.run([ROOT / "tools" / "package.sh"], check=True, stdout=subprocess.PIPE, text=True)
-    window = BlenderWindow(tmp_path_factory.mktemp("ui"), ROOT / made.stdout.strip())
+    return ROOT / made.stdout.strip()
+
+
+@pytest.fixture(scope="session")
+def blender(addon_zip, tmp_path_factory):
+    window = BlenderWindow(tmp_path_factory.mktemp("ui"), addon_zip)
     yield window
     window.close()
 

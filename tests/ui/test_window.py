@@ -1,9 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The menu entry, the panels, a bake from the button while the window lives, and Esc."""
 
+import os
 import time
 
 import pytest
+from PIL import ImageChops, ImageStat
+from window import BlenderWindow
 
 RECORD_OPERATORS = """
 class Recorder:
@@ -99,14 +102,17 @@ def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
     window.run(SNOW_SCENE.format(frames=frames, resolution=512, path=str(tmp_path / "shot.blend")))
     window.open_sidebar_tab()
     window.press_button("snowbough.bake")
-    window.wait_until("bpy.app.is_job_running('RENDER')")
+    # The first seconds go into starting the driver and compiling shaders.
+    window.wait_until("len(list(__import__('pathlib').Path(%r).rglob('height_*.exr'))) >= 4" % str(tmp_path))
     window.run("heartbeat.start()\nresult = True")
     time.sleep(5.0)
     # Still in the middle of it, and the event loop came by all the time.
     assert window.run("result = bpy.app.is_job_running('RENDER')")
     beats, longest_gap = window.run("result = [heartbeat.beats, heartbeat.longest_gap]")
-    assert beats >= 5
-    assert longest_gap < 2.0
+    print(f"{beats} heartbeats in 5 s, longest gap {longest_gap:.2f} s, load {os.getloadavg()[0]:.1f}")
+    # Where others want the processors as well, the window has to wait like everybody.
+    assert beats >= (20 if os.getloadavg()[0] < 2 * os.cpu_count() else 3)
+    assert longest_gap < (1.0 if os.getloadavg()[0] < 2 * os.cpu_count() else 5.0)
     window.screenshot("bake_running")
 
     pressed = time.monotonic()
@@ -119,6 +125,151 @@ def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
     assert len(heights(tmp_path)) == written
     assert list(tmp_path.rglob("*.part")) == []
     window.screenshot("bake_stopped")
+
+
+# -- what an artist does in the middle of a bake ------------------------------------------------------
+
+
+def bake_in_the_background(window, folder, frames=400, resolution=512):
+    """Starts a bake by its button and comes back when the first frames are written."""
+    window.run(SNOW_SCENE.format(frames=frames, resolution=resolution, path=str(folder / "shot.blend")))
+    window.open_sidebar_tab()
+    window.press_button("snowbough.bake")
+    end = time.monotonic() + 60
+    while len(heights(folder)) < 6:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert window.run("result = bpy.app.is_job_running('RENDER')")
+
+
+def assert_resumable(window, folder):
+    """Nothing stray is left, and Resume finds a checkpoint and ends the (shortened) shot."""
+    assert [path.name for path in folder.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
+    assert len(list(folder.rglob("state_*.json"))) >= 2
+    written = len(heights(folder))
+    window.run(
+        f"""
+import sys
+operators, engine = sys.modules[addon + ".bake_operators"], sys.modules[addon + ".bake_engine"]
+done = max(int(p) for p in {[path.stem.split("_")[1] for path in heights(folder)]!r})
+request = operators.make_request(bpy.context.scene, resume=True, last=done + 2)
+running = operators.make_session(bpy.context.scene, request)
+engine.run(bpy.context, running)
+result = str(running.error or "")
+""",
+        timeout=120,
+    )
+    assert window.run("result = [str(running.error or ''), running.cancelled]") == ["", False]
+    assert window.run("result = running.job.results[0].frame") > 1
+    assert len(heights(folder)) == written + 4
+
+
+def test_the_view_is_drawn_and_can_be_turned_while_a_bake_runs(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    before = window.view()
+    assert ImageStat.Stat(before.convert("L")).mean[0] > 30
+    window.move(500, 500)
+    for _ in range(4):
+        window.xdotool("click", "4")
+    time.sleep(2.0)
+    after = window.view()
+    assert ImageStat.Stat(after.convert("L")).mean[0] > 30
+    assert ImageStat.Stat(ImageChops.difference(before, after).convert("L")).mean[0] > 1
+    window.key("Escape")
+    window.wait_until("not bpy.app.is_job_running('RENDER')")
+
+
+def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    state = "result = [sorted(o.name for o in bpy.data.objects), bpy.context.mode, len(bpy.context.scene.snowbough.receivers)]"
+    before = window.run(state)
+    window.move(500, 500)
+    for key in ("ctrl+z", "x", "Return", "Delete", "Tab", "ctrl+s", "shift+d"):
+        window.key(key)
+        time.sleep(0.1)
+    window.click(60, 13)
+    assert window.run(state) == before
+    assert window.run("result = bpy.app.is_job_running('RENDER')")
+    window.press_button("snowbough.stop_bake")
+    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
+    assert_resumable(window, tmp_path)
+    # The lock has gone with the bake.
+    window.move(500, 500)
+    window.key("Tab")
+    window.wait_until("bpy.context.mode == 'EDIT_MESH'", timeout=10)
+    window.key("Tab")
+
+
+def test_undo_after_a_bake_does_not_harm_its_files(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    window.key("Escape")
+    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    window.move(500, 500)
+    window.key("ctrl+z")
+    time.sleep(1.0)
+    window.key("ctrl+shift+z")
+    time.sleep(1.0)
+    assert window.run("result = len(bpy.context.scene.snowbough.receivers)") == 2
+    assert_resumable(window, tmp_path)
+
+
+def test_a_script_that_undoes_ends_the_bake_and_leaves_it_resumable(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    window.run("bpy.ops.ed.undo_push(message='Now')\nbpy.ops.ed.undo()\nresult = True", timeout=120)
+    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=60)
+    window.wait_until("sys.modules[addon + '.bake_engine'].session() is None")
+    assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
+    window.run(f"bpy.ops.wm.open_mainfile(filepath={str(tmp_path / 'shot.blend')!r})\nresult = True")
+    assert_resumable(window, tmp_path)
+
+
+def test_loading_the_file_again_ends_the_bake_and_leaves_it_resumable(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    window.run("bpy.ops.wm.revert_mainfile()\nresult = True", timeout=120)
+    assert not window.run("result = bpy.app.is_job_running('RENDER')")
+    assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
+    assert_resumable(window, tmp_path)
+
+
+def test_a_script_that_deletes_a_receiver_ends_nothing_but_the_bake(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    window.run("bpy.data.objects.remove(bpy.data.objects['Cube'])\nresult = True")
+    time.sleep(2.0)
+    if window.run("result = bpy.app.is_job_running('RENDER')"):
+        window.key("Escape")
+    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    window.run(f"bpy.ops.wm.open_mainfile(filepath={str(tmp_path / 'shot.blend')!r})\nresult = True")
+    assert [path.name for path in tmp_path.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
+
+
+def test_switching_the_addon_off_ends_the_bake_and_leaves_it_resumable(window, tmp_path):
+    bake_in_the_background(window, tmp_path)
+    try:
+        window.run("bpy.ops.preferences.addon_disable(module=addon)\nresult = True")
+        window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=60)
+        time.sleep(1.0)
+        assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
+    finally:
+        window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
+    window.run(f"bpy.ops.wm.open_mainfile(filepath={str(tmp_path / 'shot.blend')!r})\nresult = True")
+    assert_resumable(window, tmp_path)
+
+
+def test_quitting_ends_the_bake_and_leaves_it_resumable(window, addon_zip, tmp_path):
+    (tmp_path / "user").mkdir()
+    other = BlenderWindow(tmp_path / "user", addon_zip, log="quit.log")
+    try:
+        (tmp_path / "shot").mkdir()
+        bake_in_the_background(other, tmp_path / "shot")
+        other.move(500, 500)
+        other.key("ctrl+q")
+        assert other.blender.wait(60) == 0
+        assert "Traceback" not in other.messages()
+    finally:
+        other.close()
+    window.run(f"bpy.ops.wm.open_mainfile(filepath={str(tmp_path / 'shot' / 'shot.blend')!r})\nresult = True")
+    assert_resumable(window, tmp_path / "shot")
 
 
 @pytest.fixture(autouse=True)

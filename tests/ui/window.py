@@ -39,10 +39,10 @@ result = True
 class BlenderWindow:
     """A Blender with the add-on installed from its zip into a fresh user directory."""
 
-    def __init__(self, folder, addon_zip, blender="/usr/bin/blender"):
+    def __init__(self, folder, addon_zip, blender="/usr/bin/blender", log="blender.log"):
         self.folder = Path(folder)
         SCREENSHOTS.mkdir(parents=True, exist_ok=True)
-        self.log_path = SCREENSHOTS / "blender.log"
+        self.log_path = SCREENSHOTS / log
         self.screen, self.display = start_screen()
         environment = blender_tests.user_environment(self.folder / "user")
         environment.update(DISPLAY=self.display, LIBGL_ALWAYS_SOFTWARE="1")
@@ -218,6 +218,19 @@ result = [region.x, region.y, region.width, region.height]
                 return
             assert time.monotonic() < end, f"no menu in {box} within {timeout} s"
             time.sleep(0.2)
+
+    def view(self):
+        """The part of the 3D view that no panel covers, as a PIL image."""
+        x, y, width, height = self.run(
+            """
+area = view3d()[1]
+region = next(region for region in area.regions if region.type == "WINDOW")
+result = [region.x, region.y, region.width, region.height]
+"""
+        )
+        top = HEIGHT - y - height
+        middle = (x + 0.3 * width, top + 0.3 * height, x + 0.7 * width, top + 0.9 * height)
+        return ImageGrab.grab(xdisplay=self.display).crop(tuple(map(int, middle)))
 
     def screenshot(self, name):
         """Keeps build/ui/<name>.png and returns it as a PIL image."""
