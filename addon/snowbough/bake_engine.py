@@ -88,7 +88,7 @@ class Session:
         if self.stop_requested:
             return "stopping after this frame"
         if self.last_result is None:
-            return "preparing"
+            return "preparing the bake"
         left = int(self.seconds_left() + 0.5)
         result = self.last_result
         return f"frame {result.frame} of {result.first}-{result.last}, {left // 60}:{left % 60:02d} left"

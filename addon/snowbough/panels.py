@@ -70,41 +70,51 @@ def _has_unfinished(root):
     return False
 
 
+# Pixels that a line of text loses to icon and margins, those of a button beside it, and of a letter.
+MARGIN, BUTTON, LETTER = 62, 50, 6.1
+
+
+def draw_text(column, context, text, icon, taken=0):
+    """A text in as many lines as the region's width asks for; taken: pixels that something else needs."""
+    width = context.region.width / context.preferences.system.ui_scale
+    for index, line in enumerate(bake_operators.wrapped(text, max(16, int((width - MARGIN - taken) / LETTER)))):
+        column.label(text=line, icon=icon if index == 0 else "BLANK1")
+
+
 def draw_bake(layout, context):
     """The buttons of the bake, or its progress while one runs."""
     scene = context.scene
     running = bake_engine.session()
     column = layout.column()
     if running is not None:
-        column.label(text=f"Baking: {running.status()}", icon="RENDER_ANIMATION")
-        compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}")
+        where, _, left = running.status().partition(", ")
+        column.label(text=where.capitalize(), icon="RENDER_ANIMATION")
+        compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}, {left}" if left else "")
         column.operator("snowbough.stop_bake", icon="CANCEL")
-        column.label(text="Editing is locked; Esc stops as well")
+        draw_text(column, context, "Editing is locked. Esc stops, too", "LOCKED")
         return
-    row = column.row(align=True)
+    state, unfinished = state_of(scene), _resumable(scene)
+    changes = stale.settings_changes(scene) if state == "BAKED" else []
+    buttons = column.column(align=True)
+    row = buttons.row(align=True)
     row.scale_y = 1.3
-    row.operator("snowbough.bake", icon="FREEZE").resume = False
-    if state_of(scene) != "EMPTY" and _resumable(scene):
-        row.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
-    elif state_of(scene) == "BAKED":
-        row.operator("snowbough.bake", text="Compare", icon="VIEWZOOM").resume = True
-    row = column.row(align=True)
-    row.enabled = state_of(scene) == "BAKED" or _resumable(scene)
-    row.operator("snowbough.free_bake", icon="TRASH")
-    changes = stale.settings_changes(scene)
+    row.operator("snowbough.bake", text="Bake Again" if state == "BAKED" else "Bake Snow", icon="FREEZE").resume = False
+    if state != "EMPTY" and unfinished:
+        buttons.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
+    elif state == "BAKED":
+        buttons.operator("snowbough.bake", text="Compare with Scene", icon="VIEWZOOM").resume = True
+    if state == "BAKED" or unfinished:
+        buttons.operator("snowbough.free_bake", icon="TRASH")
     if changes:
         box = column.box().column(align=True)
-        box.label(text="Baked with other settings; bake again", icon="ERROR")
+        draw_text(box, context, "Baked with other settings. Bake again to see these:", "ERROR")
         for change in changes[:MAX_CHANGES]:
-            for line in bake_operators.wrapped(change, 44):
-                box.label(text=line, icon="BLANK1")
+            draw_text(box, context, change, "DOT")
         if len(changes) > MAX_CHANGES:
-            box.label(text=f"and {len(changes) - MAX_CHANGES} more", icon="BLANK1")
+            draw_text(box, context, f"and {len(changes) - MAX_CHANGES} more", "BLANK1")
     severity, text = bake_operators.last_outcome
     if text:
-        box = column.box().column(align=True)
-        for index, line in enumerate(bake_operators.wrapped(text, 48)):
-            box.label(text=line, icon=ICONS[severity] if index == 0 else "BLANK1")
+        draw_text(column.box().column(align=True), context, text, ICONS[severity])
 
 
 def draw_issues(layout, context):
@@ -116,9 +126,7 @@ def draw_issues(layout, context):
         layout.label(text="Nothing in the way", icon="CHECKMARK")
     for issue in issues:
         row = layout.row()
-        column = row.column(align=True)
-        for index, line in enumerate(bake_operators.wrapped(issue.text, 44)):
-            column.label(text=line, icon=ICONS[issue.severity] if index == 0 else "BLANK1")
+        draw_text(row.column(align=True), context, issue.text, ICONS[issue.severity], BUTTON if issue.fix else 0)
         if issue.fix:
             fix = row.operator("snowbough.fix", text="Fix")
             fix.kind, fix.object_name = issue.fix, issue.object_name
@@ -128,13 +136,14 @@ def draw_result(layout, context):
     column = layout.column(align=True)
     column.enabled = state_of(context.scene) == "BAKED"
     column.operator("snowbough.setup_material", icon="MATERIAL")
-    column.operator_menu_enum("snowbough.setup_displacement", "mode", icon="MOD_DISPLACE")
+    column.operator_menu_enum("snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE")
     column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
         layout.label(text="Bake first", icon="INFO")
     if not compat.eevee_displaces():
-        layout.label(text="EEVEE of this Blender shows material displacement as bumps only", icon="INFO")
+        text = "EEVEE of this Blender shows material displacement as bumps only"
+        draw_text(layout.column(align=True), context, text, "INFO")
 
 
 class SNOWBOUGH_UL_receivers(bpy.types.UIList):
@@ -142,10 +151,11 @@ class SNOWBOUGH_UL_receivers(bpy.types.UIList):
         if item.object is None:
             layout.label(text="Object is gone: take this line off", icon="ERROR")
             return
-        row = layout.row()
+        split = layout.split(factor=0.62)
+        row = split.row(align=True)
         row.prop(item, "enabled", text="")
         row.prop(item.object, "name", text="", emboss=False, icon="OUTLINER_OB_" + _icon_kind(item.object))
-        size = row.row()
+        size = split.row(align=True)
         size.alignment = "RIGHT"
         size.label(text=str(item.resolution) if item.resolution else "auto")
         size.label(text="", icon="CHECKMARK" if item.folder else "BLANK1")
@@ -168,7 +178,7 @@ class SNOWBOUGH_PT_scene(_ScenePanel, bpy.types.Panel):
         scene = context.scene
         if state_of(scene) == "EMPTY":
             column = self.layout.column()
-            column.label(text="No object gathers snow yet", icon="INFO")
+            draw_text(column, context, "No object gathers snow yet. Select some, then:", "INFO")
             column.operator("snowbough.add_receivers", icon="ADD")
             return
         draw_bake(self.layout, context)
