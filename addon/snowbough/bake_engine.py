@@ -27,6 +27,12 @@ POLL_SECONDS = 0.1
 
 WINDOW_NICENESS = 10
 
+# Blender notes in one flag for all threads whether Python may write to its data: each draw() of a panel and
+# our render() set it and, when they end, put back what they found. Were Python to switch threads in the
+# middle of a draw() while render() begins or ends, nothing could be written to any more. With so long an
+# interval it switches only where a thread waits or leaves Python.
+SWITCH_SECONDS = 5.0
+
 # How often panels show the progress: drawing takes time from the bake.
 REDRAW_SECONDS = 0.5
 
@@ -98,6 +104,7 @@ _session = None
 _prepared = None
 _finished = None
 _registered = False
+_switch_interval = None
 
 
 def session():
@@ -152,6 +159,10 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
             running.done = True
 
 
+def _class_is_registered():
+    return "bl_rna" in SNOWBOUGH_BAKE.__dict__
+
+
 class _PreparedScene:
     """What was changed for the bake, by names. restore() puts it back."""
 
@@ -166,7 +177,7 @@ class _PreparedScene:
         self._display = preferences.render_display_type
         self._temporary_camera = scene.camera is None
 
-        if not hasattr(bpy.types, ENGINE):
+        if not _class_is_registered():
             bpy.utils.register_class(SNOWBOUGH_BAKE)
         self._muted.__enter__()
         for name in self._settings:
@@ -214,10 +225,18 @@ def _end():
     global _session, _prepared
     running, _session = _session, None
     prepared, _prepared = _prepared, None
+    _restore_switching()
     prepared.restore()
     if not running.taken and running.error is None:
         running.error = RuntimeError("Blender did not start the render that the bake runs in")
     return running
+
+
+def _restore_switching():
+    global _switch_interval
+    if _switch_interval is not None:
+        sys.setswitchinterval(_switch_interval)
+        _switch_interval = None
 
 
 def run(context, running):
@@ -232,9 +251,11 @@ def run(context, running):
 def start(context, running, finished):
     """Starts the bake as a job of Blender's and returns at once. finished(running) is called in the main
     thread when everything is put back; not at all when another file is loaded meanwhile."""
-    global _finished
+    global _finished, _switch_interval
     _begin(context, running)
     _finished = finished
+    _switch_interval = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_SECONDS)
     try:
         outcome = bpy.ops.render.render("INVOKE_DEFAULT", scene=context.scene.name)
     except RuntimeError:
@@ -304,6 +325,7 @@ def _forget(*_):
     begun = time.monotonic()
     while running.taken and not running.done and time.monotonic() - begun < STOPPING_SECONDS:
         time.sleep(0.01)
+    _restore_switching()
     _prepared.restore(keep_engine=True)
     _show_status(None)
     _prepared = _finished = None
@@ -312,7 +334,7 @@ def _forget(*_):
 @bpy.app.handlers.persistent
 def _after_load(*_):
     """The engine's class outlives the job that Blender ended while it loaded the file."""
-    if _session is None and hasattr(bpy.types, ENGINE):
+    if _session is None and _class_is_registered():
         bpy.utils.unregister_class(SNOWBOUGH_BAKE)
 
 
