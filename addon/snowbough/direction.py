@@ -136,7 +136,7 @@ class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
     def draw_prepare(self, context):
         settings = context.scene.snowbough
         centre, radius = receivers_bounds.of_scene(context.scene)
-        origin = centre + Vector((0.0, 0.0, 2.0 * radius))
+        origin = centre + Vector((0.0, 0.0, radius))
         along = direction(settings.fall_angle, settings.bearing)
         ahead = direction(math.pi / 2, settings.bearing)
         across = ahead.cross(Vector((0.0, 0.0, -1.0)))

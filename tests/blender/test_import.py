@@ -5,7 +5,6 @@ import json
 import os
 import signal
 import subprocess
-import sys
 import time
 from pathlib import Path
 from types import SimpleNamespace
@@ -466,12 +465,6 @@ def test_real_exports_come_in_whole(shared_tree, name):
     assert report["skipped_parts"] == []
 
 
-def test_the_whole_import_of_a_real_tree_takes_under_a_second(shared_tree):
-    path = shared_tree("tubes/BL02A_Betula_lenta.obj")
-    start = time.perf_counter()
-    collection = _import(path, max_bones=1000)
-    seconds = time.perf_counter() - start
-    print(f"BL02A: {seconds:.2f} s, {_report(collection)['native_seconds']} s of it native", file=sys.stderr)
-    assert _report(collection)["branches"] == 1348
-    # Generous: the aim is 1 s on an idle machine, and this must not fail on a busy one.
-    assert seconds < 3.0
+def test_a_real_tree_keeps_all_its_branches_under_a_bone_budget(shared_tree):
+    report = _report(_import(shared_tree("tubes/BL02A_Betula_lenta.obj"), max_bones=1000))
+    assert (report["branches"], report["bones"]) == (1348, 1000)

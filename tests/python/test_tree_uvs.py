@@ -1,6 +1,5 @@
 """The `snow` UV maps of wood and leaves: unique, with gutters, even, and on real trees well filled."""
 
-import time
 from pathlib import Path
 
 import numpy as np
@@ -20,8 +19,8 @@ def needs(path):
 
 
 REAL_TREES = [
-    pytest.param(AL06A, 0.60, 0.15, id="AL06a", marks=needs(AL06A)),
-    pytest.param(BL02A, 0.45, 0.30, id="BL02A", marks=needs(BL02A)),
+    pytest.param(AL06A, 0.60, id="AL06a", marks=needs(AL06A)),
+    pytest.param(BL02A, 0.45, id="BL02A", marks=needs(BL02A)),
 ]
 
 
@@ -82,8 +81,8 @@ def closest_charts(texel, owner, resolution, distance):
 
 
 @pytest.mark.parametrize("resolution", [1024, 2048])
-@pytest.mark.parametrize("path, least_fill, most_seconds", REAL_TREES)
-def test_real_tree_is_unwrapped_evenly_without_overlap(path, least_fill, most_seconds, resolution):
+@pytest.mark.parametrize("path, least_fill", REAL_TREES)
+def test_real_tree_is_unwrapped_evenly_without_overlap(path, least_fill, resolution):
     mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=resolution)
     result = measure(mesh, resolution)
     print(path.name, resolution, result)
@@ -97,8 +96,8 @@ def test_real_tree_is_unwrapped_evenly_without_overlap(path, least_fill, most_se
     assert result["fill"] >= least_fill
 
 
-@pytest.mark.parametrize("path, least_fill, most_seconds", REAL_TREES)
-def test_real_tree_by_sampling(path, least_fill, most_seconds):
+@pytest.mark.parametrize("path, least_fill", REAL_TREES)
+def test_real_tree_by_sampling(path, least_fill):
     """The same as above found another way, with nothing of the project's in it."""
     mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=1024)
     charts = find_charts(mesh.quads, mesh.uv_snow)
@@ -118,20 +117,8 @@ def test_real_tree_by_sampling(path, least_fill, most_seconds):
     assert closest_charts(texel[for_wide_only], owner[for_wide_only], 1024, 2) == 0
 
 
-@pytest.mark.parametrize("path, least_fill, most_seconds", REAL_TREES)
-def test_whole_surface_with_its_uvs_takes_well_under_a_second(path, least_fill, most_seconds):
-    skeleton = native.read_tree(str(path))
-    seconds = []
-    for _ in range(3):
-        begin = time.process_time()
-        native.build_tree_mesh(skeleton, snow_resolution=1024)
-        seconds.append(time.process_time() - begin)
-    print(path.name, min(seconds), "s, aim", most_seconds)
-    assert min(seconds) < 1.0
-
-
-@pytest.mark.parametrize("path, least_fill, most_seconds", REAL_TREES)
-def test_every_wall_row_is_at_least_two_texels_wide(path, least_fill, most_seconds):
+@pytest.mark.parametrize("path, least_fill", REAL_TREES)
+def test_every_wall_row_is_at_least_two_texels_wide(path, least_fill):
     mesh = native.build_tree_mesh(native.read_tree(str(path)), snow_resolution=1024)
     wall = mesh.face_part == WALL
     uv = mesh.uv_snow[wall].astype(np.float64) * 1024
