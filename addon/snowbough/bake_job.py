@@ -21,7 +21,7 @@ import numpy as np
 from . import bake_plan, baked_receiver, cache
 from .bake_log import open_log
 from .bake_request import SHOT_SETTINGS, BakeCancelled, FrameResult, NoGpu
-from .map_writer import MapWriter
+from .map_writer import MapWriter, WriteFailed
 from .scene_inputs import SceneInputs
 from .scene_tracker import SceneTracker
 
@@ -330,6 +330,11 @@ class BakeJob:
                             raise later from None
                 if isinstance(error, BakeCancelled):
                     self._stop(settings, writer)
+                elif not isinstance(error, (cache.CacheError, WriteFailed, OSError)):
+                    # A scene that cannot be read any more (the add-on was switched off, say) is no reason
+                    # to lose the frames since the last checkpoint.
+                    with contextlib.suppress(Exception):
+                        self._stop(settings, writer)
                 raise
             last = request.last
             if last == request.frame_end:

@@ -370,8 +370,8 @@ def test_the_command_line_refuses_bad_input_with_a_message(tmp_path):
     assert [path.name for path in tmp_path.iterdir()] == ["empty.obj"]
 
 
-def _write_forest(path, limbs=1200, rings=30):
-    """A thick trunk with many limbs of four-sided rings: about 7 MB, seconds of work."""
+def _write_forest(path, limbs=4000, rings=30):
+    """A thick trunk with many limbs of four-sided rings: about 22 MB, seconds of work."""
     ring = ((1, 0), (0, 1), (-1, 0), (0, -1))
     faces = "".join(
         "f " + " ".join(str(corner - 4 * rings) for corner in (4 * r + k, 4 * r + (k + 1) % 4,

@@ -46,6 +46,23 @@ def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undis
         bpy.ops.snowbough.free_bake()
 
 
+def test_a_scene_that_cannot_be_read_any_more_leaves_a_checkpoint(addon, undisturbed, tmp_path, monkeypatch):
+    reader = addon("scene_reader").SceneReader
+    read = reader.read
+
+    def read_until_seven(self, depsgraph, frame):
+        if frame >= 7:
+            raise AttributeError("'Scene' object has no attribute 'snowbough'")
+        return read(self, depsgraph, frame)
+
+    with monkeypatch.context() as broken:
+        broken.setattr(reader, "read", read_until_seven)
+        assert isinstance(run_part(addon, 1, 12).error, AttributeError)
+    assert any(name.endswith("state_0006") for name in s.files_of(tmp_path / "cache"))
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
 def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp_path):
     operators, engine = addon("bake_operators"), addon("bake_engine")
     running = operators.make_session(bpy.context.scene, operators.make_request(bpy.context.scene))
@@ -91,13 +108,13 @@ def test_a_moved_object_is_named_with_its_frame(addon, undisturbed):
         s.bake(resume=True)
 
 
-def test_a_finished_bake_is_compared_to_its_last_frame(undisturbed, tmp_path):
+def test_a_finished_bake_is_compared_to_its_last_frame(addon, undisturbed, tmp_path):
     s.bake()
     s.bake(resume=True)
     cart = bpy.data.objects["Cart"]
     cart.location = (0, 0, 2)
     cart.keyframe_insert("location", frame=11.9)
-    cart.animation_data.action.fcurves[2].keyframe_points[0].interpolation = "CONSTANT"
+    addon("compat").curves_of(cart)[2].keyframe_points[0].interpolation = "CONSTANT"
     with pytest.raises(RuntimeError, match=r"v001 was baked from \(Cart: transform changed at frame"):
         s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed
