@@ -1,4 +1,4 @@
-// Third part of the deposit, for every tile but the last, whose shares the stability pass takes itself.
+// Last part of the deposit, for every tile but the last, whose shares the stability pass takes itself.
 #include "texel_share.h"
 
 layout(local_size_x = 64) in;

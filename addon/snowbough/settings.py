@@ -22,8 +22,8 @@ from bpy.props import (
 from . import compat
 
 MAPPINGS = (
-    ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time (OpenGL 4.3)"),
-    ("GEOMETRY", "Geometry", "A geometry shader and additive blending, for OpenGL 4.1"),
+    ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time"),
+    ("GEOMETRY", "Geometry", "A geometry shader and additive blending, as the method was first published; slower"),
 )
 
 
