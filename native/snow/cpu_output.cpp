@@ -211,10 +211,4 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
   return output;
 }
 
-MapOutput output_on_cpu(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
-                        const std::vector<float>& stored,
-                        const std::vector<SurfaceMetric>& metrics) {
-  return CpuOutput(table, seams, plan).run(stored, metrics);
-}
-
 }  // namespace snowbough::snow

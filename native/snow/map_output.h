@@ -22,12 +22,6 @@ struct MapOutput {
   std::vector<glm::vec3> normal;
 };
 
-/// A single run of CpuOutput (cpu_output.h), which is to be kept where outputs follow one another: its
-/// preparation costs several times a run.
-MapOutput output_on_cpu(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
-                        const std::vector<float>& stored,
-                        const std::vector<SurfaceMetric>& metrics = {});
-
 /// Bytes of the largest storage buffer that output on the GPU would need for this map.
 int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams);
 
