@@ -29,6 +29,27 @@ struct MapTriangle {
 };
 SNOWBOUGH_SHARED_SIZE(MapTriangle, 32);
 
+/// How a triangle lies on the image whose alpha cuts holes into it.
+struct AlphaTriangle {
+  vec2 uv_a;
+  vec2 uv_b;
+  vec2 uv_c;
+  /// 1 + index of an AlphaMaskPlace; 0 = the triangle is opaque.
+  uint mask;
+  uint unused_row_end;
+};
+SNOWBOUGH_SHARED_SIZE(AlphaTriangle, 32);
+
+/// An alpha mask among all masks' bits.
+struct AlphaMaskPlace {
+  uint first_word;
+  uint width;
+  uint height;
+  /// kAlphaRepeat and so on.
+  uint extension;
+};
+SNOWBOUGH_SHARED_SIZE(AlphaMaskPlace, 16);
+
 /// What never changes about an owned texel.
 struct Texel {
   uint triangle;
@@ -123,6 +144,11 @@ SNOWBOUGH_SHARED_SIZE(ObjectSums, 128);
 
 const uint kReceives = 0x80000000u;
 const uint kNowhere = 0xFFFFFFFFu;
+/// How an alpha image goes on beyond 0 to 1.
+const uint kAlphaRepeat = 0u;
+const uint kAlphaMirror = 1u;
+const uint kAlphaExtend = 2u;
+const uint kAlphaClip = 3u;
 const uint kBackFace = 0x80000000u;
 /// Fixed-point units of one pixel's area.
 const uint kPixelWeight = 1u << 20;

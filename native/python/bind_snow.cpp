@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "numpy_arrays.h"
+#include "object_alpha.h"
 #include "pybind11/stl.h"
 #include "snow/simulation.h"
 
@@ -44,10 +45,11 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
   return std::make_unique<SnowSimulation>(settings);
 }
 
-void add_object(SnowSimulation& simulation, const std::string& name,
-                const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-                int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                const std::optional<double>& blur_radius) {
+snow::ObjectDescription describe(const std::string& name, const InputArray<int32_t>& triangles,
+                                 const InputArray<float>& uv, int32_t resolution, bool receive,
+                                 bool occlude, const py::object& rest,
+                                 const std::optional<double>& blur_radius,
+                                 const py::object& alpha) {
   if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
     throw std::invalid_argument("object '" + name + "': triangles must have shape (T, 3)");
   }
@@ -73,8 +75,30 @@ void add_object(SnowSimulation& simulation, const std::string& name,
     description.rest = rows_from_numpy<glm::vec3, float, 3>(py::cast<InputArray<float>>(rest),
                                                             "object '" + name + "': rest");
   }
+  if (!alpha.is_none()) {
+    description.alpha = alpha_from_python(alpha, name, triangles.shape(0));
+  }
+  return description;
+}
+
+void add_object(SnowSimulation& simulation, const std::string& name,
+                const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                int32_t resolution, bool receive, bool occlude, const py::object& rest,
+                const std::optional<double>& blur_radius, const py::object& alpha) {
+  snow::ObjectDescription description =
+      describe(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha);
   const py::gil_scoped_release release;
   simulation.add_object(std::move(description));
+}
+
+void replace_object(SnowSimulation& simulation, const std::string& name,
+                    const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                    int32_t resolution, bool receive, bool occlude, const py::object& rest,
+                    const std::optional<double>& blur_radius, const py::object& alpha) {
+  snow::ObjectDescription description =
+      describe(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha);
+  const py::gil_scoped_release release;
+  simulation.replace_object(std::move(description));
 }
 
 void step(SnowSimulation& simulation, const py::dict& positions, double depth,
@@ -250,14 +274,26 @@ void bind_snow(py::module_& module) {
            "tile_size"_a = 2048, "device"_a = "")
       .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
            "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-           "blur_radius"_a = py::none(),
+           "blur_radius"_a = py::none(), "alpha"_a = py::none(),
            "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
            "a\n"
            "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
            "3):\n"
            "the pose in which output measures distances, in metres; by default that of its first "
            "step.\n"
-           "blur_radius: sigma in metres for this object, by default the simulation's.")
+           "blur_radius: sigma in metres for this object, by default the simulation's.\n"
+           "alpha: where snow falls through, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index "
+           "into\n"
+           "'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more "
+           "is\n"
+           "there], 'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.")
+      .def("replace_object", &replace_object, "name"_a, "triangles"_a, "uv"_a,
+           "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+           "blur_radius"_a = py::none(), "alpha"_a = py::none(),
+           "Gives an object another mesh, from the next step on, which must name it. A receiver "
+           "keeps\n"
+           "its map wherever the new mesh has a surface in UV space; the rest goes, and counts as\n"
+           "stretched_volume. Resolution and receive stay. Arguments as in add_object.")
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0,
            "Lets snow fall: depth in metres on open level ground, along direction, within dt "

@@ -37,10 +37,17 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
     }
     const int32_t first = scene.first_triangle[i];
     const int32_t count = objects[i]->triangle_count();
-    if (!ranges.empty() && ranges.back().first + ranges.back().count == first) {
+    TriangleRange range{first, count};
+    if (scene.first_alpha[i] >= 0) {
+      range.has_alpha = true;
+      range.alpha_offset = scene.first_alpha[i] - first;
+    }
+    if (!ranges.empty() && ranges.back().first + ranges.back().count == first &&
+        ranges.back().has_alpha == range.has_alpha &&
+        ranges.back().alpha_offset == range.alpha_offset) {
       ranges.back().count += count;
     } else {
-      ranges.push_back({first, count});
+      ranges.push_back(range);
     }
   }
   return ranges;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <fstream>
 #include <limits>
+#include <set>
 #include <stdexcept>
 
 #include "shaders/snow_shared.h"
@@ -42,12 +43,20 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
       sizeof(shared::Texel) + 4 + 16 + 4 + sizeof(shared::TexelTarget) + 4 + 4;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
+  std::set<const AlphaMask*> masks;  // never iterated over
   for (const SceneObject* object : objects) {
     const MapTopology& topology = object->description.topology;
     const auto triangles = static_cast<int64_t>(object->triangle_count());
     const int64_t vertices =
         std::max<int64_t>(static_cast<int64_t>(object->positions.size()), topology.vertex_count);
     estimate.geometry += vertices * 12 + triangles * (16 + 16);
+    const ObjectAlpha& alpha = object->description.alpha;
+    estimate.geometry += static_cast<int64_t>(alpha.mask.size() * sizeof(shared::AlphaTriangle));
+    for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
+      if (masks.insert(mask.get()).second) {
+        estimate.geometry += mask->bytes() + static_cast<int64_t>(sizeof(shared::AlphaMaskPlace));
+      }
+    }
     if (!object->description.receive) {
       continue;
     }

@@ -16,7 +16,7 @@ struct MemoryEstimate {
   int64_t maps = 0;
   /// What the passes keep per owned texel.
   int64_t texels = 0;
-  /// Vertices and triangles.
+  /// Vertices, triangles and alpha masks, the ones that objects share counted once.
   int64_t geometry = 0;
   /// The occlusion tile.
   int64_t tile = 0;

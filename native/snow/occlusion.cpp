@@ -1,6 +1,7 @@
 #include "snow/occlusion.h"
 
 #include <algorithm>
+#include <string>
 
 namespace snowbough::snow {
 
@@ -16,6 +17,23 @@ void OcclusionTarget::require_size(glm::ivec2 size) {
   visible = gpu::Texture(GL_RGBA32UI, width, height);
   depth = gpu::Texture(GL_DEPTH_COMPONENT32F, width, height);
   framebuffer = gpu::Framebuffer({&visible}, &depth);
+}
+
+void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& fall,
+                        const Tile& tile) {
+  program.use();
+  program.bind("Fall", fall);
+  program.bind_texture("positions", scene.views.positions);
+  program.bind_texture("triangles", scene.views.triangles);
+  program.bind_texture("triangle_surface", scene.views.triangle_surface);
+  program.set("viewport_origin", glm::vec2(tile.viewport_origin));
+  program.set("viewport_size", static_cast<float>(kViewportSize));
+  program.set("tile_origin", tile.pixels.low);
+  if (&program != &program_) {
+    program.bind_texture("alpha_triangles", scene.views.alpha_triangles);
+    program.bind_texture("alpha_places", scene.views.alpha_places);
+    program.bind_texture("alpha_bits", scene.views.alpha_bits);
+  }
 }
 
 void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
@@ -39,16 +57,22 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, cons
   glViewport(tile.viewport_origin.x - tile.pixels.low.x, tile.viewport_origin.y - tile.pixels.low.y,
              kViewportSize, kViewportSize);
 
-  program_.use();
-  program_.bind("Fall", fall);
-  program_.bind_texture("positions", scene.views.positions);
-  program_.bind_texture("triangles", scene.views.triangles);
-  program_.bind_texture("triangle_surface", scene.views.triangle_surface);
-  program_.set("viewport_origin", glm::vec2(tile.viewport_origin));
-  program_.set("viewport_size", static_cast<float>(kViewportSize));
-  program_.set("tile_origin", tile.pixels.low);
+  gpu::Program* used = nullptr;
   for (const TriangleRange& range : ranges) {
-    program_.draw(GL_TRIANGLES, 3 * range.first, 3 * range.count);
+    if (range.has_alpha && alpha_program_ == nullptr) {
+      alpha_program_ = std::make_unique<gpu::Program>(
+          std::vector<std::string>{"occlusion.vert.glsl", "occlusion.frag.glsl"},
+          std::vector<std::string>{"WITH_ALPHA"});
+    }
+    gpu::Program& program = range.has_alpha ? *alpha_program_ : program_;
+    if (used != &program) {
+      used = &program;
+      use(program, scene, fall, tile);
+    }
+    if (range.has_alpha) {
+      program.set("alpha_offset", range.alpha_offset);
+    }
+    program.draw(GL_TRIANGLES, 3 * range.first, 3 * range.count);
   }
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "gpu/program.h"
@@ -26,18 +27,28 @@ struct OcclusionTarget {
 struct TriangleRange {
   int32_t first = 0;
   int32_t count = 0;
+  /// Whether they may have holes, and then what leads from their index to that of their alpha.
+  bool has_alpha = false;
+  int32_t alpha_offset = 0;
 };
 
 /// Renders the scene along the fall onto one tile of the grid.
 class OcclusionPass {
  public:
   /// `fall` holds the FallFrame. Clears and fills the lower left `tile.pixels.size()` pixels of
-  /// `target`. Back faces are drawn and marked. GPU thread.
+  /// `target`. Back faces are drawn and marked; what an alpha mask cuts away is not there,
+  /// whichever way it faces. Ranges are drawn in their order, which decides where two surfaces
+  /// coincide. GPU thread.
   void run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const std::vector<TriangleRange>& ranges, OcclusionTarget& target);
 
  private:
+  void use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& fall,
+           const Tile& tile);
+
   gpu::Program program_{{"occlusion.vert.glsl", "occlusion.frag.glsl"}};
+  /// Made when the first object with alpha is drawn.
+  std::unique_ptr<gpu::Program> alpha_program_;
   gpu::VertexArray vertices_;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 #include <string>
 
@@ -178,6 +179,45 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
   group.owners.write(layer, GL_RG_INTEGER, GL_UNSIGNED_INT, owners.data());
 }
 
+/// Uploads the objects' alpha; masks that several objects share lie there once.
+void add_alpha(const std::vector<const SceneObject*>& objects, const gpu::GpuInfo& info,
+               SceneBuffers& scene) {
+  std::vector<shared::AlphaTriangle> triangles;
+  std::vector<shared::AlphaMaskPlace> places;
+  std::vector<uint32_t> bits;
+  std::map<const AlphaMask*, uint32_t> numbers;  // never iterated over
+  for (const SceneObject* object : objects) {
+    const ObjectAlpha& alpha = object->description.alpha;
+    scene.first_alpha.push_back(alpha.empty() ? -1 : static_cast<int32_t>(triangles.size()));
+    std::vector<uint32_t> number_of;
+    for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
+      const auto number = static_cast<uint32_t>(places.size() + 1);
+      const auto [known, is_new] = numbers.emplace(mask.get(), number);
+      if (is_new) {
+        places.push_back({static_cast<uint32_t>(bits.size()), static_cast<uint32_t>(mask->width),
+                          static_cast<uint32_t>(mask->height), mask->extension});
+        bits.insert(bits.end(), mask->bits.begin(), mask->bits.end());
+      }
+      number_of.push_back(known->second);
+    }
+    for (size_t t = 0; t < alpha.mask.size(); ++t) {
+      const glm::vec2* uv = &alpha.corner_uv[3 * t];
+      const int32_t mask = alpha.mask[t];
+      triangles.push_back(
+          {uv[0], uv[1], uv[2], mask < 0 ? 0u : number_of[static_cast<size_t>(mask)], 0u});
+    }
+  }
+  require_room(static_cast<int64_t>(triangles.size() * sizeof(shared::AlphaTriangle)), info,
+               "triangles with alpha");
+  require_room(static_cast<int64_t>(bits.size()) * 4, info, "alpha images");
+  scene.alpha_triangles = gpu::Buffer(triangles);
+  scene.alpha_places = gpu::Buffer(places);
+  scene.alpha_bits = gpu::Buffer(bits);
+  scene.views.alpha_triangles = gpu::BufferTexture(scene.alpha_triangles, GL_RGBA32UI);
+  scene.views.alpha_places = gpu::BufferTexture(scene.alpha_places, GL_RGBA32UI);
+  scene.views.alpha_bits = gpu::BufferTexture(scene.alpha_bits, GL_R32UI);
+}
+
 }  // namespace
 
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
@@ -244,6 +284,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   scene.views.triangle_surface = gpu::BufferTexture(scene.triangle_surface, GL_RGBA32F);
   scene.views.map_triangles = gpu::BufferTexture(scene.map_triangles, GL_RGBA32F);
   scene.views.map_offsets = gpu::BufferTexture(scene.map_offsets, GL_R32I);
+  add_alpha(objects, info, scene);
   return scene;
 }
 

@@ -58,6 +58,8 @@ struct SceneBuffers {
   std::vector<int32_t> first_triangle;
   std::vector<int32_t> slot;
   std::vector<int32_t> group;
+  /// Per object: its first triangle among `alpha_triangles`; -1 = it is opaque and has none there.
+  std::vector<int32_t> first_alpha;
   int32_t triangle_count = 0;
 
   gpu::Buffer positions;
@@ -65,6 +67,11 @@ struct SceneBuffers {
   gpu::Buffer triangle_surface;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
+  /// Of the objects with alpha only: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks'
+  /// bits.
+  gpu::Buffer alpha_triangles;
+  gpu::Buffer alpha_places;
+  gpu::Buffer alpha_bits;
   gpu::Buffer pixel_counts;
   gpu::Buffer sums;
   std::vector<MapGroup> groups;
@@ -76,6 +83,9 @@ struct SceneBuffers {
     gpu::BufferTexture triangle_surface;
     gpu::BufferTexture map_triangles;
     gpu::BufferTexture map_offsets;
+    gpu::BufferTexture alpha_triangles;
+    gpu::BufferTexture alpha_places;
+    gpu::BufferTexture alpha_bits;
   } views;
 };
 

@@ -5,12 +5,13 @@
 #include <string>
 #include <vector>
 
+#include "snow/alpha_mask.h"
 #include "snow/fall_grid.h"
 #include "snow/texel_table.h"
 
 namespace snowbough::snow {
 
-/// What add_object gets: a mesh whose topology stays the same until the simulation ends.
+/// What add_object gets: a mesh whose topology stays the same until replace_object gives it another.
 struct ObjectDescription {
   /// Unique; objects are drawn in the order of their names, whatever the order of adding.
   std::string name;
@@ -20,6 +21,8 @@ struct ObjectDescription {
   bool receive = true;
   /// Keeps snow from what is behind it.
   bool occlude = true;
+  /// Where snow falls through the object.
+  ObjectAlpha alpha;
   /// Positions in metres of the pose in which output measures distances across seams and for the blur;
   /// empty: those of the object's first step. A simulation that goes on from a checkpoint takes the pose
   /// that the first one began with, so that it ends with the same output.

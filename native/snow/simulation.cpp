@@ -64,6 +64,29 @@ std::vector<const SceneObject*> pointers(const std::map<std::string, SceneObject
   return result;
 }
 
+/// Puts the equal mask among `known` in the place of this one, or adds it to them.
+void share(std::shared_ptr<const AlphaMask>& mask,
+           std::vector<std::weak_ptr<const AlphaMask>>& known) {
+  std::erase_if(known, [](const auto& one) { return one.expired(); });
+  for (const std::weak_ptr<const AlphaMask>& one : known) {
+    const std::shared_ptr<const AlphaMask> other = one.lock();
+    if (*other == *mask) {
+      mask = other;
+      return;
+    }
+  }
+  known.push_back(mask);
+}
+
+/// A map with the texels that the table does not own at zero.
+std::vector<float> only_owned(const TexelTable& table, const std::vector<float>& height) {
+  std::vector<float> kept(height.size(), 0.0f);
+  for (const int32_t texel : table.texel) {
+    kept[static_cast<size_t>(texel)] = height[static_cast<size_t>(texel)];
+  }
+  return kept;
+}
+
 }  // namespace
 
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
@@ -91,12 +114,7 @@ void SnowSimulation::require_open() const {
   }
 }
 
-void SnowSimulation::add_object(ObjectDescription description) {
-  const std::scoped_lock lock(mutex_);
-  require_open();
-  if (objects_.contains(description.name)) {
-    refuse("there is already an object named '" + description.name + "'");
-  }
+SceneObject SnowSimulation::make_object(ObjectDescription description) {
   MapTopology& topology = description.topology;
   int32_t highest = -1;
   for (const int32_t index : topology.triangles) {
@@ -113,21 +131,67 @@ void SnowSimulation::add_object(ObjectDescription description) {
            std::to_string(highest));
   }
   SceneObject object;
-  if (description.receive) {
-    try {
-      object.table = build_texel_table(topology);
-    } catch (const std::invalid_argument& error) {
-      refuse("object '" + description.name + "': " + error.what());
+  try {
+    if (!description.alpha.empty()) {
+      check_alpha(description.alpha, topology.triangles.size() / 3);
     }
+    if (description.receive) {
+      object.table = build_texel_table(topology);
+    }
+  } catch (const std::invalid_argument& error) {
+    refuse("object '" + description.name + "': " + error.what());
   }
-  std::string name = description.name;
+  for (std::shared_ptr<const AlphaMask>& mask : description.alpha.masks) {
+    share(mask, masks_);
+  }
   object.description = std::move(description);
+  return object;
+}
+
+void SnowSimulation::set_state_aside() {
   if (scene_is_current_) {
-    // While the scene on the GPU and the objects still agree.
     pending_state_ = read_state();
     scene_is_current_ = false;
   }
+}
+
+void SnowSimulation::add_object(ObjectDescription description) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  if (objects_.contains(description.name)) {
+    refuse("there is already an object named '" + description.name + "'");
+  }
+  std::string name = description.name;
+  SceneObject object = make_object(std::move(description));
+  set_state_aside();
   objects_.emplace(std::move(name), std::move(object));
+}
+
+void SnowSimulation::replace_object(ObjectDescription description) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  const auto found = objects_.find(description.name);
+  if (found == objects_.end()) {
+    refuse("there is no object named '" + description.name + "' to replace: add_object it first");
+  }
+  const ObjectDescription& before = found->second.description;
+  if (before.receive != description.receive) {
+    refuse("object '" + description.name + "' must go on " +
+           (before.receive ? "as a receiver" : "without a map") + " when it is replaced");
+  }
+  if (before.receive && before.topology.resolution != description.topology.resolution) {
+    refuse("object '" + description.name + "' must keep its map of " +
+           std::to_string(before.topology.resolution) + " texels a side when it is replaced");
+  }
+  SceneObject object = make_object(std::move(description));
+  set_state_aside();
+  for (ObjectState& saved : pending_state_.objects) {
+    if (saved.name == found->first) {
+      saved.height = only_owned(object.table, saved.height);
+    }
+  }
+  outputs_.erase(found->first);
+  found->second = std::move(object);
 }
 
 void SnowSimulation::take_positions(const PositionMap& positions) {

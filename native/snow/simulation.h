@@ -68,6 +68,15 @@ class SnowSimulation {
   /// @throws std::invalid_argument for a name that is taken and for what build_texel_table refuses.
   void add_object(ObjectDescription description);
 
+  /// Gives an object another mesh. A receiver keeps its map, texel by texel, wherever the new mesh
+  /// has a surface in UV space; what lay where it has none goes, and the change of volume counts as
+  /// stretching. The next step must name the object.
+  /// @throws std::invalid_argument for a name that is not there, another resolution, a receiver
+  /// that
+  ///         becomes none or the reverse, and for what add_object refuses; the object stays as it
+  ///         was.
+  void replace_object(ObjectDescription description);
+
   /// Lets snow fall for one step. `positions` names the objects that moved; all must have been
   /// named once. `depth`: metres on open level ground; `direction`: of the fall, any length,
   /// downwards; `dt`: seconds, only for sliding (0 = nothing slides).
@@ -112,6 +121,9 @@ class SnowSimulation {
 
   const SceneObject& find_receiver(const std::string& name) const;
   void require_open() const;
+  SceneObject make_object(ObjectDescription description);
+  /// Takes the maps and sums off the GPU, before the set of objects changes.
+  void set_state_aside();
   void take_positions(const PositionMap& positions);
   /// Builds the GPU's scene where objects came in since the last step; the maps keep their content.
   void build_scene();
@@ -126,6 +138,8 @@ class SnowSimulation {
   std::unique_ptr<Gpu> gpu_;
   /// By name: the drawing order.
   std::map<std::string, SceneObject> objects_;
+  /// Alpha masks of all objects so far, so that equal ones are held once.
+  std::vector<std::weak_ptr<const AlphaMask>> masks_;
   std::map<std::string, std::unique_ptr<OutputTables>> outputs_;
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;

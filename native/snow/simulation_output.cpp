@@ -1,4 +1,5 @@
 // The outside of a simulation: smoothed maps and checkpoints.
+#include <array>
 #include <cstdio>
 #include <cstring>
 #include <sstream>
@@ -51,6 +52,17 @@ std::string describe(const SimulationSettings& s, const std::map<std::string, Sc
     uint64_t hash = digest(topology.triangles.data(), topology.triangles.size() * 4);
     if (object.description.receive) {
       hash = digest(topology.corner_uv.data(), topology.corner_uv.size() * 8, hash);
+    }
+    const ObjectAlpha& alpha = object.description.alpha;
+    if (!alpha.empty()) {
+      hash = digest(alpha.corner_uv.data(), alpha.corner_uv.size() * 8, hash);
+      hash = digest(alpha.mask.data(), alpha.mask.size() * 4, hash);
+      for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
+        const std::array<uint32_t, 3> shape{static_cast<uint32_t>(mask->width),
+                                            static_cast<uint32_t>(mask->height), mask->extension};
+        hash = digest(shape.data(), sizeof shape, hash);
+        hash = digest(mask->bits.data(), mask->bits.size() * 4, hash);
+      }
     }
     text += "object '" + name +
             "'=" + (object.description.receive ? std::to_string(topology.resolution) : "occludes") +

@@ -1,0 +1,194 @@
+// Alpha in the occlusion pass: a fragment in a hole is not there, for occluders and receivers.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <glm/vec4.hpp>
+
+#include "gpu/gpu_thread.h"
+#include "snow/memory_estimate.h"
+#include "snow/occlusion.h"
+#include "snow/scene_buffers.h"
+#include "snow/texel_surface.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// A card of 1 m at height z around the origin; u along x, v along y.
+SceneObject card(const std::string& name, float z) {
+  SceneObject object;
+  object.description.name = name;
+  object.description.receive = false;
+  MapTopology& topology = object.description.topology;
+  topology.triangles = {0, 1, 2, 0, 2, 3};
+  topology.corner_uv = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+  topology.vertex_count = 4;
+  object.positions = {{-0.5f, -0.5f, z}, {0.5f, -0.5f, z}, {0.5f, 0.5f, z}, {-0.5f, 0.5f, z}};
+  object.bounds.include(glm::dvec3(-0.5, -0.5, z));
+  object.bounds.include(glm::dvec3(0.5, 0.5, z));
+  return object;
+}
+
+/// Two texels side by side: the left one is there, the right one is a hole.
+std::shared_ptr<const AlphaMask> left_half(uint32_t extension = shared::kAlphaRepeat) {
+  return std::make_shared<const AlphaMask>(make_alpha_mask(2, 1, extension, {128, 127}));
+}
+
+void cut(SceneObject& object, std::shared_ptr<const AlphaMask> mask, float times = 1.0f,
+         float shift = 0.0f) {
+  ObjectAlpha& alpha = object.description.alpha;
+  for (const glm::vec2& uv : object.description.topology.corner_uv) {
+    alpha.corner_uv.push_back(uv * times + shift);
+  }
+  alpha.mask = {0, 0};
+  alpha.masks = {std::move(mask)};
+}
+
+/// For every pixel around the cards, row by row: 1 + the object that the sky sees there, 0 = none.
+/// A card is 16 pixels wide; every object has two triangles. `width`: pixels in a row.
+std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
+                                     size_t* width = nullptr) {
+  return gpu::GpuThread::shared()->run([&] {
+    std::vector<const SceneObject*> pointers;
+    Bounds bounds;
+    for (const SceneObject& object : objects) {
+      pointers.push_back(&object);
+      bounds.include(object.bounds);
+    }
+    SceneBuffers scene = build_scene_buffers(pointers, gpu::GpuThread::shared()->info());
+    std::vector<int32_t> moved;
+    std::vector<TriangleRange> ranges;
+    for (size_t i = 0; i < objects.size(); ++i) {
+      scene.positions.write(int64_t{12} * scene.first_vertex[i],
+                            static_cast<int64_t>(objects[i].positions.size()) * 12,
+                            objects[i].positions.data());
+      moved.push_back(static_cast<int32_t>(i));
+      const int32_t first = scene.first_triangle[i];
+      ranges.push_back({first, 2, scene.first_alpha[i] >= 0, scene.first_alpha[i] - first});
+    }
+    TexelSurfacePass().run(scene, moved);
+    FallSettings settings;
+    settings.pixel_size = 1.0 / 16.0;
+    settings.depth = 0.01;
+    const shared::FallFrame frame = make_fall_frame(settings, bounds);
+    const gpu::Buffer fall(sizeof frame, &frame);
+    const std::vector<Tile> tiles = make_tiles({pixels_of(bounds, frame)}, 2048);
+    OcclusionTarget target;
+    OcclusionPass().run(scene, fall, tiles.front(), ranges, target);
+    std::vector<glm::uvec4> all(static_cast<size_t>(target.visible.width()) *
+                                static_cast<size_t>(target.visible.height()));
+    target.visible.read(0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(all.size()) * 16,
+                        all.data());
+    const glm::ivec2 size = tiles.front().pixels.size();
+    if (width != nullptr) {
+      *width = static_cast<size_t>(size.x);
+    }
+    std::vector<int32_t> shown;
+    for (int32_t y = 0; y < size.y; ++y) {
+      for (int32_t x = 0; x < size.x; ++x) {
+        const uint32_t triangle =
+            all[static_cast<size_t>(y * target.visible.width() + x)].x & ~shared::kBackFace;
+        shown.push_back(triangle == 0 ? 0 : 1 + static_cast<int32_t>(triangle - 1) / 2);
+      }
+    }
+    return shown;
+  });
+}
+
+int64_t count_of(const std::vector<int32_t>& shown, int32_t what) {
+  return std::count(shown.begin(), shown.end(), what);
+}
+
+TEST(OcclusionAlpha, AnOpaqueCardHidesAllThatLiesBelow) {
+  const std::vector<int32_t> shown = seen_from_above({card("a", 1.0f), card("b", 0.0f)});
+  EXPECT_EQ(count_of(shown, 1), 256);
+  EXPECT_EQ(count_of(shown, 2), 0);
+}
+
+TEST(OcclusionAlpha, TheSkySeesTheGroundThroughAHole) {
+  std::vector<SceneObject> objects = {card("a", 1.0f), card("b", 0.0f)};
+  cut(objects[0], left_half());
+  const std::vector<int32_t> shown = seen_from_above(objects);
+  EXPECT_EQ(count_of(shown, 1), 128);
+  EXPECT_EQ(count_of(shown, 2), 128);
+}
+
+TEST(OcclusionAlpha, AHoleIsWhereTheImageHasIt) {
+  std::vector<SceneObject> objects = {card("a", 1.0f), card("b", 0.0f)};
+  cut(objects[0], left_half());
+  size_t width = 0;
+  const std::vector<int32_t> shown = seen_from_above(objects, &width);
+  const size_t first =
+      static_cast<size_t>(std::find(shown.begin(), shown.end(), 1) - shown.begin());
+  for (size_t i = first; i < shown.size(); ++i) {
+    if (shown[i] != 0) {
+      const size_t column = (i - first) % width;
+      ASSERT_EQ(shown[i], column < 8 ? 1 : 2) << "column " << column;
+    }
+  }
+}
+
+TEST(OcclusionAlpha, AnImageRepeatsMirrorsExtendsOrEndsBeyondItsEdge) {
+  // The card shows u from 0 to 2: there, hole, and then once more, turned, drawn out, or nothing.
+  const std::pair<uint32_t, int64_t> expected[] = {{shared::kAlphaRepeat, 128},
+                                                   {shared::kAlphaMirror, 128},
+                                                   {shared::kAlphaExtend, 64},
+                                                   {shared::kAlphaClip, 32}};
+  for (const auto& [extension, pixels] : expected) {
+    std::vector<SceneObject> objects = {card("a", 1.0f)};
+    cut(objects[0], left_half(extension), 2.0f);
+    EXPECT_EQ(count_of(seen_from_above(objects), 1), pixels) << extension;
+  }
+  std::vector<SceneObject> far_off = {card("a", 1.0f)};
+  cut(far_off[0], left_half(shared::kAlphaExtend), 1.0f, -5.0f);
+  EXPECT_EQ(count_of(seen_from_above(far_off), 1), 256);
+}
+
+TEST(OcclusionAlpha, OnlyTrianglesWithAnImageHaveHoles) {
+  std::vector<SceneObject> objects = {card("a", 1.0f)};
+  cut(objects[0], std::make_shared<const AlphaMask>(make_alpha_mask(1, 1, 0, {0})));
+  objects[0].description.alpha.mask = {-1, 0};
+  // The diagonal's pixel centres belong to one of the two triangles.
+  EXPECT_NEAR(static_cast<double>(count_of(seen_from_above(objects), 1)), 128.0, 8.0);
+}
+
+TEST(OcclusionAlpha, EachObjectUsesItsOwnImages) {
+  std::vector<SceneObject> objects = {card("a", 2.0f), card("b", 1.0f), card("c", 0.0f)};
+  cut(objects[0], std::make_shared<const AlphaMask>(make_alpha_mask(1, 1, 0, {0})));
+  cut(objects[2], left_half());
+  EXPECT_EQ(count_of(seen_from_above(objects), 2), 256);
+  cut(objects[1], left_half());
+  const std::vector<int32_t> shown = seen_from_above(objects);
+  EXPECT_EQ(count_of(shown, 1), 0);
+  EXPECT_EQ(count_of(shown, 2), 128);
+  EXPECT_EQ(count_of(shown, 3), 0);  // its hole lies below b's
+}
+
+TEST(OcclusionAlpha, MemoryCountsAMaskThatTwoObjectsShareOnce) {
+  const auto mask = std::make_shared<const AlphaMask>(
+      make_alpha_mask(1024, 1024, 0, std::vector<uint8_t>(1 << 20, 255)));
+  SceneObject a = card("a", 1.0f);
+  SceneObject b = card("b", 0.0f);
+  const int64_t opaque = estimate_memory({&a, &b}, 64).geometry;
+  cut(a, mask);
+  cut(b, mask);
+  EXPECT_EQ(estimate_memory({&a, &b}, 64).geometry - opaque, 4 * 32 + 16 + (1 << 17));
+}
+
+TEST(AlphaMask, HalfAlphaIsThere) {
+  EXPECT_EQ(make_alpha_mask(3, 1, 0, {127, 128, 255}).bits, std::vector<uint32_t>{0b110u});
+}
+
+TEST(AlphaMask, WhatDoesNotFitIsRefused) {
+  EXPECT_THROW(make_alpha_mask(0, 1, 0, {}), std::invalid_argument);
+  EXPECT_THROW(make_alpha_mask(2, 2, 0, {0, 0, 0}), std::invalid_argument);
+  EXPECT_THROW(alpha_extension("repeat"), std::invalid_argument);
+  SceneObject object = card("a", 0.0f);
+  cut(object, left_half());
+  EXPECT_NO_THROW(check_alpha(object.description.alpha, 2));
+  EXPECT_THROW(check_alpha(object.description.alpha, 3), std::invalid_argument);
+  object.description.alpha.mask[1] = 1;
+  EXPECT_THROW(check_alpha(object.description.alpha, 2), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace snowbough::snow
