@@ -85,6 +85,24 @@ class SNOWBOUGH_OT_lock_editing(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
 
+class NotWhileBaking:
+    """Mix-in of operators that change what a bake reads: greyed with the reason while one runs.
+
+    A class says in ready(context) what else it needs, with poll_message_set where it is not there.
+    """
+
+    @classmethod
+    def poll(cls, context):
+        if bake_engine.session() is not None:
+            cls.poll_message_set("A bake is running")
+            return False
+        return cls.ready(context)
+
+    @classmethod
+    def ready(cls, _context):
+        return True
+
+
 def lock(context):
     """Locks all windows until the running bake has ended."""
     for window in context.window_manager.windows:

@@ -171,6 +171,8 @@ def _finished_in_window(running):
     scene = bpy.data.scenes.get(running.job.request.scene_name)
     if scene is not None:
         after_bake(scene, running)
+        # A step of its own: else the next undo would take back what was done before the bake as well.
+        bpy.ops.ed.undo_push(message=SNOWBOUGH_OT_bake.bl_label)
     severity, text = last_outcome
     if severity == "ERROR":
 
@@ -192,7 +194,7 @@ def wrapped(text, width=80):
     yield line
 
 
-class SNOWBOUGH_OT_bake(bpy.types.Operator):
+class SNOWBOUGH_OT_bake(bake_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.bake"
     bl_label = "Bake Snow"
     bl_description = (
@@ -208,10 +210,7 @@ class SNOWBOUGH_OT_bake(bpy.types.Operator):
     )
 
     @classmethod
-    def poll(cls, context):
-        if bake_engine.session() is not None:
-            cls.poll_message_set("A bake is running")
-            return False
+    def ready(cls, context):
         if not any(entry.object for entry in context.scene.snowbough.receivers):
             cls.poll_message_set("Add snow to objects first")
             return False
@@ -256,25 +255,24 @@ class SNOWBOUGH_OT_stop_bake(bpy.types.Operator):
 
     @classmethod
     def poll(cls, _context):
-        return bake_engine.session() is not None
+        if bake_engine.session() is None:
+            cls.poll_message_set("No bake is running")
+            return False
+        return True
 
     def execute(self, _context):
         bake_engine.stop()
         return {"FINISHED"}
 
 
-class SNOWBOUGH_OT_free_bake(bpy.types.Operator):
+class SNOWBOUGH_OT_free_bake(bake_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.free_bake"
     bl_label = "Free Bake"
-    bl_description = "Remove the files of all bakes of this scene from the cache, and nothing else"
-    bl_options = {"REGISTER"}
-
-    @classmethod
-    def poll(cls, _context):
-        if bake_engine.session() is not None:
-            cls.poll_message_set("A bake is running")
-            return False
-        return True
+    bl_description = (
+        "Remove the files of all bakes of this scene from the cache, and nothing else. "
+        "Files do not come back with undo"
+    )
+    bl_options = {"REGISTER", "UNDO"}
 
     def invoke(self, context, event):
         return context.window_manager.invoke_confirm(self, event)
@@ -288,6 +286,8 @@ class SNOWBOUGH_OT_free_bake(bpy.types.Operator):
             return {"CANCELLED"}
         for entry in context.scene.snowbough.receivers:
             entry.folder = ""
+            if entry.object is not None:
+                displacement.refresh(context.scene, entry)
         self.report({"INFO"}, f"Removed {removed} files")
         return {"FINISHED"}
 

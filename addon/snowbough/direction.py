@@ -10,7 +10,7 @@ import math
 import bpy
 from mathutils import Euler, Matrix, Vector
 
-from . import receivers_bounds
+from . import bake_lock, receivers_bounds
 
 ARROW_NAME = "Snow Direction"
 MAX_ANGLE = math.radians(89.5)
@@ -66,7 +66,7 @@ def is_driven(scene):
     return animation is not None and any(driver.data_path in paths for driver in animation.drivers)
 
 
-class SNOWBOUGH_OT_add_direction_arrow(bpy.types.Operator):
+class SNOWBOUGH_OT_add_direction_arrow(bake_lock.NotWhileBaking, bpy.types.Operator):
     """Adds an arrow whose rotation drives the direction of the snow"""
 
     bl_idname = "snowbough.add_direction_arrow"

@@ -274,9 +274,12 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     bl_options = {"PRESET", "UNDO"}
 
     filename_ext = ".obj"
-    filter_glob: StringProperty(default="*.obj", options={"HIDDEN"})
+    filter_glob: StringProperty(
+        name="File Names", description="Files that the browser shows", default="*.obj", options={"HIDDEN"}
+    )
     up_axis: EnumProperty(
         name="Up Axis",
+        description="Which of the file's axes points up",
         items=(
             ("AUTO", "Automatic", "Found from the tree's shape"),
             ("Y", "Y", "The file's Y axis points up"),
@@ -290,6 +293,7 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     )
     simplify: EnumProperty(
         name="Simplify",
+        description="Which points of a branch become joints",
         items=(
             ("NONE", "Keep All", "Every point of the export becomes a joint"),
             ("THESIS", "Attach Points", "Straight bones between a branch's children"),
@@ -299,11 +303,12 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     )
     tolerance: FloatProperty(
         name="Tolerance",
-        description="How far a limb may stray from the original, in radii of the limb",
+        description="How far a limb may stray from the original (radii of the limb)",
         default=0.5, min=0.0, soft_max=4.0,
     )
     width: EnumProperty(
         name="Width",
+        description="How thick branches are along their way",
         items=(
             ("ORIGINAL", "Original", "The export's own radii"),
             ("INVERSE", "Flare", "Radii that flare towards each branch's root"),
@@ -312,15 +317,16 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     )
     species: EnumProperty(
         name="Species",
+        description="How branches of the first level flare, where Width is Flare",
         items=(
-            ("BROADLEAF", "Broad-leaf", ""),
+            ("BROADLEAF", "Broad-leaf", "Branches of all levels flare alike"),
             ("EVERGREEN", "Evergreen", "First branches are thin and straight with a short flare"),
         ),
         default="BROADLEAF",
     )
     lod: IntProperty(
         name="Level of Detail",
-        description="0: four-sided limbs; each level doubles the sides and rounds them",
+        description="0: four-sided limbs; each level doubles the sides and rounds them (levels)",
         default=0, min=0, max=LOD_COUNT - 1,
     )
     lod_chain: BoolProperty(
@@ -330,11 +336,11 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     )
     max_bones: IntProperty(
         name="Max Bones",
-        description="Bone budget, 0 = all; the deepest bones hand their weights to their ancestors",
+        description="Bone budget, 0 = all; the deepest bones hand their weights to their ancestors (bones)",
         default=1000, min=0,
     )
     max_bone_level: IntProperty(
-        name="Max Bone Level", description="Last branch level that gets bones, -1 = all", default=-1, min=-1
+        name="Max Bone Level", description="Last branch level that gets bones, -1 = all (levels)", default=-1, min=-1
     )
     foliage: BoolProperty(
         name="Foliage", description="Keep leaves, needles and flowers as a second object", default=True
@@ -347,7 +353,7 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     )
     snow_resolution: IntProperty(
         name="Snow Resolution",
-        description="Side in texels of the accumulation map that the UV maps `snow` are laid out for",
+        description="Side of the accumulation map that the UV maps `snow` are laid out for (texels)",
         default=1024, min=64, max=8192,
     )
 

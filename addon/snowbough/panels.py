@@ -311,6 +311,19 @@ class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
             draw_result(layout, context)
 
 
+class SNOWBOUGH_PT_tree(bpy.types.Panel):
+    bl_label = "Tree"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Snowbough"
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.enabled = bake_engine.session() is None
+        column.operator("import_scene.xfrog_tree", text="Import Xfrog Tree", icon="IMPORT")
+        column.operator("snowbough.add_sway", icon="FORCE_WIND")
+
+
 class SNOWBOUGH_PT_object(bpy.types.Panel):
     bl_label = "Snowbough"
     bl_space_type = "PROPERTIES"
@@ -347,6 +360,7 @@ CLASSES = (
     SNOWBOUGH_PT_preflight,
     SNOWBOUGH_PT_result,
     SNOWBOUGH_PT_sidebar,
+    SNOWBOUGH_PT_tree,
     SNOWBOUGH_PT_object,
 )
 

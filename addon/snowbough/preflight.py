@@ -12,7 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import bake_engine, bake_job, bake_operators, bake_plan, baked_receiver, cache, compat
+from . import bake_job, bake_lock, bake_operators, bake_plan, baked_receiver, cache, compat
 from . import displacement, native, receivers, scene_reader, stale, uv_overlap
 
 # Measured: smooth float maps pack to about this share of their raw size.
@@ -195,15 +195,11 @@ def _size(count):
 found = {}
 
 
-class SNOWBOUGH_OT_preflight(bpy.types.Operator):
+class SNOWBOUGH_OT_preflight(bake_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.preflight"
     bl_label = "Check Scene"
     bl_description = "Look for what would spoil a bake: UV maps, visibility, scale, cache, memory"
     bl_options = {"REGISTER"}
-
-    @classmethod
-    def poll(cls, _context):
-        return bake_engine.session() is None
 
     def execute(self, context):
         issues = check(context.scene, context.evaluated_depsgraph_get())
@@ -213,18 +209,16 @@ class SNOWBOUGH_OT_preflight(bpy.types.Operator):
         return {"FINISHED"}
 
 
-class SNOWBOUGH_OT_fix(bpy.types.Operator):
+class SNOWBOUGH_OT_fix(bake_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.fix"
     bl_label = "Fix"
     bl_description = "Mend this, then check again"
     bl_options = {"REGISTER", "UNDO"}
 
-    kind: bpy.props.StringProperty(options={"HIDDEN"})
-    object_name: bpy.props.StringProperty(options={"HIDDEN"})
-
-    @classmethod
-    def poll(cls, _context):
-        return bake_engine.session() is None
+    kind: bpy.props.StringProperty(name="Kind", description="What to mend", options={"HIDDEN"})
+    object_name: bpy.props.StringProperty(
+        name="Object", description="The receiver to mend it on", options={"HIDDEN"}
+    )
 
     def execute(self, context):
         if self.kind == "SAVE":

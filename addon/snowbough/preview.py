@@ -11,7 +11,7 @@ import math
 import bpy
 import numpy as np
 
-from . import bake_operators, bake_plan, baked_receiver, displacement, native, scene_reader, snow_shell
+from . import bake_lock, bake_operators, bake_plan, baked_receiver, displacement, native, scene_reader, snow_shell
 
 RESOLUTION = 256
 SUFFIX = "snow preview"
@@ -224,14 +224,14 @@ def _before_file(*_):
     stop()
 
 
-class SNOWBOUGH_OT_toggle_preview(bpy.types.Operator):
+class SNOWBOUGH_OT_toggle_preview(bake_lock.NotWhileBaking, bpy.types.Operator):
     """Shows snow in the viewport as the timeline plays forward, on small maps; nothing is baked"""
 
     bl_idname = "snowbough.toggle_preview"
     bl_label = "Live Preview"
 
     @classmethod
-    def poll(cls, context):
+    def ready(cls, context):
         if is_running() or any(receiver.object for receiver in context.scene.snowbough.receivers):
             return True
         cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")

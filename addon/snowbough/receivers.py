@@ -10,7 +10,7 @@ with snow material and displacement, which show nothing until there are baked fi
 import bpy
 import numpy as np
 
-from . import bake_engine, compat, displacement, uv_overlap
+from . import bake_lock, compat, displacement, uv_overlap
 
 SNOW_UV = "snow"
 MAX_UV_MAPS = 8
@@ -135,16 +135,7 @@ def add(context, obj):
     return entry
 
 
-class _NotWhileBaking:
-    @classmethod
-    def poll(cls, context):
-        if bake_engine.session() is not None:
-            cls.poll_message_set("A bake is running")
-            return False
-        return cls.ready(context)
-
-
-class SNOWBOUGH_OT_add_receivers(_NotWhileBaking, bpy.types.Operator):
+class SNOWBOUGH_OT_add_receivers(bake_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.add_receivers"
     bl_label = "Add Snow to Selected"
     bl_description = (
@@ -181,7 +172,7 @@ class SNOWBOUGH_OT_add_receivers(_NotWhileBaking, bpy.types.Operator):
         return {"FINISHED"} if added else {"CANCELLED"}
 
 
-class SNOWBOUGH_OT_remove_receiver(_NotWhileBaking, bpy.types.Operator):
+class SNOWBOUGH_OT_remove_receiver(bake_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.remove_receiver"
     bl_label = "Take off the List"
     bl_description = "Take the active line off the list; the object and baked files stay as they are"
@@ -189,7 +180,10 @@ class SNOWBOUGH_OT_remove_receiver(_NotWhileBaking, bpy.types.Operator):
 
     @classmethod
     def ready(cls, context):
-        return bool(context.scene.snowbough.receivers)
+        if not len(context.scene.snowbough.receivers):
+            cls.poll_message_set("The list is empty")
+            return False
+        return True
 
     def execute(self, context):
         settings = context.scene.snowbough

@@ -4,7 +4,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from . import baked_images, displacement, snow_material, snow_shell
+from . import bake_lock, baked_images, displacement, snow_material, snow_shell
 
 
 def _chosen(context, only_selected):
@@ -15,7 +15,7 @@ def _chosen(context, only_selected):
     return receivers
 
 
-class _ReceiverOperator:
+class _ReceiverOperator(bake_lock.NotWhileBaking):
     """Runs `work` on each chosen receiver; what does not suit one is reported and the others go on."""
 
     bl_options = {"REGISTER", "UNDO"}
@@ -25,7 +25,7 @@ class _ReceiverOperator:
     )
 
     @classmethod
-    def poll(cls, context):
+    def ready(cls, context):
         if any(receiver.object for receiver in context.scene.snowbough.receivers):
             return True
         cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")

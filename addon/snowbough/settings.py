@@ -61,7 +61,7 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Width and height of the accumulation map in texels. "
+        description="Width and height of the accumulation map (texels). "
         "0 chooses a power of two from 256 to 4096 from the surface area and the texel size",
         default=0,
         min=0,
@@ -106,8 +106,20 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         description="Snow falls over the scene's frame range",
         default=True,
     )
-    own_frame_start: IntProperty(default=1, min=0, options={"HIDDEN"})
-    own_frame_end: IntProperty(default=250, min=0, options={"HIDDEN"})
+    own_frame_start: IntProperty(
+        name="Own First Frame",
+        description="First frame where Scene Range is off (frames)",
+        default=1,
+        min=0,
+        options={"HIDDEN"},
+    )
+    own_frame_end: IntProperty(
+        name="Own Last Frame",
+        description="Last frame where Scene Range is off (frames)",
+        default=250,
+        min=0,
+        options={"HIDDEN"},
+    )
     frame_start: IntProperty(
         name="First Frame",
         description="First frame of the shot; the start depth lies there before its own snow (frames)",
@@ -213,14 +225,14 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
     )
     blur_radius: FloatProperty(
         name="Blur Radius",
-        description="Smoothing of the written maps: sigma in texels of each map",
+        description="Smoothing of the written maps: sigma in each map's own texels (texels)",
         default=2.0,
         min=0.0,
         soft_max=16.0,
     )
     substeps: IntProperty(
         name="Substeps",
-        description="Poses that each frame's snowfall is spread over, for fast objects (count a frame)",
+        description="Poses that each frame's snowfall is spread over, for fast objects (poses a frame)",
         default=1,
         min=1,
         max=16,
@@ -262,7 +274,11 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         description="Objects that snow accumulates on; all other rendered meshes shelter them",
         type=SnowboughReceiver,
     )
-    active_receiver: IntProperty(options={"HIDDEN"})
+    active_receiver: IntProperty(
+        name="Active Receiver",
+        description="Line of the list that is shown below it (no unit)",
+        options={"HIDDEN"},
+    )
 
 
 class SnowboughObjectSettings(bpy.types.PropertyGroup):

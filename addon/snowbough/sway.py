@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 from bpy.props import FloatProperty, IntProperty
 
-from . import compat, wind
+from . import bake_lock, compat, wind
 
 
 def wind_direction(bearing):
@@ -116,7 +116,7 @@ def add_sway(rig, scene, bearing, strength, gusts, seed, frame_start, loop_frame
     return action
 
 
-class SNOWBOUGH_OT_add_sway(bpy.types.Operator):
+class SNOWBOUGH_OT_add_sway(bake_lock.NotWhileBaking, bpy.types.Operator):
     """Let the active armature sway in the wind, in a loop that closes exactly"""
 
     bl_idname = "snowbough.add_sway"
@@ -125,33 +125,36 @@ class SNOWBOUGH_OT_add_sway(bpy.types.Operator):
 
     bearing: FloatProperty(
         name="Bearing",
-        description="Where the wind blows to: 0 is +Y, clockwise seen from above",
+        description="Where the wind blows to, clockwise from +Y seen from above (degrees)",
         subtype="ANGLE",
         default=1.5707964,
     )
     strength: FloatProperty(
         name="Strength",
-        description="Wind speed: 1 is a fresh breeze of 9 m/s",
+        description="Wind speed: 1 is a fresh breeze of 9 m/s (no unit)",
         default=1.0,
         min=0.0,
         soft_max=3.0,
     )
     gusts: FloatProperty(
-        name="Gusts", description="How much the wind's speed varies over the loop", default=0.4, min=0.0, max=1.0
+        name="Gusts", description="How much the wind's speed varies over the loop (0 to 1)", default=0.4, min=0.0, max=1.0
     )
-    seed: IntProperty(name="Seed", description="Another seed, another sway", default=0, min=0)
-    frame_start: IntProperty(name="First Frame", description="Where the loop begins", default=1)
+    seed: IntProperty(name="Seed", description="Another number gives another sway (no unit)", default=0, min=0)
+    frame_start: IntProperty(name="First Frame", description="Where the loop begins (frames)", default=1)
     loop_frames: IntProperty(
-        name="Loop Length", description="Frames after which the sway repeats", default=96, min=8, soft_max=1000
+        name="Loop Length", description="Time after which the sway repeats (frames)", default=96, min=8, soft_max=1000
     )
     keys: IntProperty(
-        name="Keys", description="Keys a channel and loop; the fastest limbs swing once in four keys",
+        name="Keys", description="Keys that each channel takes for the loop; the fastest limbs swing once in four (keys)",
         default=16, min=4, max=256,
     )
 
     @classmethod
-    def poll(cls, context):
-        return _rig_of(context.object) is not None
+    def ready(cls, context):
+        if _rig_of(context.object) is None:
+            cls.poll_message_set("Select a tree: its armature, or a mesh that the armature bends")
+            return False
+        return True
 
     def execute(self, context):
         rig = _rig_of(context.object)

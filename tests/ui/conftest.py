@@ -28,3 +28,11 @@ def blender(addon_zip, tmp_path_factory):
 def window(blender):
     blender.run("bpy.ops.wm.read_homefile(app_template='')\nresult = True")
     return blender
+
+
+@pytest.fixture(autouse=True)
+def nothing_failed_behind_the_window(blender):
+    """A panel that raises while it is drawn only prints: look there after every test."""
+    before = len(blender.messages())
+    yield
+    assert "Traceback" not in blender.messages()[before:]

@@ -1,0 +1,193 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an artist reads and presses: tooltips with units, undo, greyed buttons that say why."""
+
+import os
+import re
+import subprocess
+
+import bpy
+import pytest
+from conftest import ROOT
+from snow_scene import bake, receive, settings, square
+
+PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
+
+# Units that a tooltip may name, in brackets: "(metres)", "(texels)", "(no unit)".
+UNITS = re.compile(
+    r"\((metres|degrees|seconds|frames|texels|radii of the limb|levels|bones|keys|poses a frame|0 to 1|no unit)\)"
+)
+LENGTH, TIME = re.compile(r"depth|(texel|pixel)_size"), re.compile(r"half_life|seconds")
+FRAMES = re.compile(r"frame|checkpoint_interval")
+
+# These leave no step to undo.
+NOT_UNDOABLE = {
+    "snowbough.bake": "pushes its own step when the job has ended",
+    "snowbough.stop_bake": "changes nothing but the running bake",
+    "snowbough.lock_editing": "changes nothing",
+    "snowbough.preflight": "only looks",
+    "snowbough.toggle_preview": "shows what is not part of the file",
+}
+
+
+def all_below(cls):
+    for below in cls.__subclasses__():
+        yield below
+        yield from all_below(below)
+
+
+def operators():
+    """{idname: class} of the add-on's operators."""
+    return {
+        cls.bl_idname: cls
+        for cls in all_below(bpy.types.Operator)
+        if cls.__module__.startswith(PACKAGE) and hasattr(cls, "bl_idname")
+    }
+
+
+def options(cls):
+    return getattr(cls, "bl_options", set())
+
+
+def blenders(idname):
+    group, name = idname.split(".")
+    return getattr(getattr(bpy.ops, group), name)
+
+
+def described():
+    """[(name, RNA property)] of all that an artist can set: settings, and options of operators."""
+    owners = [
+        (cls, cls.bl_rna) for cls in all_below(bpy.types.PropertyGroup) if cls.__module__.startswith(PACKAGE)
+    ]
+    for idname, cls in operators().items():
+        if "INTERNAL" not in options(cls):
+            owners.append((cls, blenders(idname).get_rna_type()))
+    return [
+        (f"{cls.__name__}.{prop.identifier}", prop)
+        for cls, rna in owners
+        for prop in rna.properties
+        if any(prop.identifier in base.__dict__.get("__annotations__", ()) for base in cls.__mro__)
+        and prop.identifier not in {"filepath", "check_existing"}  # Blender's own
+    ]
+
+
+def test_the_walk_finds_the_settings_and_the_operators():
+    names = {name for name, _ in described()}
+    assert {
+        "SnowboughSceneSettings.end_depth",
+        "SnowboughReceiver.resolution",
+        "SnowboughObjectSettings.occlude",
+        "SNOWBOUGH_OT_add_sway.strength",
+        "SNOWBOUGH_OT_setup_material.only_selected",
+        "IMPORT_SCENE_OT_xfrog_tree.lod",
+    } <= names
+    assert {"snowbough.bake", "snowbough.add_receivers", "import_scene.xfrog_tree"} <= operators().keys()
+
+
+def test_every_property_has_a_tooltip_without_a_period_at_its_end():
+    assert [name for name, prop in described() if not prop.description] == []
+    assert [name for name, prop in described() if prop.description.endswith(".")] == []
+
+
+def test_every_number_names_its_unit():
+    for name, prop in described():
+        if prop.type not in {"FLOAT", "INT"}:
+            continue
+        unit = UNITS.search(prop.description)
+        assert unit, f"{name}: {prop.description!r}"
+        identifier = prop.identifier
+        assert (prop.subtype == "ANGLE") == (unit[1] == "degrees"), name
+        assert bool(LENGTH.search(identifier)) == (unit[1] == "metres"), name
+        assert bool(TIME.search(identifier)) == (unit[1] == "seconds"), name
+        if FRAMES.search(identifier):
+            assert unit[1] == "frames", name
+
+
+def test_choices_are_described():
+    for name, prop in described():
+        if prop.type == "ENUM":
+            assert [f"{name}: {item.identifier}" for item in prop.enum_items if not item.description] == []
+            assert [item.identifier for item in prop.enum_items if item.description.endswith(".")] == [], name
+
+
+def test_every_operator_says_what_it_does_without_a_period_at_its_end():
+    for idname in operators():
+        description = blenders(idname).get_rna_type().description
+        assert description, idname
+        assert not description.endswith("."), idname
+
+
+def test_every_operator_that_changes_the_scene_can_be_undone():
+    without = {idname for idname, cls in operators().items() if "UNDO" not in options(cls)}
+    assert without == NOT_UNDOABLE.keys()
+
+
+def refusal(idname):
+    """What Blender says to a script that calls an operator whose poll refuses; None where it does not."""
+    operator = blenders(idname)
+    if operator.poll():
+        return None
+    with pytest.raises(RuntimeError) as error:
+        operator()
+    return str(error.value)
+
+
+def test_greyed_buttons_say_why_in_an_empty_scene():
+    refused = {idname: text for idname in operators() if (text := refusal(idname)) is not None}
+    assert {"snowbough.bake", "snowbough.add_receivers", "snowbough.add_sway", "snowbough.remove"} <= refused.keys()
+    assert [idname for idname, text in refused.items() if "context is incorrect" in text] == []
+
+
+def test_nothing_that_changes_the_scene_can_be_pressed_while_a_bake_runs(addon, monkeypatch, tmp_path):
+    settings(tmp_path)
+    ground = square("Ground")
+    receive(ground)
+    ground.select_set(True)
+    bpy.context.view_layer.objects.active = ground
+    monkeypatch.setattr(addon("bake_engine"), "_session", object())
+    for idname in operators():
+        if idname in {"snowbough.stop_bake", "snowbough.lock_editing"} or "import" in idname:
+            continue
+        assert "A bake is running" in (refusal(idname) or "nothing"), idname
+
+
+def test_sway_is_greyed_without_a_tree():
+    ground = square("Ground")
+    bpy.context.view_layer.objects.active = ground
+    assert "Select a tree" in refusal("snowbough.add_sway")
+
+
+def test_freeing_a_bake_leaves_no_missing_file_on_its_receivers(tmp_path):
+    settings(tmp_path)
+    ground = square("Ground")
+    receive(ground)
+    bake()
+    bpy.ops.snowbough.setup_displacement(mode="MODIFIER")
+    entry = bpy.context.scene.snowbough.receivers[0]
+    assert [modifier.type for modifier in ground.modifiers] == ["SUBSURF", "DISPLACE"]
+    bpy.ops.snowbough.free_bake()
+    assert entry.folder == ""
+    assert [modifier.type for modifier in ground.modifiers] == ["SUBSURF"]
+    shown = [
+        node.image.filepath
+        for slot in ground.material_slots
+        for node in slot.material.node_tree.nodes
+        if node.type == "TEX_IMAGE" and node.image
+    ]
+    assert shown == []
+
+
+def test_a_bake_on_the_command_line_prints_its_own_lines_only(tmp_path):
+    if not bpy.app.binary_path:
+        pytest.skip("this Blender is a Python module and has no command line")
+    settings(tmp_path / "cache", (1, 3))
+    receive(square("Ground"))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    command = [bpy.app.binary_path, "-b", str(tmp_path / "shot.blend"), "--factory-startup"]
+    command += ["--python-exit-code", "1", "-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake"]
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120)
+    assert done.returncode == 0, done.stderr
+    # What any Blender in the background says of itself.
+    blenders_own = re.compile(r"Blender \d|Read blend|Blender quit|\d\d:\d\d\.\d+ +blend +\| Read blend|$")
+    lines = [line for line in done.stdout.splitlines() if not blenders_own.match(line)]
+    assert [line.split()[:2] for line in lines] == [["SNOWBOUGH", word] for word in ("frame=1", "frame=2", "frame=3", "done")]
+    assert done.stderr == ""

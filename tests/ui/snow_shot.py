@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A small snowy shot in the window: set up, baked, and looked at afterwards."""
+
+import time
+
+# A ground and a box over it, the default camera, and a saved file, since caches lie beside it.
+SNOW_SCENE = """
+bpy.ops.mesh.primitive_plane_add(size=8.0)
+ground = bpy.context.object
+bpy.data.objects["Cube"].location.z = 1.5
+scene = bpy.context.scene
+scene.frame_start, scene.frame_end = 1, {frames}
+for mesh in (ground, bpy.data.objects["Cube"]):
+    mesh.select_set(True)
+bpy.ops.snowbough.add_receivers()
+for entry in scene.snowbough.receivers:
+    entry.resolution = {resolution}
+bpy.ops.wm.save_as_mainfile(filepath={path!r})
+result = len(scene.snowbough.receivers)
+"""
+
+START = """
+window, area = view3d()
+region = next(region for region in area.regions if region.type == "WINDOW")
+with bpy.context.temp_override(window=window, area=area, region=region):
+    bpy.ops.snowbough.bake("INVOKE_DEFAULT")
+result = True
+"""
+
+
+def heights(folder):
+    return sorted(folder.rglob("height_*.exr"))
+
+
+def bake_in_the_background(window, folder, frames=400, resolution=512):
+    """Starts a bake as its button does and comes back when the first frames are written."""
+    window.run(SNOW_SCENE.format(frames=frames, resolution=resolution, path=str(folder / "shot.blend")))
+    window.run(START)
+    end = time.monotonic() + 60
+    while len(heights(folder)) < 6:
+        assert time.monotonic() < end
+        time.sleep(0.05)
+    assert window.run("result = bpy.app.is_job_running('RENDER')")
+
+
+def assert_resumable(window, folder):
+    """Nothing stray is left, and Resume finds a checkpoint and ends the (shortened) shot."""
+    assert [path.name for path in folder.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
+    assert len(list(folder.rglob("state_*.json"))) >= 2
+    written = len(heights(folder))
+    window.run(
+        f"""
+import sys
+operators, engine = sys.modules[addon + ".bake_operators"], sys.modules[addon + ".bake_engine"]
+done = max(int(p) for p in {[path.stem.split("_")[1] for path in heights(folder)]!r})
+request = operators.make_request(bpy.context.scene, resume=True, last=done + 2)
+running = operators.make_session(bpy.context.scene, request)
+engine.run(bpy.context, running)
+result = str(running.error or "")
+""",
+        timeout=120,
+    )
+    assert window.run("result = [str(running.error or ''), running.cancelled]") == ["", False]
+    assert window.run("result = running.job.results[0].frame") > 1
+    assert len(heights(folder)) == written + 4

@@ -1,0 +1,78 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ctrl+Z and Ctrl+Shift+Z after the buttons that change the scene."""
+
+from window import ROOT
+
+# Two meshes to snow on: one without a UV map but with a material of its own, and Blender's cube.
+UNDRESSED = """
+bpy.ops.mesh.primitive_plane_add(size=8.0, calc_uvs=False)
+ground = bpy.context.object
+ground.data.materials.append(bpy.data.materials.new("Soil"))
+bpy.data.objects["Cube"].select_set(True)
+bpy.ops.ed.undo_push(message="Scene")
+result = True
+"""
+LOOK = """
+def look():
+    meshes = [
+        [
+            obj.name,
+            [layer.name for layer in obj.data.uv_layers],
+            [modifier.name for modifier in obj.modifiers],
+            [[slot.link, slot.material and slot.material.name] for slot in obj.material_slots],
+        ]
+        for obj in sorted(bpy.data.objects, key=lambda obj: obj.name)
+        if obj.type == "MESH"
+    ]
+    receivers = [[entry.object and entry.object.name, entry.uv_map] for entry in bpy.context.scene.snowbough.receivers]
+    blocks = [len(getattr(bpy.data, kind)) for kind in ("objects", "meshes", "materials", "node_groups", "images")]
+    return [receivers, meshes, blocks]
+
+
+result = look()
+"""
+
+
+def assert_undone_and_redone(window, before, after):
+    window.move(500, 500)
+    window.key("ctrl+z")
+    window.wait_until(f"look() == {before!r}", timeout=10)
+    window.key("ctrl+shift+z")
+    window.wait_until(f"look() == {after!r}", timeout=10)
+
+
+def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
+    window.run(UNDRESSED)
+    before = window.run(LOOK)
+    window.open_sidebar_tab()
+    window.press_button("snowbough.add_receivers")
+    window.wait_until("len(bpy.context.scene.snowbough.receivers) == 2", timeout=20)
+    dressed = window.run(LOOK)
+    meshes = {name: (layers, modifiers, slots) for name, layers, modifiers, slots in dressed[1]}
+    assert meshes["Plane"][0] == ["snow"] and meshes["Plane"][1] == ["Snowbough Subdivision"]
+    assert meshes["Plane"][2] == [["OBJECT", "Soil snow"]]
+    assert_undone_and_redone(window, before, dressed)
+
+    window.run("result = list(bpy.ops.snowbough.remove('EXEC_DEFAULT', True))")
+    bare = window.run(LOOK)
+    assert [name for name, *_ in bare[1]] == ["Cube", "Plane"]
+    assert [slots for name, _, _, slots in bare[1] if name == "Plane"] == [[["DATA", "Soil"]]]
+    assert_undone_and_redone(window, dressed, bare)
+
+
+def test_the_sidebar_lets_a_selected_tree_sway_and_undo_stops_it(window):
+    tree = ROOT / "tests" / "data" / "small_maple.obj"
+    window.run(
+        f"bpy.ops.import_scene.xfrog_tree(filepath={str(tree)!r})\n"
+        "rig = next(obj for obj in bpy.data.objects if obj.type == 'ARMATURE')\n"
+        "bpy.context.view_layer.objects.active = rig\n"
+        "bpy.ops.ed.undo_push(message='Tree')\n"
+        "result = rig.name"
+    )
+    window.open_sidebar_tab()
+    window.press_button("snowbough.add_sway")
+    window.wait_until("len(bpy.data.actions) == 1", timeout=20)
+    window.screenshot("sway")
+    window.move(500, 500)
+    window.key("ctrl+z")
+    window.wait_until("len(bpy.data.actions) == 0 and 'ARMATURE' in {obj.type for obj in bpy.data.objects}", timeout=10)
