@@ -18,7 +18,7 @@ struct ReadTreeOptions {
   /// themselves.
   std::string levels = {};
   Simplify simplify = Simplify::kNone;
-  /// For kTolerance: largest distance from the original centreline, in local radii.
+  /// For kTolerance: how far a limb may stray from the original, in its local radii.
   float tolerance = 0.5f;
   /// Keep leaves, needles and flowers in Skeleton::foliage.
   bool foliage = true;

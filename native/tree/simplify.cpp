@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <numbers>
 #include <stdexcept>
 #include <utility>
 #include <vector>
@@ -61,12 +62,84 @@ Refined insert_attach_points(const Branch& branch, const std::vector<CentrelineP
   return refined;
 }
 
-double distance_to_chord(const glm::vec3& point, const glm::vec3& from, const glm::vec3& to) {
-  const glm::dvec3 along = glm::dvec3(to) - glm::dvec3(from);
-  const glm::dvec3 offset = glm::dvec3(point) - glm::dvec3(from);
-  const double squared = glm::dot(along, along);
-  const double t = squared > 0.0 ? std::clamp(glm::dot(offset, along) / squared, 0.0, 1.0) : 0.0;
-  return glm::length(offset - t * along);
+/// A limb's thickness at a place, as two radii that are interpolated along a segment: the mean
+/// distance of the ring's vertices, and that of a circle of the ring's area, which is what the
+/// surface is built on.
+struct Thickness {
+  double radius;
+  double area_radius;
+};
+
+Thickness thickness_of(const Branch& branch, size_t i) {
+  return {branch.radii[i], std::sqrt(branch.areas[i] / std::numbers::pi)};
+}
+
+Thickness mix(const Thickness& a, const Thickness& b, double t) {
+  return {a.radius + (b.radius - a.radius) * t,
+          a.area_radius + (b.area_radius - a.area_radius) * t};
+}
+
+/// A straight bone between two points of a branch, as a round cone.
+struct Chord {
+  glm::dvec3 from;
+  glm::dvec3 along;
+  double squared;
+  Thickness begin, end;
+
+  Chord(const Branch& branch, size_t first, size_t last)
+      : from(branch.points[first]),
+        along(glm::dvec3(branch.points[last]) - from),
+        squared(glm::dot(along, along)),
+        begin(thickness_of(branch, first)),
+        end(thickness_of(branch, last)) {}
+
+  double foot(const glm::dvec3& point) const {
+    return squared > 0.0 ? glm::dot(point - from, along) / squared : 0.0;
+  }
+
+  /// How far the limb's surface around `point` lies from the cone's at most: the two circles'
+  /// offset and the difference of their radii.
+  double miss(const glm::dvec3& point, const Thickness& thickness) const {
+    const double t = std::clamp(foot(point), 0.0, 1.0);
+    const Thickness cone = mix(begin, end, t);
+    return glm::length(point - from - t * along) +
+           std::max(std::abs(thickness.radius - cone.radius),
+                    std::abs(thickness.area_radius - cone.area_radius));
+  }
+};
+
+/// Largest miss of a chord between the points `first` and `last`, in what is allowed there: more
+/// than 1 if it misses one by more.
+struct Worst {
+  double share = 0.0;
+  size_t point = 0;
+};
+
+Worst worst_miss(const Branch& branch, float tolerance, float smallest_radius, size_t first,
+                 size_t last) {
+  const Chord chord(branch, first, last);
+  Worst worst;
+  const auto look = [&](size_t point, const glm::dvec3& position, const Thickness& thickness) {
+    const double radius = std::max(thickness.radius, static_cast<double>(smallest_radius));
+    const double share = chord.miss(position, thickness) / std::max(tolerance * radius, 1e-300);
+    if (share > worst.share) worst = {share, point};
+  };
+  for (size_t i = first + 1; i < last; ++i) {
+    look(i, branch.points[i], thickness_of(branch, i));
+  }
+  // Along a segment of the original the miss is convex, so that its ends bound it - but where the
+  // foot leaves an end of the chord.
+  for (size_t i = first; i < last; ++i) {
+    const glm::dvec3 a(branch.points[i]), b(branch.points[i + 1]);
+    const double foot_a = chord.foot(a), foot_b = chord.foot(b);
+    for (const double end : {0.0, 1.0}) {
+      if ((foot_a - end) * (foot_b - end) >= 0.0) continue;
+      const double t = (end - foot_a) / (foot_b - foot_a);
+      look(i > first ? i : i + 1, a + (b - a) * t,
+           mix(thickness_of(branch, i), thickness_of(branch, i + 1), t));
+    }
+  }
+  return worst;
 }
 
 /// Marks the points between two kept ones that the chord would miss by more than is allowed.
@@ -76,22 +149,12 @@ void keep_needed_points(const Branch& branch, float tolerance, float smallest_ra
   while (!open.empty()) {
     const auto [from, to] = open.back();
     open.pop_back();
-    double worst = 1.0;
-    size_t split = from;
-    for (size_t i = from + 1; i < to; ++i) {
-      const double allowed =
-          static_cast<double>(tolerance) * std::max(branch.radii[i], smallest_radius);
-      const double away =
-          distance_to_chord(branch.points[i], branch.points[from], branch.points[to]);
-      if (away > allowed && (split == from || away / std::max(allowed, 1e-300) > worst)) {
-        worst = away / std::max(allowed, 1e-300);
-        split = i;
-      }
-    }
-    if (split == from) continue;
-    keep[split] = true;
-    open.emplace_back(from, split);
-    open.emplace_back(split, to);
+    if (to - from < 2) continue;
+    const Worst worst = worst_miss(branch, tolerance, smallest_radius, from, to);
+    if (worst.share <= 1.0) continue;
+    keep[worst.point] = true;
+    open.emplace_back(from, worst.point);
+    open.emplace_back(worst.point, to);
   }
 }
 
