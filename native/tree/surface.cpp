@@ -26,12 +26,13 @@ class SurfaceBuilder {
  public:
   SurfaceBuilder(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                  const SurfaceScale& scale, const SurfaceOptions& options,
-                 const std::vector<uint8_t>& relief)
+                 const std::vector<uint8_t>& relief, const std::vector<uint8_t>& only)
       : skeleton_(skeleton),
         paths_(paths),
         scale_(scale),
         options_(options),
         relief_(relief),
+        only_(only),
         children_(paths.size()),
         starts_(paths.size()) {
     surface_.limbs.resize(paths.size());
@@ -44,7 +45,12 @@ class SurfaceBuilder {
 
   Surface build() {
     for (int32_t b = 0; b < static_cast<int32_t>(paths_.size()); ++b) {
-      build_limb(b);
+      if (only_.empty() || only_[b] != 0) {
+        build_limb(b);
+      } else if (const int32_t parent = skeleton_.branches[b].parent;
+                 parent >= 0 && only_[parent] != 0) {
+        surface_.limbs[b].rings.emplace_back().vertices = starts_[b].hole.vertices;
+      }
     }
     return std::move(surface_);
   }
@@ -328,6 +334,7 @@ class SurfaceBuilder {
   const SurfaceScale& scale_;
   const SurfaceOptions& options_;
   const std::vector<uint8_t>& relief_;
+  const std::vector<uint8_t>& only_;
   std::vector<std::vector<int32_t>> children_;
   std::vector<Start> starts_;
   Surface surface_;
@@ -337,8 +344,8 @@ class SurfaceBuilder {
 
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                       const SurfaceScale& scale, const SurfaceOptions& options,
-                      const std::vector<uint8_t>& relief) {
-  return SurfaceBuilder(skeleton, paths, scale, options, relief).build();
+                      const std::vector<uint8_t>& relief, const std::vector<uint8_t>& only) {
+  return SurfaceBuilder(skeleton, paths, scale, options, relief, only).build();
 }
 
 }  // namespace snowbough::tree

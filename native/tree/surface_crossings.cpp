@@ -2,13 +2,22 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <glm/common.hpp>
-#include <map>
+#include <glm/geometric.hpp>
 
 #include "tree/surface_triangles.h"
 
 namespace snowbough::tree {
 namespace {
+
+/// Junctions a thread looks at before it takes the next ones.
+constexpr size_t kJunctionBlock = 256;
+/// Distance from a plane, as a share of the coordinates that went into it, that rounding can not
+/// make up.
+constexpr double kClear = 1e-12;
+/// Corners of the two triangles that a face counts as.
+constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
 
 /// Faces around every vertex, flat.
 struct VertexFaces {
@@ -34,71 +43,56 @@ struct VertexFaces {
   }
 };
 
-struct Box {
+/// A face of a neighbourhood with all that the tests read of it.
+struct Face {
   glm::dvec3 low, high;
+  std::array<glm::dvec3, 4> points;
+  /// Sum of the corners.
+  glm::dvec3 sum;
+  Quad corners;
+  int32_t number;
 
-  bool meets(const Box& other) const {
+  bool meets(const Face& other) const {
     return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
            other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
   }
 };
 
-class CrossingFinder {
+Face make_face(const Surface& surface, int32_t number) {
+  Face face{};
+  face.number = number;
+  face.corners = surface.quads[number];
+  for (int k = 0; k < 4; ++k) {
+    face.points[k] = glm::dvec3(glm::vec3(surface.vertices[face.corners[k]]));
+  }
+  const auto& [a, b, c, d] = face.points;
+  face.low = glm::min(glm::min(a, b), glm::min(c, d));
+  face.high = glm::max(glm::max(a, b), glm::max(c, d));
+  face.sum = a + b + c + d;
+  return face;
+}
+
+/// Finds the faces near a junction. Each thread has its own: the stamps say what was met.
+class Neighbourhoods {
  public:
-  explicit CrossingFinder(const Surface& surface)
+  Neighbourhoods(const Surface& surface, const VertexFaces& around)
       : surface_(surface),
-        around_(surface),
+        around_(around),
         face_stamp_(surface.quads.size(), -1),
-        vertex_stamp_(surface.vertices.size(), -1),
-        neighbours_known_(surface.quads.size(), 0) {
-    points_.reserve(surface.vertices.size());
-    for (const glm::dvec3& p : surface.vertices) {
-      points_.push_back(glm::dvec3(glm::vec3(p)));
-    }
-    boxes_.reserve(surface.quads.size());
-    for (const Quad& quad : surface.quads) {
-      const glm::dvec3 &a = points_[quad[0]], &b = points_[quad[1]], &c = points_[quad[2]],
-                       &d = points_[quad[3]];
-      boxes_.push_back(
-          {glm::min(glm::min(a, b), glm::min(c, d)), glm::max(glm::max(a, b), glm::max(c, d))});
-    }
-  }
+        vertex_stamp_(surface.vertices.size(), -1) {}
 
-  std::vector<std::pair<int32_t, int32_t>> at(const Junction& junction) {
-    // Swept along x: each face meets only those that begin before it ends.
-    std::vector<int32_t> faces = neighbourhood(junction);
-    std::sort(faces.begin(), faces.end(), [&](int32_t f, int32_t g) {
-      return boxes_[f].low.x != boxes_[g].low.x ? boxes_[f].low.x < boxes_[g].low.x : f < g;
-    });
-    std::vector<std::pair<int32_t, int32_t>> pairs;
-    for (size_t i = 0; i < faces.size(); ++i) {
-      const Box& box = boxes_[faces[i]];
-      for (size_t j = i + 1; j < faces.size() && boxes_[faces[j]].low.x <= box.high.x; ++j) {
-        if (box.meets(boxes_[faces[j]]) && !touch(faces[i], faces[j]) &&
-            quads_cross(faces[i], faces[j])) {
-          pairs.emplace_back(faces[i], faces[j]);
-        }
-      }
-      for (int32_t other : crossing_neighbours(faces[i])) {
-        if (face_stamp_[other] == stamp_) {
-          pairs.emplace_back(faces[i], other);
-        }
-      }
-    }
-    return pairs;
-  }
-
- private:
-  std::vector<int32_t> neighbourhood(const Junction& junction) {
+  /// The faces within two edges of the junction.
+  const std::vector<int32_t>& at(const Junction& junction) {
     ++stamp_;
-    const LimbSurface& limb = surface_.limbs[junction.parent];
-    std::vector<int32_t> vertices, faces;
+    vertices_.clear();
+    faces_.clear();
     const auto reach = [&](int32_t v) {
       if (vertex_stamp_[v] != stamp_) {
         vertex_stamp_[v] = stamp_;
-        vertices.push_back(v);
+        vertices_.push_back(v);
       }
     };
+    const LimbSurface& limb = surface_.limbs[junction.parent];
     for (int k = 0; k < 4; ++k) {
       reach(limb.rings[junction.row].vertices[k]);
       reach(limb.rings[junction.row + 1].vertices[k]);
@@ -106,109 +100,239 @@ class CrossingFinder {
     }
     size_t vertex = 0, face = 0;
     for (int step = 0; step < 3; ++step) {
-      for (const size_t end = vertices.size(); vertex < end; ++vertex) {
-        const int32_t v = vertices[vertex];
+      for (const size_t end = vertices_.size(); vertex < end; ++vertex) {
+        const int32_t v = vertices_[vertex];
         for (int32_t i = around_.begin[v]; i < around_.begin[v + 1]; ++i) {
           const int32_t f = around_.faces[i];
           if (face_stamp_[f] != stamp_) {
             face_stamp_[f] = stamp_;
-            faces.push_back(f);
+            faces_.push_back(f);
           }
         }
       }
-      for (; face < faces.size(); ++face) {
-        for (int32_t v : surface_.quads[faces[face]]) {
+      expanded_ = vertex;
+      for (; face < faces_.size(); ++face) {
+        for (int32_t v : surface_.quads[faces_[face]]) {
           reach(v);
         }
       }
     }
-    return faces;
+    return faces_;
   }
 
-  bool touch(int32_t f, int32_t g) const {
-    for (int32_t v : surface_.quads[f]) {
-      for (int32_t w : surface_.quads[g]) {
-        if (v == w) {
-          return true;
-        }
-      }
-    }
-    return false;
+  /// After at(): the vertices whose faces were all taken.
+  std::pair<const int32_t*, const int32_t*> expanded() const {
+    return {vertices_.data(), vertices_.data() + expanded_};
   }
 
-  /// Faces of a higher number that share a vertex with `f` and cross it. Junctions overlap, so the
-  /// answer is kept: this is where nearly all the work would be repeated.
-  const std::vector<int32_t>& crossing_neighbours(int32_t f) {
-    if (neighbours_known_[f] == 0) {
-      neighbours_known_[f] = 1;
-      std::array<int32_t, 64> seen{};
-      size_t seen_count = 0;
-      for (int32_t v : surface_.quads[f]) {
-        for (int32_t i = around_.begin[v]; i < around_.begin[v + 1]; ++i) {
-          const int32_t g = around_.faces[i];
-          if (g <= f ||
-              std::find(seen.begin(), seen.begin() + seen_count, g) != seen.begin() + seen_count) {
-            continue;
-          }
-          if (seen_count < seen.size()) {
-            seen[seen_count++] = g;
-          }
-          if (quads_cross(f, g)) {
-            crossing_neighbours_[f].push_back(g);
-          }
-        }
-      }
-    }
-    const auto known = crossing_neighbours_.find(f);
-    return known == crossing_neighbours_.end() ? none_ : known->second;
-  }
-
-  bool quads_cross(int32_t f, int32_t g) const {
-    const Quad& p = surface_.quads[f];
-    const Quad& q = surface_.quads[g];
-    constexpr int kCorners[2][3] = {{0, 1, 2}, {0, 2, 3}};
-    for (const auto& i : kCorners) {
-      const Triangle a = {points_[p[i[0]]], points_[p[i[1]]], points_[p[i[2]]]};
-      for (const auto& j : kCorners) {
-        const Triangle b = {points_[q[j[0]]], points_[q[j[1]]], points_[q[j[2]]]};
-        std::array<int, 3> shared = {-1, -1, -1};
-        for (int k = 0; k < 3; ++k) {
-          for (int l = 0; l < 3; ++l) {
-            if (p[i[k]] == q[j[l]]) {
-              shared[k] = l;
-            }
-          }
-        }
-        if (triangles_cross(a, b, shared)) {
-          return true;
-        }
-      }
-    }
-    return false;
-  }
-
+ private:
   const Surface& surface_;
-  VertexFaces around_;
+  const VertexFaces& around_;
   std::vector<int32_t> face_stamp_, vertex_stamp_;
   int32_t stamp_ = 0;
-  std::vector<glm::dvec3> points_;
-  std::vector<Box> boxes_;
-  std::vector<uint8_t> neighbours_known_;
-  std::map<int32_t, std::vector<int32_t>> crossing_neighbours_;
-  const std::vector<int32_t> none_;
+  std::vector<int32_t> vertices_, faces_;
+  size_t expanded_ = 0;
 };
+
+/// Whether a plane through what two faces share proves that they have nothing else in common: all
+/// their other corners lie clear of it, on either side. The usual case; what it cannot tell is left
+/// to the exact test.
+bool parted(const Face& f, const Face& g) {
+  std::array<bool, 4> of_f{}, of_g{};
+  std::array<int, 4> shared{};
+  int count = 0;
+  for (int k = 0; k < 4; ++k) {
+    for (int l = 0; l < 4; ++l) {
+      if (f.corners[k] == g.corners[l]) {
+        if (count == 2 || of_f[k] || of_g[l]) {
+          return false;
+        }
+        of_f[k] = of_g[l] = true;
+        shared[count++] = k;
+      }
+    }
+  }
+  const glm::dvec3& base = f.points[shared[0]];
+  const glm::dvec3 extent = glm::max(f.high, g.high) - glm::min(f.low, g.low);
+  double margin = kClear * (extent.x + extent.y + extent.z);
+  glm::dvec3 normal = g.sum - f.sum;
+  if (count == 0) {
+    margin *= std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
+  } else {
+    // Half way between the directions in which the faces lie, however large either is.
+    glm::dvec3 to_f = f.sum - 4.0 * base, to_g = g.sum - 4.0 * base;
+    if (count == 2) {
+      const glm::dvec3 edge = f.points[shared[1]] - base;
+      const double squared = glm::dot(edge, edge);
+      const double whole_f = glm::dot(to_f, to_f), whole_g = glm::dot(to_g, to_g);
+      to_f -= edge * (glm::dot(to_f, edge) / squared);
+      to_g -= edge * (glm::dot(to_g, edge) / squared);
+      // What is left of a direction along the edge is rounding.
+      if (!(glm::dot(to_f, to_f) > 1e-6 * whole_f && glm::dot(to_g, to_g) > 1e-6 * whole_g)) {
+        return false;
+      }
+    }
+    normal = glm::normalize(to_g) - glm::normalize(to_f);
+  }
+  double highest_f = -1e300, lowest_g = 1e300;
+  for (int k = 0; k < 4; ++k) {
+    if (!of_f[k]) {
+      highest_f = std::max(highest_f, glm::dot(normal, f.points[k] - base));
+    }
+    if (!of_g[k]) {
+      lowest_g = std::min(lowest_g, glm::dot(normal, g.points[k] - base));
+    }
+  }
+  return count > 0 ? highest_f < -margin && lowest_g > margin : highest_f + margin < lowest_g;
+}
+
+/// Whether all corners of `g` but those that a triangle of `f` shares lie clear of its plane on one
+/// side, for both triangles: decides most pairs of a large face and a small one.
+bool on_one_side(const Face& f, const Face& g) {
+  const glm::dvec3 size = f.high - f.low;
+  const glm::dvec3 extent = glm::max(f.high, g.high) - glm::min(f.low, g.low);
+  const double side = size.x + size.y + size.z;
+  const double margin = kClear * side * side * (extent.x + extent.y + extent.z);
+  for (const auto& corners : kTriangles) {
+    const glm::dvec3& base = f.points[corners[0]];
+    const glm::dvec3 normal =
+        glm::cross(f.points[corners[1]] - base, f.points[corners[2]] - base);
+    double lowest = 1e300, highest = -1e300;
+    for (int k = 0; k < 4; ++k) {
+      const int32_t v = g.corners[k];
+      if (v != f.corners[corners[0]] && v != f.corners[corners[1]] && v != f.corners[corners[2]]) {
+        const double height = glm::dot(normal, g.points[k] - base);
+        lowest = std::min(lowest, height);
+        highest = std::max(highest, height);
+      }
+    }
+    if (!(lowest > margin || highest < -margin)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The exact test of all four pairs of triangles.
+bool quads_cross(const Face& f, const Face& g) {
+  for (const auto& i : kTriangles) {
+    const Triangle a = {f.points[i[0]], f.points[i[1]], f.points[i[2]]};
+    for (const auto& j : kTriangles) {
+      const Triangle b = {g.points[j[0]], g.points[j[1]], g.points[j[2]]};
+      std::array<int, 3> shared = {-1, -1, -1};
+      for (int k = 0; k < 3; ++k) {
+        for (int l = 0; l < 3; ++l) {
+          if (f.corners[i[k]] == g.corners[j[l]]) {
+            shared[k] = l;
+          }
+        }
+      }
+      if (triangles_cross(a, b, shared)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// All pairs among `faces` that cross, the lower number first, ascending.
+std::vector<std::pair<int32_t, int32_t>> crossing_pairs(std::vector<Face>& faces) {
+  glm::dvec3 low(1e300), high(-1e300);
+  for (const Face& face : faces) {
+    low = glm::min(low, face.low);
+    high = glm::max(high, face.high);
+  }
+  const glm::dvec3 extent = high - low;
+  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
+  std::vector<std::pair<double, const Face*>> order;
+  order.reserve(faces.size());
+  for (const Face& face : faces) {
+    order.emplace_back(face.low[axis], &face);
+  }
+  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second->number < b.second->number;
+  });
+  // Swept along the longest axis: each face meets only those that begin before it ends.
+  std::vector<std::pair<int32_t, int32_t>> pairs;
+  for (size_t i = 0; i < order.size(); ++i) {
+    const Face& one = *order[i].second;
+    for (size_t j = i + 1; j < order.size() && order[j].first <= one.high[axis]; ++j) {
+      const Face& other = *order[j].second;
+      if (one.meets(other) && !parted(one, other) && !on_one_side(one, other) &&
+          !on_one_side(other, one)) {
+        const Face& f = one.number < other.number ? one : other;
+        const Face& g = one.number < other.number ? other : one;
+        if (quads_cross(f, g)) {
+          pairs.emplace_back(f.number, g.number);
+        }
+      }
+    }
+  }
+  std::sort(pairs.begin(), pairs.end());
+  return pairs;
+}
 
 }  // namespace
 
-JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only) {
-  CrossingFinder finder(surface);
+JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only,
+                                 const Execution& execution) {
+  const VertexFaces around(surface);
   JunctionCrossings crossings(surface.junctions.size());
+  std::vector<size_t> wanted;
   for (size_t j = 0; j < crossings.size(); ++j) {
     if (only.empty() || only[j] != 0) {
-      crossings[j] = finder.at(surface.junctions[j]);
+      wanted.push_back(j);
     }
   }
+  parallel_blocks(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
+    Neighbourhoods neighbourhoods(surface, around);
+    std::vector<Face> faces;
+    for (size_t i = begin; i < end; ++i) {
+      faces.clear();
+      for (const int32_t f : neighbourhoods.at(surface.junctions[wanted[i]])) {
+        faces.push_back(make_face(surface, f));
+      }
+      crossings[wanted[i]] = crossing_pairs(faces);
+    }
+  });
   return crossings;
+}
+
+std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uint8_t>& only) {
+  // A branch left out stands with its first ring alone.
+  std::vector<uint8_t> open(surface.vertices.size(), 0);
+  std::vector<std::pair<int32_t, int32_t>> rims;
+  for (size_t b = 0; b < surface.limbs.size(); ++b) {
+    if (surface.limbs[b].rings.size() == 1) {
+      for (const int32_t v : surface.limbs[b].rings.front().vertices) {
+        rims.emplace_back(v, static_cast<int32_t>(b));
+        open[v] = 1;
+      }
+    }
+  }
+  std::sort(rims.begin(), rims.end());
+  const VertexFaces around(surface);
+  Neighbourhoods neighbourhoods(surface, around);
+  std::vector<int32_t> missing;
+  for (size_t j = 0; j < surface.junctions.size(); ++j) {
+    if (!only.empty() && only[j] == 0) {
+      continue;
+    }
+    neighbourhoods.at(surface.junctions[j]);
+    const auto [from, to] = neighbourhoods.expanded();
+    for (const int32_t* v = from; v != to; ++v) {
+      if (open[*v] == 0) {
+        continue;
+      }
+      for (auto rim = std::lower_bound(rims.begin(), rims.end(), std::pair(*v, 0));
+           rim != rims.end() && rim->first == *v; ++rim) {
+        missing.push_back(rim->second);
+      }
+    }
+  }
+  std::sort(missing.begin(), missing.end());
+  missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+  return missing;
 }
 
 int32_t count_crossing(const JunctionCrossings& crossings) {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "tree/parallel.h"
 #include "tree/surface.h"
 
 namespace snowbough::tree {
@@ -16,7 +17,12 @@ using JunctionCrossings = std::vector<std::vector<std::pair<int32_t, int32_t>>>;
 /// neighbours share a vertex). Quads count as two triangles, cut from corner 0 to 2, as floats; the
 /// test is exact.
 /// @param only per junction, 0 skips it; empty = look at all.
-JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only = {});
+JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only = {},
+                                 const Execution& execution = {});
+
+/// Branches that the surface was built without and whose faces belong to what find_crossings looks
+/// at; ascending.
+std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uint8_t>& only);
 
 /// Junctions that have a crossing.
 int32_t count_crossing(const JunctionCrossings& crossings);

@@ -32,20 +32,66 @@ void relieve(const Surface& surface, const JunctionCrossings& crossings, int rou
   }
 }
 
-/// Junctions at either end of a branch that changed, and their neighbours on the same limb.
-std::vector<uint8_t> affected(const Skeleton& skeleton, const Surface& surface,
-                              const std::vector<uint8_t>& changed) {
-  std::vector<uint8_t> limb(changed);
+/// Branches whose faces lie elsewhere once `changed` have been relieved: they and their parents.
+std::vector<uint8_t> moved_limbs(const Skeleton& skeleton, const std::vector<uint8_t>& changed) {
+  std::vector<uint8_t> moved(changed);
   for (size_t b = 0; b < changed.size(); ++b) {
     if (changed[b] != 0 && skeleton.branches[b].parent >= 0) {
-      limb[skeleton.branches[b].parent] = 1;
+      moved[skeleton.branches[b].parent] = 1;
     }
   }
+  return moved;
+}
+
+/// Junctions at either end of a branch that moved, and their neighbours on the same limb.
+std::vector<uint8_t> affected(const Surface& surface, const std::vector<uint8_t>& moved) {
   std::vector<uint8_t> only;
+  only.reserve(surface.junctions.size());
   for (const Junction& junction : surface.junctions) {
-    only.push_back(limb[junction.parent] | limb[junction.child]);
+    only.push_back(moved[junction.parent] | moved[junction.child]);
   }
   return only;
+}
+
+/// Adds the parents of what is in `only`, their parents and so on.
+void add_ancestors(const Skeleton& skeleton, std::vector<uint8_t>& only) {
+  for (size_t b = only.size(); b-- > 0;) {
+    if (only[b] != 0 && skeleton.branches[b].parent >= 0) {
+      only[skeleton.branches[b].parent] = 1;
+    }
+  }
+}
+
+/// The part of the surface that has all faces near the junctions affected.
+Surface build_around(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
+                     const SurfaceScale& scale, const SurfaceOptions& options,
+                     const std::vector<uint8_t>& relief, const std::vector<uint8_t>& moved) {
+  // Their children, the children of those, and those beside them on their parents: seldom does a
+  // junction's neighbourhood reach further.
+  std::vector<uint8_t> only(moved);
+  for (size_t b = 0; b < moved.size(); ++b) {
+    if (moved[b] != 0 && skeleton.branches[b].parent >= 0) {
+      only[skeleton.branches[b].parent] = 1;
+    }
+  }
+  for (int step = 0; step < 2; ++step) {
+    const std::vector<uint8_t> before(only);
+    for (size_t b = 0; b < moved.size(); ++b) {
+      const int32_t parent = skeleton.branches[b].parent;
+      only[b] |= parent >= 0 ? before[parent] : 0;
+    }
+  }
+  while (true) {
+    add_ancestors(skeleton, only);
+    Surface surface = build_surface(skeleton, paths, scale, options, relief, only);
+    const std::vector<int32_t> missing = missing_limbs(surface, affected(surface, moved));
+    if (missing.empty()) {
+      return surface;
+    }
+    for (const int32_t b : missing) {
+      only[b] = 1;
+    }
+  }
 }
 
 std::vector<int32_t> crossing_children(const Surface& surface, const JunctionCrossings& crossings) {
@@ -62,26 +108,30 @@ std::vector<int32_t> crossing_children(const Surface& surface, const JunctionCro
 
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
-                                         const SurfaceScale& scale, const SurfaceOptions& options) {
+                                         const SurfaceScale& scale, const SurfaceOptions& options,
+                                         const Execution& execution) {
   std::vector<uint8_t> relief(paths.size(), 0);
   UncrossedSurface best;
   best.surface = build_surface(skeleton, paths, scale, options, relief);
-  JunctionCrossings crossings = find_crossings(best.surface);
+  report_progress(execution.progress, 0.3f);
+  JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f));
   best.crossing = crossing_children(best.surface, crossings);
   std::vector<uint8_t> best_relief = relief;
 
-  Surface surface = best.surface;
+  Surface around;
   int idle = 0;
   for (int round = 0; round < kRounds && idle < kPatience && !best.crossing.empty(); ++round) {
+    const float share = 0.7f + 0.2f * static_cast<float>(round) / kRounds;
+    report_progress(execution.progress, share);
     std::vector<uint8_t> changed(relief.size(), 0);
-    relieve(surface, crossings, round, relief, changed);
-    surface = build_surface(skeleton, paths, scale, options, relief);
-    crossings = find_crossings(surface, affected(skeleton, surface, changed));
-    std::vector<int32_t> still = crossing_children(surface, crossings);
+    relieve(round == 0 ? best.surface : around, crossings, round, relief, changed);
+    const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
+    around = build_around(skeleton, paths, scale, options, relief, moved);
+    crossings = find_crossings(around, affected(around, moved), execution.part(share, share));
+    std::vector<int32_t> still = crossing_children(around, crossings);
     ++idle;
     if (still.size() < best.crossing.size()) {
       idle = 0;
-      best.surface = surface;
       best.crossing = std::move(still);
       best_relief = relief;
     }
@@ -90,6 +140,10 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     if (best_relief[b] > 0) {
       best.narrowed.push_back(static_cast<int32_t>(b));
     }
+  }
+  if (!best.narrowed.empty()) {
+    report_progress(execution.progress, 0.9f);
+    best.surface = build_surface(skeleton, paths, scale, options, best_relief);
   }
   return best;
 }
