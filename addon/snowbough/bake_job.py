@@ -16,9 +16,7 @@ import contextlib
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-import numpy as np
-
-from . import bake_plan, baked_receiver, cache
+from . import bake_plan, baked_receiver, cache, simulation_scene
 from .bake_log import open_log
 from .bake_request import SHOT_SETTINGS, BakeCancelled, FrameResult, NoGpu
 from .map_writer import MapWriter, WriteFailed
@@ -42,6 +40,7 @@ class BakeJob:
         self.folders = {}
         """Receiver's label -> folder, once the version is picked."""
         self._simulation = None
+        self._registry = None
         self._tracker = SceneTracker()
         self._inputs_at = []
         # What the simulation has not been told yet.
@@ -123,10 +122,7 @@ class BakeJob:
                 f"No enabled receiver is named {', '.join(sorted(wanted))}; there are: "
                 f"{', '.join(sorted({o.receiver.name for o in enabled}))}"
             )
-        boxes = [o.positions for o in pose.objects.values() if len(o.positions)]
-        low = np.min([box.min(axis=0) for box in boxes], axis=0).tolist()
-        high = np.max([box.max(axis=0) for box in boxes], axis=0).tolist()
-        self.pixel_size = request.pixel_size or bake_plan.automatic_pixel_size(texels, low, high)
+        self.pixel_size = simulation_scene.pixel_size(pose, texels, request.pixel_size)
 
     # -- settings, version, checkpoint -----------------------------------------------------------------
 
@@ -197,7 +193,7 @@ class BakeJob:
             )
         log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
         added, self._positions = self._walk(evaluate, snowfall, first_pose, frame, cancelled)
-        self._add(added)
+        self._registry.take(added)
         difference = SceneInputs(before).first_difference(self._tracker.inputs)
         if difference:
             raise cache.InputsChanged(
@@ -233,7 +229,7 @@ class BakeJob:
             for at, _ in self._poses(snowfall, frame):
                 if at != start:
                     more, moved = self._tracker.take(evaluate(*at), *at)
-                    added += more
+                    added.update(more)  # of an object that changed its mesh, the last one
                     positions.update(moved)
         return added, positions
 
@@ -250,22 +246,9 @@ class BakeJob:
             seed=request.seed,
             mapping=request.mapping,
         )
-
-    def _add(self, added):
-        """Adds objects to the simulation: receivers that this bake writes, and all else to shelter them."""
-        baked = {receiver.key: receiver for receiver in self.receivers}
-        for name, topology in added:
-            receiver = baked.get(name)
-            self._simulation.add_object(
-                name,
-                topology.triangles,
-                topology.corner_uv if receiver else np.zeros((len(topology.triangles), 3, 2), np.float32),
-                resolution=receiver.resolution if receiver else bake_plan.MIN_RESOLUTION,
-                receive=receiver is not None,
-                occlude=True,
-                rest=receiver.rest if receiver else None,
-                blur_radius=self.request.blur_radius * receiver.texel if receiver else None,
-            )
+        # Maps for the receivers that this bake writes; all else shelters them.
+        maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
+        self._registry = simulation_scene.Registry(self._simulation, maps)
 
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""
@@ -349,7 +332,7 @@ class BakeJob:
         request, clock = self.request, time.perf_counter
         begun = clock()
         for added, changed, direction, steps in work:
-            self._add(added)
+            self._registry.take(added)
             self._positions.update(changed)
             for step in steps:
                 self._simulation.step(

@@ -21,7 +21,7 @@ class NoGpu(RuntimeError):
 
 
 class TopologyChanged(ValueError):
-    """An object's vertices or triangles are others than at the first frame."""
+    """An object's vertices or triangles are others than before, and its snow cannot go on with them."""
 
 
 @dataclass(frozen=True)

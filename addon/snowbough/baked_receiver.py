@@ -23,8 +23,6 @@ class BakedReceiver:
     resolution: int
     texel: float
     """Mean texel size in metres at the shot's first frame."""
-    rest: np.ndarray
-    """(V, 3) positions at the shot's first frame, whatever frame the bake goes on from."""
     folder: Path = None
     frames: list = field(default_factory=list)
     covered: Coverage = None
@@ -145,5 +143,4 @@ def measure(obj, texel_size):
         obj.uv_map,
         resolution,
         per_map / resolution,
-        obj.positions,
     )

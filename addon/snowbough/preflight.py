@@ -13,7 +13,7 @@ import bpy
 import numpy as np
 
 from . import bake_job, bake_lock, bake_operators, bake_plan, baked_receiver, cache, compat
-from . import displacement, native, receivers, scene_reader, stale, uv_overlap
+from . import displacement, material_alpha, mesh_record, native, receivers, scene_reader, stale, uv_overlap
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5
@@ -42,6 +42,7 @@ def check(scene, depsgraph):
             issues += own
             sizes.append(size)
     issues += _amounts(scene, [size for size in sizes if size])
+    issues += _alpha(depsgraph)
     for text in [*stale.settings_changes(scene), *stale.scene_changes(scene, depsgraph)]:
         issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
     order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
@@ -52,7 +53,34 @@ def warnings(scene, depsgraph):
     """The texts of what would be baked but would not look right."""
     enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
     issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
+    issues += _alpha(depsgraph)
     return [issue.text for issue in issues if issue.severity == "WARNING"]
+
+
+def _alpha(depsgraph):
+    """Materials whose alpha snow cannot follow, once each."""
+    told = {}
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if obj.type != "MESH" or obj.original.hide_render or not obj.original.snowbough.occlude:
+            continue
+        if obj.original.snowbough.is_shell:
+            continue
+        for material in mesh_record.materials_of(obj, obj.data):
+            if material is None:
+                continue
+            known = (material.name, scene_reader.library_path(material))
+            try:
+                alpha = material_alpha.of_material(material) if known not in told else None
+                told.setdefault(known, None)
+                if alpha is not None and mesh_record.alpha_uv_map(alpha, obj.data) is None:
+                    wanted = f" '{alpha.uv_map}'" if alpha.uv_map else ""
+                    raise material_alpha.UnknownAlpha(f"'{obj.name}' has no UV map{wanted}")
+            except material_alpha.UnknownAlpha as error:
+                told[known] = Issue(
+                    "WARNING", f"Snow takes the material '{material.name}' for opaque: {error}", obj.name
+                )
+    return [issue for issue in told.values() if issue is not None]
 
 
 def _environment():
@@ -119,7 +147,7 @@ def _receiver(scene, entry, depsgraph):
         return [*issues, Issue("ERROR", f"'{name}' has no faces", name)], None
     layers = [layer.name for layer in mesh.uv_layers]
     active = mesh.uv_layers.active.name if mesh.uv_layers.active else ""
-    uv_map = scene_reader.choose_uv_map(entry.uv_map, layers, active)
+    uv_map = mesh_record.choose_uv_map(entry.uv_map, layers, active)
     if uv_map is None:
         lost = f"has no UV map '{entry.uv_map}'" if layers else "has no UV map"
         return [*issues, Issue("ERROR", f"'{name}' {lost}", name, "UNWRAP")], None

@@ -11,7 +11,8 @@ import math
 import bpy
 import numpy as np
 
-from . import bake_lock, bake_operators, bake_plan, baked_receiver, displacement, native, scene_reader, snow_shell
+from . import bake_lock, bake_operators, bake_plan, bake_request, baked_receiver, displacement, native
+from . import scene_reader, scene_tracker, simulation_scene, snow_shell
 
 RESOLUTION = 256
 SUFFIX = "snow preview"
@@ -35,9 +36,6 @@ class _Preview:
         self.frame = None
         self.shells = {}
         self.images = {}
-        # Positions by key: as last handed over, and those that wait for the next step.
-        self.sent = {}
-        self.untold = {}
         self.simulation = None
         self.muted = displacement.Muted(scene, "show_viewport")
 
@@ -45,6 +43,7 @@ class _Preview:
 
     def begin(self, scene, depsgraph):
         """Starts with the pose of the current frame, and the start depth on it."""
+        self._close()
         settings = scene.snowbough
         specs = scene_reader.receiver_specs(scene)
         self.reader = scene_reader.SceneReader(specs, scene_reader.scale_length(scene))
@@ -56,43 +55,29 @@ class _Preview:
                 texels[key] = bake_plan.metres_per_map(*areas) / RESOLUTION
         if not texels:
             raise ValueError("There is nothing for snow to lie on: use 'Add Snow to Selected'")
-        filled = [obj.positions for obj in pose.objects.values() if len(obj.positions)]
-        low = np.min([positions.min(axis=0) for positions in filled], axis=0).tolist()
-        high = np.max([positions.max(axis=0) for positions in filled], axis=0).tolist()
         self.simulation = native.load().SnowSimulation(
-            pixel_size=bake_plan.automatic_pixel_size(list(texels.values()), low, high),
+            pixel_size=simulation_scene.pixel_size(pose, list(texels.values())),
             flutter=math.degrees(settings.flutter),
             max_depth=settings.max_depth,
             slide_half_life=settings.slide_half_life,
-            blur_radius=settings.blur_radius * min(texels.values()),
             seed=settings.seed,
             mapping=settings.mapping,
         )
-        self.topologies = {key: obj.topology for key, obj in pose.objects.items()}
-        for key, obj in pose.objects.items():
-            uv = obj.topology.corner_uv
-            if key not in texels:
-                uv = np.zeros((len(obj.topology.triangles), 3, 2), np.float32)
-            self.simulation.add_object(
-                key, obj.topology.triangles, uv, resolution=RESOLUTION if key in texels else 64, receive=key in texels
-            )
+        maps = {key: (RESOLUTION, settings.blur_radius * texel) for key, texel in texels.items()}
+        self.registry = simulation_scene.Registry(self.simulation, maps)
+        self.tracker = scene_tracker.SceneTracker()
         self.receivers = {key: pose.objects[key] for key in texels}
-        # One step without snow, at least, tells the simulation where everything is.
-        here = bake_plan.Step(scene.frame_current, 0.0, 0.0, 1.0 / self.fps)
-        self._step(pose, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life) or [here])
+        self._step(pose, scene.frame_current, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life))
         self.frame = scene.frame_current
 
-    def _step(self, pose, steps):
+    def _step(self, pose, frame, steps):
+        """Takes the steps on a pose; without any, the simulation still hears where everything is."""
         direction = bake_plan.fall_direction(pose.fall_angle, pose.bearing)
-        for key, obj in pose.objects.items():
-            known = self.topologies.get(key)
-            if known is None or known.print != obj.topology.print or not len(obj.positions):
-                continue  # changed its mesh since the preview began: it keeps its last shape
-            if self.sent.get(key) is not obj.positions:
-                self.untold[key] = self.sent[key] = obj.positions
-        for step in steps:
-            self.simulation.step(self.untold, depth=step.depth, direction=direction, dt=step.dt)
-            self.untold = {}
+        added, moved = self.tracker.take(pose, frame, 0.0)
+        self.registry.take(added)
+        for step in steps or [bake_plan.Step(frame, 0.0, 0.0, 0.0)]:
+            self.simulation.step(moved, depth=step.depth, direction=direction, dt=step.dt)
+            moved = {}
 
     def advance(self, scene, depsgraph):
         """Lets the snow of the frames since the last call fall on the current pose."""
@@ -101,7 +86,7 @@ class _Preview:
         for frame in range(self.frame + 1, scene.frame_current + 1):
             if self.snowfall.frame_start <= frame <= self.snowfall.frame_end:
                 steps += bake_plan.frame_steps(self.snowfall, frame, self.fps)
-        self._step(pose, steps)
+        self._step(pose, scene.frame_current, steps)
         self.frame = scene.frame_current
 
     # -- showing it --------------------------------------------------------------------------------
@@ -110,7 +95,7 @@ class _Preview:
         for key, image_name in self.images.items():
             image = bpy.data.images.get(image_name)
             shell = bpy.data.objects.get(self.shells[key])
-            if image is None or shell is None:  # undone or deleted by hand
+            if image is None or shell is None or key not in self.receivers:  # undone, deleted or hidden
                 continue
             height = self.simulation.output(key, normal=False)["height"]
             pixels = np.ones((*height.shape, 4), dtype=np.float32)
@@ -154,10 +139,13 @@ class _Preview:
             shell.hide_select = True
             self.shells[key], self.images[key] = shell.name, image.name
 
-    def end(self):
+    def _close(self):
         if self.simulation is not None:
             self.simulation.close()
             self.simulation = None
+
+    def end(self):
+        self._close()
         for name in self.shells.values():
             shell = bpy.data.objects.get(name)
             if shell is not None:
@@ -210,13 +198,17 @@ def _on_frame(scene, depsgraph=None):
     ahead = scene.frame_current - preview.frame
     if ahead == 0 or depsgraph is None:
         return
-    if 0 < ahead <= MAX_SKIPPED:
-        preview.advance(scene, depsgraph)
-    else:
-        preview.simulation.close()
-        preview.sent, preview.untold = {}, {}
-        preview.begin(scene, depsgraph)
-    preview.show()
+    try:
+        if 0 < ahead <= MAX_SKIPPED:
+            try:
+                preview.advance(scene, depsgraph)
+            except bake_request.TopologyChanged:  # a receiver that came in, or whose map ends here
+                preview.begin(scene, depsgraph)
+        else:
+            preview.begin(scene, depsgraph)
+        preview.show()
+    except ValueError:  # nothing to snow on any more: a bake would say so
+        stop()
 
 
 @bpy.app.handlers.persistent

@@ -13,7 +13,7 @@ import numpy as np
 # Label of the direction that snow falls in, among the objects' labels.
 SNOWFALL = "Snowfall"
 
-PARTS = ("transform", "shape", "topology or UV map")
+PARTS = ("transform", "shape", "topology or UV map", "alpha image")
 
 
 def fingerprint(*arrays):
@@ -32,7 +32,11 @@ def pose_name(frame, subframe):
 
 
 class SceneInputs:
-    """The fingerprints of a sequence of poses. Only what differs from the pose before is stored."""
+    """The fingerprints of a sequence of poses. Only what differs from the pose before is stored.
+
+    Prints of an object are a list [transform, shape, topology], with a fourth, of the images that give its
+    materials alpha, where there are such.
+    """
 
     def __init__(self, poses=None):
         # List of (pose name, {label: [transform, shape, topology] or None where it left the scene}).
@@ -94,8 +98,9 @@ def difference(before, after):
         return "added"
     if after is None:
         return "removed"
-    # Topology first: with other vertices the shape differs as well.
-    for index in (2, 0, 1):
+    # Alpha and topology first: with another alpha the topology may differ, with other vertices the shape.
+    before, after = ([*prints, ""][: len(PARTS)] for prints in (before, after))
+    for index in (3, 2, 0, 1):
         if before[index] != after[index]:
             return f"{PARTS[index]} changed"
     return None

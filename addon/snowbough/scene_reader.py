@@ -12,14 +12,17 @@ holds numpy arrays and texts only, nothing that Blender could free.
 - Positions are world positions in metres: Blender units times ``unit_settings.scale_length``, worked out
   with the same elementary operations everywhere, so that machines that share a bake agree in every bit.
 - Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
-- An object that stands still is not read again; topology is read once and again when it changes.
+- An object that stands still is not read again; topology is read once and again when it changes. A
+  receiver keeps the UV map of its first pose: one that has lost it is refused.
+- Where materials have alpha from an image, triangles carry the image and the UVs in it (material_alpha).
 """
 
 from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import bake_plan, cache, compat, displacement
+from . import bake_plan, cache, displacement, material_alpha
+from .mesh_record import MeshRecord, SceneError, TopologyAlpha, join_alphas, materials_of
 from .scene_inputs import fingerprint
 
 SNOW_UV = "snow"
@@ -34,10 +37,6 @@ DEFORMING_MODIFIERS = {
     "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY",
     "SUBSURF", "MULTIRES", "MIRROR", "ARRAY", "SOLIDIFY", "TRIANGULATE",
 }  # fmt: skip
-
-
-class SceneError(ValueError):
-    """The scene cannot be baked as it is; names the object, the frame and what to do."""
 
 
 @dataclass(frozen=True)
@@ -62,6 +61,21 @@ class Topology:
     """(T, 3, 2) float32; an empty (0, 3, 2) for occluders."""
     vertex_count: int
     print: str
+    alpha: TopologyAlpha = None
+    """None where all of it is opaque."""
+
+    def is_same(self, other):
+        """Whether a mesh with the one topology can go on with the other's positions."""
+        return self is other or (
+            self.print == other.print
+            and self.vertex_count == other.vertex_count
+            and self.alpha_prints == other.alpha_prints
+        )
+
+    @property
+    def alpha_prints(self):
+        """Fingerprint of the alpha images, in a tuple; an empty one without any."""
+        return (self.alpha.print,) if self.alpha else ()
 
 
 @dataclass(frozen=True)
@@ -83,7 +97,7 @@ class ObjectPose:
     positions: np.ndarray
     """(V, 3) float32, metres. The same array again while the object stands still; never written to."""
     prints: tuple
-    """Fingerprints of transform, shape, topology (scene_inputs)."""
+    """Fingerprints of transform, shape, topology and, where there are some, alpha images (scene_inputs)."""
 
 
 @dataclass(frozen=True)
@@ -174,6 +188,8 @@ class SceneReader:
         self._known = {}
         self._rigid = {}
         self._switch = ""
+        # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
+        self._alphas = {}
 
     def read(self, depsgraph, frame):
         """The pose that depsgraph holds. frame: a number for messages.
@@ -247,7 +263,9 @@ class SceneReader:
             shared[pointer] = (None, None)
             return shared[pointer]
         try:
-            record = _MeshRecord(mesh, may_change=temporary or not _is_deforming_only(obj.original))
+            record = MeshRecord(
+                mesh, temporary or not _is_deforming_only(obj.original), self._alphas_of(obj, mesh)
+            )
             if temporary:
                 record.detach()
             found = (record.positions, record)
@@ -259,6 +277,21 @@ class SceneReader:
             self._rigid[rigid_key] = found
         shared[pointer] = found
         return found
+
+    def _alphas_of(self, obj, mesh):
+        """AlphaImage or None for each material index of an object's evaluated mesh."""
+        return [self._alpha_of(material) for material in materials_of(obj, mesh)]
+
+    def _alpha_of(self, material):
+        if material is None:
+            return None
+        known = (material.name, library_path(material))
+        if known not in self._alphas:
+            try:
+                self._alphas[known] = material_alpha.of_material(material)
+            except material_alpha.UnknownAlpha:  # opaque then; preflight tells
+                self._alphas[known] = None
+        return self._alphas[known]
 
     def _pose(self, key, group, frame):
         known = self._known.setdefault(key, _Known())
@@ -287,7 +320,9 @@ class SceneReader:
             if not np.isfinite(known.positions).all():
                 raise SceneError(f"'{group.label}' has vertices at no finite place at frame {frame}")
             known.positions.flags.writeable = False
-        prints = (known.transform_print, known.shape_print, known.topology.print)
+        prints = (
+            known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
+        )  # fmt: skip
         return ObjectPose(key, group.label, group.name, group.library, group.receiver, known.uv_map,
                           known.topology, known.positions, prints)  # fmt: skip
 
@@ -300,89 +335,38 @@ class SceneReader:
             if _same_arrays(known.corners, corners):
                 return
         receiver = group.receiver is not None
-        triangles, uvs, offset = [], [], 0
+        triangles, uvs, alphas, offset = [], [], [], 0
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
                 corner_triangles = corner_triangles[:, ::-1]
             triangles.append(record.corners()[corner_triangles] + np.int32(offset))
             if receiver:
-                uv_map, uv = record.uv(group.receiver.uv_map, group.label, frame)
-                known.uv_map = uv_map
+                known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.label, frame)
                 uvs.append(uv[corner_triangles])
+            alphas.append(record.alpha(corner_triangles))
             offset += record.counts[0]
         triangles = np.ascontiguousarray(np.concatenate(triangles), dtype=np.int32)
         uv = np.ascontiguousarray(np.concatenate(uvs)) if receiver else np.empty((0, 3, 2), dtype=np.float32)
+        if receiver and known.topology is not None and not _has_area(uv):
+            raise SceneError(
+                f"'{group.label}' has other faces at frame {frame} than before, and they have no place on its "
+                f"UV map '{known.uv_map}': apply the modifier that makes them, or take '{group.label}' off the "
+                "list of receivers"
+            )
         known.counts, known.flips = counts, flips
         known.corners = [record.corners() for record in records]
-        printed = fingerprint(triangles, uv)
-        if known.topology is None or known.topology.print != printed:
-            known.topology = Topology(triangles, uv, offset, printed)
+        alpha = join_alphas(alphas)
+        printed = fingerprint(triangles, uv, *((alpha.uv, alpha.image) if alpha else ()))
+        made = Topology(triangles, uv, offset, printed, alpha)
+        if known.topology is None or not known.topology.is_same(made):
+            known.topology = made
 
 
-class _MeshRecord:
-    """An evaluated mesh within one pose; after detach() without it."""
-
-    def __init__(self, mesh, may_change):
-        self._mesh = mesh
-        self.may_change = may_change
-        self.positions = compat.read_positions(mesh)
-        self.counts = (len(mesh.vertices), len(mesh.loops), len(mesh.polygons))
-        self._corners = None
-        self._triangle_corners = None
-        self._uv = None
-
-    def detach(self):
-        """Reads everything, so that the mesh may go."""
-        self.corners()
-        self.triangle_corners()
-        mesh, self._uv = self._mesh, {}
-        for layer in mesh.uv_layers:
-            self._uv[layer.name] = compat.read_uv(layer, self.counts[1])
-        self._active = mesh.uv_layers.active.name if mesh.uv_layers.active else ""
-        self._mesh = None
-
-    def corners(self):
-        if self._corners is None:
-            self._corners = compat.read_corner_vertices(self._mesh)
-        return self._corners
-
-    def triangle_corners(self):
-        """(T, 3) corner indices."""
-        if self._triangle_corners is None:
-            compat.ensure_triangles(self._mesh)
-            flat = np.empty(len(self._mesh.loop_triangles) * 3, dtype=np.int32)
-            self._mesh.loop_triangles.foreach_get("loops", flat)
-            self._triangle_corners = flat.reshape(-1, 3)
-        return self._triangle_corners
-
-    def uv(self, wanted, label, frame):
-        """(name, (L, 2) float32). Raises SceneError where there is none."""
-        if self._mesh is not None:
-            names = [layer.name for layer in self._mesh.uv_layers]
-            active = self._mesh.uv_layers.active
-            active = active.name if active else ""
-        else:
-            names, active = list(self._uv), self._active
-        name = choose_uv_map(wanted, names, active)
-        if name is None:
-            missing = f"has no UV map '{wanted}'" if wanted and names else "has no UV map"
-            raise SceneError(
-                f"'{label}' {missing} at frame {frame}: use 'Add Snow to Selected', which makes one, "
-                "or unwrap it without overlaps"
-            )
-        if self._mesh is None:
-            return name, self._uv[name]
-        return name, compat.read_uv(self._mesh.uv_layers[name], self.counts[1])
-
-
-def choose_uv_map(wanted, names, active):
-    """The UV map that a receiver uses: the one wanted, else ``snow``, else the active one, else None."""
-    if wanted:
-        return wanted if wanted in names else None
-    if "snow" in names:
-        return "snow"
-    return active or (names[0] if names else None)
+def _has_area(uv):
+    """Whether any of the triangles (T, 3, 2) has room on the map."""
+    edge, other = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    return bool((np.abs(edge[:, 0] * other[:, 1] - edge[:, 1] * other[:, 0]) > 1e-12).any())
 
 
 def _empty_pose(key, group):

@@ -2,15 +2,16 @@
 """Whether a finished bake still belongs to the scene: what changed since, in words.
 
 settings_changes() is quick enough for a panel that redraws. scene_changes() reads the meshes once, as a
-check does, and knows what the viewport's evaluation can tell: where things are, and the shape of what no
-modifier changes. All the rest, at every frame, is compared by resuming the finished bake.
+check does, and knows what the viewport's evaluation can tell: where things are, the alpha images of their
+materials, and the shape of what no modifier changes. All the rest, at every frame, is compared by resuming
+the finished bake.
 """
 
 from pathlib import Path
 
 import bpy
 
-from . import bake_operators, bake_plan, bake_request, cache, scene_inputs, scene_reader
+from . import bake_operators, bake_plan, bake_request, cache, mesh_record, scene_inputs, scene_reader
 
 # Manifest's path -> (time of its last change, manifest).
 _manifests = {}
@@ -87,7 +88,7 @@ def _receiver_changes(entry, before):
     if obj.type == "MESH":
         names = [layer.name for layer in obj.data.uv_layers]
         active = obj.data.uv_layers.active
-        uv_map = scene_reader.choose_uv_map(entry.uv_map, names, active.name if active else "")
+        uv_map = mesh_record.choose_uv_map(entry.uv_map, names, active.name if active else "")
         if uv_map != before["uv_map"]:
             yield f"{obj.name}: UV map '{uv_map}', was '{before['uv_map']}'"
 
@@ -114,14 +115,10 @@ def scene_changes(scene, depsgraph):
         if obj is None and " / " not in label:
             texts.append(f"{label}: removed")
         elif obj is not None and now is not None:
-            same_everywhere = obj.type == "MESH" and not obj.modifiers
-            parts = slice(None) if same_everywhere else slice(1)
-            text = scene_inputs.difference(_padded(recorded[label][parts]), _padded(now.prints[parts]))
+            before, after = list(recorded[label]), list(now.prints)
+            if obj.type != "MESH" or obj.modifiers:
+                before[1:3] = after[1:3] = ("", "")
+            text = scene_inputs.difference(before, after)
             if text:
                 texts.append(f"{label}: {text} at frame {scene.frame_current}")
     return texts
-
-
-def _padded(prints):
-    """Three prints; what is not compared is the same."""
-    return [*prints, *("",) * (3 - len(prints))]

@@ -364,18 +364,6 @@ def test_a_receiver_that_the_render_does_not_show_is_named(tmp_path):
     refused("'Ground' is on the list of receivers, but the render does not show it")
 
 
-def test_a_receiver_whose_topology_changes_is_named_with_the_frame(tmp_path):
-    ground = s.square("Ground")
-    s.receive(ground)
-    modifier = ground.modifiers.new("Subdivision", "SUBSURF")
-    modifier.subdivision_type = "SIMPLE"
-    for frame, levels in ((2, 0), (3, 1)):
-        modifier.render_levels = levels
-        modifier.keyframe_insert("render_levels", frame=frame)
-    s.settings(tmp_path)
-    refused("'Ground' has other vertices, faces or UVs at frame 3")
-
-
 def test_an_unwritable_cache_leaves_nothing_behind(tmp_path):
     (tmp_path / "file").write_text("no folder")
     s.receive(s.square("Ground"))

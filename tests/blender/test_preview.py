@@ -90,3 +90,59 @@ def test_without_anything_to_snow_on_it_says_so(ground):
     bpy.context.scene.snowbough.receivers[0].enabled = False
     with pytest.raises(RuntimeError, match="nothing for snow to lie on"):
         bpy.ops.snowbough.toggle_preview()
+
+
+def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, tmp_path, monkeypatch):
+    """The same grid, the same objects, the same map and blur, from one function."""
+    real, made = addon("native").load(), []
+
+    class Recorded(real.SnowSimulation):
+        def __init__(self, **settings):
+            super().__init__(**settings)
+            made.append((settings["pixel_size"], []))
+
+        def add_object(self, name, triangles, uv, **options):
+            super().add_object(name, triangles, uv, **options)
+            made[-1][1].append((name, triangles.tolist(), uv.tolist(), options["resolution"], options["receive"],
+                                options["blur_radius"], options["alpha"]))  # fmt: skip
+
+    class Native:
+        SnowSimulation = Recorded
+
+        def __getattr__(self, name):
+            return getattr(real, name)
+
+    monkeypatch.setattr(addon("native"), "load", Native)
+    bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0, 0, 2))
+    snow = bpy.context.scene.snowbough
+    snow.receivers[0].resolution = addon("preview").RESOLUTION
+    snow.cache_directory = str(tmp_path)
+    bpy.ops.snowbough.bake()
+    bpy.context.scene.frame_set(1)
+    bpy.ops.snowbough.toggle_preview()
+    bpy.ops.snowbough.toggle_preview()
+    assert len(made) == 2 and len(made[0][1]) == 2
+    assert made[0] == made[1]
+
+
+def test_snow_stays_when_the_mesh_gets_finer(ground):
+    modifier = ground.modifiers.new("Subdivision", "SUBSURF")
+    modifier.subdivision_type = "SIMPLE"
+    for frame, levels in ((1, 0), (4, 2)):
+        modifier.levels = levels
+        modifier.keyframe_insert("levels", frame=frame)
+    bpy.context.scene.frame_set(1)
+    bpy.ops.snowbough.toggle_preview()
+    play(2, 6)
+    assert shown_height() == pytest.approx(0.05, rel=0.02)
+
+
+def test_where_things_are_is_known_after_the_shots_end_too(addon, ground):
+    bpy.context.scene.frame_set(10)
+    bpy.ops.snowbough.toggle_preview()
+    for frame, scale in ((12, 2.0), (13, 3.0)):
+        ground.scale = (scale, scale, scale)
+        bpy.context.scene.frame_set(frame)
+    running = addon("preview")._running
+    (key,) = running.receivers
+    assert running.simulation.texel_area(key).sum() == pytest.approx(36.0, rel=1e-3)

@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a scene's poses become a simulation: its grid, and its objects as they come and change. No ``bpy``.
+
+The bake and the live preview both go this way.
+"""
+
+import numpy as np
+
+from . import bake_plan
+from .bake_request import TopologyChanged
+
+
+def pixel_size(pose, texel_sizes, wanted=0.0):
+    """Edge of an occlusion pixel in metres: `wanted`, or where that is 0 what suits the receivers' texel
+    sizes and the extent of a scene_reader.ScenePose."""
+    if wanted:
+        return wanted
+    filled = [obj.positions for obj in pose.objects.values() if len(obj.positions)]
+    low = np.min([positions.min(axis=0) for positions in filled], axis=0).tolist()
+    high = np.max([positions.max(axis=0) for positions in filled], axis=0).tolist()
+    return bake_plan.automatic_pixel_size(texel_sizes, low, high)
+
+
+class Registry:
+    """The objects that a native SnowSimulation has.
+
+    maps: {key: (resolution, sigma of the blur in metres)} of the receivers that it keeps a map of; all else
+    only shelters them.
+    """
+
+    def __init__(self, simulation, maps):
+        self._simulation = simulation
+        self._maps = maps
+        self._known = set()
+
+    def take(self, added):
+        """Adds the objects of {key: scene_tracker.Registration}, or gives those that are there their new
+        mesh. A receiver's snow stays where it lies on its map.
+
+        Raises TopologyChanged, naming object and frame, for a new mesh that its map cannot carry.
+        """
+        for key, registration in added.items():
+            topology = registration.topology
+            resolution, blur_radius = self._maps.get(key, (bake_plan.MIN_RESOLUTION, None))
+            receives = key in self._maps
+            arguments = (
+                key,
+                topology.triangles,
+                topology.corner_uv if receives else np.zeros((len(topology.triangles), 3, 2), np.float32),
+            )
+            options = {
+                "resolution": resolution,
+                "receive": receives,
+                "rest": registration.positions if receives else None,
+                "blur_radius": blur_radius,
+                "alpha": topology.alpha.argument() if topology.alpha else None,
+            }
+            if key not in self._known:
+                self._simulation.add_object(*arguments, **options)
+                self._known.add(key)
+                continue
+            try:
+                self._simulation.replace_object(*arguments, **options)
+            except ValueError as error:
+                raise TopologyChanged(
+                    f"'{registration.label}' has other faces at frame {registration.pose} than before, and its "
+                    f"snow cannot go on there ({error}): apply the modifier that changes it, or take it off the "
+                    "list of receivers"
+                ) from error
