@@ -9,7 +9,18 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_job, bake_lock, bake_request, cache, compat, displacement, native, scene_reader
+from . import (
+    bake_engine,
+    bake_job,
+    bake_lock,
+    bake_request,
+    cache,
+    compat,
+    displacement,
+    native,
+    scene_reader,
+    simulations,
+)
 
 # How the last bake in this Blender went, for the panel: (severity, text).
 last_outcome = ("INFO", "")
@@ -97,7 +108,9 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
 
 
 def make_session(scene, request, on_frame=None):
-    """A Session for bake_engine.run or start. Raises what make_request and native.load raise."""
+    """A Session for bake_engine.run or start. Raises what make_request and native.load raise, and
+    ValueError for a simulation that is not baked and would not move."""
+    simulations.require_cached(scene)
     job = bake_job.BakeJob(request, native.load())
     return bake_engine.Session(job, request.receivers, scene_reader.scale_length(scene), on_frame)
 

@@ -12,8 +12,8 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import bake_job, bake_lock, bake_operators, bake_plan, baked_receiver, cache, compat
-from . import displacement, material_alpha, mesh_record, native, receivers, scene_reader, stale, uv_overlap
+from . import bake_job, bake_lock, bake_operators, bake_plan, baked_receiver, cache, compat, displacement
+from . import material_alpha, mesh_record, native, receivers, scene_reader, simulations, stale, uv_overlap
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5
@@ -26,7 +26,7 @@ class Issue:
     text: str
     object_name: str = ""
     fix: str = ""
-    """UNWRAP, SHOW_IN_RENDER, SAVE or nothing."""
+    """UNWRAP, SHOW_IN_RENDER, SAVE, BAKE_SIMULATIONS or nothing."""
 
 
 def check(scene, depsgraph):
@@ -43,6 +43,7 @@ def check(scene, depsgraph):
             sizes.append(size)
     issues += _amounts(scene, [size for size in sizes if size])
     issues += _alpha(depsgraph)
+    issues += [Issue(*trouble) for trouble in simulations.troubles(scene)]
     for text in [*stale.settings_changes(scene), *stale.scene_changes(scene, depsgraph)]:
         issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
     order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
@@ -53,7 +54,7 @@ def warnings(scene, depsgraph):
     """The texts of what would be baked but would not look right."""
     enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
     issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
-    issues += _alpha(depsgraph)
+    issues += [*_alpha(depsgraph), *(Issue(*trouble) for trouble in simulations.troubles(scene))]
     return [issue.text for issue in issues if issue.severity == "WARNING"]
 
 
@@ -251,6 +252,9 @@ class SNOWBOUGH_OT_fix(bake_lock.NotWhileBaking, bpy.types.Operator):
     def execute(self, context):
         if self.kind == "SAVE":
             return bpy.ops.wm.save_as_mainfile("INVOKE_DEFAULT")
+        if self.kind == "BAKE_SIMULATIONS":
+            bpy.ops.ptcache.bake_all(bake=True)
+            return bpy.ops.snowbough.preflight()
         entries = [entry for entry in context.scene.snowbough.receivers if entry.object is not None]
         entry = next((entry for entry in entries if entry.object.name == self.object_name), None)
         if entry is None:
