@@ -9,18 +9,8 @@ from pathlib import Path
 
 import bpy
 
-from . import (
-    bake_engine,
-    bake_job,
-    bake_lock,
-    bake_request,
-    cache,
-    compat,
-    displacement,
-    native,
-    scene_reader,
-    simulations,
-)
+from . import bake_engine, bake_job, bake_lock, bake_request, cache, compat, displacement, native
+from . import scene_reader, simulations
 
 # How the last bake in this Blender went, for the panel: (severity, text).
 last_outcome = ("INFO", "")
