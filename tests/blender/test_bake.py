@@ -190,6 +190,22 @@ def test_linked_and_local_objects_of_one_name_get_folders_of_their_own(native, t
     assert all((folder / "height_0004.exr").is_file() for folder in folders)
 
 
+def test_a_library_override_receives_where_it_was_moved_to(native, tmp_path):
+    rock = s.square("Rock", 1.0)
+    bpy.data.libraries.write(str(tmp_path / "library.blend"), {rock})
+    bpy.data.objects.remove(rock)
+    with bpy.data.libraries.load(str(tmp_path / "library.blend"), link=True) as (_, linked):
+        linked.objects = ["Rock"]
+    bpy.context.scene.collection.objects.link(linked.objects[0])
+    override = linked.objects[0].override_create(remap_local_usages=True)
+    override.location.x = 5.0
+    s.square("Roof", 2.0, z=1.0)
+    s.receive(override)
+    s.settings(tmp_path / "cache")
+    s.bake()
+    assert s.open_ground(s.height(native, tmp_path / "cache", "Rock", 4)) == pytest.approx(0.1, rel=0.05)
+
+
 def test_a_curve_and_instances_shelter_what_is_below(native, tmp_path):
     s.receive(s.square("Ground", 4.0))
     bpy.ops.object.text_add(location=(-1.5, -1, 1))

@@ -7,8 +7,8 @@ import snowbough_native as native
 from snow_meshes import grid
 
 
-def simulation():
-    return native.SnowSimulation(pixel_size=0.01, max_depth=100.0)
+def simulation(**settings):
+    return native.SnowSimulation(pixel_size=0.01, max_depth=100.0, **settings)
 
 
 def mean(heights):
@@ -22,9 +22,10 @@ def without_right_half(mesh):
     return positions, triangles[left], uv[left]
 
 
-def test_a_receiver_keeps_its_snow_under_a_finer_mesh():
+@pytest.mark.parametrize("mapping", ["COMPUTE", "GEOMETRY"])
+def test_a_receiver_keeps_its_snow_under_a_finer_mesh(mapping):
     coarse, fine = grid(cells=1), grid(cells=8)
-    with simulation() as sim:
+    with simulation(mapping=mapping) as sim:
         sim.add_object("it", coarse[1], coarse[2], resolution=64)
         sim.step({"it": coarse[0]}, 0.01)
         before = sim.height("it")
