@@ -41,6 +41,8 @@ class BakeJob:
         """Receiver's label -> folder, once the version is picked."""
         self._simulation = None
         self._registry = None
+        # Whether the simulation's state is that of the last frame reported.
+        self._between_frames = True
         self._tracker = SceneTracker()
         self._inputs_at = []
         # What the simulation has not been told yet.
@@ -331,6 +333,7 @@ class BakeJob:
         """Steps, maps and, where due, the checkpoint of one frame; in the worker's thread."""
         request, clock = self.request, time.perf_counter
         begun = clock()
+        self._between_frames = False
         for added, changed, direction, steps in work:
             self._registry.take(added)
             self._positions.update(changed)
@@ -367,6 +370,7 @@ class BakeJob:
         regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
         if regular and frame < request.frame_end:
             self._checkpoint(frame, settings, writer)
+        self._between_frames = True
         saving = clock() - saving
         result = FrameResult(frame, request.first, request.last, snowfall.totals[frame - request.frame_start],
                              volume, slid)  # fmt: skip
@@ -393,10 +397,11 @@ class BakeJob:
             )
 
     def _stop(self, settings, writer):
-        """Leaves a checkpoint at the last frame that is whole."""
+        """Leaves a checkpoint at the last frame that is whole. Where the simulation broke off in the middle of
+        a frame its state belongs to none, and the last regular checkpoint must do."""
         done = self.receivers[0].frames
         writer.flush()
-        if done and done[-1]["frame"] not in cache.checkpoints(self.receivers[0].folder):
+        if self._between_frames and done and done[-1]["frame"] not in cache.checkpoints(self.receivers[0].folder):
             self._checkpoint(done[-1]["frame"], settings, writer)
             writer.flush()
 

@@ -27,6 +27,8 @@ from .scene_inputs import fingerprint
 
 SNOW_UV = "snow"
 SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
+# How far beyond 0 to 1 UVs may lie; the native module has the same.
+UV_TOLERANCE = 1e-4
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 # These only move vertices: where an object has no others, its topology cannot change.
@@ -348,11 +350,11 @@ class SceneReader:
             offset += record.counts[0]
         triangles = np.ascontiguousarray(np.concatenate(triangles), dtype=np.int32)
         uv = np.ascontiguousarray(np.concatenate(uvs)) if receiver else np.empty((0, 3, 2), dtype=np.float32)
-        if receiver and known.topology is not None and not _has_area(uv):
+        if receiver and group.receiver.enabled and known.topology is not None and not _fits_map(uv):
             raise SceneError(
-                f"'{group.label}' has other faces at frame {frame} than before, and they have no place on its "
-                f"UV map '{known.uv_map}': apply the modifier that makes them, or take '{group.label}' off the "
-                "list of receivers"
+                f"'{group.label}' has other faces at frame {frame} than before, and they do not lie on its UV "
+                f"map '{known.uv_map}' from 0 to 1: apply the modifier that makes them, or take "
+                f"'{group.label}' off the list of receivers"
             )
         known.counts, known.flips = counts, flips
         known.corners = [record.corners() for record in records]
@@ -363,10 +365,11 @@ class SceneReader:
             known.topology = made
 
 
-def _has_area(uv):
-    """Whether any of the triangles (T, 3, 2) has room on the map."""
+def _fits_map(uv):
+    """Whether all of the triangles (T, 3, 2) lie on the map and at least one has room there."""
     edge, other = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
-    return bool((np.abs(edge[:, 0] * other[:, 1] - edge[:, 1] * other[:, 0]) > 1e-12).any())
+    has_area = np.abs(edge[:, 0] * other[:, 1] - edge[:, 1] * other[:, 0]) > 1e-12
+    return bool(has_area.any() and (uv >= -UV_TOLERANCE).all() and (uv <= 1.0 + UV_TOLERANCE).all())
 
 
 def _empty_pose(key, group):

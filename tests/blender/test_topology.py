@@ -210,4 +210,39 @@ def test_uvs_that_leave_the_map_are_named_with_the_frame(tmp_path):
     array.offset_u = 0.5
     keyed(array, "count", (2, 1), (3, 2))
     s.settings(tmp_path)
-    refused(r"'Ground' has other faces at frame 3 than before, and its snow cannot go on there.*[oO]utside")
+    refused(r"'Ground' has other faces at frame 3 than before, and they do not lie on its UV map 'snow' from 0 to 1")
+
+
+def test_faces_without_any_place_on_the_map_are_named_with_the_frame(tmp_path):
+    ground = grid("Ground", 2)
+    for corner in ground.data.uv_layers[0].data[:4]:
+        corner.uv = (0.5, 0.5)
+    s.receive(ground)
+    mask = ground.modifiers.new("Mask", "MASK")
+    ground.vertex_groups.new(name="First").add([0, 1, 3, 4], 1.0, "REPLACE")
+    mask.vertex_group = "First"
+    keyed(mask, "show_render", (1, False), (3, True))
+    s.settings(tmp_path)
+    refused("'Ground' has other faces at frame 3 than before, and they do not lie on its UV map")
+
+
+def test_a_failure_in_the_middle_of_a_frame_spoils_no_checkpoint(addon, tmp_path, monkeypatch):
+    s.receive(s.square("Ground"))
+    subdivided(s.square("Roof", 1.0, z=1.0), (2.9, 0), (3, 2))
+    s.settings(tmp_path / "cache", substeps=2)
+    registry = addon("simulation_scene").Registry
+    take, changes = registry.take, []
+
+    def take_once(self, added):
+        changes.extend([added] if added else [])
+        if len(changes) > 1:  # at frame 3: the snow of frame 2.5 has fallen by then
+            raise ValueError("no room")
+        take(self, added)
+
+    with monkeypatch.context() as broken:
+        broken.setattr(registry, "take", take_once)
+        refused("no room")
+    s.bake(resume=True)
+    bpy.context.scene.snowbough.cache_directory = str(tmp_path / "fresh")
+    s.bake()
+    assert s.files_of(tmp_path / "cache") == s.files_of(tmp_path / "fresh")
