@@ -6,6 +6,7 @@
 #include <optional>
 #include <set>
 
+#include "tree/loose_squares.h"
 #include "tree/squares.h"
 
 namespace snowbough::tree {
@@ -15,6 +16,20 @@ namespace {
 constexpr double kRowShare = 0.7;
 /// Share of groups with exactly one tube from which on a group counts as a branch.
 constexpr double kOneTubeShare = 0.8;
+/// A group with at least this many turns tells by itself whether its planes are shuffled; smaller
+/// ones are counted together.
+constexpr size_t kManyTurns = 200;
+/// With so many small groups each holds one limb, along which no turn goes back: fewer tell.
+constexpr int kManyGroups = 5;
+constexpr double kShuffledLimbs = 0.4;
+/// Share of shuffled planes that must stand squarely across the limbs that they were put together
+/// to.
+constexpr double kSquareShare = 0.55;
+/// Groups of fewer planes hold one limb, or too little to tell.
+constexpr size_t kManyPlanes = 20;
+/// Share of the links along limbs that join neighbours in the file, from which on its order does
+/// mean something.
+constexpr double kNeighbourShare = 0.3;
 /// A closed tube shorter than this many of its radii, unnamed, is a fruit.
 constexpr float kRoundest = 3.0f;
 
@@ -102,28 +117,86 @@ TreeForm form_of_tubes(const ObjScene& scene, const Parts& parts, const PartLabe
   return materials.size() >= 2 ? TreeForm::kMaterials : TreeForm::kMergedTubes;
 }
 
-/// Groups with rows of planes across limbs become wood; tells the form, if there are any.
-std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
-                                     const PartLabels& labels, const Shapes& shapes,
-                                     ClassifiedParts& result) {
+/// The planes of one label.
+struct PlaneGroup {
+  std::vector<int32_t> parts;
+  std::vector<int32_t> unread;
+  std::vector<CrossSection> sections;
+  Turns turns;
+  bool shuffled = false;
+};
+
+std::vector<PlaneGroup> plane_groups(const ObjScene& scene, const Parts& parts,
+                                     const PartLabels& labels, const Shapes& shapes) {
   std::vector<int32_t> planes;
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (shapes.shape[p] == Shape::kPlane || shapes.shape[p] == Shape::kTriangle)
       planes.push_back(p);
   }
-  const std::vector<std::vector<int32_t>> groups = parts_by_label(labels, planes);
+  std::vector<PlaneGroup> groups;
+  Turns small;
+  int small_groups = 0;
+  for (std::vector<int32_t>& members : parts_by_label(labels, planes)) {
+    PlaneGroup group;
+    group.parts = std::move(members);
+    group.sections = read_cross_sections(scene, parts, group.parts, group.unread);
+    if (group.sections.size() < 2) continue;
+    group.turns = count_turns(group.sections);
+    if (group.turns.all < kManyTurns) {
+      small += group.turns;
+      ++small_groups;
+    }
+    groups.push_back(std::move(group));
+  }
+  const bool small_shuffled =
+      small_groups >= kManyGroups ? small.shuffled(kShuffledLimbs) : small.shuffled();
+  for (PlaneGroup& group : groups) {
+    group.shuffled = group.turns.all < kManyTurns ? small_shuffled : group.turns.shuffled();
+  }
+  return groups;
+}
+
+std::vector<CrossSection> in_order(const std::vector<CrossSection>& sections) {
+  std::vector<CrossSection> ordered;
+  for (const size_t i : order_one_limb(sections)) ordered.push_back(sections[i]);
+  return ordered;
+}
+
+/// How many limbs the group's planes make, in their order or put in order; 0 where they are none.
+/// Takes the mark "shuffled" back from a group whose neighbours in the file are neighbours along
+/// the limbs too.
+size_t count_rows(PlaneGroup& group, bool named) {
+  if (group.shuffled) {
+    const std::vector<std::vector<size_t>> rows = chain_loose_sections(group.sections);
+    group.shuffled = group.sections.size() < kManyPlanes || neighbour_share(rows) < kNeighbourShare;
+    if (group.shuffled) {
+      const bool wood = named || (group.sections.size() < kManyPlanes
+                                      ? row_share(in_order(group.sections)) >= kRowShare
+                                      : square_share(group.sections, rows) >= kSquareShare);
+      return !wood ? 0
+                   : static_cast<size_t>(std::count_if(
+                         rows.begin(), rows.end(), [](const auto& row) { return row.size() > 1; }));
+    }
+  }
+  if (!named && row_share(group.sections) < kRowShare) return 0;
+  return chain_cross_sections(group.sections).size();
+}
+
+/// Groups with rows of planes across limbs become wood; tells the form, if there are any.
+std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
+                                     const PartLabels& labels, const Shapes& shapes,
+                                     ClassifiedParts& result) {
   size_t branches = 0;
   size_t rows = 0;
-  for (const std::vector<int32_t>& group : groups) {
-    std::vector<int32_t> unread;
-    const std::vector<CrossSection> sections = read_cross_sections(scene, parts, group, unread);
-    if (sections.size() < 2) continue;
-    const bool named = labels.meaning[group.front()] == NameMeaning::kWood;
-    if (!named && row_share(sections) < kRowShare) continue;
+  for (PlaneGroup& group : plane_groups(scene, parts, labels, shapes)) {
+    const bool named = labels.meaning[group.parts.front()] == NameMeaning::kWood;
+    const size_t found = count_rows(group, named);
+    if (found == 0) continue;
     ++branches;
-    rows += chain_cross_sections(sections).size();
-    for (const int32_t p : group) result.role[p] = PartRole::kCrossSection;
-    for (const int32_t p : unread) {
+    rows += found;
+    if (group.shuffled) result.shuffled_labels.push_back(labels.label[group.parts.front()]);
+    for (const int32_t p : group.parts) result.role[p] = PartRole::kCrossSection;
+    for (const int32_t p : group.unread) {
       result.role[p] = PartRole::kSkipped;
       result.skipped.emplace_back(p, "a loose triangle in a row of planes");
     }

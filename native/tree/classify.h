@@ -41,6 +41,9 @@ struct ClassifiedParts {
   /// The traced tubes, and per part the index of its tube or -1.
   std::vector<Limb> limbs;
   std::vector<int32_t> limb;
+  /// Labels (index into PartLabels::names, -1 for none) whose planes stand in an order that means
+  /// nothing, ascending.
+  std::vector<int32_t> shuffled_labels;
   /// Parts left out, each with the reason.
   std::vector<std::pair<int32_t, std::string>> skipped;
   int32_t foliage_count = 0;

@@ -20,6 +20,10 @@ struct TracedBranches {
   std::vector<char> reversible;
   /// Per branch: index into PartLabels::names or -1.
   std::vector<int32_t> label;
+  /// Planes stood in the file in an order that means nothing and were put in order by their places.
+  bool shuffled = false;
+  /// Of these, planes that faced no other and belong to no branch.
+  size_t lone_planes = 0;
 };
 
 /// Gathers tubes and rows of planes in the order of the file. Branches are named after their group

@@ -155,6 +155,15 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
     report_skipped(labels, classified.skipped, report);
 
     traced = trace_branches(scene, parts, labels, classified);
+    if (traced.shuffled) {
+      report.warnings.emplace_back(
+          "the squares stand in no order in the file; they were put together to branches by place "
+          "and direction");
+    }
+    if (traced.lone_planes > 0) {
+      report.skipped_parts.emplace_back(
+          "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
+    }
     if (traced.branches.empty()) {
       throw std::invalid_argument(
           path + ": holds no branches, " +
