@@ -2,66 +2,39 @@
 
 #include <algorithm>
 #include <bit>
+#include <functional>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
 namespace snowbough::tree {
 namespace {
 
-constexpr int kWordBits = 64;
 constexpr int kMaxGutter = 2;
 
-/// A set of heights, one bit each.
-using Words = std::vector<uint64_t>;
+/// Cells or heights from `begin` up to, not including, `end`.
+struct Run {
+  int begin = 0;
+  int end = 0;
+};
 
-/// keep(y) &= source(y + distance); beyond the end there is nothing free. Works upwards, so that
-/// both may be the same.
-void and_shifted(uint64_t* keep, const uint64_t* source, int count, int distance) {
-  const int whole = distance / kWordBits;
-  const int part = distance % kWordBits;
-  const int last = count - whole - 1;
-  if (part == 0) {
-    for (int i = 0; i <= last; ++i) {
-      keep[i] &= source[i + whole];
-    }
-  } else {
-    for (int i = 0; i < last; ++i) {
-      keep[i] &= (source[i + whole] >> part) | (source[i + whole + 1] << (kWordBits - part));
-    }
-    if (last >= 0) {
-      keep[last] &= source[count - 1] >> part;
-    }
-  }
-  std::fill(keep + std::max(last + 1, 0), keep + count, 0);
-}
-
-/// One bit a cell of the grid: set where a chart may lie. Column by column.
+/// The cells where a chart may lie: of every column of the grid the free runs, from the lowest on.
 class FreeCells {
  public:
   explicit FreeCells(int grid)
       : grid_(grid),
-        words_((grid + kWordBits - 1) / kWordBits),
         leaves_(static_cast<int>(std::bit_ceil(static_cast<unsigned>(grid)))),
-        bits_(static_cast<size_t>(grid) * words_, 0),
+        runs_(grid),
         longest_(2 * static_cast<size_t>(leaves_), 0) {
-    Words inner(words_, ~uint64_t{0});
-    inner.front() &= ~uint64_t{1};
-    for (int y = grid - 1; y < words_ * kWordBits; ++y) {
-      inner[y / kWordBits] &= ~(uint64_t{1} << (y % kWordBits));
-    }
     for (int x = 1; x + 1 < grid; ++x) {
-      std::copy(inner.begin(), inner.end(), &bits_[static_cast<size_t>(x) * words_]);
-      longest_[leaves_ + x] = grid - 2;
+      runs_[x].push_back({1, grid - 1});
     }
-    for (int node = leaves_ - 1; node > 0; --node) {
-      longest_[node] = std::max(longest_[2 * node], longest_[2 * node + 1]);
-    }
+    update(0, grid);
   }
 
-  int words() const { return words_; }
-  const uint64_t* column(int x) const { return &bits_[static_cast<size_t>(x) * words_]; }
+  const std::vector<Run>& column(int x) const { return runs_[x]; }
   int longest_run(int x) const { return longest_[leaves_ + x]; }
 
   /// First column from `x` on with a free run of `length` cells; the grid's width if there is none.
@@ -83,83 +56,68 @@ class FreeCells {
     return node - leaves_;
   }
 
-  /// Takes cells [begin, end) of a column.
+  /// Takes cells [begin, end) of a column; update must follow.
   void take(int x, int begin, int end) {
-    if (x < 0 || x >= grid_) {
+    if (x < 0 || x >= grid_ || begin >= end) {
       return;
     }
-    begin = std::max(begin, 0);
-    end = std::min(end, grid_);
-    uint64_t* column = &bits_[static_cast<size_t>(x) * words_];
-    for (int word = begin / kWordBits; word * kWordBits < end; ++word) {
-      const int low = std::max(begin - word * kWordBits, 0);
-      const int high = std::min(end - word * kWordBits, kWordBits);
-      const uint64_t mask =
-          high - low == kWordBits ? ~uint64_t{0} : ((uint64_t{1} << (high - low)) - 1) << low;
-      column[word] &= ~mask;
+    std::vector<Run>& runs = runs_[x];
+    const auto first = std::find_if(runs.begin(), runs.end(),
+                                    [begin](const Run& run) { return run.end > begin; });
+    const auto last =
+        std::find_if(first, runs.end(), [end](const Run& run) { return run.begin >= end; });
+    if (first == last) {
+      return;
     }
-    int node = leaves_ + x;
-    longest_[node] = find_longest_run(x);
-    for (node /= 2; node > 0; node /= 2) {
-      longest_[node] = std::max(longest_[2 * node], longest_[2 * node + 1]);
+    const Run below{first->begin, begin};
+    const Run above{end, (last - 1)->end};
+    auto at = runs.erase(first, last);
+    if (above.begin < above.end) {
+      at = runs.insert(at, above);
+    }
+    if (below.begin < below.end) {
+      runs.insert(at, below);
+    }
+  }
+
+  /// Renews what is known of the columns [from, to) after some of their cells were taken.
+  void update(int from, int to) {
+    from = std::max(from, 0);
+    to = std::min(to, grid_);
+    for (int x = from; x < to; ++x) {
+      int longest = 0;
+      for (const Run& run : runs_[x]) {
+        longest = std::max(longest, run.end - run.begin);
+      }
+      longest_[leaves_ + x] = longest;
+    }
+    int low = (leaves_ + from) / 2;
+    int high = (leaves_ + to - 1) / 2;
+    for (; low > 0; low /= 2, high /= 2) {
+      for (int node = low; node <= high; ++node) {
+        longest_[node] = std::max(longest_[2 * node], longest_[2 * node + 1]);
+      }
     }
   }
 
  private:
-  int find_longest_run(int x) const {
-    const uint64_t* column = this->column(x);
-    int best = 0;
-    int run = 0;
-    for (int i = 0; i < words_; ++i) {
-      uint64_t word = column[i];
-      if (word == 0 || word == ~uint64_t{0}) {
-        run = word == 0 ? 0 : run + kWordBits;
-        best = std::max(best, run);
-        continue;
-      }
-      int left = kWordBits;
-      while (left > 0) {
-        const int ones = std::min(std::countr_one(word), left);
-        run += ones;
-        best = std::max(best, run);
-        left -= ones;
-        if (left == 0) {
-          break;
-        }
-        run = 0;
-        word >>= ones;
-        const int zeros = std::min(std::countr_zero(word), left);
-        left -= zeros;
-        word = zeros == kWordBits ? 0 : word >> zeros;
-      }
-    }
-    return best;
-  }
-
   int grid_;
-  int words_;
   int leaves_;
-  std::vector<uint64_t> bits_;
+  std::vector<std::vector<Run>> runs_;
   /// Longest free run of every column, and in a tree above them the longest of each subtree: node i
   /// has children 2 i and 2 i + 1, column x is node leaves_ + x.
   std::vector<int> longest_;
 };
 
-/// Columns that are taken over the same heights.
-struct ColumnGroup {
-  int begin = 0;
-  int end = 0;
-  std::vector<int> columns;
-
-  int length() const { return end - begin; }
-};
-
-/// A shape in one of its orientations; its longest columns first, where it fails soonest.
+/// A shape in one of its orientations.
 struct Oriented {
   Placement placement;
   std::vector<int> begin;
   std::vector<int> end;
-  std::vector<ColumnGroup> groups;
+  /// Its columns, the longest first: where it fails soonest.
+  std::vector<int> columns;
+
+  int length(int column) const { return end[column] - begin[column]; }
 };
 
 Oriented orient(const PackShape& shape, bool columns_reversed, bool rows_reversed) {
@@ -177,17 +135,6 @@ Oriented orient(const PackShape& shape, bool columns_reversed, bool rows_reverse
     std::reverse(result.begin.begin(), result.begin.end());
     std::reverse(result.end.begin(), result.end.end());
   }
-  for (int j = 0; j < shape.width; ++j) {
-    const bool same =
-        j > 0 && result.begin[j] == result.begin[j - 1] && result.end[j] == result.end[j - 1];
-    if (!same) {
-      result.groups.push_back({result.begin[j], result.end[j], {}});
-    }
-    result.groups.back().columns.push_back(j);
-  }
-  std::stable_sort(
-      result.groups.begin(), result.groups.end(),
-      [](const ColumnGroup& a, const ColumnGroup& b) { return a.length() > b.length(); });
   return result;
 }
 
@@ -204,51 +151,63 @@ std::vector<Oriented> orientations(const PackShape& shape) {
       }
     }
   }
+  for (Oriented& shape_so : result) {
+    shape_so.columns.resize(shape.width);
+    std::iota(shape_so.columns.begin(), shape_so.columns.end(), 0);
+    std::sort(shape_so.columns.begin(), shape_so.columns.end(), [&shape_so](int a, int b) {
+      const int long_a = shape_so.length(a), long_b = shape_so.length(b);
+      return long_a != long_b ? long_a > long_b : a < b;
+    });
+  }
   return result;
 }
 
 /// Whether any column has no free run long enough for the shape; cheap, and mostly so.
 bool is_hopeless(const FreeCells& free, const Oriented& shape, int x) {
-  for (const ColumnGroup& group : shape.groups) {
-    for (const int j : group.columns) {
-      if (free.longest_run(x + j) < group.length()) {
-        return true;
-      }
+  for (const int j : shape.columns) {
+    if (free.longest_run(x + j) < shape.length(j)) {
+      return true;
     }
   }
   return false;
 }
 
-/// Lowest height at which the shape fits with its left column at x; -1 if there is none.
-int lowest_fit(const FreeCells& free, const Oriented& shape, int x, Words& feasible, Words& run) {
-  const int words = free.words();
-  feasible.assign(words, ~uint64_t{0});
-  run.resize(words);
-  for (const ColumnGroup& group : shape.groups) {
-    const uint64_t* first = free.column(x + group.columns.front());
-    std::copy(first, first + words, run.begin());
-    for (size_t i = 1; i < group.columns.size(); ++i) {
-      and_shifted(run.data(), free.column(x + group.columns[i]), words, 0);
+/// Finds the heights at which a shape fits.
+class HeightSearch {
+ public:
+  /// Lowest height at which the shape fits with its left column at x; -1 if there is none.
+  int lowest(const FreeCells& free, const Oriented& shape, int x) {
+    heights_.assign(1, {0, std::numeric_limits<int>::max()});
+    for (const int j : shape.columns) {
+      // A column that nothing was marked in still stands on a free cell.
+      const int length = std::max(shape.length(j), 1);
+      kept_.clear();
+      auto height = heights_.begin();
+      for (const Run& run : free.column(x + j)) {
+        const Run here{run.begin - shape.begin[j], run.end - shape.begin[j] - length + 1};
+        if (here.begin >= here.end) {
+          continue;
+        }
+        while (height != heights_.end() && height->end <= here.begin) {
+          ++height;
+        }
+        for (auto next = height; next != heights_.end() && next->begin < here.end; ++next) {
+          kept_.push_back({std::max(next->begin, here.begin), std::min(next->end, here.end)});
+        }
+      }
+      std::swap(heights_, kept_);
+      if (heights_.empty()) {
+        return -1;
+      }
     }
-    // Heights from which a run of `covered` cells is free; doubled until it is the group's length.
-    int covered = 1;
-    while (covered < group.length()) {
-      const int step = std::min(covered, group.length() - covered);
-      and_shifted(run.data(), run.data(), words, step);
-      covered += step;
-    }
-    and_shifted(feasible.data(), run.data(), words, group.begin);
-    if (std::all_of(feasible.begin(), feasible.end(), [](uint64_t word) { return word == 0; })) {
-      return -1;
-    }
+    return heights_.front().begin;
   }
-  for (int i = 0; i < words; ++i) {
-    if (feasible[i] != 0) {
-      return i * kWordBits + std::countr_zero(feasible[i]);
-    }
-  }
-  return -1;
-}
+
+ private:
+  /// Runs of heights that are left, ascending.
+  std::vector<Run> heights_;
+  std::vector<Run> kept_;
+};
 
 void take_with_gutter(FreeCells& free, const Oriented& shape, int gutter) {
   const auto width = static_cast<int>(shape.begin.size());
@@ -262,6 +221,7 @@ void take_with_gutter(FreeCells& free, const Oriented& shape, int gutter) {
     free.take(shape.placement.x + j, shape.placement.y + begin - gutter,
               shape.placement.y + end + gutter);
   }
+  free.update(shape.placement.x - gutter, shape.placement.x + width + gutter);
 }
 
 }  // namespace
@@ -272,11 +232,10 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
   // taken with the widest.
   FreeCells clear_of_own(grid);
   FreeCells clear_of_widest(grid);
-  Words feasible;
-  Words run;
+  HeightSearch heights;
   // What did not fit left of some column never will, as room only dwindles: the next chart of the
   // same outline starts its search there.
-  std::map<std::tuple<int, std::vector<int>, std::vector<int>>, int> first_columns;
+  std::map<std::tuple<int, std::vector<int>, std::vector<int>>, int, std::less<>> first_columns;
   std::vector<Placement> placements(shapes.size());
   for (size_t i = 0; i < shapes.size(); ++i) {
     const PackShape& shape = shapes[i];
@@ -288,14 +247,15 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
     const Oriented* found = nullptr;
     int last_x = grid - 1 - shape.width;
     for (Oriented& candidate : candidates) {
-      const ColumnGroup& longest = candidate.groups.front();
-      const int offset = longest.columns.front();
-      int& first_x = first_columns.try_emplace({shape.gutter, candidate.begin, candidate.end}, 1)
-                         .first->second;
-      int x = free.next_column(first_x + offset, longest.length()) - offset;
-      for (; x <= last_x; x = free.next_column(x + 1 + offset, longest.length()) - offset) {
-        const int y =
-            is_hopeless(free, candidate, x) ? -1 : lowest_fit(free, candidate, x, feasible, run);
+      const int offset = candidate.columns.front();
+      const int longest = candidate.length(offset);
+      auto first = first_columns.find(std::tie(shape.gutter, candidate.begin, candidate.end));
+      if (first == first_columns.end()) {
+        first = first_columns.try_emplace({shape.gutter, candidate.begin, candidate.end}, 1).first;
+      }
+      int x = free.next_column(first->second + offset, longest) - offset;
+      for (; x <= last_x; x = free.next_column(x + 1 + offset, longest) - offset) {
+        const int y = is_hopeless(free, candidate, x) ? -1 : heights.lowest(free, candidate, x);
         if (y < 0) {
           continue;
         }
@@ -307,7 +267,7 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
         last_x = x;
         break;
       }
-      first_x = std::min(x, last_x);
+      first->second = std::min(x, last_x);
     }
     if (found == nullptr) {
       return std::nullopt;

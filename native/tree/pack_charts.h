@@ -30,8 +30,8 @@ struct Placement {
 /// charts stay as many cells apart, diagonals included, as the larger of their gutters; one cell
 /// stays free along the border.
 ///
-/// The map's free cells are one bit each, column by column: where a run of n cells is free follows
-/// from log2(n) shifts of a whole column, so that all heights are tried at once.
+/// Of every column of the map the free runs are kept: the heights at which a chart fits are the
+/// intersection of those at which each of its columns does.
 /// @return one placement a shape, or nothing if they do not all fit.
 std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& shapes, int grid);
 
