@@ -53,36 +53,50 @@ class NativeTree:
     report: dict
 
 
-def _build_meshes(module, skeleton, options, step):
-    """(the first mesh with all bones, [(lod, mesh with reduced bones), ...]); step(share 0..1) may raise.
+def _build_meshes(module, skeleton, options, progress):
+    """(the first mesh with all bones, [(lod, mesh with reduced bones), ...]).
 
-    The native module works outside Python's lock: the finest level of a chain takes as long as all
-    others together, which a second thread makes meanwhile.
+    progress(share 0..1) -> False stops: KeyboardInterrupt. The native module works outside Python's
+    lock: the finest level of a chain takes as long as all others together, which a second thread makes
+    meanwhile.
     """
+    lods = list(range(LOD_COUNT)) if options.lod_chain else [options.lod]
+    shares = dict.fromkeys(lods, 0.0)
+    stopped = threading.Event()
 
     def build(lod):
+        def step(share):
+            shares[lod] = share
+            return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
+
         whole = module.build_tree_mesh(
-            skeleton, options.width, options.species, lod=lod, snow_resolution=options.snow_resolution
+            skeleton, options.width, options.species, lod=lod, snow_resolution=options.snow_resolution,
+            progress=step,
         )
         reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
         return (whole if lod == lods[0] else None), (lod, reduced)
 
-    lods = list(range(LOD_COUNT)) if options.lod_chain else [options.lod]
     if len(lods) == 1:
         whole, mesh = build(lods[0])
-        step(1.0)
         return whole, [mesh]
     built = {}
     with ThreadPoolExecutor(2, "snowbough-lod") as workers:
         futures = {workers.submit(build, lod): lod for lod in reversed(lods)}
         try:
-            for number, future in enumerate(as_completed(futures)):
+            for future in as_completed(futures):
                 built[futures[future]] = future.result()
-                step((number + 1) / len(lods))
         except BaseException:
+            stopped.set()
             workers.shutdown(wait=True, cancel_futures=True)
             raise
     return built[lods[0]][0], [built[lod][1] for lod in lods]
+
+
+def _lay_out_leaves(module, skeleton, options):
+    """The leaves' UV map `snow`; None without leaves."""
+    if not len(skeleton.foliage.vertices):
+        return None
+    return module.layout_leaf_uvs(skeleton, options.snow_resolution)
 
 
 def read_native(path, options, progress=None):
@@ -98,9 +112,9 @@ def read_native(path, options, progress=None):
     module = native.load()
     started = time.perf_counter()
 
-    def step(share):
-        if progress is not None and progress(share) is False:
-            raise KeyboardInterrupt("cancelled")
+    def part(begin, end):
+        """Reports the shares of a stage as those of the whole."""
+        return lambda share: progress is None or progress(begin + (end - begin) * share)
 
     skeleton = module.read_tree(
         str(path),
@@ -109,25 +123,28 @@ def read_native(path, options, progress=None):
         simplify=options.simplify,
         tolerance=options.tolerance,
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
-        progress=None if progress is None else lambda share: progress(0.5 * share),
+        progress=part(0.0, 0.4),
     )
     if not skeleton.branches:
         raise ValueError(f"{path} holds no branches: there is no tree to import")
-    step(0.5)
-    whole, meshes = _build_meshes(module, skeleton, options, lambda share: step(0.5 + 0.4 * share))
+    # The leaves' charts need the skeleton alone: a second thread lays them out beside the mesh.
+    with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
+        leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options)
+        whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
+        leaf_layout = leaf_charts.result()
     warnings = list(whole.warnings)
-    leaf_bones = leaf_layout = None
-    if len(skeleton.foliage.vertices):
+    leaf_bones = None
+    if leaf_layout is not None:
         bone_map = meshes[0][1].bone_map
         leaf_bones = module.leaf_bones(skeleton, whole)
         leaf_bones = leaf_bones if bone_map is None else bone_map[leaf_bones]
-        leaf_layout = module.layout_leaf_uvs(skeleton, options.snow_resolution)
         if leaf_layout["resolution"] > options.snow_resolution:
             warnings.append(
                 f"the leaves' snow UV map needs a resolution of {leaf_layout['resolution']}, "
                 f"not {options.snow_resolution}"
             )
-    step(1.0)
+    if part(0.95, 1.0)(1.0) is False:
+        raise KeyboardInterrupt("cancelled")
 
     report = dict(skeleton.report)
     report["file"] = path.name

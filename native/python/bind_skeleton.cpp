@@ -1,4 +1,3 @@
-#include <pybind11/functional.h>
 #include <pybind11/stl.h>
 
 #include <cstring>
@@ -9,6 +8,7 @@
 
 #include "bindings.h"
 #include "numpy_arrays.h"
+#include "python_progress.h"
 #include "tree/progress.h"
 #include "tree/read_tree.h"
 #include "tree/skeleton.h"
@@ -56,40 +56,6 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   if (options.foliage && text != "AUTO") options.foliage_names = text;
 }
 
-/// Calls Python's progress(share) with the GIL; a false return or a pending Ctrl-C stops the work.
-/// What Python raised is kept and raised again once the C++ work has unwound.
-class PythonProgress {
- public:
-  explicit PythonProgress(py::object callback) : callback_(std::move(callback)) {}
-
-  bool operator()(float share) {
-    py::gil_scoped_acquire gil;
-    if (PyErr_CheckSignals() != 0) {
-      raised_ = std::make_unique<py::error_already_set>();
-      return false;
-    }
-    if (callback_.is_none()) return true;
-    try {
-      const py::object answer = callback_(share);
-      return answer.is_none() || py::cast<bool>(py::bool_(answer));
-    } catch (py::error_already_set& error) {
-      raised_ = std::make_unique<py::error_already_set>(error);
-      return false;
-    }
-  }
-
-  /// To be called with the GIL when the work ended with Cancelled.
-  [[noreturn]] void raise() {
-    if (raised_) throw py::error_already_set(*raised_);
-    PyErr_SetString(PyExc_KeyboardInterrupt, "cancelled");
-    throw py::error_already_set();
-  }
-
- private:
-  py::object callback_;
-  std::unique_ptr<py::error_already_set> raised_;
-};
-
 Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
                    const std::string& simplify, float tolerance, const py::object& foliage,
                    const py::object& progress) {
@@ -101,20 +67,10 @@ Skeleton read_tree(const py::object& path, const std::string& up_axis, const std
   set_foliage(foliage, options);
   // os.fsdecode takes str, bytes and pathlib.Path.
   const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
-  PythonProgress python_progress(progress);
-  options.progress = [&](float share) { return python_progress(share); };
-  bool cancelled = false;
-  Skeleton skeleton;
-  {
-    py::gil_scoped_release release;
-    try {
-      skeleton = tree::read_tree(file, options);
-    } catch (const tree::Cancelled&) {
-      cancelled = true;
-    }
-  }
-  if (cancelled) python_progress.raise();
-  return skeleton;
+  return run_cancellable(progress, [&](const tree::Progress& asked) {
+    options.progress = asked;
+    return tree::read_tree(file, options);
+  });
 }
 
 std::vector<float> floats_from(const py::handle& object, const std::string& what) {

@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "numpy_arrays.h"
+#include "python_progress.h"
 #include "tree/bones.h"
 #include "tree/bones_reduce.h"
 #include "tree/build_tree_mesh.h"
@@ -141,7 +142,8 @@ void bind_mesh_functions(py::module_& module) {
   module.def(
       "build_tree_mesh",
       [](const Skeleton& skeleton, const std::string& width, const std::string& species, int lod,
-         bool close_root, bool close_tips, int snow_resolution, int max_influences) {
+         bool close_root, bool close_tips, int snow_resolution, int max_influences, int threads,
+         const py::object& progress) {
         TreeMeshOptions options;
         options.width.mode = choose<WidthMode>(
             "width", width, {{"ORIGINAL", WidthMode::kOriginal}, {"INVERSE", WidthMode::kInverse}});
@@ -153,16 +155,23 @@ void bind_mesh_functions(py::module_& module) {
         options.close_tips = close_tips;
         options.snow_resolution = snow_resolution;
         options.max_influences = max_influences;
-        py::gil_scoped_release release;
-        auto bound = std::make_unique<BoundMesh>();
-        bound->mesh = build_tree_mesh(skeleton, options, &bound->report);
-        return bound;
+        options.threads = threads;
+        return run_cancellable(progress, [&](const Progress& asked) {
+          options.progress = asked;
+          auto bound = std::make_unique<BoundMesh>();
+          bound->mesh = build_tree_mesh(skeleton, options, &bound->report);
+          return bound;
+        });
       },
       py::arg("skeleton"), py::arg("width") = "ORIGINAL", py::arg("species") = "BROADLEAF",
       py::arg("lod") = 0, py::arg("close_root") = true, py::arg("close_tips") = true,
       py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4,
+      py::arg("threads") = 0, py::arg("progress") = py::none(),
       "Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.\n\n"
-      "width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4.\n"
+      "width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4;\n"
+      "threads: 0 = one a core; the mesh does not depend on them.\n"
+      "progress(share) is called now and then; a return of False (not None) cancels with\n"
+      "KeyboardInterrupt.\n"
       "Raises ValueError for options out of range.");
 
   module.def(

@@ -1,11 +1,13 @@
 #include "tree/build_tree_mesh.h"
 
 #include <algorithm>
+#include <future>
 #include <stdexcept>
 #include <string>
 
 #include "tree/bones.h"
 #include "tree/lod.h"
+#include "tree/parallel.h"
 #include "tree/snow_uvs.h"
 #include "tree/surface.h"
 #include "tree/surface_bark_uvs.h"
@@ -15,6 +17,18 @@
 
 namespace snowbough::tree {
 namespace {
+
+/// Share of the time until the surface stands and until its charts are laid out.
+constexpr float kSurfaceDone = 0.5f;
+constexpr float kChartsDone = 0.9f;
+
+/// What follows from the surface, whatever its charts.
+struct FromSurface {
+  VertexWeights weights;
+  Bones bones;
+  std::vector<QuadUv> uv_bark;
+  MeshCheck check;
+};
 
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
@@ -27,6 +41,7 @@ void check_options(const TreeMeshOptions& options) {
   check_range("lod", options.lod, 0, 4);
   check_range("snow_resolution", options.snow_resolution, 64, 16384);
   check_range("max_influences", options.max_influences, 1, 4);
+  check_range("threads", options.threads, 0, 1024);
 }
 
 /// "a, b, c and 5 more"
@@ -79,29 +94,48 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options,
                          BuildReport* report) {
   check_options(options);
+  const Execution execution{options.threads, options.progress};
+  report_progress(execution.progress, 0.0f);
   const SurfaceScale scale = surface_scale(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
   const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
 
   const SurfaceOptions surface_options{options.close_root, options.close_tips};
-  const UncrossedSurface uncrossed =
-      build_uncrossed_surface(skeleton, paths, scale, surface_options);
+  const UncrossedSurface uncrossed = build_uncrossed_surface(
+      skeleton, paths, scale, surface_options, execution.part(0.0f, kSurfaceDone));
   const Surface& surface = uncrossed.surface;
 
   TreeMesh mesh = to_mesh(skeleton, uncrossed);
-  Armature armature = make_bones(skeleton, paths, scale);
-  VertexWeights weights = make_weights(surface, paths, armature, options.max_influences);
-  mesh.bone_indices = std::move(weights.indices);
-  mesh.bone_weights = std::move(weights.weights);
-  mesh.bones = std::move(armature.bones);
-  mesh.uv_bark = layout_bark_uvs(surface);
-  layout_snow_uvs(mesh, skeleton, options.snow_resolution);
+  // Charts take as long as all that follows from the surface otherwise: both at once.
+  FromSurface rest;
+  const auto derive = [&] {
+    Armature armature = make_bones(skeleton, paths, scale);
+    rest.weights = make_weights(surface, paths, armature, options.max_influences);
+    rest.bones = std::move(armature.bones);
+    rest.uv_bark = layout_bark_uvs(surface);
+    if (report != nullptr) {
+      rest.check = check_mesh(mesh.vertices, mesh.quads);
+    }
+  };
+  std::future<void> derived = std::async(options.threads == 1
+                                             ? std::launch::deferred
+                                             : std::launch::async | std::launch::deferred,
+                                         derive);
+  layout_snow_uvs(mesh, skeleton, options.snow_resolution,
+                  execution.part(kSurfaceDone, kChartsDone));
+  derived.get();
+  mesh.bone_indices = std::move(rest.weights.indices);
+  mesh.bone_weights = std::move(rest.weights.weights);
+  mesh.bones = std::move(rest.bones);
+  mesh.uv_bark = std::move(rest.uv_bark);
+  report_progress(execution.progress, kChartsDone);
+  subdivide(mesh, surface, options.lod, options.max_influences);
+  report_progress(execution.progress, 1.0f);
   if (report != nullptr) {
-    report->check = check_mesh(mesh.vertices, mesh.quads);
+    report->check = std::move(rest.check);
     report->junctions = static_cast<int32_t>(surface.junctions.size());
     report->crossing_junctions = static_cast<int32_t>(uncrossed.crossing.size());
   }
-  subdivide(mesh, surface, options.lod, options.max_influences);
   return mesh;
 }
 

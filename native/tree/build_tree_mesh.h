@@ -4,6 +4,7 @@
 
 #include "tree/bones_reduce.h"
 #include "tree/mesh_check.h"
+#include "tree/progress.h"
 #include "tree/skeleton.h"
 #include "tree/tree_mesh.h"
 #include "tree/width.h"
@@ -20,6 +21,10 @@ struct TreeMeshOptions {
   int snow_resolution = 1024;
   /// Most bones a vertex follows, 1 to 4.
   int max_influences = 4;
+  /// Threads that may share the work, the calling one included; 0 = one a core. The mesh does not
+  /// depend on it.
+  int threads = 0;
+  Progress progress = {};
 };
 
 /// What the finished mesh was checked for.
@@ -40,6 +45,7 @@ struct BuildReport {
 /// @throws std::invalid_argument for options out of range and for a skeleton that complete_skeleton
 /// would
 ///   refuse.
+/// @throws Cancelled when progress says stop.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options = {},

@@ -1,6 +1,7 @@
 #include "tree/foliage.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <map>
@@ -23,10 +24,13 @@ constexpr double kSecondShare = 0.6;
 /// Leaves of a shape that are looked at to find its petiole, and steps in which its length is
 /// looked for: first up to this many times the base's median distance, then around the best.
 constexpr size_t kPetioleSample = 96;
-constexpr int kPetioleSteps = 12;
+constexpr size_t kPetioleSteps = 12;
 constexpr double kLongestPetiole = 2.0;
 /// The prolonged bases must come this much nearer to wood for a petiole to be believed.
 constexpr double kPetioleGain = 0.5;
+/// Leaves that a thread takes at a time, of the sample and of all.
+constexpr size_t kSampleBlock = 32;
+constexpr size_t kLeafBlock = 1024;
 
 /// Faces and vertices of one leaf, as ranges of the foliage's.
 struct Leaf {
@@ -123,19 +127,22 @@ double median(std::vector<double> values) {
 }
 
 LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
-                   const std::vector<Leaf>& leaves, const std::vector<int32_t>& members) {
+                   const std::vector<Leaf>& leaves, const std::vector<int32_t>& members,
+                   int threads) {
   LeafBase base;
   if (members.size() < kFewLeaves) return base;
   std::vector<Leaf> sample;
   const size_t count = std::min(members.size(), kSampleSize);
   for (size_t i = 0; i < count; ++i) sample.push_back(leaves[members[i * members.size() / count]]);
 
+  std::vector<int32_t> nearest(sample.size(), 0);
+  parallel_blocks(sample.size(), kSampleBlock, {threads, {}}, [&](size_t begin, size_t end) {
+    for (size_t i = begin; i < end; ++i) {
+      nearest_vertex(segments, foliage, sample[i], nearest[i]);
+    }
+  });
   std::vector<double> votes(sample.front().vertex_count(), 0.0);
-  for (const Leaf& leaf : sample) {
-    int32_t vertex = 0;
-    nearest_vertex(segments, foliage, leaf, vertex);
-    votes[vertex] += 1.0;
-  }
+  for (const int32_t vertex : nearest) votes[vertex] += 1.0;
   const double most = *std::max_element(votes.begin(), votes.end());
   double together = 0.0;
   for (size_t v = 0; v < votes.size(); ++v) {
@@ -149,10 +156,10 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
   }
 
   const auto distance_with = [&](double petiole) {
-    std::vector<double> distances;
-    for (const Leaf& leaf : sample) {
-      const glm::vec3 foot = foot_of(foliage, leaf, base, petiole);
-      distances.push_back(segments.nearest(foot, 1, Measure::kSurface).cost);
+    std::vector<double> distances(sample.size());
+    for (size_t i = 0; i < sample.size(); ++i) {
+      const glm::vec3 foot = foot_of(foliage, sample[i], base, petiole);
+      distances[i] = segments.nearest(foot, 1, Measure::kSurface).cost;
     }
     return median(std::move(distances));
   };
@@ -166,17 +173,22 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
   double reach = centre;
   for (int round = 0; round < 3; ++round) {
     const double from = centre - reach;
-    for (int step = 1; step <= kPetioleSteps; ++step) {
-      const double petiole = from + 2.0 * reach * step / kPetioleSteps;
-      const double with = distance_with(petiole);
-      if (with < best) {
-        best = with;
-        base.petiole = petiole;
+    const auto petiole_of = [&](size_t step) {
+      return from + 2.0 * reach * static_cast<double>(step + 1) /
+             static_cast<double>(kPetioleSteps);
+    };
+    std::array<double, kPetioleSteps> with{};
+    parallel_blocks(kPetioleSteps, 1, {threads, {}},
+                    [&](size_t step, size_t) { with[step] = distance_with(petiole_of(step)); });
+    for (size_t step = 0; step < kPetioleSteps; ++step) {
+      if (with[step] < best) {
+        best = with[step];
+        base.petiole = petiole_of(step);
       }
     }
     if (base.petiole == 0.0) break;
     centre = base.petiole;
-    reach *= 2.0 / kPetioleSteps;
+    reach *= 2.0 / static_cast<double>(kPetioleSteps);
   }
   return base;
 }
@@ -226,7 +238,7 @@ Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
 }
 
 void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
-                   const Progress& progress) {
+                   const Execution& execution) {
   const SegmentTree segments(branches, std::vector<int32_t>(branches.size(), 0), 0.0f);
   const std::vector<Leaf> leaves = leaves_of(foliage);
   foliage.leaf_branch.assign(leaves.size(), -1);
@@ -236,23 +248,30 @@ void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
   for (size_t i = 0; i < leaves.size(); ++i) {
     shapes[shape_key(foliage, leaves[i])].push_back(static_cast<int32_t>(i));
   }
+  const auto share = [&](size_t done) {
+    return static_cast<float>(done) / static_cast<float>(std::max<size_t>(leaves.size(), 1));
+  };
   size_t done = 0;
   for (const auto& [key, members] : shapes) {
-    const LeafBase base = find_base(segments, foliage, leaves, members);
-    NearestSegment found{};
-    for (const int32_t i : members) {
-      if ((done++ & 0xfff) == 0) {
-        report_progress(progress, static_cast<float>(done) / static_cast<float>(leaves.size()));
+    report_progress(execution.progress, share(done));
+    const LeafBase base = find_base(segments, foliage, leaves, members, execution.threads);
+    const auto attach = [&, &of = members](size_t begin, size_t end) {
+      NearestSegment found{};
+      for (size_t m = begin; m < end; ++m) {
+        const int32_t i = of[m];
+        int32_t vertex = 0;
+        found = base.vertices.empty()
+                    ? nearest_vertex(segments, foliage, leaves[i], vertex)
+                    : nearest_from(segments, foot_of(foliage, leaves[i], base, base.petiole), found);
+        foliage.leaf_branch[i] = found.branch;
+        foliage.leaf_attach_point[i] = found.point;
       }
-      int32_t vertex = 0;
-      found = base.vertices.empty()
-                  ? nearest_vertex(segments, foliage, leaves[i], vertex)
-                  : nearest_from(segments, foot_of(foliage, leaves[i], base, base.petiole), found);
-      foliage.leaf_branch[i] = found.branch;
-      foliage.leaf_attach_point[i] = found.point;
-    }
+    };
+    parallel_blocks(members.size(), kLeafBlock,
+                    execution.part(share(done), share(done + members.size())), attach);
+    done += members.size();
   }
-  report_progress(progress, 1.0f);
+  report_progress(execution.progress, 1.0f);
 }
 
 }  // namespace snowbough::tree

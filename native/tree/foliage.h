@@ -7,7 +7,7 @@
 #include "tree/classify.h"
 #include "tree/obj_scene.h"
 #include "tree/parts.h"
-#include "tree/progress.h"
+#include "tree/parallel.h"
 #include "tree/skeleton.h"
 
 namespace snowbough::tree {
@@ -30,6 +30,6 @@ Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
 ///
 /// @param branches at least one; before any simplification.
 void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
-                   const Progress& progress = {});
+                   const Execution& execution = {});
 
 }  // namespace snowbough::tree

@@ -162,14 +162,18 @@ std::vector<Oriented> orientations(const PackShape& shape) {
   return result;
 }
 
-/// Whether any column has no free run long enough for the shape; cheap, and mostly so.
-bool is_hopeless(const FreeCells& free, const Oriented& shape, int x) {
-  for (const int j : shape.columns) {
-    if (free.longest_run(x + j) < shape.length(j)) {
-      return true;
+/// First place from `x` on where every column of the shape has a free run long enough: all other
+/// places are passed over without a look. Past the grid's end if there is none.
+int next_place(const FreeCells& free, const Oriented& shape, int x, int last_x) {
+  for (size_t i = 0; i < shape.columns.size() && x <= last_x; ++i) {
+    const int j = shape.columns[i];
+    const int next = free.next_column(x + j, shape.length(j)) - j;
+    if (next != x) {
+      x = next;
+      i = static_cast<size_t>(-1);
     }
   }
-  return false;
+  return x;
 }
 
 /// Finds the heights at which a shape fits.
@@ -247,15 +251,13 @@ std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& 
     const Oriented* found = nullptr;
     int last_x = grid - 1 - shape.width;
     for (Oriented& candidate : candidates) {
-      const int offset = candidate.columns.front();
-      const int longest = candidate.length(offset);
       auto first = first_columns.find(std::tie(shape.gutter, candidate.begin, candidate.end));
       if (first == first_columns.end()) {
         first = first_columns.try_emplace({shape.gutter, candidate.begin, candidate.end}, 1).first;
       }
-      int x = free.next_column(first->second + offset, longest) - offset;
-      for (; x <= last_x; x = free.next_column(x + 1 + offset, longest) - offset) {
-        const int y = is_hopeless(free, candidate, x) ? -1 : heights.lowest(free, candidate, x);
+      int x = next_place(free, candidate, first->second, last_x);
+      for (; x <= last_x; x = next_place(free, candidate, x + 1, last_x)) {
+        const int y = heights.lowest(free, candidate, x);
         if (y < 0) {
           continue;
         }

@@ -14,6 +14,7 @@
 #include "tree/loose_faces.h"
 #include "tree/mtl_reader.h"
 #include "tree/obj_reader.h"
+#include "tree/parallel.h"
 #include "tree/part_names.h"
 #include "tree/parts.h"
 #include "tree/up_axis.h"
@@ -201,7 +202,8 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   for (size_t b = 1; b < skeleton.branches.size(); ++b) {
     if (skeleton.branches[b].parent < 0) report.extra_roots.push_back(skeleton.branches[b].name);
   }
-  attach_leaves(skeleton.branches, skeleton.foliage, part_of(options.progress, 0.85f, 0.98f));
+  attach_leaves(skeleton.branches, skeleton.foliage,
+                Execution{options.threads, options.progress}.part(0.85f, 0.98f));
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
   report_progress(options.progress, 1.0f);
   return skeleton;

@@ -27,6 +27,9 @@ struct ReadTreeOptions {
   std::string foliage_names = {};
   /// Bytes of the file read at a time.
   size_t buffer_size = size_t{1} << 20;
+  /// Threads that may share the work, the calling one included; 0 = one a core. The skeleton does
+  /// not depend on it.
+  int threads = 0;
   Progress progress = {};
 };
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tree/parallel.h"
 #include "tree/skeleton.h"
 #include "tree/tree_mesh.h"
 
@@ -27,8 +28,10 @@ namespace snowbough::tree {
 ///   such a map holds is laid out for the smallest power of two that does hold them, and a warning
 ///   says so: an import never fails for its UVs, and the artist reads which resolution the receiver
 ///   needs.
+/// @throws Cancelled when execution's progress says stop, before any UV is written.
 /// @throws std::invalid_argument if snow_resolution is out of range, if the origins contradict the
 ///   quads (naming branch, row and side), or if the charts fit on no map up to 16384.
-void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resolution);
+void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resolution,
+                     const Execution& execution = {});
 
 }  // namespace snowbough::tree

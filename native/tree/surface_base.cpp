@@ -61,27 +61,34 @@ Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
   return crossing;
 }
 
-/// Distance of a point from the parent's round hull; negative inside.
-double clearance(const LimbSurface& parent, const glm::dvec3& point) {
-  double best = 1e300;
+/// Whether a point lies more than `margin` outside the parent's round hull.
+bool clears(const LimbSurface& parent, const glm::dvec3& point, double margin) {
   for (size_t i = 0; i + 1 < parent.rings.size(); ++i) {
     const Ring& a = parent.rings[i];
     const Ring& b = parent.rings[i + 1];
     const glm::dvec3 ab = b.centre - a.centre;
+    const glm::dvec3 ap = point - a.centre;
     const double square = glm::dot(ab, ab);
-    const double t =
-        square > 0.0 ? std::clamp(glm::dot(point - a.centre, ab) / square, 0.0, 1.0) : 0.0;
-    best = std::min(
-        best, glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t));
+    // Further away than the segment is long and thick: the usual case on a long limb. The square of
+    // a sum of three is at most three times the sum of the squares.
+    const double corner = std::max(a.corner, b.corner);
+    if (glm::dot(ap, ap) > 3.01 * (square + corner * corner + margin * margin)) {
+      continue;
+    }
+    const double t = square > 0.0 ? std::clamp(glm::dot(ap, ab) / square, 0.0, 1.0) : 0.0;
+    if (glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t) <=
+        margin) {
+      return false;
+    }
   }
-  return best;
+  return true;
 }
 
 /// Whether a ring stands clear: outside the parent, and the whole hole behind it.
 bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& centre,
                  const glm::dvec3& normal, double corner, double margin) {
   if (glm::dot(centre - hole.centre, hole.normal) <= margin ||
-      clearance(parent, centre) <= margin) {
+      !clears(parent, centre, margin)) {
     return false;
   }
   for (const glm::dvec3& p : hole.corners) {
@@ -93,7 +100,7 @@ bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& 
   for (int k = 0; k < 8; ++k) {
     const double angle = 0.25 * M_PI * k;
     const glm::dvec3 p = centre + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * corner;
-    if (clearance(parent, p) <= margin || glm::dot(p - hole.centre, hole.normal) <= margin) {
+    if (!clears(parent, p, margin) || glm::dot(p - hole.centre, hole.normal) <= margin) {
       return false;
     }
   }

@@ -269,12 +269,22 @@ def test_an_error_while_objects_are_made_leaves_nothing(addon, monkeypatch):
     assert "no room" in _refused(MAPLE)
 
 
-def test_stopping_the_native_part_makes_nothing(addon):
+@pytest.mark.parametrize("chain", [False, True])
+@pytest.mark.parametrize("until", [0.3, 0.5, 0.6, 0.8])  # while it reads, builds the surface, packs the charts
+def test_stopping_the_native_part_makes_nothing(addon, until, chain):
     import_tree = addon("import_tree")
     before = _data_names()
+    options = import_tree.ImportOptions(lod_chain=chain)
+    shares = []
+
+    def go_on(share):
+        shares.append(share)
+        return share < until
+
     with pytest.raises(KeyboardInterrupt):
-        import_tree.import_file(bpy.context, MAPLE, import_tree.ImportOptions(), lambda share: share < 0.3)
+        import_tree.import_file(bpy.context, MAPLE, options, go_on)
     assert _data_names() == before
+    assert shares[-1] < 0.95
 
 
 def test_long_and_foreign_file_names(tmp_path):

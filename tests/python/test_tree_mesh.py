@@ -1,5 +1,8 @@
 """The rebuilt tree as Python sees it: arrays, options, bones, and real exports where they are at hand."""
 
+import os
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -212,3 +215,68 @@ def test_a_finer_level_of_a_real_tree_has_the_same_seams_and_weights():
     assert np.abs(fine.uv_bark.reshape(-1, 4, 4, 2)[:, range(4), range(4)] - base.uv_bark).max() == 0
     check = native.check_mesh(fine.vertices, fine.quads)
     assert check["closed"] and check["zero_area_faces"] == 0
+
+
+def test_progress_of_the_mesh_runs_from_0_to_1():
+    shares = []
+    native.build_tree_mesh(small_tree(), progress=shares.append)
+    assert len(shares) > 5
+    assert shares == sorted(shares) and shares[0] == 0 and shares[-1] == 1
+
+
+@pytest.mark.parametrize("until", [0.1, 0.4, 0.6, 0.8])
+def test_progress_cancels_the_surface_and_the_charts(until):
+    shares = []
+
+    def go_on(share):
+        shares.append(share)
+        return share < until
+
+    with pytest.raises(KeyboardInterrupt):
+        native.build_tree_mesh(small_tree(), progress=go_on)
+    assert [share >= until for share in shares].count(True) == 1  # it asked no more after the answer
+
+
+def test_what_progress_raises_comes_through_the_mesh():
+    def stop(share):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        native.build_tree_mesh(small_tree(), progress=stop)
+
+
+INTERRUPTED_BUILD = """
+import os, signal, sys
+import snowbough_native
+
+skeleton = snowbough_native.read_tree(sys.argv[1])
+# Ctrl-C is pressed while the surface is under way.
+asked = []
+def press(share):
+    asked.append(share)
+    if len(asked) == 3:
+        os.kill(os.getpid(), signal.SIGINT)
+try:
+    snowbough_native.build_tree_mesh(skeleton, progress=press)
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", len(asked))
+"""
+
+
+def test_ctrl_c_ends_a_build():
+    maple = Path(__file__).resolve().parents[1] / "data" / "small_maple.obj"
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
+    run = subprocess.run([sys.executable, "-c", INTERRUPTED_BUILD, str(maple)], env=environment,
+                         text=True, capture_output=True, timeout=60)
+    assert run.returncode == 0, run.stderr
+    word, calls = run.stdout.split()
+    assert word == "interrupted" and int(calls) < 6
+
+
+def test_the_mesh_does_not_depend_on_threads():
+    one, three = (native.build_tree_mesh(small_tree(), threads=threads) for threads in (1, 3))
+    for name in ("vertices", "quads", "uv_bark", "uv_snow", "bone_indices", "bone_weights"):
+        assert np.array_equal(getattr(one, name), getattr(three, name)), name
+    with pytest.raises(ValueError, match="threads"):
+        native.build_tree_mesh(small_tree(), threads=-1)

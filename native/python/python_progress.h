@@ -1,0 +1,68 @@
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <memory>
+#include <optional>
+#include <utility>
+
+#include "tree/progress.h"
+
+namespace snowbough::python {
+
+namespace py = pybind11;
+
+/// Calls Python's progress(share) with the GIL; a false return or a pending Ctrl-C stops the work.
+/// What Python raised is kept and raised again once the C++ work has unwound.
+class PythonProgress {
+ public:
+  explicit PythonProgress(py::object callback) : callback_(std::move(callback)) {}
+
+  bool operator()(float share) {
+    py::gil_scoped_acquire gil;
+    if (PyErr_CheckSignals() != 0) {
+      raised_ = std::make_unique<py::error_already_set>();
+      return false;
+    }
+    if (callback_.is_none()) return true;
+    try {
+      const py::object answer = callback_(share);
+      return answer.is_none() || py::cast<bool>(py::bool_(answer));
+    } catch (py::error_already_set& error) {
+      raised_ = std::make_unique<py::error_already_set>(error);
+      return false;
+    }
+  }
+
+  /// To be called with the GIL when the work ended with Cancelled.
+  [[noreturn]] void raise() {
+    if (raised_) throw py::error_already_set(*raised_);
+    PyErr_SetString(PyExc_KeyboardInterrupt, "cancelled");
+    throw py::error_already_set();
+  }
+
+ private:
+  py::object callback_;
+  std::unique_ptr<py::error_already_set> raised_;
+};
+
+/// Runs work(tree::Progress) without the GIL and returns what it returns. Between its steps it asks
+/// Python's progress(share), or only whether Ctrl-C was pressed where that is None.
+template <typename Work>
+auto run_cancellable(const py::object& callback, const Work& work) {
+  PythonProgress progress(callback);
+  const tree::Progress asked = [&progress](float share) { return progress(share); };
+  std::optional<decltype(work(asked))> result;
+  {
+    py::gil_scoped_release release;
+    try {
+      result.emplace(work(asked));
+    } catch (const tree::Cancelled&) {
+      // Told below, with the GIL.
+    }
+  }
+  if (!result) progress.raise();
+  return std::move(*result);
+}
+
+}  // namespace snowbough::python
