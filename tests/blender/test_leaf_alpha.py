@@ -312,3 +312,26 @@ def test_what_cannot_be_followed_is_opaque_and_told_before(addon, native, tmp_pa
 def test_a_leaf_that_can_be_followed_gives_no_warning(addon, tmp_path):
     leaf_over_ground(tmp_path, material(image())[0])
     assert addon("preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get()) == []
+
+
+# -- an imported tree ---------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("there", [0.0, 1.0])
+def test_the_leaves_of_an_imported_tree_gather_by_their_texture(tmp_path, there):
+    import test_import  # its tree with one leaf
+
+    image(alpha=np.full((4, 4), there), path=tmp_path / "leaf.png")
+    path = test_import._leafy(tmp_path, "leaf.png")
+    bpy.ops.import_scene.xfrog_tree(filepath=str(path))
+    tree = {obj.name: obj for obj in bpy.data.objects}
+    tree["leafy_leaves"].rotation_euler.x = -0.8  # as the file has it, the leaf faces down
+    s.receive(tree["leafy_leaves"], tree["leafy_bark"], resolution=256)
+    s.settings(tmp_path / "cache", (1, 2), pixel_size=0.01)
+    s.bake()
+    volumes = {
+        name: json.loads((s.folder_of(tmp_path / "cache", name) / "object.json").read_text())["frames"][-1]["volume"]
+        for name in ("leafy_leaves", "leafy_bark")
+    }
+    assert volumes["leafy_bark"] > 0
+    assert (volumes["leafy_leaves"] > 0) == (there == 1.0)
