@@ -2,19 +2,27 @@
 # Runs tests/blender in Debian sid's Blender (5.2 LTS with Python 3.14) on any Debian machine.
 #
 #   tools/blender_sid.sh REPORT.xml [pytest arguments]
+#   tools/blender_sid.sh --run COMMAND...           runs a command in there instead, in the checkout, which is
+#                                                   /snowbough; SNOWBOUGH_TEST_ZIP names the add-on's zip
 #
 # Makes a Debian sid folder with debootstrap in build/blender-sid (kept, about 4 GB), builds the native
 # module in there in a folder of its own (build/sid) and runs the tests. The mirror is the one that this
 # machine's apt uses. Needs root, for debootstrap and chroot; all mounts live in a private mount namespace
 # and end with this script. What cannot be had is reported as a skip.
 set -euo pipefail
-report="$(realpath -m "$1")"
+run=
+if [ "$1" = --run ]; then
+  run=yes
+else
+  report="$(realpath -m "$1")"
+fi
 shift
 cd "$(dirname "$0")/.."
 sid="$PWD/build/blender-sid"
 
 skip() {
   echo "blender 5.2: skipped: $1"
+  [ -z "$run" ] || exit 1
   /usr/bin/python3 tools/skip_report.py "$report" "Blender 5.2" "$1"
   exit 0
 }
@@ -23,7 +31,7 @@ skip() {
 if [ "${SNOWBOUGH_OWN_MOUNTS:-}" != yes ]; then
   [ "$(id -u)" -eq 0 ] || skip "debootstrap and chroot need root"
   unshare --mount true 2>/dev/null || skip "this machine does not allow mounts"
-  SNOWBOUGH_OWN_MOUNTS=yes exec unshare --mount --propagation private "$0" "$report" "$@"
+  SNOWBOUGH_OWN_MOUNTS=yes exec unshare --mount --propagation private "$0" "${run:+--run}${report:-}" "$@"
 fi
 
 if ! command -v debootstrap >/dev/null; then
@@ -89,6 +97,10 @@ in_sid cmake -S /snowbough -B /snowbough/build/sid/release -G Ninja -DCMAKE_BUIL
 in_sid cmake --build /snowbough/build/sid/release
 in_sid /snowbough/tools/package.sh build/sid/python build/sid/snowbough.zip
 mkdir -p build/sid
+if [ -n "$run" ]; then
+  in_sid SNOWBOUGH_TEST_ZIP=/snowbough/build/sid/snowbough.zip /usr/bin/env -C /snowbough "$@"
+  exit
+fi
 in_sid /usr/bin/python3 /snowbough/tests/blender/run.py --blender /usr/bin/blender \
   --zip /snowbough/build/sid/snowbough.zip --junitxml /snowbough/build/sid/blender.xml "$@" || status=$?
 [ ! -e build/sid/blender.xml ] || mv build/sid/blender.xml "$report"

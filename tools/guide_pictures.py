@@ -10,11 +10,12 @@ shot               three frames of the demo, as they lie in build/demo
 lod                a piece of it at the four levels of detail
 viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
 scene_properties   the Scene properties there
+panels             the sidebar in all its states, as tests/ui/panel_states.py left it in build/panels
+panels_newest      the same in Debian sid's Blender
 
 Without names all of them. Every picture is a PNG of less than 150 KB.
 """
 
-import subprocess
 import sys
 import tempfile
 import time
@@ -163,9 +164,8 @@ def lod():
 
 def with_window(work):
     """Calls work(window) on a Blender window with the add-on installed."""
-    made = subprocess.run([ROOT / "tools" / "package.sh"], check=True, stdout=subprocess.PIPE, text=True).stdout
     with tempfile.TemporaryDirectory(prefix="snowbough-guide-") as folder:
-        window = ui.BlenderWindow(folder, ROOT / made.strip())
+        window = ui.BlenderWindow(folder, ui.addon_zip())
         try:
             return work(window)
         finally:
@@ -200,12 +200,35 @@ def scene_properties():
     return with_window(work)
 
 
+def panels():
+    return panel_states(0)
+
+
+def panels_newest():
+    return panel_states(-1)
+
+
+def panel_states(which):
+    made = sorted((ROOT / "build" / "panels").glob("*/sidebars.png"))
+    if len(made) < 2:
+        raise SystemExit("build/panels does not hold two versions: tests/ui/panel_states.py says how to make them")
+    return Image.open(made[which])
+
+
 def cropped(window, name, area):
     x, y, width, height = area
     return window.screenshot(name).crop((x, ui.HEIGHT - y - height, x + width, ui.HEIGHT - y))
 
 
-PICTURES = {"tree": tree, "shot": shot, "lod": lod, "viewport": viewport, "scene_properties": scene_properties}
+PICTURES = {
+    "tree": tree,
+    "shot": shot,
+    "lod": lod,
+    "viewport": viewport,
+    "scene_properties": scene_properties,
+    "panels": panels,
+    "panels_newest": panels_newest,
+}
 
 if __name__ == "__main__":
     IMAGES.mkdir(parents=True, exist_ok=True)

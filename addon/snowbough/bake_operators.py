@@ -12,6 +12,8 @@ import bpy
 from . import bake_engine, bake_job, bake_lock, bake_request, cache, compat, displacement, native
 from . import scene_reader, simulations
 
+POPUP_LETTERS = 80
+
 # How the last bake in this Blender went, for the panel: (severity, text).
 last_outcome = ("INFO", "")
 
@@ -154,6 +156,13 @@ def after_bake(scene, running):
 
 
 @bpy.app.handlers.persistent
+def _forget_outcome(*_):
+    """How a bake of another file went is no news here."""
+    global last_outcome
+    last_outcome = ("INFO", "")
+
+
+@bpy.app.handlers.persistent
 def heal_folders(*_):
     """After Save As elsewhere the image paths are remapped by Blender, our folders beside the .blend are
     not: finds them again in the cache that the last bake wrote to."""
@@ -180,20 +189,28 @@ def _finished_in_window(running):
     if severity == "ERROR":
 
         def draw(self, _context):
-            for part in wrapped(text):
+            for part in wrapped(text, lambda line: len(line) <= POPUP_LETTERS):
                 self.layout.label(text=part)
 
         bpy.context.window_manager.popup_menu(draw, title="Snowbough", icon="ERROR")
 
 
-def wrapped(text, width=80):
-    """The lines of a text that panels and pop-ups show; they do not wrap by themselves."""
+def wrapped(text, fits):
+    """The lines of a text that panels and pop-ups show, which do not wrap by themselves.
+
+    fits(line) says whether a line has room; a word that has none even by itself is broken, as paths have to be.
+    """
     line = ""
     for word in text.split():
-        if len(line) + len(word) > width:
+        longer = f"{line} {word}".strip()
+        if line and not fits(longer):
             yield line
-            line = ""
-        line = f"{line} {word}".strip()
+            longer = word
+        while not fits(longer):
+            length = next((length for length in range(len(longer) - 1, 1, -1) if fits(longer[:length])), 1)
+            yield longer[:length]
+            longer = longer[length:]
+        line = longer
     yield line
 
 
@@ -303,11 +320,13 @@ def register():
         bpy.utils.register_class(cls)
     for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_post):
         handlers.append(heal_folders)
+    bpy.app.handlers.load_pre.append(_forget_outcome)
 
 
 def unregister():
     for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_post):
         if heal_folders in handlers:
             handlers.remove(heal_folders)
+    bpy.app.handlers.load_pre.remove(_forget_outcome)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -341,4 +341,4 @@ def draw_progress(layout, fraction, text):
     if hasattr(layout, "progress"):
         layout.progress(factor=fraction, text=text)
     else:
-        layout.label(text=text)
+        layout.label(text=text, icon="BLANK1")

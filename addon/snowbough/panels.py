@@ -7,6 +7,7 @@ Panels only read; what takes time is done by operators, which leave their result
 
 import time
 
+import blf
 import bpy
 
 from . import (
@@ -70,14 +71,24 @@ def _has_unfinished(root):
     return False
 
 
-# Pixels that a line of text loses to icon and margins, those of a button beside it, and of a letter.
-MARGIN, BUTTON, LETTER = 62, 50, 6.1
+# Pixels that a line of text loses to its icon, the margins of panel and box, and a scroll bar; to the tabs of
+# a sidebar; and to a button beside it.
+MARGIN, TABS, BUTTON = 71, 20, 48
+FEWEST_LETTERS = 12
+UI_FONT = 0
 
 
 def draw_text(column, context, text, icon, taken=0):
     """A text in as many lines as the region's width asks for; taken: pixels that something else needs."""
-    width = context.region.width / context.preferences.system.ui_scale
-    for index, line in enumerate(bake_operators.wrapped(text, max(16, int((width - MARGIN - taken) / LETTER)))):
+    preferences, region = context.preferences, context.region
+    scale = preferences.system.ui_scale
+    room = region.width - scale * (MARGIN + taken + (TABS if region.type == "UI" else 0))
+    blf.size(UI_FONT, preferences.ui_styles[0].widget.points * scale)
+
+    def fits(line):
+        return len(line) <= FEWEST_LETTERS or blf.dimensions(UI_FONT, line)[0] <= room
+
+    for index, line in enumerate(bake_operators.wrapped(text, fits)):
         column.label(text=line, icon=icon if index == 0 else "BLANK1")
 
 
@@ -89,19 +100,23 @@ def draw_bake(layout, context):
     if running is not None:
         where, _, left = running.status().partition(", ")
         column.label(text=where.capitalize(), icon="RENDER_ANIMATION")
-        compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}, {left}" if left else "")
+        if left:
+            compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}, {left}")
         column.operator("snowbough.stop_bake", icon="CANCEL")
         draw_text(column, context, "Editing is locked. Esc stops, too", "LOCKED")
         return
     state, unfinished = state_of(scene), _resumable(scene)
     changes = stale.settings_changes(scene) if state == "BAKED" else []
     buttons = column.column(align=True)
-    row = buttons.row(align=True)
-    row.scale_y = 1.3
-    row.operator("snowbough.bake", text="Bake Again" if state == "BAKED" else "Bake Snow", icon="FREEZE").resume = False
+    main = buttons.row(align=True)
+    main.scale_y = 1.3
     if state != "EMPTY" and unfinished:
-        buttons.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
-    elif state == "BAKED":
+        main.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
+        buttons.operator("snowbough.bake", text="Bake from the Start", icon="FREEZE").resume = False
+    else:
+        again = state == "BAKED"
+        main.operator("snowbough.bake", text="Bake Again" if again else "Bake Snow", icon="FREEZE").resume = False
+    if state == "BAKED" and not unfinished:
         buttons.operator("snowbough.bake", text="Compare with Scene", icon="VIEWZOOM").resume = True
     if state == "BAKED" or unfinished:
         buttons.operator("snowbough.free_bake", icon="TRASH")
@@ -128,7 +143,9 @@ def draw_issues(layout, context):
         row = layout.row()
         draw_text(row.column(align=True), context, issue.text, ICONS[issue.severity], BUTTON if issue.fix else 0)
         if issue.fix:
-            fix = row.operator("snowbough.fix", text="Fix")
+            button = row.row()
+            button.alignment = "RIGHT"
+            fix = button.operator("snowbough.fix", text="Fix")
             fix.kind, fix.object_name = issue.fix, issue.object_name
 
 
@@ -142,8 +159,11 @@ def draw_result(layout, context):
     if not column.enabled:
         layout.label(text="Bake first", icon="INFO")
     if not compat.eevee_displaces():
-        text = "EEVEE of this Blender shows material displacement as bumps only"
+        text = "EEVEE of this Blender shows Cycles Displacement as bumps only"
         draw_text(layout.column(align=True), context, text, "INFO")
+
+
+MODE_NAMES = {mode[0]: mode[1] for mode in displacement.MODES} | {"NONE": "Material Only"}
 
 
 class SNOWBOUGH_UL_receivers(bpy.types.UIList):
@@ -212,7 +232,11 @@ def draw_receiver(layout, entry):
         column.prop_search(entry, "uv_map", entry.object.data, "uv_layers", icon="GROUP_UVS")
         mode = displacement.mode_of(entry)
         if mode:
-            column.label(text=f"Shown with: {mode.lower()}", icon="MATERIAL")
+            split = column.split(factor=0.4)
+            name = split.row()
+            name.alignment = "RIGHT"
+            name.label(text="Shown With")
+            split.label(text=MODE_NAMES[mode], icon="MATERIAL")
     if entry.folder:
         column.prop(entry, "folder", text="Baked Files")
 
@@ -302,13 +326,27 @@ class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
         if len(settings.receivers):
             split = column.column(align=True)
             split.use_property_split = True
+            split.use_property_decorate = False
             for name in ("end_depth", "fall_angle", "bearing"):
                 split.prop(settings, name)
             running = preview.is_running()
             column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
         draw_bake(layout, context)
-        if state_of(context.scene) == "BAKED":
-            draw_result(layout, context)
+
+
+class SNOWBOUGH_PT_sidebar_result(bpy.types.Panel):
+    bl_label = "Result"
+    bl_parent_id = "SNOWBOUGH_PT_sidebar"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Snowbough"
+
+    @classmethod
+    def poll(cls, context):
+        return state_of(context.scene) == "BAKED"
+
+    def draw(self, context):
+        draw_result(self.layout, context)
 
 
 class SNOWBOUGH_PT_tree(bpy.types.Panel):
@@ -360,6 +398,7 @@ CLASSES = (
     SNOWBOUGH_PT_preflight,
     SNOWBOUGH_PT_result,
     SNOWBOUGH_PT_sidebar,
+    SNOWBOUGH_PT_sidebar_result,
     SNOWBOUGH_PT_tree,
     SNOWBOUGH_PT_object,
 )

@@ -272,15 +272,23 @@ class SNOWBOUGH_OT_fix(bake_lock.NotWhileBaking, bpy.types.Operator):
         return bpy.ops.snowbough.preflight()
 
 
+@bpy.app.handlers.persistent
+def _forget(*_):
+    """What was found in another file is no news here."""
+    found.clear()
+
+
 CLASSES = (SNOWBOUGH_OT_preflight, SNOWBOUGH_OT_fix)
 
 
 def register():
     for cls in CLASSES:
         bpy.utils.register_class(cls)
+    bpy.app.handlers.load_pre.append(_forget)
 
 
 def unregister():
     found.clear()
+    bpy.app.handlers.load_pre.remove(_forget)
     for cls in reversed(CLASSES):
         bpy.utils.unregister_class(cls)

@@ -1,25 +1,23 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """One Blender window for all the tests of this folder; each starts from the default scene."""
 
-import subprocess
 import sys
 from pathlib import Path
 
 import pytest
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from window import ROOT, BlenderWindow  # noqa: E402
+import window as ui  # noqa: E402
 
 
 @pytest.fixture(scope="session")
 def addon_zip():
-    made = subprocess.run([ROOT / "tools" / "package.sh"], check=True, stdout=subprocess.PIPE, text=True)
-    return ROOT / made.stdout.strip()
+    return ui.addon_zip()
 
 
 @pytest.fixture(scope="session")
 def blender(addon_zip, tmp_path_factory):
-    window = BlenderWindow(tmp_path_factory.mktemp("ui"), addon_zip)
+    window = ui.BlenderWindow(tmp_path_factory.mktemp("ui"), addon_zip)
     yield window
     window.close()
 

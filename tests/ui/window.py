@@ -262,6 +262,15 @@ result = [region.x, region.y, region.width, region.height]
         self.log.close()
 
 
+def addon_zip():
+    """The add-on's zip: the one that SNOWBOUGH_TEST_ZIP names, else made from the checkout."""
+    given = os.environ.get("SNOWBOUGH_TEST_ZIP")
+    if given:
+        return Path(given)
+    made = subprocess.run([ROOT / "tools" / "package.sh"], check=True, stdout=subprocess.PIPE, text=True)
+    return ROOT / made.stdout.strip()
+
+
 def start_screen():
     """Starts Xvfb on a free display; returns the process and the display's name."""
     reading, writing = os.pipe()
