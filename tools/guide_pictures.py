@@ -212,7 +212,8 @@ def panel_states(which):
     made = sorted((ROOT / "build" / "panels").glob("*/sidebars.png"))
     if len(made) < 2:
         raise SystemExit("build/panels does not hold two versions: tests/ui/panel_states.py says how to make them")
-    return Image.open(made[which])
+    image = Image.open(made[which])
+    return image.resize((1400, round(1400 * image.height / image.width)), Image.LANCZOS)
 
 
 def cropped(window, name, area):

@@ -192,18 +192,30 @@ result = [region.x, region.y, region.width, region.height]
         The pointer goes down the sidebar; over a button Ctrl+C copies the call that it makes.
         """
         x, top, width, height = self.sidebar()
-        self.run("bpy.context.window_manager.clipboard = ''\nresult = True")
+        passed = []
+        self.clear_clipboard()
         for y in range(top + 8, top + height, 9):
             # Two buttons may stand side by side.
             for share in (0.25, 0.7):
-                at = (x + width * share, y)
-                self.move(*at)
-                time.sleep(0.12)
-                self.key("ctrl+c")
-                time.sleep(0.08)
-                if f"bpy.ops.{operator}(" in self.run("result = bpy.context.window_manager.clipboard"):
-                    return at
+                passed.append((x + width * share, y))
+                if self._is_over(operator, passed[-1], 0.1):
+                    # On a busy machine the copy may be that of the place before.
+                    for at in reversed(passed[-4:]):
+                        self.clear_clipboard()
+                        if self._is_over(operator, at, 0.5):
+                            return at
         return None
+
+    def clear_clipboard(self):
+        self.run("bpy.context.window_manager.clipboard = ''\nresult = True")
+
+    def _is_over(self, operator, at, pause):
+        """Whether a button for the operator is there; pause: seconds that Blender is given to see the pointer."""
+        self.move(*at)
+        time.sleep(pause)
+        self.key("ctrl+c")
+        time.sleep(pause)
+        return f"bpy.ops.{operator}(" in self.run("result = bpy.context.window_manager.clipboard")
 
     def press_button(self, operator):
         at = self.find_button(operator)
