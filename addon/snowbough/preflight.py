@@ -59,29 +59,32 @@ def warnings(scene, depsgraph):
 
 
 def _alpha(depsgraph):
-    """Materials whose alpha snow cannot follow, once each."""
-    told = {}
+    """Materials whose alpha snow cannot follow, and objects that lack the UVs for one that it can."""
+    alphas, seen, issues = {}, set(), []
     for instance in depsgraph.object_instances:
         obj = instance.object
         if obj.type != "MESH" or obj.original.hide_render or not obj.original.snowbough.occlude:
             continue
-        if obj.original.snowbough.is_shell:
+        pointers = (obj.original.as_pointer(), obj.data.as_pointer())
+        if obj.original.snowbough.is_shell or pointers in seen:
             continue
+        seen.add(pointers)
         for material in mesh_record.materials_of(obj, obj.data):
             if material is None:
                 continue
             known = (material.name, scene_reader.library_path(material))
             try:
-                alpha = material_alpha.of_material(material) if known not in told else None
-                told.setdefault(known, None)
+                if known not in alphas:
+                    alphas[known] = None  # a material that cannot be followed is told of once
+                    alphas[known] = material_alpha.of_material(material)
+                alpha = alphas[known]
                 if alpha is not None and mesh_record.alpha_uv_map(alpha, obj.data) is None:
                     wanted = f" '{alpha.uv_map}'" if alpha.uv_map else ""
                     raise material_alpha.UnknownAlpha(f"'{obj.name}' has no UV map{wanted}")
             except material_alpha.UnknownAlpha as error:
-                told[known] = Issue(
-                    "WARNING", f"Snow takes the material '{material.name}' for opaque: {error}", obj.name
-                )
-    return [issue for issue in told.values() if issue is not None]
+                text = f"Snow takes the material '{material.name}' for opaque: {error}"
+                issues.append(Issue("WARNING", text, obj.name))
+    return issues
 
 
 def _environment():

@@ -309,6 +309,18 @@ def test_what_cannot_be_followed_is_opaque_and_told_before(addon, native, tmp_pa
     assert is_full_shadow(bake_ground(native, tmp_path))
 
 
+def test_each_object_without_uvs_for_the_image_is_named(addon, native, tmp_path):
+    made, _, _ = material(image())
+    leaf_over_ground(tmp_path, made)
+    for name in ("Bare", "Bald"):
+        card = s.square(name, 0.2, z=0.25)
+        card.data.uv_layers.remove(card.data.uv_layers[0])
+        card.data.materials.append(made)
+    texts = addon("preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    assert [name in text for name, text in zip(("Bare", "Bald"), texts)] == [True, True] and len(texts) == 2
+    assert s.texel(bake_ground(native, tmp_path), 0.5, 0.5) == 0
+
+
 def test_a_leaf_that_can_be_followed_gives_no_warning(addon, tmp_path):
     leaf_over_ground(tmp_path, material(image())[0])
     assert addon("preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get()) == []
