@@ -1,0 +1,176 @@
+// The objects of a simulation: how they come in, change and move.
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "snow/simulation.h"
+
+namespace snowbough::snow {
+namespace {
+
+[[noreturn]] void refuse(const std::string& message) {
+  throw std::invalid_argument(message);
+}
+
+/// Puts the equal mask among `known` in the place of this one, or adds it to them.
+void share(std::shared_ptr<const AlphaMask>& mask,
+           std::vector<std::weak_ptr<const AlphaMask>>& known) {
+  std::erase_if(known, [](const auto& one) { return one.expired(); });
+  for (const std::weak_ptr<const AlphaMask>& one : known) {
+    const std::shared_ptr<const AlphaMask> other = one.lock();
+    if (*other == *mask) {
+      mask = other;
+      return;
+    }
+  }
+  known.push_back(mask);
+}
+
+/// A map with the texels that the table does not own at zero.
+std::vector<float> only_owned(const TexelTable& table, const std::vector<float>& height) {
+  std::vector<float> kept(height.size(), 0.0f);
+  for (const int32_t texel : table.texel) {
+    kept[static_cast<size_t>(texel)] = height[static_cast<size_t>(texel)];
+  }
+  return kept;
+}
+
+}  // namespace
+
+SceneObject SnowSimulation::make_object(ObjectDescription description) {
+  MapTopology& topology = description.topology;
+  int32_t highest = -1;
+  for (const int32_t index : topology.triangles) {
+    if (index < 0) {
+      refuse("object '" + description.name + "': a triangle has the vertex index " +
+             std::to_string(index));
+    }
+    highest = std::max(highest, index);
+  }
+  topology.vertex_count = highest + 1;
+  if (!description.rest.empty() && static_cast<int32_t>(description.rest.size()) <= highest) {
+    refuse("object '" + description.name + "': rest has " +
+           std::to_string(description.rest.size()) + " vertices, a triangle asks for number " +
+           std::to_string(highest));
+  }
+  SceneObject object;
+  try {
+    if (!description.alpha.empty()) {
+      check_alpha(description.alpha, topology.triangles.size() / 3);
+    }
+    if (description.receive) {
+      object.table = build_texel_table(topology);
+    }
+  } catch (const std::invalid_argument& error) {
+    refuse("object '" + description.name + "': " + error.what());
+  }
+  for (std::shared_ptr<const AlphaMask>& mask : description.alpha.masks) {
+    share(mask, masks_);
+  }
+  object.description = std::move(description);
+  return object;
+}
+
+void SnowSimulation::set_state_aside() {
+  if (scene_is_current_) {
+    pending_state_ = read_state();
+    scene_is_current_ = false;
+  }
+}
+
+void SnowSimulation::add_object(ObjectDescription description) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  if (objects_.contains(description.name)) {
+    refuse("there is already an object named '" + description.name + "'");
+  }
+  std::string name = description.name;
+  SceneObject object = make_object(std::move(description));
+  set_state_aside();
+  objects_.emplace(std::move(name), std::move(object));
+}
+
+void SnowSimulation::replace_object(ObjectDescription description) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  const auto found = objects_.find(description.name);
+  if (found == objects_.end()) {
+    refuse("there is no object named '" + description.name + "' to replace: add_object it first");
+  }
+  const ObjectDescription& before = found->second.description;
+  if (before.receive != description.receive) {
+    refuse("object '" + description.name + "' must go on " +
+           (before.receive ? "as a receiver" : "without a map") + " when it is replaced");
+  }
+  if (before.receive && before.topology.resolution != description.topology.resolution) {
+    refuse("object '" + description.name + "' must keep its map of " +
+           std::to_string(before.topology.resolution) + " texels a side when it is replaced");
+  }
+  SceneObject object = make_object(std::move(description));
+  set_state_aside();
+  for (ObjectState& saved : pending_state_.objects) {
+    if (saved.name == found->first) {
+      saved.height = only_owned(object.table, saved.height);
+    }
+  }
+  outputs_.erase(found->first);
+  found->second = std::move(object);
+}
+
+void SnowSimulation::take_positions(const PositionMap& positions) {
+  // Everything is checked before anything changes.
+  for (const auto& [name, points] : positions) {
+    const auto found = objects_.find(name);
+    if (found == objects_.end()) {
+      refuse("step: there is no object named '" + name + "': add_object it first");
+    }
+    const SceneObject& object = found->second;
+    const auto needed = static_cast<size_t>(object.description.topology.vertex_count);
+    if (object.positions.empty() ? points.size() < needed
+                                 : points.size() != object.positions.size()) {
+      refuse("step: object '" + name + "' comes with " + std::to_string(points.size()) +
+             " vertices, it has " +
+             std::to_string(object.positions.empty() ? needed : object.positions.size()) +
+             ": its topology must stay as it was added");
+    }
+    for (const glm::vec3& point : points) {
+      if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
+        refuse("step: object '" + name + "' has a vertex that is not a finite number");
+      }
+    }
+  }
+  for (const auto& [name, object] : objects_) {
+    if (object.positions.empty() && !positions.contains(name) &&
+        object.description.topology.vertex_count > 0) {
+      refuse("step: object '" + name + "' has no positions yet: name it in its first step");
+    }
+  }
+  for (const auto& [name, points] : positions) {
+    SceneObject& object = objects_.at(name);
+    if (object.positions.size() == points.size() &&
+        std::memcmp(object.positions.data(), points.data(), points.size_bytes()) == 0) {
+      continue;
+    }
+    if (object.description.receive && object.description.rest.empty()) {
+      object.description.rest.assign(points.begin(), points.end());
+    }
+    object.positions.assign(points.begin(), points.end());
+    object.moved = true;
+    // Only vertices in use count: stray ones would widen the grid.
+    glm::vec3 low(1e30f);
+    glm::vec3 high(-1e30f);
+    for (const int32_t index : object.description.topology.triangles) {
+      const glm::vec3& point = object.positions[static_cast<size_t>(index)];
+      low = {std::min(low.x, point.x), std::min(low.y, point.y), std::min(low.z, point.z)};
+      high = {std::max(high.x, point.x), std::max(high.y, point.y), std::max(high.z, point.z)};
+    }
+    object.bounds = Bounds{};
+    if (low.x <= high.x) {
+      object.bounds.include(glm::dvec3(low));
+      object.bounds.include(glm::dvec3(high));
+    }
+  }
+}
+
+}  // namespace snowbough::snow
