@@ -6,6 +6,7 @@
 // DEPOSIT_MAP: the deposit lies on a map of its own.
 // EARLIER_TILES: shares of further tiles wait in DepositShare.
 #include "snow_shared.h"
+#include "texel_place.h"
 #ifdef LAST_TILE
 #include "texel_share.h"
 #endif
@@ -43,7 +44,9 @@ float staying_part(float t) {
 
 float settle(float height, float deposit, float capacity) {
   if (height >= capacity) {
-    return max(0.0, capacity + (height - capacity) * exp2(-dt / half_life) +
+    // What goes is taken from the height, not what stays added to the capacity: beside a capacity of
+    // metres past vertical a float would round the height away.
+    return max(0.0, height - (height - capacity) * (1.0 - exp2(-dt / half_life)) +
                         deposit * staying_part(dt));
   }
   if (height + deposit <= capacity) {
@@ -83,7 +86,6 @@ void main() {
   // An invocation takes every 64th texel of the work group's, so that no barrier is needed.
   const int begin = int(gl_WorkGroupID.x * kTexelGroup + gl_LocalInvocationID.x);
   const int resolution = imageSize(height_map).x;
-  const uint map_texels = uint(resolution * resolution);
   vec4 sum = vec4(0.0);
   for (uint i = 0u; i < kTexelGroup; i += gl_WorkGroupSize.x) {
     const int index = begin + int(i);
@@ -93,9 +95,7 @@ void main() {
     }
     const float area = texelFetch(texel_surface, index).w;
     const float capacity = max_depth * texelFetch(texel_up, index).x;
-    const uint in_map = texel.y % map_texels;
-    const ivec3 at = ivec3(in_map % uint(resolution), in_map / uint(resolution),
-                           texel.y / map_texels);
+    const ivec3 at = decoded_place(texel.y, resolution);
 #ifdef DEPOSIT_MAP
     const bool saturated = false;
     const float deposit = texelFetch(deposit_map, at, 0).x;

@@ -266,8 +266,15 @@ TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
 
 TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
   gpu::GpuThread::shared()->run([] {
-    const auto settle = [](float height, float deposit, float dt, float max_depth) {
-      Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 0.1));
+    const auto settle = [](float height, float deposit, float dt, float max_depth,
+                           bool is_ceiling = false) {
+      SceneObject object = square("a", 1.0f, 0.0f);
+      if (is_ceiling) {
+        std::vector<int32_t>& corners = object.description.topology.triangles;
+        std::swap(corners[1], corners[2]);
+        std::swap(corners[4], corners[5]);
+      }
+      Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1));
       const std::vector<float> heights(64 * 64, height);
       bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
       std::vector<float> shares(static_cast<size_t>(bench.scene.batches[0].count), deposit);
@@ -286,6 +293,8 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
     EXPECT_NEAR(settle(0.4f, 0.3f, 1.0f, 0.5f),
                 0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
     EXPECT_NEAR(settle(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
+    // Past vertical, but no time to slide: a huge capacity rounds nothing away.
+    EXPECT_FLOAT_EQ(settle(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
   });
 }
 
