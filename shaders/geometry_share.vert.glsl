@@ -2,6 +2,7 @@
 #extension GL_ARB_shading_language_420pack : require
 // GEOMETRY's last part: a point a texel, with the texel's share of its pixel's snow.
 #include "texel_target.h"
+#include "texel_place.h"
 #include "geometry_place.h"
 
 uniform sampler2D weight_map;

@@ -1,6 +1,7 @@
 // GLSL only: which texels share a pixel's snow when the texel under its centre is much smaller than the
 // pixel. On a twig a hundredth of a pixel thick a rare hit brings a whole pixel's snow; laid on one
 // texel it would stand there as a spike. Both formulations of the deposit include it.
+#include "texel_place.h"
 #include "texel_under.h"
 
 uniform usamplerBuffer texels;
@@ -17,11 +18,7 @@ const float kSpreadArea = 0.25;
 
 /// Column, row and layer of a texel of this batch.
 ivec3 place_of(int texel) {
-  const uint place = texelFetch(texels, texel).y;
-  const int resolution = textureSize(owners, 0).x;
-  const uint in_map = place % uint(resolution * resolution);
-  return ivec3(in_map % uint(resolution), in_map / uint(resolution),
-               place / uint(resolution * resolution));
+  return decoded_place(texelFetch(texels, texel).y, textureSize(owners, 0).x);
 }
 
 /// The texel at `at` as index in this batch if it belongs to the chart and faces the fall, else -1.

@@ -16,8 +16,9 @@ uniform ivec2 tile_origin;
 vec3 projected_corner(uint vertex) { return project(texelFetch(positions, int(vertex)).xyz); }
 
 /// 1 + the texel (its index in the map group) that takes the snow under the centre of a pixel of the
-/// tile: the one there, if it is the chart's own and no sliver beside the pixel; else the best
-/// covered of the chart's around it; else the one that holds most of the triangle. 0 = none.
+/// tile: the one there, if it is the chart's own; else the nearest of the chart's around it, which holds
+/// the part that lies in another chart's texel; else the one that holds most of the triangle. Each of
+/// them holds a part of the triangle that the pixel shows. 0 = none.
 uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const uvec4 vertices = texelFetch(triangles, int(triangle));
   const vec2 a = projected_corner(vertices.x).xy;
@@ -44,23 +45,19 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   const int layer = int(slot - group_objects.x);
   const ivec3 place = ivec3(clamp(ivec2(uv * float(resolution)), ivec2(0), ivec2(resolution - 1)), layer);
   const uvec2 own = texelFetch(owners, place, 0).xy;
-  const float coverage = float(own.y & 255u) / 255.0;
-  // Projected area of a whole texel in pixels.
-  const float texel_pixels = abs(area) / max(abs(uv_b.x * uv_c.y - uv_b.y * uv_c.x) *
-                                                 float(resolution) * float(resolution), 1e-12);
-  const bool own_chart = own.x != 0u && own.y >> 8u == chart;
-  const bool good = own_chart && (coverage >= 0.5 || coverage * texel_pixels >= 0.5);
+  const bool good = own.x != 0u && own.y >> 8u == chart;
   uint best = good ? own.x : home;
-  uint best_coverage = 0u;
+  float least = 1e30;
   const ivec2 centre = place.xy;
   // A trip count that the compiler cannot know keeps the loop a loop: llvmpipe runs every branch, but
   // ends a loop that no lane needs.
   for (int i = good ? 9 : 0; i < 9; ++i) {
     const ivec2 at = clamp(centre + ivec2(i % 3, i / 3) - 1, ivec2(0), ivec2(resolution - 1));
     const uvec2 owner = texelFetch(owners, ivec3(at, layer), 0).xy;
-    if (owner.x != 0u && owner.y >> 8u == chart && (owner.y & 255u) > best_coverage) {
+    const vec2 away = vec2(at) + 0.5 - uv * float(resolution);
+    if (owner.x != 0u && owner.y >> 8u == chart && dot(away, away) < least) {
       best = owner.x;
-      best_coverage = owner.y & 255u;
+      least = dot(away, away);
     }
   }
   return best;

@@ -28,6 +28,8 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
     weigh_.bind_texture("texels", batch.views.texels);
     weigh_.bind_texture("texel_surface", batch.views.surface);
     weigh_.bind_texture("group_slots", batch.views.group_slots);
+    weigh_.bind_texture("fragment_begin", batch.views.fragment_begin);
+    weigh_.bind_texture("fragments", batch.views.fragments);
     weigh_.bind("TexelTargets", batch.targets);
     weigh_.bind_texture("occlusion", occlusion.visible);
     weigh_.bind_image("weight_sum", weight_sum_, GL_READ_WRITE);

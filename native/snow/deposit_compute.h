@@ -11,8 +11,9 @@ namespace snowbough::snow {
 /// texels are integers, so the result does not depend on the order in which the GPU runs them.
 ///
 /// A texel takes part in the pixel that its sample point projects to, when the pixel shows its map,
-/// it faces the fall, and the depths agree within 1.5 pixels over the shallower slope. A pixel's
-/// snow is divided in proportion to projected area.
+/// a part of it faces the fall, and its point lies on what the pixel shows: between the planes of
+/// the two triangles, with a quarter of a pixel over the shallower slope to spare. A pixel's snow
+/// is divided in proportion to projected area.
 class DepositComputePass {
  public:
   /// Adds the snow of one tile to the batches' `units` and `share`; the shares of the step's last
@@ -38,7 +39,8 @@ class DepositComputePass {
   gpu::Program lay_{{"deposit_lay.comp.glsl"}};
   gpu::Program share_{{"deposit_share.comp.glsl"}};
   gpu::Texture weight_sum_;
-  /// Pixels of a tile that deposit_lay works on: arguments of its dispatch and their number, and them.
+  /// Pixels of a tile that deposit_lay works on: arguments of its dispatch and their number, and
+  /// them.
   gpu::Buffer list_size_;
   gpu::Buffer pixel_list_;
 };

@@ -33,6 +33,8 @@ void bind_texels(gpu::Program& program, const SceneBuffers& scene, const TexelBa
   program.bind_texture("texels", batch.views.texels);
   program.bind_texture("texel_surface", batch.views.surface);
   program.bind_texture("group_slots", batch.views.group_slots);
+  program.bind_texture("fragment_begin", batch.views.fragment_begin);
+  program.bind_texture("fragments", batch.views.fragments);
   program.bind_texture("occlusion", occlusion.visible);
   program.set("tile_origin", tile.pixels.low);
   program.set("tile_size", tile.pixels.size());

@@ -111,6 +111,50 @@ def texel_points(native, positions, triangles, uv, resolution):
     return points, normals, table["texel"], table
 
 
+def fragment_samples(table, uv, resolution, which, per_edge):
+    """Sub-samples of texels `which` (indices into the owned ones), per_edge x per_edge in each square: only
+    those that the texel's own chart covers. Owned index, triangle, weights of its second and third corner."""
+    begin, end = table["fragment_begin"][which], table["fragment_begin"][which + 1]
+    count = end - begin
+    owned = np.repeat(which, count)
+    fragment = np.repeat(begin, count) + np.arange(count.sum()) - np.repeat(np.cumsum(count) - count, count)
+    triangle = table["fragment_triangle"][fragment]
+    places = (np.arange(per_edge) + 0.5) / per_edge
+    steps = np.stack([axis.ravel() for axis in np.meshgrid(places, places)], axis=1)
+    parts = [(np.zeros(0, np.int64), np.zeros(0), np.zeros(0))]
+    chunk = max(1, 2_000_000 // per_edge**2)
+    for start in range(0, len(owned), chunk):
+        texel = table["texel"][owned[start : start + chunk]]
+        corner = uv[triangle[start : start + chunk]].astype(np.float64) * resolution
+        ab, ac = (corner[:, k, None] - corner[:, 0, None] for k in (1, 2))
+        at = np.stack([texel % resolution, texel // resolution], axis=1)[:, None] + steps - corner[:, 0, None]
+        double_area = ab[..., 0] * ac[..., 1] - ab[..., 1] * ac[..., 0]
+        with np.errstate(divide="ignore", invalid="ignore"):
+            b = (at[..., 0] * ac[..., 1] - at[..., 1] * ac[..., 0]) / double_area
+            c = (ab[..., 0] * at[..., 1] - ab[..., 1] * at[..., 0]) / double_area
+        row, sample = np.nonzero((b >= 0.0) & (c >= 0.0) & (b + c <= 1.0))
+        parts.append((row + start, b[row, sample], c[row, sample]))
+    row, b, c = (np.concatenate(column) for column in zip(*parts))
+    return owned[row], triangle[row], b, c
+
+
+def lit_shares(table, mesh, resolution, which, scene, direction, margin, per_edge):
+    """Which part of its surface rays reach, for every texel of `which`, by per_edge x per_edge rays on the
+    texel's square: shares of the owned texels (N,), 0 for others; and how many rays each was asked with."""
+    positions, triangles, uv = mesh
+    owned, triangle, b, c = fragment_samples(table, uv, resolution, which, per_edge)
+    total, lit = (np.zeros(len(table["texel"])) for _ in range(2))
+    normal = np.cross(*(positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)))
+    front = (normal @ np.asarray(direction) < 0.0)[triangle]
+    np.add.at(total, owned, 1.0)
+    owned, triangle, b, c = owned[front], triangle[front], b[front, None], c[front, None]
+    corners = positions[triangles[triangle]].astype(np.float64)
+    points = corners[:, 0] * (1.0 - b - c) + corners[:, 1] * b + corners[:, 2] * c
+    reached = np.isinf(first_hits(points, scene, direction, margin=margin))
+    np.add.at(lit, owned, reached.astype(np.float64))
+    return lit / np.maximum(total, 1.0), total
+
+
 def near_any(points, others, distance):
     """Whether one of `others` lies in a point's own or a neighbouring voxel of edge `distance`: (N,) bool."""
     low = np.minimum(points.min(axis=0), others.min(axis=0)) - 2.0 * distance

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 from snow_meshes import box, grid, rotated, sphere, wind
-from snow_rays import first_hits, near_any, outline_area, sees_the_fall, texel_points
+from snow_rays import first_hits, lit_shares, near_any, outline_area, sees_the_fall, texel_points
 
 DOWN = (0.0, 0.0, -1.0)
 RESOLUTION = 256
@@ -63,6 +63,54 @@ def test_no_snow_lies_far_from_where_rays_arrive():
     far = ~near_any(points, points[lit], 2.0 * pixel_size + np.sqrt(area.max()))
     assert far.sum() > 10_000
     assert height[texel[far]].max() == 0.0
+
+
+def folded_strip(resolution=64, edge=20.3):
+    """A level strip, 1 m along Y and 20.3 mm wide, that folds at x = 0 and goes back below itself: one chart
+    of texels 1 mm wide, of which the twenty-first has its centre behind the fold."""
+    x, z = np.array([-edge, 0.0, -edge]) * 1e-3, np.array([0.0, 0.0, -2.0 * edge]) * 1e-3
+    positions = np.array([(x[k], y, z[k]) for y in (-0.5, 0.5) for k in range(3)], np.float32)
+    u = np.array([0.0, edge, edge * (1.0 + 5.0**0.5)]) / resolution
+    uv = np.array([(u[k], v) for v in (0.1, 0.9) for k in range(3)], np.float32)
+    triangles = np.array([(k, k + 1, k + 4) for k in (0, 1)] + [(k, k + 4, k + 3) for k in (0, 1)], np.int32)
+    return positions, triangles, np.minimum(uv[triangles], 1.0)
+
+
+def test_a_texel_round_an_edge_takes_snow_by_the_part_that_faces_the_fall():
+    mesh = folded_strip()
+    with native.SnowSimulation(pixel_size=0.003, max_depth=1e6) as sim:
+        sim.add_object("it", mesh[1], mesh[2], resolution=64)
+        for step in range(8):
+            sim.step({"it": mesh[0]} if step == 0 else {}, 0.01)
+        height = sim.height("it")[10:54]
+    table = native.texel_table(mesh[1], mesh[2], 64)
+    share, _ = lit_shares(
+        table, mesh, 64, np.arange(len(table["texel"])), mesh[0][mesh[1]], DOWN, 1e-5, 10
+    )
+    at_edge = share[np.isin(table["texel"], np.arange(10, 54) * 64 + 20)]
+    assert at_edge == pytest.approx(0.3, abs=0.01)
+    assert height[:, 20].min() > 0.0
+    assert height[:, 20].mean() < 0.5 * height[:, 19].mean()
+    assert height[:, 21:].max() == 0.0
+
+
+@pytest.mark.parametrize("tilt", [0, 40])
+def test_nothing_lies_close_beneath_a_plate_of_the_same_mesh(tilt):
+    pixel_size = 0.01
+    ground, plate = grid(1.0, 1.0), grid(0.4, 0.4)
+    lifted = plate[0] + np.float32((0.0, 0.0, 0.5 * pixel_size))
+    positions = rotated(np.concatenate([ground[0], lifted]), "x", tilt)
+    uv = np.concatenate([ground[2] * (0.5, 1.0), plate[2] * (0.5, 1.0) + (0.5, 0.0)]).astype(np.float32)
+    mesh = positions, np.concatenate([ground[1], plate[1] + 4]), uv
+    height, _ = snow_under({"it": mesh}, "it", DOWN, pixel_size)
+    flat = np.concatenate([ground[0], lifted]), mesh[1], uv
+    points, _, texel, _ = texel_points(native, *flat, RESOLUTION)
+    on_ground = points[:, 2] < 0.25 * pixel_size
+    beneath = on_ground & (abs(points[:, :2]).max(axis=1) < 0.2 - 1.5 * pixel_size)
+    beside = on_ground & (abs(points[:, :2]).max(axis=1) > 0.2 + 1.5 * pixel_size)
+    assert beneath.sum() > 1000
+    assert height[texel[beneath]].max() == 0.0
+    assert height[texel[beside]].min() > 0.0
 
 
 @pytest.mark.parametrize("layout", ["turned", "small", "every triangle cut off"])
