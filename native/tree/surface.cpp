@@ -16,6 +16,9 @@ namespace {
 constexpr double kInsetBelow = 0.9;
 /// Share of the side that stays around an inset hole, at least, on each edge.
 constexpr double kInsetMargin = 0.08;
+/// The same along the limb, as a share of what the hole leaves free: it moves towards its child,
+/// not up to the knuckle's end, or slivers would remain there that show as dark lines.
+constexpr double kFreeMargin = 0.35;
 /// Gap wanted between knuckles, in corner radii of the limb.
 constexpr double kKnuckleGap = 0.3;
 /// A child that turns back further than this (cosine) does not continue from its parent's end ring.
@@ -300,9 +303,10 @@ class SurfaceBuilder {
       const double slant =
           glm::dot(request.direction, x_axis) / std::max(0.3, glm::dot(request.direction, normal));
       const double wanted_y = (request.position - knuckle.begin) / (knuckle.end - knuckle.begin);
+      const double margin_y = half_y + std::max(kInsetMargin, kFreeMargin * (1.0 - 2.0 * half_y));
       const double x =
           std::clamp(0.5 + 0.5 * slant, half_x + kInsetMargin, 1.0 - half_x - kInsetMargin);
-      const double y = std::clamp(wanted_y, half_y + kInsetMargin, 1.0 - half_y - kInsetMargin);
+      const double y = std::clamp(wanted_y, margin_y, 1.0 - margin_y);
       const auto on_side = [&](double a, double c) {
         return (outer[0] * (1.0 - a) + outer[1] * a) * (1.0 - c) +
                (outer[3] * (1.0 - a) + outer[2] * a) * c;

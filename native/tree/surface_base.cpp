@@ -16,8 +16,9 @@ const double kSideDistance = std::sqrt(0.5);
 constexpr double kLargestShift = 2.0;
 /// A narrower hole than this share of the parent's side gets an inset.
 constexpr double kInsetBelow = 0.9;
-/// Share of the knuckle's length that a hole with an inset takes.
-constexpr double kHoleLength = 0.8;
+/// Share of the knuckle's length that a hole with an inset takes. The faces before and behind it
+/// then are not so short that they show as dark lines across the limb.
+constexpr double kHoleLength = 0.55;
 /// A child widens from its hole by at most this much a metre.
 constexpr double kWidening = 1.2;
 /// Each step of relief narrows the base by this factor, and moves its first ring out by this share

@@ -9,8 +9,14 @@ namespace {
 
 using Kind = Station::Kind;
 
-/// A joint this near to a knuckle (in corner radii) loses its ring.
-constexpr double kJointClearance = 0.1;
+/// A joint this near to a knuckle (in corner radii) loses its ring: a row of faces any shorter
+/// shows as a dark line round the limb.
+constexpr double kJointClearance = 0.3;
+/// A joint's ring, tilted as it is, stays so far from a knuckle's on all its sides (in corner
+/// radii).
+constexpr double kTiltClearance = 0.15;
+/// Length kept free beside a sharp bend, in corner radii.
+constexpr double kBendClearance = 0.1;
 /// Planes are tilted in at most this many sweeps.
 constexpr int kTiltSweeps = 4;
 
@@ -71,8 +77,11 @@ void drop_cutting_joints(std::vector<Station>& stations, bool drop_all) {
       const Station& before = kept.back();
       const Station& after = stations[i + 1];
       const bool beside = drop_all && kept.size() > 1;
-      if (((is_knuckle(before) || beside) && cut_each_other(before, station, 0.0)) ||
-          ((is_knuckle(after) || drop_all) && cut_each_other(station, after, 0.0))) {
+      const double free = kTiltClearance * station.corner;
+      if ((is_knuckle(before) && cut_each_other(before, station, free)) ||
+          (beside && cut_each_other(before, station, 0.0)) ||
+          (is_knuckle(after) && cut_each_other(station, after, free)) ||
+          (drop_all && cut_each_other(station, after, 0.0))) {
         continue;
       }
     }
@@ -126,7 +135,7 @@ std::vector<std::pair<double, double>> sharp_bends(const LimbPath& path,
           std::min(path.lengths[i] - path.lengths[i - 1], path.lengths[i + 1] - path.lengths[i]);
       bends.emplace_back(path.lengths[i],
                          std::max(std::min(path.corners[i], 0.25 * shorter),
-                                  kJointClearance * path.corners[i] + scale.smallest_gap));
+                                  kBendClearance * path.corners[i] + scale.smallest_gap));
     }
   }
   return bends;

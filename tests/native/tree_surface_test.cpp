@@ -157,6 +157,41 @@ TEST(Surface, TheChildsOwnJointsInsideTheParentAreDropped) {
   EXPECT_THAT(built.surface.limbs[1].rings, SizeIs(2));
 }
 
+/// The least mean height of a branch's walls and insets, in longest edges of the same face.
+double thinnest_face(const Surface& surface, int32_t branch) {
+  double thinnest = 1.0;
+  for (size_t f = 0; f < surface.quads.size(); ++f) {
+    if (surface.origins[f].branch != branch) continue;
+    std::array<glm::dvec3, 4> p;
+    for (int k = 0; k < 4; ++k) p[k] = surface.vertices[surface.quads[f][k]];
+    double longest = 0.0;
+    for (int k = 0; k < 4; ++k) longest = std::max(longest, glm::distance(p[k], p[(k + 1) % 4]));
+    const double area = 0.5 * glm::length(glm::cross(p[2] - p[0], p[3] - p[1]));
+    thinnest = std::min(thinnest, area / (longest * longest));
+  }
+  return thinnest;
+}
+
+TEST(Surface, NoSliverLiesAcrossALimbBesideAHole) {
+  // Slivers show as dark lines round the limb once it is shaded smooth. The steeper the branch, the
+  // further its hole moves towards the knuckle's end.
+  for (const float up : {-2.0f, -0.5f, 0.0f, 0.5f, 2.0f}) {
+    SCOPED_TRACE("up " + std::to_string(up));
+    const glm::vec3 direction = glm::normalize(glm::vec3(1.0f, 0.0f, up));
+    EXPECT_GT(thinnest_face(
+                  build(make_skeleton({trunk(), side_branch(5.5f, 0.05f, direction)})).surface, 0),
+              0.04);
+  }
+}
+
+TEST(Surface, AJointCloseToAKnuckleLosesItsRing) {
+  for (const float height : {5.13f, 5.15f, 5.17f, 5.2f, 5.25f, 5.3f}) {
+    SCOPED_TRACE("height " + std::to_string(height));
+    EXPECT_GT(thinnest_face(build(make_skeleton({trunk(), side_branch(height, 0.05f)})).surface, 0),
+              0.04);
+  }
+}
+
 TEST(Surface, OpenRootAndTipsLeaveTheirRingsOpen) {
   TreeMeshOptions options;
   options.close_root = false;
