@@ -264,6 +264,29 @@ TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
   });
 }
 
+TEST(DepositGeometry, LaysWhatComputeLays) {
+  gpu::GpuThread::shared()->run([] {
+    // Pixels smaller than texels, as large, and larger: by the texel under them, and by sharing.
+    for (const double pixel_size : {1.0 / 300.0, 1.0 / 64.0, 1.0 / 16.0}) {
+      Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.3, 0, -1}, pixel_size));
+      DepositComputePass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, 0.01f, false);
+      DepositGeometryPass geometry;
+      geometry.begin(bench.scene);
+      geometry.run(bench.scene, bench.fall, bench.tiles[0], bench.target);
+      std::vector<float> laid(64 * 64);
+      bench.scene.groups[0].deposit.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, laid.data());
+      const TexelBatch& batch = bench.scene.batches[0];
+      const auto share = batch.share.read_all<float>();
+      const auto units = batch.units.read_all<uint32_t>();
+      for (size_t i = 0; i < laid.size(); ++i) {
+        EXPECT_NEAR(laid[i], share[i] + units[i] * (0.01 / shared::kDepthUnits), 1e-6)
+            << "texel " << i << ", pixels of " << pixel_size;
+      }
+      EXPECT_NEAR(laid[32 * 64 + 32], 0.01f, 0.004f);
+    }
+  });
+}
+
 TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
   gpu::GpuThread::shared()->run([] {
     const auto settle = [](float height, float deposit, float dt, float max_depth,

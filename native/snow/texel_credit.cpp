@@ -1,0 +1,108 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "snow/texel_draft.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Index of the chart's own texel nearest to a point; rows are searched outwards, the columns of
+/// a row by bisection.
+size_t nearest_own_texel(const TexelDraft& draft, const std::vector<int32_t>& own,
+                         glm::dvec2 point) {
+  const int32_t resolution = draft.table.resolution;
+  const auto home_row = static_cast<int32_t>(std::floor(point.y));
+  double best = std::numeric_limits<double>::infinity();
+  int32_t best_texel = -1;
+  const auto consider = [&](int32_t texel) {
+    const glm::dvec2 d = glm::dvec2(texel % resolution + 0.5, texel / resolution + 0.5) - point;
+    const double squared = d.x * d.x + d.y * d.y;
+    if (squared < best || (squared == best && texel < best_texel)) {
+      best = squared;
+      best_texel = texel;
+    }
+  };
+  const auto search_row = [&](int32_t row) {
+    const int64_t wanted = static_cast<int64_t>(row) * resolution + static_cast<int64_t>(point.x);
+    const auto at = std::lower_bound(own.begin(), own.end(), wanted,
+                                     [](int32_t texel, int64_t w) { return texel < w; });
+    if (at != own.end() && *at / resolution == row) consider(*at);
+    if (at != own.begin() && *(at - 1) / resolution == row) consider(*(at - 1));
+  };
+  for (int32_t distance = 0; distance <= resolution; ++distance) {
+    const double nearest_possible = std::max(0.0, distance - 1.0);
+    if (nearest_possible * nearest_possible > best) break;
+    if (home_row - distance >= 0) search_row(home_row - distance);
+    if (distance > 0 && home_row + distance < resolution) search_row(home_row + distance);
+  }
+  return draft.owned_index(best_texel);
+}
+
+}  // namespace
+
+void credit_displaced_fragments(TexelDraft& draft) {
+  if (draft.displaced.empty()) return;
+  std::vector<std::vector<int32_t>> own(static_cast<size_t>(draft.table.chart_count));
+  for (const Fragment& f : draft.displaced) own[draft.chart_of(f.triangle)] = {-1};
+  for (size_t i = 0; i < draft.table.texel.size(); ++i) {
+    std::vector<int32_t>& texels = own[draft.table.chart[i]];
+    if (!texels.empty()) texels.push_back(draft.table.texel[i]);
+  }
+  struct Credit {
+    size_t owned;
+    int32_t triangle;
+    float area;
+  };
+  std::vector<Credit> credits;
+  credits.reserve(draft.displaced.size());
+  for (const Fragment& f : draft.displaced) {
+    std::vector<int32_t>& texels = own[draft.chart_of(f.triangle)];
+    if (texels.front() == -1) texels.erase(texels.begin());
+    // A homeless chart's area stays where it is.
+    const size_t owned =
+        texels.empty() ? draft.owned_index(f.texel) : nearest_own_texel(draft, texels, f.centroid);
+    if (texels.empty()) texels.push_back(-1);
+    credits.push_back({owned, f.triangle, static_cast<float>(f.area)});
+  }
+  std::stable_sort(credits.begin(), credits.end(), [](const Credit& a, const Credit& b) {
+    return a.owned != b.owned ? a.owned < b.owned : a.triangle < b.triangle;
+  });
+
+  std::vector<int32_t> begin{0};
+  std::vector<int32_t> triangle;
+  std::vector<float> area;
+  begin.reserve(draft.table.fragment_begin.size());
+  triangle.reserve(draft.table.fragment_triangle.size() + credits.size());
+  area.reserve(draft.table.fragment_triangle.size() + credits.size());
+  std::vector<std::pair<int32_t, float>> merged;
+  auto credit = credits.begin();
+  for (size_t i = 0; i < draft.table.texel.size(); ++i) {
+    merged.clear();
+    for (int32_t f = draft.table.fragment_begin[i]; f < draft.table.fragment_begin[i + 1]; ++f) {
+      merged.emplace_back(draft.table.fragment_triangle[f], draft.table.fragment_share[f]);
+    }
+    if (credit != credits.end() && credit->owned == i) {
+      for (; credit != credits.end() && credit->owned == i; ++credit) {
+        merged.emplace_back(credit->triangle, credit->area);
+      }
+      std::stable_sort(merged.begin(), merged.end(),
+                       [](const auto& a, const auto& b) { return a.first < b.first; });
+    }
+    for (size_t m = 0; m < merged.size(); ++m) {
+      if (m > 0 && merged[m].first == merged[m - 1].first) {
+        area.back() += merged[m].second;
+      } else {
+        triangle.push_back(merged[m].first);
+        area.push_back(merged[m].second);
+      }
+    }
+    begin.push_back(static_cast<int32_t>(triangle.size()));
+  }
+  draft.table.fragment_begin = std::move(begin);
+  draft.table.fragment_triangle = std::move(triangle);
+  draft.table.fragment_share = std::move(area);
+}
+
+}  // namespace snowbough::snow

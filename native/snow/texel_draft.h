@@ -1,0 +1,52 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "snow/charts.h"
+#include "snow/texel_table.h"
+#include "snow/uv_clip.h"
+
+namespace snowbough::snow {
+
+/// A texel table in the making, handed from step to step of build_texel_table. Until
+/// shares_from_areas, `table.fragment_share` holds areas in texels.
+struct TexelDraft {
+  explicit TexelDraft(const MapTopology& given);
+
+  int32_t chart_of(int32_t triangle) const { return charts.chart[triangle]; }
+  /// Position of a texel among the owned ones. It must be there.
+  size_t owned_index(int32_t texel) const;
+
+  const MapTopology& topology;
+  Charts charts;
+  TexelTable table;
+  /// Per triangle: the area of all its fragments in texels.
+  std::vector<double> triangle_area;
+  /// Per chart: how many texels it owns.
+  std::vector<int32_t> own_texels;
+  /// Fragments that lie in texels of other charts.
+  std::vector<Fragment> displaced;
+};
+
+/// A triangle's UVs in texels, inside the map.
+UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle);
+
+/// First step (texel_cut.cpp): cuts every triangle against every texel; a texel goes to the chart
+/// that covers most of it (of equals the lower number), the others' fragments are displaced.
+/// Counts degenerate triangles and overlap.
+void cut_map(TexelDraft& draft);
+
+/// Appends a texel with its chart's fragments (texel_sample.cpp), all in one texel, at least one,
+/// ascending, and finds its sample point.
+void append_texel(TexelDraft& draft, int32_t chart, const std::vector<Fragment>& own);
+
+/// Second step (texel_claims.cpp): charts that own nothing take the texel they cover most, where
+/// its owner can spare it; the others are counted as homeless.
+void give_homeless_charts_a_texel(TexelDraft& draft);
+
+/// Third step (texel_credit.cpp): displaced fragments go to their own chart's nearest texel; a
+/// homeless chart's stay where they are.
+void credit_displaced_fragments(TexelDraft& draft);
+
+}  // namespace snowbough::snow

@@ -1,0 +1,88 @@
+#include "snow/uv_clip.h"
+
+#include <gtest/gtest.h>
+
+#include <bit>
+
+namespace snowbough::snow {
+namespace {
+
+ClipPolygon polygon(std::vector<glm::dvec2> points) {
+  ClipPolygon result;
+  for (const glm::dvec2 point : points) result.points[result.count++] = point;
+  return result;
+}
+
+TEST(ClipToSlab, aTriangleBetweenTwoLinesIsATrapezium) {
+  const ClipPolygon part = clip_to_slab(polygon({{0, 0}, {4, 0}, {0, 4}}), 1, 1.0, 2.0);
+  ASSERT_EQ(part.count, 4);
+  EXPECT_DOUBLE_EQ(area_and_centroid(part).area, 2.5);
+}
+
+TEST(ClipToSlab, whatTouchesALineOnlyHasNoArea) {
+  const ClipPolygon part = clip_to_slab(polygon({{0, 0}, {4, 0}, {0, 4}}), 0, -1.0, 0.0);
+  EXPECT_EQ(area_and_centroid(part).area, 0.0);
+}
+
+TEST(ClipToSlab, whatLiesOutsideIsGone) {
+  EXPECT_EQ(clip_to_slab(polygon({{0, 0}, {1, 0}, {0, 1}}), 1, 2.0, 3.0).count, 0);
+}
+
+TEST(AreaAndCentroid, knowsATriangleInEitherWinding) {
+  for (const ClipPolygon& triangle :
+       {polygon({{1, 1}, {4, 1}, {1, 4}}), polygon({{1, 1}, {1, 4}, {4, 1}})}) {
+    const AreaCentroid found = area_and_centroid(triangle);
+    EXPECT_DOUBLE_EQ(found.area, 4.5);
+    EXPECT_DOUBLE_EQ(found.centroid.x, 2.0);
+    EXPECT_DOUBLE_EQ(found.centroid.y, 2.0);
+  }
+}
+
+TEST(AreaAndCentroid, takesTheMeanOfPointsOnALine) {
+  const AreaCentroid found = area_and_centroid(polygon({{0, 0}, {1, 1}, {5, 5}}));
+  EXPECT_EQ(found.area, 0.0);
+  EXPECT_DOUBLE_EQ(found.centroid.x, 2.0);
+}
+
+TEST(SampleMask, bitsGoByRowsFromTheLowerLeft) {
+  // Below the diagonal from (0, 0) to (1, 1): row r holds the columns right of it.
+  const SampleEdges edges(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1)});
+  const uint64_t mask = sample_mask(edges, {0.0, 0.0});
+  EXPECT_EQ(mask & 0xFF, 0xFFu);
+  EXPECT_EQ(mask >> 56, 0x80u);
+}
+
+TEST(SampleMask, neighboursShareNoSampleAndLeaveNone) {
+  const SampleEdges below(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1)});
+  const SampleEdges above(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 1), glm::dvec2(0, 1)});
+  const uint64_t a = sample_mask(below, {0.0, 0.0});
+  const uint64_t b = sample_mask(above, {0.0, 0.0});
+  EXPECT_EQ(a & b, 0u);
+  EXPECT_EQ(a | b, ~uint64_t{0});
+}
+
+TEST(CutTriangle, fragmentsComeByRowsAndColumnsAndAddUpToTheTriangle) {
+  std::vector<Fragment> fragments;
+  cut_triangle({glm::dvec2(0.5, 0.5), glm::dvec2(3.5, 0.5), glm::dvec2(0.5, 3.5)}, 7, 8, 0, 8,
+               fragments);
+  double area = 0.0;
+  for (size_t i = 0; i < fragments.size(); ++i) {
+    EXPECT_EQ(fragments[i].triangle, 7);
+    EXPECT_TRUE(i == 0 || fragments[i - 1].texel < fragments[i].texel);
+    area += fragments[i].area;
+  }
+  EXPECT_NEAR(area, 4.5, 1e-12);
+}
+
+TEST(CutTriangle, aTexelInsideIsWhole) {
+  std::vector<Fragment> fragments;
+  cut_triangle({glm::dvec2(0, 0), glm::dvec2(8, 0), glm::dvec2(0, 8)}, 0, 8, 2, 3, fragments);
+  ASSERT_EQ(fragments.size(), 6u);  // row 2 only: five whole ones and the one on the slope
+  EXPECT_EQ(fragments[1].texel, 2 * 8 + 1);
+  EXPECT_EQ(fragments[1].area, 1.0);
+  EXPECT_EQ(std::popcount(fragments[1].samples), 64);
+  EXPECT_DOUBLE_EQ(fragments[5].area, 0.5);
+}
+
+}  // namespace
+}  // namespace snowbough::snow
