@@ -151,6 +151,18 @@ def reached_texels(table, mesh, resolution, snowed, scene, direction, margin):
     return share, (share == 0.0) & (finer == 0.0)
 
 
+def facing_slopes(table, mesh, which, direction):
+    """Cosines to the sky of texels `which`: of the point where it faces the fall, else of the piece of the
+    texel that faces it most, by which alone the texel may take snow."""
+    positions, triangles, _ = mesh
+    corners = positions[triangles].astype(np.float64)
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    cosine = -(normals @ np.asarray(direction)) / (np.linalg.norm(normals, axis=1) + 1e-300)
+    point = cosine[table["triangle"][which]]
+    most = np.maximum.reduceat(cosine[table["fragment_triangle"]], table["fragment_begin"][:-1])[which]
+    return np.clip(np.where(point > 0.0, point, most), 1e-9, 1.0)
+
+
 def far_from_light(points, facing, lit, direction, pixel_size, texel):
     """Which points lie further than a pixel's footprint from all of `lit`: across the fall a pixel and a
     texel, along it what a slope like the point's own rises over that width (a cosine of at least 0.02)."""
@@ -178,7 +190,7 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
         for _ in range(steps - 1):
             sim.step({}, 0.001, direction, 0.0)
         height, area = sim.height(receiver).ravel(), sim.texel_area(receiver).ravel()
-    points, normals, texel, table = texel_points(native, positions, triangles, uv, resolution)
+    points, _, texel, table = texel_points(native, positions, triangles, uv, resolution)
     scene = np.concatenate([mesh[0][mesh[1]] for mesh in meshes.values()])
     snowed, weight = height[texel] > 0.0, area[texel]
     share, dark = reached_texels(
@@ -198,8 +210,7 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
     leaking = snowed & dark
     amount = height[texel] * weight
     if leaking.any():
-        # A texel that reaches round an edge faces away with its point: its slope counts as the edge's.
-        facing = np.abs(normals[leaking] @ np.asarray(direction))
+        facing = facing_slopes(table, meshes[receiver], np.flatnonzero(leaking), direction)
         far = far_from_light(points[leaking], facing, points[lit], direction, pixel_size, weight.max() ** 0.5)
         leaked = amount[leaking][far].sum() / amount.sum()
         row(
