@@ -1,0 +1,10 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The table that acceptance.py prints: item, asked, measured, whether it holds."""
+
+ROWS = []
+
+
+def row(item, asked, measured, holds):
+    """Prints a row at once and keeps it for the summary."""
+    ROWS.append({"item": item, "asked": asked, "measured": measured, "holds": bool(holds)})
+    print(f"{item:<52} {asked:<26} {measured:<46} {'yes' if holds else 'NO'}", flush=True)
