@@ -19,7 +19,6 @@ import pathlib
 import time
 
 import numpy as np
-
 import snowbough_native as native
 from read_benchmark import read_blender
 
@@ -46,20 +45,22 @@ def true_parents(path, skeleton):
 
 
 def sibling_parents(path, skeleton, folder):
-    """The same for the tubes of a tree whose squares have a .json: branches are paired by their root and tip."""
+    """The same for the tubes of a tree whose squares have a .json: branches are paired by root and tip."""
     for truth in sorted((folder / "squares").glob("*.json")):
         if not path.name.startswith(truth.name.split("_")[0]) or path.parent.name != "tubes":
             continue
         branches = json.loads(truth.read_text())["branches"]
         points = [np.asarray(branch["points"]) for branch in branches]
         # The truth is Y up.
-        ends = np.array([np.concatenate((p[0], p[-1])) for p in points])[:, [0, 2, 1, 3, 5, 4]] * (1, -1, 1, 1, -1, 1)
+        ends = np.array([np.concatenate((p[0], p[-1])) for p in points])
+        ends = ends[:, [0, 2, 1, 3, 5, 4]] * (1, -1, 1, 1, -1, 1)
         mine = np.array([np.concatenate((b.points[0], b.points[-1])) for b in skeleton.branches])
         pair = [int(np.abs(ends - row).max(axis=1).argmin()) for row in mine]
         close = [np.abs(ends[p] - row).max() < 1e-3 * skeleton.height for p, row in zip(pair, mine)]
-        names = [branch["name"] for branch in branches]
-        right = sum(1 for number, branch in enumerate(skeleton.branches) if close[number]
-                    and (names[pair[branch.parent]] if branch.parent >= 0 else None) == branches[pair[number]]["parent"])
+        right = 0
+        for number, branch in enumerate(skeleton.branches):
+            parent = branches[pair[branch.parent]]["name"] if branch.parent >= 0 else None
+            right += close[number] and parent == branches[pair[number]]["parent"]
         return right, len(branches)
     return None
 
@@ -90,7 +91,8 @@ def row(path, folder, repeats, blender):
     check = native.check_mesh(mesh.vertices, mesh.quads)
     euler = sorted(set(int(value) for value in check["euler"]))
     return [path.relative_to(folder), skeleton.report["form"], len(skeleton.branches),
-            f"{parents[0]} of {parents[1]}" if parents else "not known", len(mesh.vertices), check["components"],
+            f"{parents[0]} of {parents[1]}" if parents else "not known", len(mesh.vertices),
+            check["components"],
             " ".join(map(str, euler)), "yes" if check["boundary_edges"] == 0 else "no",
             f"{mesh.report['crossing_junctions']} / {mesh.report['junctions']}", f"{fill(mesh):.2f}",
             f"{read:.3f}", f"{build:.3f}", f"{read + build:.3f}",
@@ -111,9 +113,10 @@ def main():
     print("|" + " --- |" * len(COLUMNS))
     before = os.getloadavg()[0]
     for path in files:
-        print("| " + " | ".join(map(str, row(path, folder, arguments.repeats, arguments.blender))) + " |", flush=True)
-    print(f"\nLoad of the machine: {before:.1f} before, {os.getloadavg()[0]:.1f} after; {os.cpu_count()} cores. "
-          f"Best of {arguments.repeats}.")
+        cells = row(path, folder, arguments.repeats, arguments.blender)
+        print("| " + " | ".join(map(str, cells)) + " |", flush=True)
+    print(f"\nLoad of the machine: {before:.1f} before, {os.getloadavg()[0]:.1f} after; "
+          f"{os.cpu_count()} cores. Best of {arguments.repeats}.")
 
 
 if __name__ == "__main__":

@@ -8,7 +8,6 @@ import sys
 
 import numpy as np
 import pytest
-
 import snowbough_native as native
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -36,12 +35,13 @@ def write_shuffled(source, target, groups):
 @pytest.fixture(scope="module")
 def maple(tmp_path_factory):
     path = tmp_path_factory.mktemp("loose squares") / "maple.obj"
-    subprocess.run([sys.executable, ROOT / "blend_samples" / "grow_tree.py", path], check=True, capture_output=True)
+    script = ROOT / "blend_samples" / "grow_tree.py"
+    subprocess.run([sys.executable, script, path], check=True, capture_output=True)
     return path
 
 
 def found_again(truth, skeleton):
-    """Per branch of the skeleton: index of the branch of the truth with the same points in the same order, or -1."""
+    """Per branch of the skeleton: the branch of the truth with the same points in the same order, or -1."""
     def key(branch):
         return tuple(map(tuple, np.round(branch.points, 4) + 0.0))
 
@@ -76,7 +76,8 @@ def test_a_shuffled_tree_without_groups_is_found_but_for_a_few_forks(maple, tmp_
 @needs_trees
 @pytest.mark.parametrize("name", ["AL06a_squares", "BL02A_squares_tris"])
 def test_a_shuffled_real_tree_with_groups_has_the_true_skeleton(name, tmp_path):
-    skeleton = native.read_tree(write_shuffled(SQUARES / f"{name}.obj", tmp_path / "shuffled.obj", groups=True))
+    shuffled = write_shuffled(SQUARES / f"{name}.obj", tmp_path / "shuffled.obj", groups=True)
+    skeleton = native.read_tree(shuffled)
     truth = json.loads((SQUARES / f"{name}.json").read_text())["branches"]
     found = {branch.name: branch for branch in skeleton.branches}
     assert sorted(found) == sorted(branch["name"] for branch in truth)
@@ -86,7 +87,8 @@ def test_a_shuffled_real_tree_with_groups_has_the_true_skeleton(name, tmp_path):
         points = np.asarray(branch["points"], np.float32)
         points = np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
         points_right += np.allclose(mine.points, points, rtol=0, atol=1e-5 * skeleton.height)
-        parents_right += (skeleton.branches[mine.parent].name if mine.parent >= 0 else None) == branch["parent"]
+        parent = skeleton.branches[mine.parent].name if mine.parent >= 0 else None
+        parents_right += parent == branch["parent"]
     # 197 of 199 and 1343 of 1348 when this was written: the others are twigs of two equal squares.
     assert points_right >= 0.985 * len(truth)
     assert parents_right >= 0.99 * len(truth)
@@ -95,7 +97,8 @@ def test_a_shuffled_real_tree_with_groups_has_the_true_skeleton(name, tmp_path):
 @needs_trees
 def test_a_shuffled_real_tree_without_groups_is_found_for_the_most_part(tmp_path):
     truth = native.read_tree(SQUARES / "AL06a_squares.obj")
-    skeleton = native.read_tree(write_shuffled(SQUARES / "AL06a_squares.obj", tmp_path / "shuffled.obj", groups=False))
+    shuffled = write_shuffled(SQUARES / "AL06a_squares.obj", tmp_path / "shuffled.obj", groups=False)
+    skeleton = native.read_tree(shuffled)
     assert skeleton.report["form"] == "MERGED_SQUARES" and skeleton.report["up_axis"] == "Y"
     # 176 of 199 when this was written.
     assert sum(number >= 0 for number in found_again(truth, skeleton)) >= 0.85 * len(truth.branches)
