@@ -92,11 +92,11 @@ def _build_meshes(module, skeleton, options, progress):
     return built[lods[0]][0], [built[lod][1] for lod in lods]
 
 
-def _lay_out_leaves(module, skeleton, options):
-    """The leaves' UV map `snow`; None without leaves."""
+def _lay_out_leaves(module, skeleton, options, stopped):
+    """The leaves' UV map `snow`; None without leaves. stopped: an event that ends it."""
     if not len(skeleton.foliage.vertices):
         return None
-    return module.layout_leaf_uvs(skeleton, options.snow_resolution)
+    return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=lambda _share: not stopped.is_set())
 
 
 def read_native(path, options, progress=None):
@@ -128,10 +128,15 @@ def read_native(path, options, progress=None):
     if not skeleton.branches:
         raise ValueError(f"{path} holds no branches: there is no tree to import")
     # The leaves' charts need the skeleton alone: a second thread lays them out beside the mesh.
+    stopped = threading.Event()
     with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
-        leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options)
-        whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
-        leaf_layout = leaf_charts.result()
+        try:
+            leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options, stopped)
+            whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
+            leaf_layout = leaf_charts.result()
+        except BaseException:
+            stopped.set()
+            raise
     warnings = list(whole.warnings)
     leaf_bones = None
     if leaf_layout is not None:

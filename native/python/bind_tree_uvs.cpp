@@ -8,6 +8,7 @@
 
 #include "bindings.h"
 #include "numpy_arrays.h"
+#include "python_progress.h"
 #include "tree/chart_measure.h"
 #include "tree/leaf_uvs.h"
 #include "tree/skeleton.h"
@@ -22,9 +23,10 @@ using tree::Skeleton;
 using tree::UvLayoutMeasure;
 using tree::UvSurface;
 
-LeafUvs compute_leaf_uvs(const Skeleton& skeleton, int resolution) {
-  const py::gil_scoped_release release;
-  return tree::layout_leaf_uvs(skeleton.foliage, resolution);
+LeafUvs compute_leaf_uvs(const Skeleton& skeleton, int resolution, const py::object& progress) {
+  return run_cancellable(progress, [&](const tree::Progress& asked) {
+    return tree::layout_leaf_uvs(skeleton.foliage, resolution, {0, asked});
+  });
 }
 
 py::array_t<float> uv_array(LeafUvs& layout) {
@@ -33,7 +35,7 @@ py::array_t<float> uv_array(LeafUvs& layout) {
 }
 
 py::array_t<float> leaf_uvs(const Skeleton& skeleton, int resolution) {
-  LeafUvs layout = compute_leaf_uvs(skeleton, resolution);
+  LeafUvs layout = compute_leaf_uvs(skeleton, resolution, py::none());
   if (!layout.fits(resolution)) {
     const std::string message =
         "the foliage's " + std::to_string(layout.chart_count) + " leaf charts need a snow map of " +
@@ -43,8 +45,8 @@ py::array_t<float> leaf_uvs(const Skeleton& skeleton, int resolution) {
   return uv_array(layout);
 }
 
-py::dict layout_leaf_uvs(const Skeleton& skeleton, int resolution) {
-  LeafUvs layout = compute_leaf_uvs(skeleton, resolution);
+py::dict layout_leaf_uvs(const Skeleton& skeleton, int resolution, const py::object& progress) {
+  LeafUvs layout = compute_leaf_uvs(skeleton, resolution, progress);
   return py::dict(py::arg("uv") = uv_array(layout), py::arg("resolution") = layout.resolution,
                   py::arg("chart_count") = layout.chart_count, py::arg("scale") = layout.scale);
 }
@@ -98,8 +100,11 @@ void bind_tree_uvs(py::module_& module) {
       "smallest power of two that does, and a UserWarning says which.");
   module.def(
       "layout_leaf_uvs", &layout_leaf_uvs, py::arg("skeleton"), py::arg("resolution"),
+      py::arg("progress") = py::none(),
       "As leaf_uvs, as a dict: uv (C, 2); resolution it was made for (larger than asked where "
-      "that did not suffice); chart_count; scale in texels a metre. No warning is raised.");
+      "that did not suffice); chart_count; scale in texels a metre. No warning is raised.\n\n"
+      "progress(share) is called now and then; a return of False (not None) cancels with "
+      "KeyboardInterrupt.");
   module.def(
       "measure_uv_layout", &measure_uv_layout, py::arg("uv"), py::arg("vertices"), py::arg("faces"),
       py::arg("resolution"),

@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstddef>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -15,6 +17,8 @@
 namespace snowbough::tree {
 namespace {
 
+/// Leaves that a thread takes at a time.
+constexpr size_t kLeafBlock = 512;
 constexpr int kMinResolution = 16;
 constexpr int kMaxResolution = 16384;
 constexpr double kMinExtent = 2.0;
@@ -307,7 +311,7 @@ void add_sheet(const Foliage& foliage, const std::vector<int32_t>& faces,
   }
 }
 
-std::vector<FlatChart> flatten_leaves(const Foliage& foliage) {
+std::vector<FlatChart> flatten_leaves(const Foliage& foliage, const Execution& execution) {
   const auto face_count = static_cast<int32_t>(foliage.face_leaf.size());
   std::vector<int32_t> order;
   for (int32_t face = 0; face < face_count; ++face) {
@@ -318,17 +322,29 @@ std::vector<FlatChart> flatten_leaves(const Foliage& foliage) {
   std::stable_sort(order.begin(), order.end(), [&foliage](int32_t a, int32_t b) {
     return foliage.face_leaf[a] < foliage.face_leaf[b];
   });
+  // Where each leaf begins in `order`, and where the last one ends.
+  std::vector<size_t> leaves;
+  for (size_t i = 0; i < order.size(); ++i) {
+    if (i == 0 || foliage.face_leaf[order[i]] != foliage.face_leaf[order[i - 1]]) {
+      leaves.push_back(i);
+    }
+  }
+  const size_t leaf_count = leaves.size();
+  leaves.push_back(order.size());
+  std::vector<std::vector<FlatChart>> parts((leaf_count + kLeafBlock - 1) / kLeafBlock);
+  parallel_blocks(leaf_count, kLeafBlock, execution, [&](size_t begin, size_t end) {
+    std::vector<FlatChart>& charts = parts[begin / kLeafBlock];
+    for (size_t leaf = begin; leaf < end; ++leaf) {
+      const std::vector<int32_t> faces(order.begin() + static_cast<std::ptrdiff_t>(leaves[leaf]),
+                                       order.begin() + static_cast<std::ptrdiff_t>(leaves[leaf + 1]));
+      for (const auto& sheet : find_sheets(foliage, faces)) {
+        add_sheet(foliage, sheet, charts);
+      }
+    }
+  });
   std::vector<FlatChart> charts;
-  for (size_t begin = 0; begin < order.size();) {
-    size_t end = begin + 1;
-    while (end < order.size() && foliage.face_leaf[order[end]] == foliage.face_leaf[order[begin]]) {
-      ++end;
-    }
-    const std::vector<int32_t> faces(order.begin() + begin, order.begin() + end);
-    for (const auto& sheet : find_sheets(foliage, faces)) {
-      add_sheet(foliage, sheet, charts);
-    }
-    begin = end;
+  for (std::vector<FlatChart>& part : parts) {
+    std::move(part.begin(), part.end(), std::back_inserter(charts));
   }
   return charts;
 }
@@ -393,12 +409,13 @@ double search_scale(const std::vector<FlatChart>& charts, int resolution,
 
 }  // namespace
 
-LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution) {
+LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const Execution& execution) {
   check(foliage, resolution);
   LeafUvs result;
   result.resolution = resolution;
   result.corner_uv.assign(foliage.corner_vertex.size(), glm::vec2(0.0f));
-  std::vector<FlatChart> charts = flatten_leaves(foliage);
+  std::vector<FlatChart> charts = flatten_leaves(foliage, execution.part(0.0f, 0.8f));
+  report_progress(execution.progress, 0.8f);
   result.chart_count = static_cast<int64_t>(charts.size());
   if (charts.empty()) {
     return result;

@@ -4,6 +4,7 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
+#include "tree/parallel.h"
 #include "tree/skeleton.h"
 
 namespace snowbough::tree {
@@ -33,8 +34,9 @@ struct LeafUvs {
 /// Every face of three or more corners has positive area.
 ///
 /// @param resolution  16 to 16384.
+/// @throws Cancelled when execution's progress says stop.
 /// @throws std::invalid_argument if resolution is out of range, if the foliage's arrays contradict
 ///   each other, or if the charts fit on no map up to 16384.
-LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution);
+LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const Execution& execution = {});
 
 }  // namespace snowbough::tree

@@ -129,6 +129,20 @@ TEST(LeafUvs, TooManyLeavesNameTheResolutionTheyNeed) {
   EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
 }
 
+TEST(LeafUvs, DoNotDependOnTheNumberOfThreads) {
+  const Foliage foliage = random_quads(3000);
+  EXPECT_EQ(layout_leaf_uvs(foliage, 512, {1, {}}).corner_uv,
+            layout_leaf_uvs(foliage, 512, {5, {}}).corner_uv);
+}
+
+TEST(LeafUvs, StopWhenAsked) {
+  const Foliage foliage = random_quads(3000);
+  for (const float until : {0.1f, 0.5f, 0.8f}) {
+    const Execution stop{0, [until](float share) { return share < until; }};
+    EXPECT_THROW(layout_leaf_uvs(foliage, 512, stop), Cancelled);
+  }
+}
+
 TEST(LeafUvs, NoFoliageNeedsNoCharts) {
   const LeafUvs layout = layout_leaf_uvs(Foliage{}, 64);
   EXPECT_TRUE(layout.corner_uv.empty());
