@@ -2,9 +2,9 @@
 """One animated shot of everything that moves: a swaying maple, a cart that drives off, a flag that flaps,
 in snow whose wind turns half-way. Inside Blender in the background:
 
-    blender -b --factory-startup --python-exit-code 1 -P blend_samples/windy_shot.py -- TREE.obj FOLDER
+    blender -b --factory-startup --python-exit-code 1 -P blend_samples/windy_shot.py -- TREE.obj FOLDER [RESOLUTION]
 
-Uses the demo's stage and tree. Leaves in FOLDER: shot.blend, the cache, frame_NNNN.png and shot.json with
+RESOLUTION (512) is that of the maps, the ground's is twice as fine. Uses the demo's stage and tree. Leaves in FOLDER: shot.blend, the cache, frame_NNNN.png and shot.json with
 what windy_sheet.py writes under the frames.
 """
 
@@ -23,14 +23,15 @@ import demo_scene  # noqa: E402
 import snowbough  # noqa: E402  (demo.py says where it is)
 
 RENDERED_FRAMES = (1, 8, 15, 22, 29, 36, 42, 48)
-RESOLUTION = 512
-START_DEPTH, END_DEPTH = 0.0, 0.07
+START_DEPTH, END_DEPTH = 0.0, 0.045
+# It begins to snow here; the frames before are dry.
+SNOW_FROM = 4
 # (frame, degrees from the vertical, where the wind blows to): from the left, calm, then from the right.
 WIND = ((1, 35.0, 75.0), (18, 35.0, 75.0), (24, 0.0, 75.0), (25, 0.0, 285.0), (31, 45.0, 285.0), (48, 45.0, 285.0))
-# The flag's pole leans, so that the cloth slants and snow may lie on it.
+# The cloth hangs nearly upright: snow sticks to it for a moment, lies in its folds and slides off.
 POLE_FOOT, POLE_LENGTH, POLE_LEAN = Vector((-1.35, -2.9, 0.0)), 2.3, math.radians(35.0)
-FLAG_LENGTH, FLAG_HEIGHT, FLAG_SLANT = 1.15, 0.75, math.radians(50.0)
-FLAKES, FLAKE_SIZE, FLAKE_SPEED = 2600, 0.009, 1.6
+FLAG_LENGTH, FLAG_HEIGHT, FLAG_SLANT = 1.15, 0.75, math.radians(84.0)
+FLAKES, FLAKE_SIZE, FLAKE_SPEED = 3200, 0.015, 1.6
 FLAKE_BOX = Vector((11.0, 11.0, 7.0))
 
 
@@ -62,10 +63,12 @@ def make_flag():
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=46, y_subdivisions=30, size=1.0)
     flag = bpy.context.object
     flag.name = "flag"
-    flag.data.transform(Matrix.Diagonal((FLAG_LENGTH, FLAG_HEIGHT, 1.0, 1.0)) @ Matrix.Translation((0.5, -0.5, 0.0)))
+    size = Matrix.Diagonal((FLAG_LENGTH, FLAG_HEIGHT, 1.0, 1.0))
+    flag.data.transform(size @ Matrix.Translation((0.5, -0.5, 0.0)))
     for polygon in flag.data.polygons:
         polygon.use_smooth = True
-    flag.data.materials.append(demo_scene.make_material("red cloth", (0.42, 0.035, 0.03), 0.85, mottle=0.12, scale=30.0))
+    cloth = demo_scene.make_material("red cloth", (0.42, 0.035, 0.03), 0.85, mottle=0.12, scale=30.0)
+    flag.data.materials.append(cloth)
     free = flag.vertex_groups.new(name="free")
     for vertex in flag.data.vertices:
         free.add([vertex.index], min(1.0, 1.2 * vertex.co.x / FLAG_LENGTH), "REPLACE")
@@ -79,7 +82,7 @@ def make_flag():
     return flag, pole
 
 
-def prepare_snowfall(receivers, scenery):
+def prepare_snowfall(receivers, scenery, resolution):
     bpy.ops.object.select_all(action="DESELECT")
     for receiver in receivers:
         receiver.select_set(True)
@@ -87,12 +90,20 @@ def prepare_snowfall(receivers, scenery):
     bpy.ops.snowbough.add_receivers()
     settings = bpy.context.scene.snowbough
     for entry in settings.receivers:
-        entry.resolution = 2 * RESOLUTION if entry.object.name == "ground" else RESOLUTION
+        entry.resolution = 2 * resolution if entry.object.name == "ground" else resolution
     for each in scenery:
         each.snowbough.occlude = False
     settings.start_depth, settings.end_depth = START_DEPTH, END_DEPTH
-    settings.pixel_size, settings.seed, settings.substeps = 0.018, 3, 1
-    settings.max_depth, settings.slide_half_life = 0.12, 0.6
+    settings.pixel_size, settings.seed = 9.2 / resolution, 3
+    for frame in (1, SNOW_FROM):
+        settings.rate = float(frame >= SNOW_FROM)
+        settings.keyframe_insert("rate", frame=frame)
+    for curve in snowbough.compat.curves_of(bpy.context.scene):
+        if curve.data_path == "snowbough.rate":
+            for key in curve.keyframe_points:
+                key.interpolation = "CONSTANT"
+    # Two seconds stand for an hour of snowfall: what steep sides cannot hold is gone within a few frames.
+    settings.max_depth, settings.slide_half_life = 0.06, 0.08
     key_wind(settings)
 
 
@@ -105,14 +116,14 @@ class Flakes:
         self.size = FLAKE_SIZE * rng.uniform(0.5, 1.2, FLAKES)
         mesh = bpy.data.meshes.new("flakes")
         corners = np.arange(6 * FLAKES).reshape(-1, 6)
-        faces = np.concatenate([corners[:, sides] for sides in
-                                ((0, 2, 4), (0, 4, 3), (0, 3, 5), (0, 5, 2), (1, 4, 2), (1, 3, 4), (1, 5, 3), (1, 2, 5))])  # fmt: skip
+        octahedron = ((0, 2, 4), (0, 4, 3), (0, 3, 5), (0, 5, 2), (1, 4, 2), (1, 3, 4), (1, 5, 3), (1, 2, 5))
+        faces = np.concatenate([corners[:, sides] for sides in octahedron])
         mesh.from_pydata(np.zeros((6 * FLAKES, 3)).tolist(), [], faces.tolist())
         white = demo_scene.make_material("flake", (0.9, 0.92, 0.95), 1.0)
         mesh.materials.append(white)
         self.mesh = mesh
-        made = bpy.data.objects.new("flakes", mesh)
-        bpy.context.scene.collection.objects.link(made)
+        self.object = bpy.data.objects.new("flakes", mesh)
+        bpy.context.scene.collection.objects.link(self.object)
 
     def place(self, frame):
         """Flakes have drifted with the wind of every frame so far; those that leave the box come in again."""
@@ -138,7 +149,7 @@ class Flakes:
         self.mesh.update()
 
 
-def main(tree, folder):
+def main(tree, folder, resolution):
     folder.mkdir(parents=True, exist_ok=True)
     bpy.ops.wm.read_homefile(use_empty=True)
     snowbough.register()
@@ -148,8 +159,8 @@ def main(tree, folder):
     demo.clothe(meshes)
     bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
     flag, pole = make_flag()
-    prepare_snowfall([bark, stage.ground, stage.bench, stage.cart, flag, pole], stage.backdrop)
-    demo_scene.set_render(scene, 640, 400, 24)
+    prepare_snowfall([bark, stage.ground, stage.bench, stage.cart, flag, pole], stage.backdrop, resolution)
+    demo_scene.set_render(scene, 640, 400, 16)
     bpy.ops.wm.save_as_mainfile(filepath=str(folder / "shot.blend"), compress=True)
     demo.say(f"baking {demo_scene.FRAMES} frames")
     if bpy.ops.snowbough.bake() != {"FINISHED"}:
@@ -161,16 +172,17 @@ def main(tree, folder):
     for frame in RENDERED_FRAMES:
         scene.frame_set(frame)
         flakes.place(frame)
+        flakes.object.hide_render = frame < SNOW_FROM
         scene.render.filepath = str(folder / f"frame_{frame:04d}.png")
         bpy.ops.render.render(write_still=True)
         demo.say(f"rendered frame {frame}")
-    share = 1.0 / demo_scene.FRAMES
+    snowing = demo_scene.FRAMES - SNOW_FROM + 1
     (folder / "shot.json").write_text(
         json.dumps(
             [
                 {
                     "frame": frame,
-                    "depth": START_DEPTH + (END_DEPTH - START_DEPTH) * frame * share,
+                    "depth": START_DEPTH + (END_DEPTH - START_DEPTH) * max(0, frame - SNOW_FROM + 1) / snowing,
                     "angle": math.degrees(wind(frame)[0]),
                     "bearing": math.degrees(wind(frame)[1]),
                 }
@@ -182,4 +194,4 @@ def main(tree, folder):
 
 if __name__ == "__main__":
     given = sys.argv[sys.argv.index("--") + 1 :]
-    main(Path(given[0]).resolve(), Path(given[1]).resolve())
+    main(Path(given[0]).resolve(), Path(given[1]).resolve(), int(given[2]) if len(given) > 2 else 512)

@@ -134,7 +134,8 @@ def refusal(idname):
 
 def test_greyed_buttons_say_why_in_an_empty_scene():
     refused = {idname: text for idname in operators() if (text := refusal(idname)) is not None}
-    assert {"snowbough.bake", "snowbough.add_receivers", "snowbough.add_sway", "snowbough.remove"} <= refused.keys()
+    expected = {"snowbough.bake", "snowbough.add_receivers", "snowbough.add_sway", "snowbough.remove"}
+    assert expected <= refused.keys()
     assert [idname for idname, text in refused.items() if "context is incorrect" in text] == []
 
 
@@ -205,10 +206,11 @@ def test_a_bake_on_the_command_line_prints_its_own_lines_only(tmp_path):
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     command = [bpy.app.binary_path, "-b", str(tmp_path / "shot.blend"), "--factory-startup"]
     command += ["--python-exit-code", "1", "-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake"]
-    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
     assert done.returncode == 0, done.stderr
     # What any Blender in the background says of itself.
     blenders_own = re.compile(r"Blender \d|Read blend|Blender quit|\d\d:\d\d\.\d+ +[\w.]+ +\| |$")
     lines = [line for line in done.stdout.splitlines() if not blenders_own.match(line)]
-    assert [line.split()[:2] for line in lines] == [["SNOWBOUGH", word] for word in ("frame=1", "frame=2", "frame=3", "done")]
+    said = [line.split()[:2] for line in lines]
+    assert said == [["SNOWBOUGH", word] for word in ("frame=1", "frame=2", "frame=3", "done")]
     assert done.stderr == ""
