@@ -96,7 +96,11 @@ def _lay_out_leaves(module, skeleton, options, stopped):
     """The leaves' UV map `snow`; None without leaves. stopped: an event that ends it."""
     if not len(skeleton.foliage.vertices):
         return None
-    return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=lambda _share: not stopped.is_set())
+
+    def go_on(_share):
+        return not stopped.is_set()
+
+    return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=go_on)
 
 
 def read_native(path, options, progress=None):

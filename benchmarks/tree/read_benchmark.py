@@ -8,8 +8,8 @@ it (surface, weights, UV maps, as the import operator calls them; best of the re
 importer in C++ (wm.obj_import of 3.2 on, not the one in Python, import_scene.obj), which does no more than
 read (operator only, best of the repeats, factory settings); read_tree and the whole against it, the whole
 also by processor time, summed over the threads, which says more on a busy machine; and read_tree's peak
-memory against the file's size. Ours and Blender's runs take turns. Without files, a tree of tubes of about the
-given size is generated. --large also reads, once, a generated file of a gigabyte: without Blender and without
+memory against the file's size. Ours and Blender's runs take turns. Without files, a tree of tubes of about
+the given size is generated. --large also reads, once, a generated file of a gigabyte: without Blender and without
 the mesh.
 """
 
@@ -120,7 +120,8 @@ def read_blender(blender, path, repeats):
 
 def best(runs):
     """The runs' smallest figures; what is no time is the same in all."""
-    return {key: min(run[key] for run in runs) if isinstance(runs[0][key], float) else runs[0][key] for key in runs[0]}
+    first = runs[0]
+    return {key: min(run[key] for run in runs) if isinstance(first[key], float) else first[key] for key in first}
 
 
 def print_row(path, native, blender):
@@ -154,8 +155,10 @@ def main():
         print(f"{'file':28} {'MB':>6} {'branches':>8} {'form':15} {'read s':>7} {'mesh s':>7} {'Blender s':>9} "
               f"{'read/B':>6} {'all/B':>6} {'cpu/B':>6} {'peak/file':>9}")
         for path in files:
-            runs = [(read_native(path, arguments.repeats), read_blender(arguments.blender, path, arguments.repeats))
-                    for _turn in range(TURNS)]
+            runs = [
+                (read_native(path, arguments.repeats), read_blender(arguments.blender, path, arguments.repeats))
+                for _turn in range(TURNS)
+            ]
             print_row(path, *map(best, zip(*runs)))
         if arguments.large:
             path = os.path.join(folder, "large.obj")

@@ -117,10 +117,9 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
       rest.check = check_mesh(mesh.vertices, mesh.quads);
     }
   };
-  std::future<void> derived = std::async(options.threads == 1
-                                             ? std::launch::deferred
-                                             : std::launch::async | std::launch::deferred,
-                                         derive);
+  std::future<void> derived = std::async(
+      options.threads == 1 ? std::launch::deferred : std::launch::async | std::launch::deferred,
+      derive);
   layout_snow_uvs(mesh, skeleton, options.snow_resolution,
                   execution.part(kSurfaceDone, kChartsDone));
   derived.get();

@@ -174,8 +174,8 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
   for (int round = 0; round < 3; ++round) {
     const double from = centre - reach;
     const auto petiole_of = [&](size_t step) {
-      return from + 2.0 * reach * static_cast<double>(step + 1) /
-             static_cast<double>(kPetioleSteps);
+      return from +
+             2.0 * reach * static_cast<double>(step + 1) / static_cast<double>(kPetioleSteps);
     };
     std::array<double, kPetioleSteps> with{};
     parallel_blocks(kPetioleSteps, 1, {threads, {}},
@@ -260,9 +260,10 @@ void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
       for (size_t m = begin; m < end; ++m) {
         const int32_t i = of[m];
         int32_t vertex = 0;
-        found = base.vertices.empty()
-                    ? nearest_vertex(segments, foliage, leaves[i], vertex)
-                    : nearest_from(segments, foot_of(foliage, leaves[i], base, base.petiole), found);
+        found =
+            base.vertices.empty()
+                ? nearest_vertex(segments, foliage, leaves[i], vertex)
+                : nearest_from(segments, foot_of(foliage, leaves[i], base, base.petiole), found);
         foliage.leaf_branch[i] = found.branch;
         foliage.leaf_attach_point[i] = found.point;
       }

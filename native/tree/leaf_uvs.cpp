@@ -335,8 +335,9 @@ std::vector<FlatChart> flatten_leaves(const Foliage& foliage, const Execution& e
   parallel_blocks(leaf_count, kLeafBlock, execution, [&](size_t begin, size_t end) {
     std::vector<FlatChart>& charts = parts[begin / kLeafBlock];
     for (size_t leaf = begin; leaf < end; ++leaf) {
-      const std::vector<int32_t> faces(order.begin() + static_cast<std::ptrdiff_t>(leaves[leaf]),
-                                       order.begin() + static_cast<std::ptrdiff_t>(leaves[leaf + 1]));
+      const std::vector<int32_t> faces(
+          order.begin() + static_cast<std::ptrdiff_t>(leaves[leaf]),
+          order.begin() + static_cast<std::ptrdiff_t>(leaves[leaf + 1]));
       for (const auto& sheet : find_sheets(foliage, faces)) {
         add_sheet(foliage, sheet, charts);
       }

@@ -12,7 +12,8 @@ namespace {
 
 using PolyMesh = OpenMesh::PolyMesh_ArrayKernelT<>;
 
-/// The edges of the quads, each found from both sides. Half-edge 4 f + k runs along edge k of quad f.
+/// The edges of the quads, each found from both sides. Half-edge 4 f + k runs along edge k of quad
+/// f.
 struct HalfEdges {
   /// The half-edge on the other side; -1 where there is none, or more than one.
   std::vector<int32_t> mate;

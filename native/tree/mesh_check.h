@@ -37,8 +37,8 @@ struct MeshCheck {
   }
 };
 
-/// Counts edges by their end points and walks around every vertex; what is no clean surface is joined
-/// face by face in OpenMesh.
+/// Counts edges by their end points and walks around every vertex; what is no clean surface is
+/// joined face by face in OpenMesh.
 /// @throws std::invalid_argument for corner indices out of range.
 MeshCheck check_mesh(const std::vector<glm::vec3>& vertices, const std::vector<Quad>& quads);
 

@@ -62,8 +62,8 @@ class FreeCells {
       return;
     }
     std::vector<Run>& runs = runs_[x];
-    const auto first = std::find_if(runs.begin(), runs.end(),
-                                    [begin](const Run& run) { return run.end > begin; });
+    const auto first =
+        std::find_if(runs.begin(), runs.end(), [begin](const Run& run) { return run.end > begin; });
     const auto last =
         std::find_if(first, runs.end(), [end](const Run& run) { return run.begin >= end; });
     if (first == last) {

@@ -63,8 +63,8 @@ Layout shape_strips(const std::vector<Strip>& strips, size_t begin, size_t end, 
                          (strip.tip_cap >= 0 ? strip.rings.back().perimeter() : 0.0));
     const double max_length = std::max(max_height - caps - 1.0, 0.25 * max_height);
     for (const StripPiece& piece : cut_strip(strip, static_cast<int32_t>(i), lengths, max_length)) {
-      const ChartShape& shape = layout.shapes.emplace_back(
-          shape_chart(strip, piece, lengths, scale, max_height));
+      const ChartShape& shape =
+          layout.shapes.emplace_back(shape_chart(strip, piece, lengths, scale, max_height));
       layout.outlines.push_back(footprint(shape, strip, cell_size));
     }
   }
@@ -222,9 +222,7 @@ std::optional<Layout> search_scale(const std::vector<Strip>& strips, int resolut
   }
   ScaleSearch search(strips, resolution, execution);
   double low = kUsualShare * high;
-  const auto lower = [bottom](double scale) {
-    return scale * (scale > 0.5 * bottom ? 0.85 : 0.5);
-  };
+  const auto lower = [bottom](double scale) { return scale * (scale > 0.5 * bottom ? 0.85 : 0.5); };
   // The first attempt mostly succeeds.
   for (double next = 0.5 * (low + high); !search.fits(low, next, best); next = lower(low)) {
     report_progress(execution.progress, 0.4f);
@@ -281,16 +279,15 @@ void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resoluti
                             "that resolution.");
   }
   // Every chart has quads of its own.
-  parallel_blocks(layout->shapes.size(), kStripBlock, {execution.threads, {}},
-                  [&](size_t begin, size_t end) {
-                    for (size_t i = begin; i < end; ++i) {
-                      const ChartShape& shape = layout->shapes[i];
-                      const Strip& strip = strips[shape.piece.strip];
-                      write_chart_uvs(mesh, strip, shape, choose_seam(strip, shape.piece),
-                                      layout->outlines[i], layout->placements[i], resolution,
-                                      cell_size_of(resolution));
-                    }
-                  });
+  parallel_blocks(
+      layout->shapes.size(), kStripBlock, {execution.threads, {}}, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) {
+          const ChartShape& shape = layout->shapes[i];
+          const Strip& strip = strips[shape.piece.strip];
+          write_chart_uvs(mesh, strip, shape, choose_seam(strip, shape.piece), layout->outlines[i],
+                          layout->placements[i], resolution, cell_size_of(resolution));
+        }
+      });
 }
 
 }  // namespace snowbough::tree

@@ -70,13 +70,12 @@ struct SurfaceOptions {
 /// freed of
 ///   rings because it crossed other faces.
 /// @param only per branch, 0 leaves it out, which a child of a branch left out must be as well: for
-///   looking at a part of the surface, whose faces lie where they lie in the whole. Of a branch left
-///   out only the first ring stands, by its vertices, if its parent is there. Empty = all.
+///   looking at a part of the surface, whose faces lie where they lie in the whole. Of a branch
+///   left out only the first ring stands, by its vertices, if its parent is there. Empty = all.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.3, "knuckles".
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                       const SurfaceScale& scale, const SurfaceOptions& options,
-                      const std::vector<uint8_t>& relief,
-                      const std::vector<uint8_t>& only = {});
+                      const std::vector<uint8_t>& relief, const std::vector<uint8_t>& only = {});
 
 }  // namespace snowbough::tree

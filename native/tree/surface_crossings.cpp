@@ -195,8 +195,7 @@ bool on_one_side(const Face& f, const Face& g) {
   const double margin = kClear * side * side * (extent.x + extent.y + extent.z);
   for (const auto& corners : kTriangles) {
     const glm::dvec3& base = f.points[corners[0]];
-    const glm::dvec3 normal =
-        glm::cross(f.points[corners[1]] - base, f.points[corners[2]] - base);
+    const glm::dvec3 normal = glm::cross(f.points[corners[1]] - base, f.points[corners[2]] - base);
     double lowest = 1e300, highest = -1e300;
     for (int k = 0; k < 4; ++k) {
       const int32_t v = g.corners[k];

@@ -15,9 +15,9 @@ void add_cube(const glm::vec3& at, std::vector<glm::vec3>& vertices, std::vector
   constexpr Quad kSides[] = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
                              {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
   const auto first = static_cast<int32_t>(vertices.size());
-  for (const glm::vec3 p : {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(1, 1, 0),
-                            glm::vec3(0, 1, 0), glm::vec3(0, 0, 1), glm::vec3(1, 0, 1),
-                            glm::vec3(1, 1, 1), glm::vec3(0, 1, 1)}) {
+  for (const glm::vec3 p :
+       {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(1, 1, 0), glm::vec3(0, 1, 0),
+        glm::vec3(0, 0, 1), glm::vec3(1, 0, 1), glm::vec3(1, 1, 1), glm::vec3(0, 1, 1)}) {
     vertices.push_back(at + p);
   }
   for (Quad side : kSides) {

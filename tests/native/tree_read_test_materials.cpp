@@ -16,9 +16,9 @@ using testing::IsEmpty;
 class Materials : public testing::Test {
  protected:
   void SetUp() override {
-    folder_ = std::filesystem::path(testing::TempDir()) /
-              (std::string("materials_") +
-               testing::UnitTest::GetInstance()->current_test_info()->name());
+    folder_ =
+        std::filesystem::path(testing::TempDir()) /
+        (std::string("materials_") + testing::UnitTest::GetInstance()->current_test_info()->name());
     std::filesystem::create_directories(folder_);
   }
   void TearDown() override { std::filesystem::remove_all(folder_); }
@@ -54,7 +54,8 @@ TEST_F(Materials, ATextureIsFoundInAFolderBesideTheLibraryWhateverItsCase) {
 TEST_F(Materials, WhatIsMissingIsNamed) {
   write("a.mtl", "newmtl leaf\nmap_Kd gone.png\n");
   EXPECT_EQ(read({"a.mtl", "other.mtl"})["leaf"].diffuse_texture, "");
-  EXPECT_THAT(warnings_, testing::UnorderedElementsAre(HasSubstr("gone.png"), HasSubstr("other.mtl")));
+  EXPECT_THAT(warnings_,
+              testing::UnorderedElementsAre(HasSubstr("gone.png"), HasSubstr("other.mtl")));
 }
 
 TEST_F(Materials, OfANameThatComesTwiceTheFirstCounts) {

@@ -89,8 +89,8 @@ TEST(SegmentTree, OfEqualsTheFirstIsFoundAndAPointIsASegment) {
 LocalMesh tube(int rings) {
   LocalMesh mesh;
   for (int i = 0; i < rings; ++i) {
-    for (const glm::vec3 p : {glm::vec3(1, 0, i), glm::vec3(0, 1, i), glm::vec3(-1, 0, i),
-                              glm::vec3(0, -1, i)}) {
+    for (const glm::vec3 p :
+         {glm::vec3(1, 0, i), glm::vec3(0, 1, i), glm::vec3(-1, 0, i), glm::vec3(0, -1, i)}) {
       mesh.positions.push_back(p);
     }
   }

@@ -108,7 +108,8 @@ TEST(Crossings, AreThoseThatTheExactTestFindsAmongAllPairs) {
     const Surface surface = Plan(RandomSkeleton(seed).make()).build();
     const JunctionCrossings crossings = find_crossings(surface);
     for (size_t j = 0; j < crossings.size(); ++j) {
-      ASSERT_EQ(crossings[j], crossings_by_force(surface, surface.junctions[j])) << "junction " << j;
+      ASSERT_EQ(crossings[j], crossings_by_force(surface, surface.junctions[j]))
+          << "junction " << j;
       found += crossings[j].size();
     }
   }
