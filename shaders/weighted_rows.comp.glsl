@@ -1,5 +1,6 @@
-// Weighted sums: ghosts beyond a seam, the map's continuation beyond its charts, seam levelling.
+// Weighted sums: ghosts beyond a seam, the map's continuation beyond its charts.
 layout(local_size_x = 64) in;
+#include "item_index.h"
 layout(std430) readonly buffer RowBegin { int row_begin[]; };
 layout(std430) readonly buffer RowSource { int row_source[]; };
 layout(std430) readonly buffer RowWeight { float row_weight[]; };
@@ -8,16 +9,13 @@ layout(std430) readonly buffer RowTarget { int row_target[]; };
 layout(std430) readonly buffer SourceValues { float source_values[]; };
 layout(std430) buffer TargetValues { float target_values[]; };
 uniform int count;
-/// 0: the sum replaces the target; 1: a row without terms leaves kNothing there; 2: the sum is added,
-/// and the target stays 0 or more.
-uniform int mode;
+/// Whether a row without terms leaves kNothing at its target; else 0.
+uniform int nothing_without_terms;
 
-const int kReplaceOrNothing = 1;
-const int kAdd = 2;
 const float kNothing = -1.0;
 
 void main() {
-  const int row = int(gl_GlobalInvocationID.x);
+  const int row = item_index();
   if (row >= count) {
     return;
   }
@@ -28,9 +26,5 @@ void main() {
     sum += row_weight[i] * source_values[row_source[i]];
   }
   const int target = row_target[row];
-  if (mode == kAdd) {
-    target_values[target] = max(0.0, target_values[target] + sum);
-  } else {
-    target_values[target] = mode == kReplaceOrNothing && begin == end ? kNothing : sum;
-  }
+  target_values[target] = nothing_without_terms != 0 && begin == end ? kNothing : sum;
 }

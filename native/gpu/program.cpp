@@ -241,6 +241,12 @@ void Program::dispatch(int32_t groups_x, int32_t groups_y, int32_t groups_z) {
   }
 }
 
+void Program::dispatch_items(int64_t count, int32_t group_size, int32_t most_groups) {
+  const int32_t groups = group_count(count, group_size);
+  const int32_t rows = group_count(groups, most_groups);
+  dispatch(rows > 1 ? group_count(groups, rows) : groups, rows);
+}
+
 void Program::dispatch_indirect(const Buffer& groups) {
   require_ready();
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups.id());

@@ -62,6 +62,9 @@ class Program {
 
   /// Runs a compute program. @throws std::logic_error naming inputs that were not set.
   void dispatch(int32_t groups_x, int32_t groups_y = 1, int32_t groups_z = 1);
+  /// Runs a compute program whose shader finds its item by item_index.h, in groups of `group_size`.
+  /// More groups than one dimension holds (`most_groups`; OpenGL promises 65,535) go into rows.
+  void dispatch_items(int64_t count, int32_t group_size, int32_t most_groups = 65535);
   /// Runs a compute program with the numbers of groups (three uint32) that lie at the buffer's
   /// start.
   void dispatch_indirect(const Buffer& groups);

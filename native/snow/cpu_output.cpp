@@ -82,7 +82,8 @@ CpuOutput::CpuOutput(const TexelTable& table, const SeamTable& seams, const Smoo
       seams_(seams),
       passes_(plan.passes),
       closing_passes_(plan.closing_passes),
-      threads_(std::max(1, threads)) {
+      threads_(std::max(1, threads)),
+      leveller_(closing_passes_ > 0 ? seams.levelling : SeamLevelling()) {
   if (closing_passes_ == 0) return;
   prepare(u_, seams.u, 1, plan.level_u);
   prepare(v_, seams.v, table.resolution, plan.level_v);
@@ -202,7 +203,7 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
     output.height = stored;
   }
   continue_beyond_charts(table_, seams_, output.height);
-  if (closing_passes_ > 0) level_seams(seams_, output.height);
+  if (closing_passes_ > 0) leveller_.run(output.height);
   if (!metrics.empty()) {
     std::vector<float> owned(table_.texel.size());
     for (size_t i = 0; i < owned.size(); ++i) owned[i] = output.height[table_.texel[i]];

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "snow/level_seams.h"
 #include "snow/map_output.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
@@ -62,6 +63,7 @@ class CpuOutput {
   int32_t passes_ = 0;
   int32_t closing_passes_ = 0;
   int32_t threads_ = 1;
+  SeamLeveller leveller_;
   Axis u_;
   Axis v_;
   /// resolution^2 heights, then the ghosts of one axis.

@@ -1,19 +1,6 @@
 #include "snow/dilate.h"
 
-#include <algorithm>
-
 namespace snowbough::snow {
-namespace {
-
-float weighted_sum(const WeightedRows& rows, size_t row, const std::vector<float>& values) {
-  float sum = 0.0f;
-  for (int32_t t = rows.begin[row]; t < rows.begin[row + 1]; ++t) {
-    sum += rows.weight[t] * values[rows.source[t]];
-  }
-  return sum;
-}
-
-}  // namespace
 
 void continue_beyond_charts(const TexelTable& table, const SeamTable& seams,
                             std::vector<float>& map) {
@@ -24,18 +11,6 @@ void continue_beyond_charts(const TexelTable& table, const SeamTable& seams,
       sum += rows.weight[t] * map[table.texel[rows.source[t]]];
     }
     map[seams.dilated[r]] = sum;
-  }
-}
-
-void level_seams(const SeamTable& seams, std::vector<float>& map) {
-  const SeamLevelling& levelling = seams.levelling;
-  std::vector<float> gaps(levelling.gaps.size());
-  for (int32_t round = 0; round < kLevellingRounds; ++round) {
-    for (size_t p = 0; p < gaps.size(); ++p) gaps[p] = weighted_sum(levelling.gaps, p, map);
-    for (size_t i = 0; i < levelling.texel.size(); ++i) {
-      float& height = map[levelling.texel[i]];
-      height = std::max(0.0f, height + weighted_sum(levelling.corrections, i, gaps));
-    }
   }
 }
 

@@ -14,9 +14,6 @@ namespace snowbough::snow {
 void continue_beyond_charts(const TexelTable& table, const SeamTable& seams,
                             std::vector<float>& map);
 
-/// Makes both sides of every seam show the same height (see SeamLevelling), in place.
-void level_seams(const SeamTable& seams, std::vector<float>& map);
-
 /// The whole map of normals from one an owned texel, continued with the nearest texel's, since the
 /// surface beyond a seam has another tangent space; (0, 0, 1) elsewhere.
 std::vector<glm::vec3> dilate_normals(const TexelTable& table, const SeamTable& seams,

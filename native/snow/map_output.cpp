@@ -2,14 +2,12 @@
 
 #include <algorithm>
 
+#include "snow/level_seams.h"
+
 namespace snowbough::snow {
 namespace {
 
 constexpr int32_t kGroupSize = 64;
-/// What weighted_rows.comp.glsl does with a row's sum.
-constexpr int32_t kReplace = 0;
-constexpr int32_t kReplaceOrNothing = 1;
-constexpr int32_t kAdd = 2;
 /// What smoothing.comp.glsl filters along.
 constexpr int32_t kAlongU = 1;
 constexpr int32_t kAlongV = 2;
@@ -79,12 +77,16 @@ OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seam
   buffers.gaps = upload_rows(levelling.gaps, points, nullptr);
   buffers.corrections = upload_rows(levelling.corrections, levelling.texel, nullptr);
   buffers.gap_values = gpu::Buffer(int64_t{4} * static_cast<int64_t>(points.size()));
+  buffers.marks = gpu::Buffer(int64_t{4} * static_cast<int64_t>(points.size()));
+  buffers.least_height = levelling.least_height;
+  buffers.start = gpu::Buffer(int64_t{4} * static_cast<int64_t>(levelling.texel.size()));
   buffers.map = gpu::Buffer(int64_t{4} * table.resolution * table.resolution);
+  buffers.ahead = gpu::Buffer(points.empty() ? 0 : buffers.map.bytes());
   return buffers;
 }
 
 void MapOutputPass::add_rows(const RowBuffers& rows, const gpu::Buffer& source,
-                             const gpu::Buffer& target, int32_t mode) {
+                             const gpu::Buffer& target, bool nothing_without_terms) {
   if (rows.count == 0) return;
   rows_.use();
   rows_.bind("RowBegin", rows.begin);
@@ -94,15 +96,15 @@ void MapOutputPass::add_rows(const RowBuffers& rows, const gpu::Buffer& source,
   rows_.bind("SourceValues", source);
   rows_.bind("TargetValues", target);
   rows_.set("count", rows.count);
-  rows_.set("mode", mode);
-  rows_.dispatch(gpu::group_count(rows.count, kGroupSize));
+  rows_.set("nothing_without_terms", nothing_without_terms ? 1 : 0);
+  rows_.dispatch_items(rows.count, kGroupSize);
   wait_for_writes();
 }
 
 void MapOutputPass::fill_ghosts(OutputBuffers::Lines& lines) {
   const gpu::Buffer& line = lines.line[lines.current];
   // Ghosts read texels and write ghosts: no row touches what another one reads.
-  add_rows(lines.ghosts, line, line, kReplaceOrNothing);
+  add_rows(lines.ghosts, line, line, true);
 }
 
 void MapOutputPass::filter(OutputBuffers& buffers, int32_t axes, bool last) {
@@ -124,10 +126,89 @@ void MapOutputPass::filter(OutputBuffers& buffers, int32_t axes, bool last) {
   smoothing_.set("count", buffers.texel_count);
   smoothing_.set("axes", axes);
   smoothing_.set("last", last ? 1 : 0);
-  smoothing_.dispatch(gpu::group_count(buffers.texel_count, kGroupSize));
+  smoothing_.dispatch_items(buffers.texel_count, kGroupSize);
   wait_for_writes();
   u.current = 1 - u.current;
   v.current = 1 - v.current;
+}
+
+void MapOutputPass::spread_marks(OutputBuffers& buffers) {
+  buffers.ahead.clear();
+  spread_to_texels_.use();
+  spread_to_texels_.bind("RowBegin", buffers.corrections.begin);
+  spread_to_texels_.bind("RowSource", buffers.corrections.source);
+  spread_to_texels_.bind("RowTarget", buffers.corrections.target);
+  spread_to_texels_.bind("Points", buffers.marks);
+  spread_to_texels_.bind("Ahead", buffers.ahead);
+  spread_to_texels_.set("count", buffers.corrections.count);
+  spread_to_texels_.dispatch_items(buffers.corrections.count, kGroupSize);
+  wait_for_writes();
+  spread_to_points_.use();
+  spread_to_points_.bind("RowBegin", buffers.gaps.begin);
+  spread_to_points_.bind("RowSource", buffers.gaps.source);
+  spread_to_points_.bind("Heights", buffers.ahead);
+  spread_to_points_.bind("Marks", buffers.marks);
+  spread_to_points_.set("count", buffers.gaps.count);
+  spread_to_points_.dispatch_items(buffers.gaps.count, kGroupSize);
+  wait_for_writes();
+}
+
+void MapOutputPass::level_once(OutputBuffers& buffers, bool fine, float momentum) {
+  gaps_.use();
+  gaps_.bind("RowBegin", buffers.gaps.begin);
+  gaps_.bind("RowSource", buffers.gaps.source);
+  gaps_.bind("RowWeight", buffers.gaps.weight);
+  gaps_.bind("Heights", buffers.ahead);
+  gaps_.bind("Marks", buffers.marks);
+  gaps_.bind("Gaps", buffers.gap_values);
+  gaps_.set("count", buffers.gaps.count);
+  gaps_.dispatch_items(buffers.gaps.count, kGroupSize);
+  wait_for_writes();
+  seam_texels_.use();
+  seam_texels_.bind("RowBegin", buffers.corrections.begin);
+  seam_texels_.bind("RowSource", buffers.corrections.source);
+  seam_texels_.bind("RowWeight", buffers.corrections.weight);
+  seam_texels_.bind("RowTarget", buffers.corrections.target);
+  seam_texels_.bind("Points", buffers.gap_values);
+  seam_texels_.bind("Ahead", buffers.ahead);
+  seam_texels_.bind("Map", buffers.map);
+  seam_texels_.bind("Start", buffers.start);
+  seam_texels_.set("fine", fine ? 1 : 0);
+  seam_texels_.set("most_change", kMostChange);
+  seam_texels_.set("least_height", buffers.least_height);
+  seam_texels_.set("momentum", momentum);
+  seam_texels_.set("count", buffers.corrections.count);
+  seam_texels_.dispatch_items(buffers.corrections.count, kGroupSize);
+  wait_for_writes();
+}
+
+void MapOutputPass::level(OutputBuffers& buffers) {
+  const auto start_from_map = [&] {
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    glCopyNamedBufferSubData(buffers.map.id(), buffers.ahead.id(), 0, 0, buffers.map.bytes());
+  };
+  start_from_map();
+  const float all = 1.0f;
+  glClearNamedBufferData(buffers.marks.id(), GL_R32F, GL_RED, GL_FLOAT, &all);
+  level_once(buffers, false, 0.0f);
+
+  mark_.use();
+  mark_.bind("RowBegin", buffers.gaps.begin);
+  mark_.bind("RowSource", buffers.gaps.source);
+  mark_.bind("RowWeight", buffers.gaps.weight);
+  mark_.bind("Heights", buffers.map);
+  mark_.bind("Marks", buffers.marks);
+  mark_.set("level_within", kLevelWithin);
+  mark_.set("least_height", buffers.least_height);
+  mark_.set("count", buffers.gaps.count);
+  mark_.dispatch_items(buffers.gaps.count, kGroupSize);
+  wait_for_writes();
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  spread_marks(buffers);
+  start_from_map();
+  for (int32_t round = 0; round < kFineRounds; ++round) {
+    level_once(buffers, true, fine_momentum(round));
+  }
 }
 
 void MapOutputPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBuffers& buffers) {
@@ -142,7 +223,7 @@ void MapOutputPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBu
   gather_.bind("Map", buffers.map);
   gather_.set("layer", layer);
   gather_.set("count", buffers.texel_count);
-  gather_.dispatch(gpu::group_count(buffers.texel_count, kGroupSize));
+  gather_.dispatch_items(buffers.texel_count, kGroupSize);
   wait_for_writes();
 
   for (int32_t pass = 0; pass < buffers.passes; ++pass) {
@@ -152,11 +233,8 @@ void MapOutputPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBu
   for (int32_t pass = 0; pass < buffers.closing_passes; ++pass) {
     filter(buffers, kAlongU | kAlongV, pass + 1 == buffers.closing_passes);
   }
-  add_rows(buffers.dilation, buffers.map, buffers.map, kReplace);
-  for (int32_t round = 0; smoothed && round < kLevellingRounds; ++round) {
-    add_rows(buffers.gaps, buffers.map, buffers.gap_values, kReplace);
-    add_rows(buffers.corrections, buffers.gap_values, buffers.map, kAdd);
-  }
+  add_rows(buffers.dilation, buffers.map, buffers.map, false);
+  if (smoothed && buffers.gaps.count > 0) level(buffers);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
@@ -172,7 +250,7 @@ void MapOutputPass::run_normals(OutputBuffers& buffers, const TexelTable& table,
   refill_.bind("LineV", v.line[v.current]);
   refill_.bind("Map", buffers.map);
   refill_.set("count", buffers.texel_count);
-  refill_.dispatch(gpu::group_count(buffers.texel_count, kGroupSize));
+  refill_.dispatch_items(buffers.texel_count, kGroupSize);
   wait_for_writes();
   fill_ghosts(u);
   fill_ghosts(v);
@@ -191,7 +269,7 @@ void MapOutputPass::run_normals(OutputBuffers& buffers, const TexelTable& table,
   normals_.bind("LineV", v.line[v.current]);
   normals_.bind("Normals", buffers.normals);
   normals_.set("count", buffers.texel_count);
-  normals_.dispatch(gpu::group_count(buffers.texel_count, kGroupSize));
+  normals_.dispatch_items(buffers.texel_count, kGroupSize);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 

@@ -57,6 +57,12 @@ struct OutputBuffers {
   RowBuffers gaps;
   RowBuffers corrections;
   gpu::Buffer gap_values;
+  /// What part of each point's difference is levelled, and the heights that the points look at:
+  /// see level_seams.h.
+  gpu::Buffer marks;
+  gpu::Buffer ahead;
+  gpu::Buffer start;
+  float least_height = 0.0f;
   /// The output heights, resolution^2 floats.
   gpu::Buffer map;
   /// vec4 an owned texel.
@@ -81,11 +87,19 @@ class MapOutputPass {
   void fill_ghosts(OutputBuffers::Lines& lines);
   void filter(OutputBuffers& buffers, int32_t axes, bool last);
   void add_rows(const RowBuffers& rows, const gpu::Buffer& source, const gpu::Buffer& target,
-                int32_t mode);
+                bool nothing_without_terms);
+  void spread_marks(OutputBuffers& buffers);
+  void level_once(OutputBuffers& buffers, bool fine, float momentum);
+  void level(OutputBuffers& buffers);
 
   gpu::Program gather_{{"output_gather.comp.glsl"}, {"FROM_TEXTURE"}};
   gpu::Program refill_{{"output_gather.comp.glsl"}};
   gpu::Program rows_{{"weighted_rows.comp.glsl"}};
+  gpu::Program mark_{{"seam_gaps.comp.glsl"}, {"MARK"}};
+  gpu::Program spread_to_texels_{{"seam_texels.comp.glsl"}, {"SPREAD"}};
+  gpu::Program spread_to_points_{{"seam_gaps.comp.glsl"}, {"SPREAD"}};
+  gpu::Program gaps_{{"seam_gaps.comp.glsl"}};
+  gpu::Program seam_texels_{{"seam_texels.comp.glsl"}};
   gpu::Program smoothing_{{"smoothing.comp.glsl"}};
   gpu::Program normals_{{"normals.comp.glsl"}};
 };

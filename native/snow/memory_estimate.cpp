@@ -73,8 +73,8 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   }
   // What is seen, its depth, the sums and the list of pixels.
   estimate.tile = int64_t{tile_size} * tile_size * (16 + 4 + 4 + 4);
-  // Two heights, a normal and its tables.
-  estimate.output = largest_map * (4 + 4 + 16 + 8);
+  // Three heights, a normal and its tables.
+  estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;
 }
 

@@ -281,6 +281,10 @@ class SeamTableBuilder {
 
   void level() {
     SeamLevelling& levelling = seams_.levelling;
+    double size = 0.0;
+    for (const glm::vec2 s : seams_.texel_size) size += std::sqrt(s.x * s.y);
+    levelling.least_height = static_cast<float>(
+        0.025 * size / static_cast<double>(std::max<size_t>(1, seams_.texel_size.size())));
     // Texel, point, weight: what a point may change.
     std::vector<std::tuple<int32_t, int32_t, double>> changes;
     for (const Seam& seam : charts_.seams) {

@@ -51,10 +51,10 @@ struct SeamLevelling {
   /// Per texel concerned: its linear index, ascending, and what is added to it; sources are points.
   std::vector<int32_t> texel;
   WeightedRows corrections;
+  /// Snow thinner than this (metres) may differ by as much as snow of this height: a fortieth of a
+  /// texel.
+  float least_height = 0.0f;
 };
-
-/// Number of levelling rounds: each leaves about a fifth of the difference.
-inline constexpr int32_t kLevellingRounds = 3;
 
 /// How a map's texels hang together over the surface, across the seams of its layout.
 struct SeamTable {

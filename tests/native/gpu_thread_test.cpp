@@ -2,9 +2,11 @@
 
 #include <gtest/gtest.h>
 
+#include <numeric>
 #include <stdexcept>
 #include <vector>
 
+#include "gpu/program.h"
 #include "gpu/resources.h"
 #include "gpu/shader_source.h"
 
@@ -86,6 +88,34 @@ TEST(Resources, TextureLayersAreApart) {
     EXPECT_EQ(read, values);
     texture.read(2, GL_RED, GL_FLOAT, 16, read.data());
     EXPECT_EQ(read, std::vector<float>(4, 0.0f));
+  });
+}
+
+TEST(Program, DispatchItemsReachesEveryItemInRowsOfGroups) {
+  GpuThread::shared()->run([] {
+    // Row r takes value r to place r; 1000 rows in groups of 64, at most 3 groups side by side.
+    constexpr int32_t kCount = 1000;
+    std::vector<int32_t> begin(kCount + 1), place(kCount);
+    std::iota(begin.begin(), begin.end(), 0);
+    std::iota(place.begin(), place.end(), 0);
+    std::vector<float> values(kCount);
+    std::iota(values.begin(), values.end(), 1.0f);
+    Program rows({"weighted_rows.comp.glsl"});
+    const Buffer begins(begin), places(place), weights(std::vector<float>(kCount, 1.0f));
+    const Buffer source(values);
+    Buffer target(int64_t{4} * kCount);
+    rows.use();
+    rows.bind("RowBegin", begins);
+    rows.bind("RowSource", places);
+    rows.bind("RowWeight", weights);
+    rows.bind("RowTarget", places);
+    rows.bind("SourceValues", source);
+    rows.bind("TargetValues", target);
+    rows.set("count", kCount);
+    rows.set("nothing_without_terms", 0);
+    rows.dispatch_items(kCount, 64, 3);
+    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+    EXPECT_EQ(target.read_all<float>(), values);
   });
 }
 

@@ -232,6 +232,17 @@ TEST(MapOutputPass, agreesWithTheProcessorOnATube) {
   }
 }
 
+TEST(MapOutputPass, reachesTheLastTexelOfAMapWithMoreWorkGroupsThanOneDimensionHolds) {
+  const Map map = plate(2112, 21.12f, 21.12f);
+  ASSERT_GT(map.table.texel.size(), 65535u * 64u);
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.0f);
+  const auto stored = random_map(map, 8);
+  const auto height = output_on_gpu(map, plan, stored);
+  for (const int32_t texel : {map.table.texel.front(), map.table.texel.back()}) {
+    EXPECT_EQ(height[texel], stored[texel]);
+  }
+}
+
 TEST(MapOutputPass, twoRunsAreBitIdentical) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.1f);
