@@ -1,6 +1,7 @@
 // Third part of the deposit: texels that together cover less than half of their pixel take no more than
 // half a pixel would hold; the rest (everything, where none takes part) goes to the texel under the
 // pixel's centre and, where that one is small, to its neighbours.
+#include "packed_pixel.h"
 #include "pixel_counts.h"
 #include "texel_spread.h"
 
@@ -11,7 +12,6 @@ layout(std430) readonly buffer PixelList { uint pixel_list[]; };
 layout(std430) buffer DepositUnits { uint deposit_units[]; };
 uniform usampler2D weight_sum;
 uniform bool counting;
-uniform ivec2 tile_size;
 uniform float step_depth;
 
 void add_saturating(uint texel, uint units) {
@@ -45,7 +45,7 @@ void lay(float volume, int texel) {
 void main() {
   const uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = gl_GlobalInvocationID.x; i < list_count; i += stride) {
-    const ivec2 pixel = ivec2(pixel_list[i] % uint(tile_size.x), pixel_list[i] / uint(tile_size.x));
+    const ivec2 pixel = unpacked_pixel(pixel_list[i]);
     const uvec4 seen = texelFetch(occlusion, pixel, 0);
     const uint slot = seen.z & ~kReceives;
     const uint owner = texel_under(pixel, seen.x - 1u, slot);

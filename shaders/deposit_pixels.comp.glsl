@@ -1,15 +1,19 @@
-// Second part of the deposit: lists the pixels whose texels cover less than half of them, for the next
-// part, and counts what the sky sees of every object. Kept apart from that part because software
-// renderers run every branch for every pixel.
+// Second part of the deposit: works out what a pixel gives to the texels that take part in it, lists the
+// pixels whose texels cover less than half of them, for the next part, and counts what the sky sees of
+// every object. Kept apart from that part because software renderers run every branch for every pixel.
+#include "packed_pixel.h"
 #include "pixel_counts.h"
 
 layout(local_size_x = 64) in;
 /// Work groups of the next part (x, 1, 1) and the number of listed pixels.
 layout(std430) buffer ListSize { uint list_groups; uint list_groups_y; uint list_groups_z; uint list_count; };
-/// Pixels as row * tile width + column.
+/// Packed pixels.
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
 uniform usampler2D occlusion;
 uniform usampler2D weight_sum;
+/// Snow in m3 for a pixel's area of texels. Texels that together cover less than half of their pixel take
+/// no more than half a pixel would hold.
+layout(r32f) writeonly uniform image2D pixel_share;
 /// Slots of the objects whose maps are in this group: [first, end).
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
@@ -17,7 +21,7 @@ uniform ivec2 tile_size;
 
 void list(ivec2 pixel) {
   const uint at = atomicAdd(list_count, 1u);
-  pixel_list[at] = uint(pixel.y * tile_size.x + pixel.x);
+  pixel_list[at] = packed_pixel(pixel);
   // A list that needs more groups than a dispatch may have is walked in strides.
   if (at % 64u == 0u && at / 64u < kMostGroups) {
     atomicAdd(list_groups, 1u);
@@ -45,9 +49,15 @@ void main() {
       next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
       count.back_facing += mine && !front ? 1u : 0u;
       count.visible += front ? 1u : 0u;
-      count.snowed += front && snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
-      if (front && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u) {
-        list(pixel);
+      const float snow = snow_of_pixel(pixel + tile_origin);
+      count.snowed += front && snow > 0.0 ? 1u : 0u;
+      if (front) {
+        const uint sum = texelFetch(weight_sum, pixel, 0).x;
+        const float covered = float(max(sum, kPixelWeight / 2u)) / float(kPixelWeight);
+        imageStore(pixel_share, pixel, vec4(snow * fall.direction.w * fall.direction.w / covered));
+        if (sum < kPixelWeight / 2u) {
+          list(pixel);
+        }
       }
     }
     flush(slot, count);

@@ -1,4 +1,5 @@
 // Last part of the deposit, for every tile but the last, whose shares the stability pass takes itself.
+#include "texel_group.h"
 #include "texel_share.h"
 
 layout(local_size_x = 64) in;
@@ -8,9 +9,9 @@ uniform samplerBuffer texel_surface;
 uniform usamplerBuffer targets;
 
 void main() {
-  const int index = int(gl_GlobalInvocationID.x);
+  const int index = listed_texel();
   const uvec2 target = texelFetch(targets, index).xy;
-  if (target.x != 0u) {
+  if (target.y != 0u) {
     deposit_share[index] = share_of(target, texelFetch(texel_surface, index).w);
   }
 }

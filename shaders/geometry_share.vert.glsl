@@ -13,11 +13,10 @@ void main() {
   thickness = 0.0;
   map_place = ivec3(-1);
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-  if (target.pixel == 0u) {
+  if (target.weight == 0u) {
     return;
   }
-  const int index = int(target.pixel) - 1;
-  const ivec2 pixel = ivec2(index % tile_size.x, index / tile_size.x);
+  const ivec2 pixel = unpacked_pixel(target.pixel);
   const float sum = max(texelFetch(weight_map, pixel, 0).x, 0.5);
   const float volume = snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
   thickness = volume * (float(target.weight) / float(kPixelWeight) / sum) /

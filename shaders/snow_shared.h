@@ -69,8 +69,8 @@ struct Fragment {
 };
 SNOWBOUGH_SHARED_SIZE(Fragment, 8);
 
-/// The pixel that a texel takes its snow from: 1 + pixel index in the tile (0 = none), and the
-/// texel's projected area in units of pixel area / kPixelWeight.
+/// The pixel of the tile that a texel takes its snow from, row << 16 | column, and the texel's projected
+/// area in units of pixel area / kPixelWeight, 0 = it takes none.
 struct TexelTarget {
   uint pixel;
   uint weight;
@@ -107,6 +107,20 @@ struct PixelCounts {
   uint snowed;
 };
 SNOWBOUGH_SHARED_SIZE(PixelCounts, 16);
+
+/// Work groups of texels that a pass works on: the arguments of its dispatch, in blocks of 64 invocations
+/// and whole, and behind them the groups' numbers.
+struct GroupListHeader {
+  uint blocks_a_group;
+  uint group_count;
+  uint one;
+  uint unused_row_end;
+  uint whole_one;
+  uint whole_count;
+  uint whole_one_too;
+  uint unused_end;
+};
+SNOWBOUGH_SHARED_SIZE(GroupListHeader, 32);
 
 /// Which work groups of a batch hold an object's texels.
 struct StatisticsSegment {
@@ -156,6 +170,14 @@ const uint kPixelWeight = 1u << 20;
 const float kDepthUnits = 262144.0f;
 /// Texels a work group handles; an object's texels begin at a multiple of it.
 const uint kTexelGroup = 1024u;
+/// Invocations of a work group, and how many such blocks make a group of texels.
+const uint kBlock = 64u;
+const uint kBlocksAGroup = kTexelGroup / kBlock;
+/// Where the numbers begin in a list of groups.
+const uint kGroupListBegin = 8u;
+/// A group's state: snow lies on one of its texels; its surface is that of an earlier pose.
+const uint kHoldsSnow = 1u;
+const uint kSurfaceIsOld = 2u;
 /// Work groups in one direction that OpenGL promises for a dispatch.
 const uint kMostGroups = 65535u;
 /// Invocations of a work group of the stability pass: each leaves one partial sum.

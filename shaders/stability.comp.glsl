@@ -5,7 +5,7 @@
 // LAST_TILE: the shares of the step's last (mostly only) tile are worked out here, which saves a pass.
 // DEPOSIT_MAP: the deposit lies on a map of its own.
 // EARLIER_TILES: shares of further tiles wait in DepositShare.
-#include "snow_shared.h"
+#include "texel_group.h"
 #include "texel_place.h"
 #ifdef LAST_TILE
 #include "texel_share.h"
@@ -28,6 +28,8 @@ uniform usamplerBuffer targets;
 /// An invocation's sums: deposited, slid and held volume in m3, number of saturated texels.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
+/// Per group of texels; kHoldsSnow is set where some lies after the step.
+layout(std430) buffer GroupStates { uint group_states[]; };
 uniform usamplerBuffer texels;
 uniform samplerBuffer texel_surface;
 uniform samplerBuffer texel_up;
@@ -67,7 +69,7 @@ float take_deposit(int index, float area, out bool saturated) {
   }
 #ifdef LAST_TILE
   const uvec2 target = texelFetch(targets, index).xy;
-  if (target.x != 0u) {
+  if (target.y != 0u) {
     deposit += share_of(target, area);
   }
 #endif
@@ -84,9 +86,11 @@ float take_deposit(int index, float area, out bool saturated) {
 
 void main() {
   // An invocation takes every 64th texel of the work group's, so that no barrier is needed.
-  const int begin = int(gl_WorkGroupID.x * kTexelGroup + gl_LocalInvocationID.x);
+  const int group = listed_group();
+  const int begin = group * int(kTexelGroup) + int(gl_LocalInvocationID.x);
   const int resolution = imageSize(height_map).x;
   vec4 sum = vec4(0.0);
+  float highest = 0.0;
   for (uint i = 0u; i < kTexelGroup; i += gl_WorkGroupSize.x) {
     const int index = begin + int(i);
     const uvec2 texel = texelFetch(texels, index).xy;
@@ -108,8 +112,12 @@ void main() {
     if (settled != height) {
       imageStore(height_map, at, vec4(settled));
     }
+    highest = max(highest, settled);
     sum += vec4(deposit * area, (height + deposit - settled) * area, settled * area,
                 saturated ? 1.0 : 0.0);
   }
-  partials[gl_GlobalInvocationID.x] = sum;
+  partials[group * int(kPartialsEach) + int(gl_LocalInvocationID.x)] = sum;
+  if (highest > 0.0) {
+    atomicOr(group_states[group], kHoldsSnow);
+  }
 }

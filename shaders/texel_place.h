@@ -1,8 +1,13 @@
 // GLSL only: where a texel lies on its group's maps.
 
-/// Column, row and layer of a texel's `place` on maps of `resolution`.
+/// Column, row and layer of a texel's `place` on maps of `resolution`. By floats, since vectors of
+/// integers are divided one by one: a row is at most one off, which the column tells.
 ivec3 decoded_place(uint place, int resolution) {
-  const uint in_map = place % uint(resolution * resolution);
-  return ivec3(in_map % uint(resolution), in_map / uint(resolution),
-               place / uint(resolution * resolution));
+  int row = int(float(place) / float(resolution));
+  int column = int(place) - row * resolution;
+  const int off = column < 0 ? -1 : column >= resolution ? 1 : 0;
+  row += off;
+  column -= off * resolution;
+  const int layer = int((float(row) + 0.5) / float(resolution));
+  return ivec3(column, row - layer * resolution, layer);
 }

@@ -1,5 +1,5 @@
 // World position and covered area of texels, from the current vertices.
-#include "snow_shared.h"
+#include "texel_group.h"
 
 layout(local_size_x = 64) in;
 uniform samplerBuffer positions;
@@ -14,12 +14,11 @@ layout(std430) writeonly buffer TexelSurface { vec4 texel_surface[]; };
 /// Upward part of the normal, 1 on level ground, for the capacity. A texel that goes round a twig holds
 /// snow by those of its parts that face up; one without any is past vertical by the mean of its parts.
 layout(std430) writeonly buffer TexelUp { float texel_up[]; };
-uniform uint first;
 
 vec3 vertex(uint index) { return texelFetch(positions, int(index)).xyz; }
 
 void main() {
-  const int index = int(first + gl_GlobalInvocationID.x);
+  const int index = listed_texel();
   const uvec4 texel = texelFetch(texels, index);
   if (texel.y == kNowhere) {
     return;

@@ -1,5 +1,6 @@
 // GLSL only: which pixel a texel takes its snow from. Both formulations of the deposit include it.
 #include "fall_frame.h"
+#include "packed_pixel.h"
 
 // Buffer textures instead of storage blocks: llvmpipe reads a whole vector at once from them, and
 // OpenGL 4.1 has no storage blocks.
@@ -88,5 +89,5 @@ TexelTarget target_of(int index) {
   if (weight < 0.5 || weight >= 256.0 * float(kPixelWeight)) {
     return none;
   }
-  return TexelTarget(uint(pixel.y * tile_size.x + pixel.x) + 1u, uint(weight + 0.5));
+  return TexelTarget(packed_pixel(pixel), uint(weight + 0.5));
 }

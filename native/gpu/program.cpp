@@ -247,10 +247,10 @@ void Program::dispatch_items(int64_t count, int32_t group_size, int32_t most_gro
   dispatch(rows > 1 ? group_count(groups, rows) : groups, rows);
 }
 
-void Program::dispatch_indirect(const Buffer& groups) {
+void Program::dispatch_indirect(const Buffer& groups, int64_t offset) {
   require_ready();
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, groups.id());
-  glDispatchComputeIndirect(0);
+  glDispatchComputeIndirect(static_cast<GLintptr>(offset));
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
 }
 

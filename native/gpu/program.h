@@ -65,9 +65,9 @@ class Program {
   /// Runs a compute program whose shader finds its item by item_index.h, in groups of `group_size`.
   /// More groups than one dimension holds (`most_groups`; OpenGL promises 65,535) go into rows.
   void dispatch_items(int64_t count, int32_t group_size, int32_t most_groups = 65535);
-  /// Runs a compute program with the numbers of groups (three uint32) that lie at the buffer's
-  /// start.
-  void dispatch_indirect(const Buffer& groups);
+  /// Runs a compute program with the numbers of groups (three uint32) that lie in the buffer, `offset`
+  /// bytes from its start.
+  void dispatch_indirect(const Buffer& groups, int64_t offset = 0);
   /// Draws `count` vertices with the bound vertex array. @throws as dispatch.
   void draw(GLenum mode, int32_t first, int32_t count);
 

@@ -1,11 +1,9 @@
 #include "snow/deposit_compute.h"
 
+#include "snow/texel_groups.h"
+
 namespace snowbough::snow {
 namespace {
-
-int32_t texel_groups(const TexelBatch& batch) {
-  return batch.count / 64;
-}
 
 constexpr GLbitfield kBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                                  GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
@@ -17,6 +15,7 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
   if (weight_sum_.width() != occlusion.visible.width() ||
       weight_sum_.height() != occlusion.visible.height()) {
     weight_sum_ = gpu::Texture(GL_R32UI, occlusion.visible.width(), occlusion.visible.height());
+    pixel_share_ = gpu::Texture(GL_R32F, occlusion.visible.width(), occlusion.visible.height());
   }
   const glm::ivec2 size = tile.pixels.size();
   glClearTexSubImage(weight_sum_.id(), 0, 0, 0, 0, size.x, size.y, 1, GL_RED_INTEGER,
@@ -24,6 +23,7 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
   for (TexelBatch& batch : scene.batches) {
     weigh_.use();
     weigh_.bind("Fall", fall);
+    weigh_.bind_texture("groups", batch.views.active_groups);
     weigh_.bind_texture("triangle_surface", scene.views.triangle_surface);
     weigh_.bind_texture("texels", batch.views.texels);
     weigh_.bind_texture("texel_surface", batch.views.surface);
@@ -35,7 +35,7 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
     weigh_.bind_image("weight_sum", weight_sum_, GL_READ_WRITE);
     weigh_.set("tile_origin", tile.pixels.low);
     weigh_.set("tile_size", size);
-    weigh_.dispatch(texel_groups(batch));
+    weigh_.dispatch_indirect(batch.active_groups, kBlocks);
   }
   glMemoryBarrier(kBarriers);
 }
@@ -52,6 +52,7 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
   pixels_.bind("PixelList", pixel_list_);
   pixels_.bind_texture("occlusion", occlusion.visible);
   pixels_.bind_texture("weight_sum", weight_sum_);
+  pixels_.bind_image("pixel_share", pixel_share_, GL_WRITE_ONLY);
   pixels_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
   pixels_.set("tile_origin", tile.pixels.low);
   pixels_.set("tile_size", size);
@@ -83,22 +84,19 @@ void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const
   lay_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
   lay_.set("counting", counting ? 1 : 0);
   lay_.set("tile_origin", tile.pixels.low);
-  lay_.set("tile_size", tile.pixels.size());
   lay_.set("step_depth", step_depth);
   lay_.dispatch_indirect(list_size_);
 }
 
-void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile) {
+void DepositComputePass::share_out(SceneBuffers& scene) {
   for (TexelBatch& batch : scene.batches) {
     share_.use();
-    share_.bind("Fall", fall);
+    share_.bind_texture("groups", batch.views.active_groups);
     share_.bind_texture("texel_surface", batch.views.surface);
     share_.bind_texture("targets", batch.views.targets);
     share_.bind("DepositShare", batch.share);
-    share_.bind_texture("weight_sum", weight_sum_);
-    share_.set("tile_origin", tile.pixels.low);
-    share_.set("tile_size", tile.pixels.size());
-    share_.dispatch(texel_groups(batch));
+    share_.bind_texture("pixel_share", pixel_share_);
+    share_.dispatch_indirect(batch.active_groups, kBlocks);
   }
   glMemoryBarrier(kBarriers);
 }
@@ -122,7 +120,7 @@ void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const
     lay(scene, fall, tile, occlusion, step_depth, batch, is_new);
   }
   if (!is_last) {
-    share_out(scene, fall, tile);
+    share_out(scene);
   }
 }
 

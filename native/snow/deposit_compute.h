@@ -18,12 +18,14 @@ class DepositComputePass {
  public:
   /// Adds the snow of one tile to the batches' `units` and `share`; the shares of the step's last
   /// tile are left to the stability pass, which finds them by the batches' `targets` and
-  /// weight_sum(). `step_depth` in metres; GPU thread.
+  /// pixel_share(). `step_depth` in metres; GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const OcclusionTarget& occlusion, float step_depth, bool is_last);
 
   /// Per pixel of the last tile: the sum of the texels that took part, in kPixelWeight units.
   const gpu::Texture& weight_sum() const { return weight_sum_; }
+  /// Per pixel of the last tile that shows a receiver: snow in m3 for a pixel's area of texels.
+  const gpu::Texture& pixel_share() const { return pixel_share_; }
 
  private:
   void weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
@@ -32,13 +34,14 @@ class DepositComputePass {
                    const OcclusionTarget& occlusion, const MapGroup& group);
   void lay(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const OcclusionTarget& occlusion, float step_depth, TexelBatch& batch, bool counting);
-  void share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile);
+  void share_out(SceneBuffers& scene);
 
   gpu::Program weigh_{{"deposit_weigh.comp.glsl"}};
   gpu::Program pixels_{{"deposit_pixels.comp.glsl"}};
   gpu::Program lay_{{"deposit_lay.comp.glsl"}};
   gpu::Program share_{{"deposit_share.comp.glsl"}};
   gpu::Texture weight_sum_;
+  gpu::Texture pixel_share_;
   /// Pixels of a tile that deposit_lay works on: arguments of its dispatch and their number, and
   /// them.
   gpu::Buffer list_size_;

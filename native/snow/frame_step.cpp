@@ -57,7 +57,8 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
 
 void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scene,
                     const Input& input) {
-  surface_.run(scene, upload_moved(objects, scene));
+  const std::vector<int32_t> moved = upload_moved(objects, scene);
+  surface_.run_triangles(scene, moved);
 
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
@@ -66,6 +67,10 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   }
   const shared::FallFrame frame = make_fall_frame(input.fall, bounds);
   fall_.write(0, sizeof frame, &frame);
+  // GEOMETRY draws all texels.
+  groups_.run(scene, fall_, moved, input.mapping == DepositMapping::kGeometry);
+  surface_.run_texels(scene);
+
   std::vector<PixelRect> rects;
   std::vector<PixelRect> receivers;
   for (const SceneObject* object : objects) {
@@ -96,7 +101,7 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
       }
       deposit_compute_.run(scene, fall_, tile, target_, depth, is_last);
       if (is_last) {
-        pending = {&fall_, &deposit_compute_.weight_sum(), tile, tiles.size() > 1};
+        pending = {&deposit_compute_.pixel_share(), tiles.size() > 1};
       }
     }
   }

@@ -10,6 +10,7 @@
 #include "snow/scene_buffers.h"
 #include "snow/stability.h"
 #include "snow/statistics.h"
+#include "snow/texel_groups.h"
 #include "snow/texel_surface.h"
 
 namespace snowbough::snow {
@@ -39,6 +40,7 @@ class FrameStep {
 
  private:
   TexelSurfacePass surface_;
+  TexelGroupsPass groups_;
   OcclusionPass occlusion_;
   DepositComputePass deposit_compute_;
   /// Made when it is first asked for.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
@@ -32,6 +33,16 @@ void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
   }
 }
 
+/// Until the first step chooses: every group.
+std::vector<uint32_t> list_of_all_groups(int32_t count) {
+  const auto all = static_cast<uint32_t>(count);
+  std::vector<uint32_t> list = {shared::kBlocksAGroup, all, 1, 0, 1, all, 1, 0};
+  for (uint32_t group = 0; group < all; ++group) {
+    list.push_back(group);
+  }
+  return list;
+}
+
 TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   TexelBatch batch;
   batch.group = group;
@@ -55,6 +66,12 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
     std::fill_n(group_slots.begin() + segment.first_group, segment.group_count, segment.slot);
   }
   batch.group_slots = gpu::Buffer(group_slots);
+  batch.group_states = gpu::Buffer(std::vector<uint32_t>(
+      static_cast<size_t>(batch.group_count()), shared::kHoldsSnow | shared::kSurfaceIsOld));
+  batch.active_groups = gpu::Buffer(list_of_all_groups(batch.group_count()));
+  batch.old_groups = gpu::Buffer(list_of_all_groups(batch.group_count()));
+  batch.views.active_groups = gpu::BufferTexture(batch.active_groups, GL_R32UI);
+  batch.views.old_groups = gpu::BufferTexture(batch.old_groups, GL_R32UI);
   batch.views.texels = gpu::BufferTexture(batch.texels, GL_RGBA32UI);
   batch.views.fragment_begin = gpu::BufferTexture(batch.fragment_begin, GL_R32UI);
   batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RG32UI);
@@ -102,6 +119,18 @@ class BatchWriter {
     slot_ = -1;
   }
 
+  /// `triangle` of the scene lies on the texel or beside it (`texel`: index within the map group).
+  void note_triangle(int32_t texel, uint32_t triangle) {
+    const size_t group = static_cast<size_t>(texel) / kTexelGroup;
+    if (group >= group_triangles_.size()) {
+      group_triangles_.resize(group + 1);
+    }
+    std::vector<uint32_t>& triangles = group_triangles_[group];
+    if (triangles.empty() || triangles.back() != triangle) {
+      triangles.push_back(triangle);
+    }
+  }
+
   /// Index within the group of the next texel.
   int32_t next() const { return first_ + in_batch(); }
 
@@ -117,7 +146,37 @@ class BatchWriter {
     }
   }
 
+  /// Uploads the rest, and what was noted.
+  void finish() {
+    flush();
+    for (TexelBatch& batch : scene_.batches) {
+      if (batch.group == group_) {
+        upload_group_triangles(batch);
+      }
+    }
+  }
+
  private:
+  void upload_group_triangles(TexelBatch& batch) {
+    std::vector<uint32_t> begin;
+    std::vector<uint32_t> all;
+    const size_t first = static_cast<size_t>(batch.first) / kTexelGroup;
+    for (size_t g = first; g < first + static_cast<size_t>(batch.group_count()); ++g) {
+      begin.push_back(static_cast<uint32_t>(all.size()));
+      if (g < group_triangles_.size()) {
+        std::vector<uint32_t>& triangles = group_triangles_[g];
+        std::sort(triangles.begin(), triangles.end());
+        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
+        all.insert(all.end(), triangles.begin(), triangles.end());
+      }
+    }
+    begin.push_back(static_cast<uint32_t>(all.size()));
+    batch.group_begin = gpu::Buffer(begin);
+    batch.group_triangles = gpu::Buffer(all);
+    batch.views.group_begin = gpu::BufferTexture(batch.group_begin, GL_R32UI);
+    batch.views.group_triangles = gpu::BufferTexture(batch.group_triangles, GL_R32UI);
+  }
+
   int32_t in_batch() const { return static_cast<int32_t>(arrays_.texels.size()); }
   void open_segment() { segment_begin_ = in_batch() / static_cast<int32_t>(kTexelGroup); }
   void close_segment() {
@@ -135,7 +194,73 @@ class BatchWriter {
   int32_t slot_ = -1;
   int32_t segment_begin_ = 0;
   TexelArrays arrays_;
+  std::vector<std::vector<uint32_t>> group_triangles_;
 };
+
+/// `order` sorted by `key` (below `keys`), equal ones left in their order.
+template <typename Key>
+std::vector<int32_t> sorted_by(const std::vector<int32_t>& order, int32_t keys, const Key& key) {
+  std::vector<int32_t> begin(static_cast<size_t>(keys) + 1, 0);
+  for (const int32_t i : order) {
+    ++begin[static_cast<size_t>(key(i)) + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int32_t> sorted(order.size());
+  for (const int32_t i : order) {
+    sorted[static_cast<size_t>(begin[static_cast<size_t>(key(i))]++)] = i;
+  }
+  return sorted;
+}
+
+/// The texels of a chart side by side, in squares of 32 x 32: neighbours on the surface share a
+/// work group, so that whole groups turn away from the fall together.
+std::vector<int32_t> surface_order(const TexelTable& table) {
+  const int32_t squares = (table.resolution + 31) / 32;
+  std::vector<int32_t> order(table.texel.size());
+  std::iota(order.begin(), order.end(), 0);
+  order = sorted_by(order, squares * squares, [&](int32_t i) {
+    const int32_t texel = table.texel[static_cast<size_t>(i)];
+    return texel / table.resolution / 32 * squares + texel % table.resolution / 32;
+  });
+  return sorted_by(order, table.chart_count,
+                   [&](int32_t i) { return table.chart[static_cast<size_t>(i)]; });
+}
+
+/// Notes for every texel's group the triangles on the texel, and those on its chart's texels around
+/// it that are in other groups: a pixel's snow may go to the texel beside the one that it hits.
+void note_triangles(const TexelTable& table, const std::vector<uint32_t>& owners,
+                    uint32_t first_triangle, BatchWriter& writer) {
+  const int32_t size = table.resolution;
+  const auto owner_at = [&owners](int32_t texel) {
+    return static_cast<int32_t>(owners[2 * static_cast<size_t>(texel)]) - 1;
+  };
+  const auto group_at = [](int32_t index) { return index / static_cast<int32_t>(kTexelGroup); };
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    const int32_t texel = table.texel[i];
+    const int32_t own = owner_at(texel);
+    std::vector<int32_t> takers = {own};
+    for (int32_t y = std::max(texel / size - 1, 0); y <= std::min(texel / size + 1, size - 1);
+         ++y) {
+      for (int32_t x = std::max(texel % size - 1, 0); x <= std::min(texel % size + 1, size - 1);
+           ++x) {
+        const int32_t other = owner_at(y * size + x);
+        if (other >= 0 && group_at(other) != group_at(own) &&
+            owners[2 * static_cast<size_t>(y * size + x) + 1] >> 8 ==
+                static_cast<uint32_t>(table.chart[i])) {
+          takers.push_back(other);
+        }
+      }
+    }
+    for (const int32_t taker : takers) {
+      writer.note_triangle(taker, first_triangle + static_cast<uint32_t>(table.triangle[i]));
+      for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
+        writer.note_triangle(
+            taker, first_triangle +
+                       static_cast<uint32_t>(table.fragment_triangle[static_cast<size_t>(f)]));
+      }
+    }
+  }
+}
 
 /// Adds one receiver's texels to its group and fills in its owners and map triangles.
 void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
@@ -153,7 +278,8 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
 
   std::vector<uint32_t> owners(2 * static_cast<size_t>(map_texels), 0);
   std::vector<float> home_share(static_cast<size_t>(object.triangle_count()), 0.0f);
-  for (size_t i = 0; i < table.texel.size(); ++i) {
+  for (const int32_t index : surface_order(table)) {
+    const auto i = static_cast<size_t>(index);
     const auto place = static_cast<uint32_t>(table.texel[i]);
     writer.add({static_cast<uint32_t>(table.triangle[i] + first_triangle),
                 place + static_cast<uint32_t>(layer) * map_texels, table.barycentric[i].x,
@@ -177,6 +303,7 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
     }
   }
   group.owners.write(layer, GL_RG_INTEGER, GL_UNSIGNED_INT, owners.data());
+  note_triangles(table, owners, static_cast<uint32_t>(first_triangle), writer);
 }
 
 /// Uploads the objects' alpha; masks that several objects share lie there once.
@@ -270,7 +397,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
                    map_triangles);
       writer.end_object();
     }
-    writer.flush();
+    writer.finish();
   }
   require_room(static_cast<int64_t>(map_triangles.size() * sizeof(shared::MapTriangle)), info,
                "receivers' triangles");
@@ -279,6 +406,8 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   scene.pixel_counts =
       gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::PixelCounts)));
   scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
+  scene.slot_moved = gpu::Buffer(static_cast<int64_t>(objects.size()) * 4);
+  scene.views.slot_moved = gpu::BufferTexture(scene.slot_moved, GL_R32UI);
   scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
   scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);
   scene.views.triangle_surface = gpu::BufferTexture(scene.triangle_surface, GL_RGBA32F);

@@ -37,6 +37,14 @@ struct TexelBatch {
   gpu::Buffer partials;
   gpu::Buffer segment_buffer;
   gpu::Buffer group_slots;
+  /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether one
+  /// has anything to do, what state each is in, and which are at work in this step.
+  gpu::Buffer group_begin;
+  gpu::Buffer group_triangles;
+  gpu::Buffer group_states;
+  gpu::Buffer active_groups;
+  gpu::Buffer old_groups;
+  int32_t group_count() const { return count / static_cast<int32_t>(shared::kTexelGroup); }
 
   /// The buffers above as buffer textures, which llvmpipe reads a whole vector at a time.
   struct Views {
@@ -47,6 +55,10 @@ struct TexelBatch {
     gpu::BufferTexture up;
     gpu::BufferTexture targets;
     gpu::BufferTexture group_slots;
+    gpu::BufferTexture group_begin;
+    gpu::BufferTexture group_triangles;
+    gpu::BufferTexture active_groups;
+    gpu::BufferTexture old_groups;
   } views;
 };
 
@@ -74,6 +86,8 @@ struct SceneBuffers {
   gpu::Buffer alpha_bits;
   gpu::Buffer pixel_counts;
   gpu::Buffer sums;
+  /// Per slot: 1 = its vertices moved in this step.
+  gpu::Buffer slot_moved;
   std::vector<MapGroup> groups;
   std::vector<TexelBatch> batches;
 
@@ -83,6 +97,7 @@ struct SceneBuffers {
     gpu::BufferTexture triangle_surface;
     gpu::BufferTexture map_triangles;
     gpu::BufferTexture map_offsets;
+    gpu::BufferTexture slot_moved;
     gpu::BufferTexture alpha_triangles;
     gpu::BufferTexture alpha_places;
     gpu::BufferTexture alpha_bits;

@@ -305,6 +305,7 @@ void SnowSimulation::write_state(const SimulationState& state) {
     scene.sums.write(int64_t{slot} * static_cast<int64_t>(sizeof(shared::ObjectSums)),
                      sizeof(shared::ObjectSums), saved.sums.data());
   }
+  TexelGroupsPass::forget(scene);
 }
 
 SimulationState SnowSimulation::state() {

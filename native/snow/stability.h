@@ -16,9 +16,8 @@ struct StabilitySettings {
 
 /// What the deposit of the step's last tile left to be shared out.
 struct PendingShares {
-  const gpu::Buffer* fall = nullptr;
-  const gpu::Texture* weight_sum = nullptr;
-  Tile tile;
+  /// DepositComputePass::pixel_share; null = no tile is pending.
+  const gpu::Texture* pixel_share = nullptr;
   /// Shares of further tiles wait in the batches' `share`.
   bool earlier_tiles = false;
   /// The whole deposit lies on the groups' `deposit` maps; nothing of the above counts.

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 
+#include "snow/texel_groups.h"
+
 namespace snowbough::snow {
 namespace {
 
-/// Below what a group costs a dispatch of its own is not worth its overhead: gaps are computed too.
-constexpr int32_t kJoinGap = 4;
+/// Triangles that cost less than a dispatch of their own: gaps up to it are computed too.
+constexpr int32_t kJoinGap = 1024;
 
 struct Run {
   int32_t first = 0;
@@ -28,12 +30,10 @@ std::vector<Run> joined(const std::vector<Run>& runs, int32_t gap) {
 
 }  // namespace
 
-void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& moved) {
-  std::vector<bool> slot_moved(scene.slot.size(), false);
+void TexelSurfacePass::run_triangles(SceneBuffers& scene, const std::vector<int32_t>& moved) {
   std::vector<Run> runs;
   for (const int32_t object : moved) {
     const auto i = static_cast<size_t>(object);
-    slot_moved[static_cast<size_t>(scene.slot[i])] = true;
     const int32_t end =
         i + 1 < scene.first_triangle.size() ? scene.first_triangle[i + 1] : scene.triangle_count;
     runs.push_back({scene.first_triangle[i], end});
@@ -42,7 +42,7 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
   triangles_.bind("Positions", scene.positions);
   triangles_.bind("Triangles", scene.triangles);
   triangles_.bind("TriangleSurface", scene.triangle_surface);
-  for (const Run& run : joined(runs, kJoinGap * 256)) {
+  for (const Run& run : joined(runs, kJoinGap)) {
     // A dispatch takes at least 65,535 groups of 64.
     for (int32_t first = run.first; first < run.end; first += 65535 * 64) {
       const int32_t count = std::min(run.end - first, 65535 * 64);
@@ -52,19 +52,12 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
     }
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+}
 
+void TexelSurfacePass::run_texels(SceneBuffers& scene) {
   for (TexelBatch& batch : scene.batches) {
-    std::vector<Run> groups;
-    for (const shared::StatisticsSegment& segment : batch.segments) {
-      if (slot_moved[segment.slot]) {
-        const auto first = static_cast<int32_t>(segment.first_group);
-        groups.push_back({first, first + static_cast<int32_t>(segment.group_count)});
-      }
-    }
-    if (groups.empty()) {
-      continue;
-    }
     texels_.use();
+    texels_.bind_texture("groups", batch.views.old_groups);
     texels_.bind_texture("positions", scene.views.positions);
     texels_.bind_texture("triangles", scene.views.triangles);
     texels_.bind_texture("triangle_surface", scene.views.triangle_surface);
@@ -73,10 +66,7 @@ void TexelSurfacePass::run(SceneBuffers& scene, const std::vector<int32_t>& move
     texels_.bind_texture("fragments", batch.views.fragments);
     texels_.bind("TexelSurface", batch.surface);
     texels_.bind("TexelUp", batch.up);
-    for (const Run& run : joined(groups, kJoinGap)) {
-      texels_.set("first", static_cast<uint32_t>(run.first) * shared::kTexelGroup);
-      texels_.dispatch((run.end - run.first) * static_cast<int32_t>(shared::kTexelGroup / 64));
-    }
+    texels_.dispatch_indirect(batch.old_groups, kBlocks);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
 }

@@ -9,12 +9,13 @@
 namespace snowbough::snow {
 
 /// Evaluates triangles and texels on the current vertices: normals, areas, positions, covered
-/// areas.
+/// areas. GPU thread.
 class TexelSurfacePass {
  public:
-  /// Recomputes what the objects in `moved` (indices in drawing order, ascending) carry. GPU
-  /// thread.
-  void run(SceneBuffers& scene, const std::vector<int32_t>& moved);
+  /// The triangles of the objects in `moved` (indices in drawing order, ascending).
+  void run_triangles(SceneBuffers& scene, const std::vector<int32_t>& moved);
+  /// The texels of the batches' `old_groups`.
+  void run_texels(SceneBuffers& scene);
 
  private:
   gpu::Program triangles_{{"triangle_surface.comp.glsl"}};

@@ -65,7 +65,9 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
       const int32_t first = scene.first_triangle[i];
       ranges.push_back({first, 2, scene.first_alpha[i] >= 0, scene.first_alpha[i] - first});
     }
-    TexelSurfacePass().run(scene, moved);
+    TexelSurfacePass surface;
+    surface.run_triangles(scene, moved);
+    surface.run_texels(scene);
     FallSettings settings;
     settings.pixel_size = 1.0 / 16.0;
     settings.depth = 0.01;

@@ -1,6 +1,7 @@
 // The passes of a snow step, one by one: small buffers in, one pass, read back, compare.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
@@ -11,6 +12,7 @@
 #include "snow/memory_estimate.h"
 #include "snow/scene_buffers.h"
 #include "snow/simulation.h"
+#include "snow/texel_groups.h"
 
 namespace snowbough::snow {
 namespace {
@@ -54,7 +56,9 @@ struct Bench {
                             objects[i].positions.data());
       moved.push_back(static_cast<int32_t>(i));
     }
-    TexelSurfacePass().run(scene, moved);
+    TexelSurfacePass surface;
+    surface.run_triangles(scene, moved);
+    surface.run_texels(scene);
     frame = make_fall_frame(settings, bounds);
     fall = gpu::Buffer(sizeof frame, &frame);
     std::vector<PixelRect> rects;
@@ -278,8 +282,9 @@ TEST(DepositGeometry, LaysWhatComputeLays) {
       const TexelBatch& batch = bench.scene.batches[0];
       const auto share = batch.share.read_all<float>();
       const auto units = batch.units.read_all<uint32_t>();
+      const auto texels = batch.texels.read_all<shared::Texel>();
       for (size_t i = 0; i < laid.size(); ++i) {
-        EXPECT_NEAR(laid[i], share[i] + units[i] * (0.01 / shared::kDepthUnits), 1e-6)
+        EXPECT_NEAR(laid[texels[i].place], share[i] + units[i] * (0.01 / shared::kDepthUnits), 1e-6)
             << "texel " << i << ", pixels of " << pixel_size;
       }
       EXPECT_NEAR(laid[32 * 64 + 32], 0.01f, 0.004f);
@@ -318,6 +323,73 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
     EXPECT_NEAR(settle(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
     // Past vertical, but no time to slide: a huge capacity rounds nothing away.
     EXPECT_FLOAT_EQ(settle(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
+  });
+}
+
+/// The groups that a list names, sorted.
+std::vector<uint32_t> listed(const gpu::Buffer& list) {
+  const auto all = list.read_all<uint32_t>();
+  std::vector<uint32_t> groups(all.begin() + 8, all.begin() + 8 + all[1]);
+  EXPECT_EQ(all[0], shared::kBlocksAGroup);
+  EXPECT_EQ(all[5], all[1]);
+  std::sort(groups.begin(), groups.end());
+  return groups;
+}
+
+/// Two squares of their own charts, each on half of a 64 x 64 map, one up, one turned down.
+SceneObject plate() {
+  SceneObject object = square("plate", 1.0f, 0.0f);
+  MapTopology& topology = object.description.topology;
+  topology.triangles = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6};
+  topology.corner_uv = {{0, 0},   {0.5, 0}, {0.5, 1}, {0, 0},   {0.5, 1}, {0, 1},
+                        {0.5, 0}, {1, 1},   {1, 0},   {0.5, 0}, {0.5, 1}, {1, 1}};
+  topology.vertex_count = 8;
+  for (size_t i = 0; i < 4; ++i) {
+    object.positions.push_back(object.positions[i] - glm::vec3(0.0f, 0.0f, 0.1f));
+  }
+  object.bounds.include(glm::dvec3(0.0, 0.0, -0.1));
+  object.table = build_texel_table(topology);
+  return object;
+}
+
+TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(plate()), falling({0, 0, -1}, 0.1));
+    TexelBatch& batch = bench.scene.batches[0];
+    ASSERT_EQ(batch.group_count(), 4);
+    TexelGroupsPass groups;
+    groups.run(bench.scene, bench.fall, {0}, false);
+    // Nobody has looked yet whether snow lies there.
+    EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
+    StabilityPass().run(bench.scene, {}, {}, 0.01f, 1.0f);
+    groups.run(bench.scene, bench.fall, {}, false);
+    EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
+    EXPECT_TRUE(listed(batch.old_groups).empty());
+    groups.run(bench.scene, bench.fall, {0}, false);
+    EXPECT_EQ(listed(batch.old_groups), (std::vector<uint32_t>{0, 1}));
+    groups.run(bench.scene, bench.fall, {}, true);
+    EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
+    // Left out when they moved: evaluated when they take part again.
+    EXPECT_EQ(listed(batch.old_groups), (std::vector<uint32_t>{2, 3}));
+  });
+}
+
+TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(plate()), falling({0, 0, -1}, 0.1));
+    TexelBatch& batch = bench.scene.batches[0];
+    std::vector<float> heights(64 * 64, 0.0f);
+    heights[10 * 64 + 40] = 0.1f;  // on the lower side, in the lower half of the map
+    bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
+    TexelGroupsPass groups;
+    groups.run(bench.scene, bench.fall, {0}, false);
+    StabilityPass().run(bench.scene, {}, {}, 0.01f, 0.01f);
+    groups.run(bench.scene, bench.fall, {}, false);
+    EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2}));
+    // It slides off within a thousand half-lives.
+    StabilityPass().run(bench.scene, {}, {}, 0.01f, 2000.0f);
+    groups.run(bench.scene, bench.fall, {}, false);
+    EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
   });
 }
 
