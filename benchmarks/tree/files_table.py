@@ -96,7 +96,7 @@ def row(path, folder, repeats, blender):
             " ".join(map(str, euler)), "yes" if check["boundary_edges"] == 0 else "no",
             f"{mesh.report['crossing_junctions']} / {mesh.report['junctions']}", f"{fill(mesh):.2f}",
             f"{read:.3f}", f"{build:.3f}", f"{read + build:.3f}",
-            f"{read_blender(blender, str(path), repeats):.3f}" if blender else "-"]
+            f"{read_blender(blender, str(path), repeats)['seconds']:.3f}" if blender else "-"]
 
 
 def main():
