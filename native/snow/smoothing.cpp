@@ -79,13 +79,23 @@ double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
     }
   }
   if (sizes.empty()) return 0.0;
-  std::sort(sizes.begin(), sizes.end());
-  double sum = 0.0;
-  for (const auto& [size, coverage] : sizes) {
-    sum += coverage;
-    if (sum >= 0.1 * total) return size;
+  // Halved until one is left: sorting millions of texels would take longer than a frame.
+  auto begin = sizes.begin();
+  auto end = sizes.end();
+  double below = 0.0;
+  while (end - begin > 1) {
+    const auto middle = begin + (end - begin) / 2;
+    std::nth_element(begin, middle, end);
+    double lower = 0.0;
+    for (auto at = begin; at != middle; ++at) lower += at->second;
+    if (below + lower >= 0.1 * total) {
+      end = middle;
+    } else {
+      below += lower;
+      begin = middle;
+    }
   }
-  return sizes.back().first;
+  return begin->first;
 }
 
 }  // namespace
