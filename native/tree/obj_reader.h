@@ -10,11 +10,14 @@
 namespace snowbough::tree {
 
 struct ObjReadOptions {
-  /// Bytes read at a time. Grows by itself when a line is longer.
-  size_t buffer_size = size_t{1} << 20;
+  /// Bytes read at a time, of which the threads take pieces. Grows by itself when a line is longer.
+  size_t buffer_size = size_t{4} << 20;
   /// Bytes the stream holds, for the progress; 0 = unknown.
   size_t total_size = 0;
   Progress progress = {};
+  /// Threads that share the work, the calling one included; 0 = one a core. The scene and the
+  /// errors do not depend on it.
+  int threads = 0;
 };
 
 /// Reads a Wavefront OBJ in one pass through a small buffer; the text is never held as a whole.

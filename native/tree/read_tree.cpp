@@ -136,6 +136,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
+  read_options.threads = options.threads;
   read_options.progress = part_of(options.progress, 0.0f, 0.5f);
   Skeleton skeleton;
   ImportReport& report = skeleton.report;

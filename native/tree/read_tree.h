@@ -26,7 +26,7 @@ struct ReadTreeOptions {
   /// foliage and no others. Empty: told by the names' words and by shape.
   std::string foliage_names = {};
   /// Bytes of the file read at a time.
-  size_t buffer_size = size_t{1} << 20;
+  size_t buffer_size = size_t{4} << 20;
   /// Threads that may share the work, the calling one included; 0 = one a core. The skeleton does
   /// not depend on it.
   int threads = 0;

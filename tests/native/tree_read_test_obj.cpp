@@ -1,8 +1,10 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <array>
 #include <sstream>
 #include <string>
+#include <vector>
 
 #include "tree/obj_reader.h"
 #include "tree/parts.h"
@@ -29,6 +31,27 @@ std::string error_of(const std::string& text, size_t buffer_size = 1 << 16) {
 
 const std::string kTriangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
+/// All of a scene that the pieces of a text may get wrong.
+void expect_same(const ObjScene& a, const ObjScene& b, const std::string& when) {
+  EXPECT_EQ(a.positions, b.positions) << when;
+  EXPECT_EQ(a.uvs, b.uvs) << when;
+  EXPECT_EQ(a.face_begin, b.face_begin) << when;
+  EXPECT_EQ(a.corner_vertex, b.corner_vertex) << when;
+  EXPECT_EQ(a.corner_uv, b.corner_uv) << when;
+  EXPECT_EQ(a.names, b.names) << when;
+  EXPECT_EQ(a.materials, b.materials) << when;
+  EXPECT_EQ(a.short_faces, b.short_faces) << when;
+  EXPECT_EQ(a.loose_elements, b.loose_elements) << when;
+  const auto rows = [](const ObjScene& scene) {
+    std::vector<std::array<int32_t, 4>> result;
+    for (const FaceRun& run : scene.runs) {
+      result.push_back({run.first_face, run.object, run.group, run.material});
+    }
+    return result;
+  };
+  EXPECT_EQ(rows(a), rows(b)) << when;
+}
+
 TEST(ObjReader, ReadsVerticesAndFaces) {
   const ObjScene scene = parse(kTriangle + "f 1 2 3\n");
   EXPECT_EQ(scene.positions[1], glm::vec3(1, 0, 0));
@@ -44,14 +67,8 @@ TEST(ObjReader, GivesTheSameWhereverTheBufferCutsTheText) {
   const ObjScene whole = parse(text);
   for (size_t size = 1; size < 80; ++size) {
     const ObjScene cut = parse(text, size);
-    EXPECT_EQ(cut.positions, whole.positions) << size;
-    EXPECT_EQ(cut.uvs, whole.uvs) << size;
-    EXPECT_EQ(cut.corner_vertex, whole.corner_vertex) << size;
-    EXPECT_EQ(cut.corner_uv, whole.corner_uv) << size;
-    EXPECT_EQ(cut.names, whole.names) << size;
-    EXPECT_EQ(cut.materials, whole.materials) << size;
     EXPECT_EQ(cut.material_libraries, whole.material_libraries) << size;
-    EXPECT_EQ(cut.runs.size(), whole.runs.size()) << size;
+    expect_same(cut, whole, std::to_string(size));
   }
   EXPECT_EQ(whole.positions[0], glm::vec3(0.5f, -1e-3f, 2.0f));
   EXPECT_EQ(whole.positions[2], glm::vec3(0, 1, 0));
@@ -61,6 +78,52 @@ TEST(ObjReader, GivesTheSameWhereverTheBufferCutsTheText) {
   EXPECT_THAT(whole.corner_uv, ElementsAre(0, -1, 0, -1, -1, -1));
   ASSERT_EQ(whole.runs.size(), 2u);
   EXPECT_EQ(whole.runs[1].group, -1);
+}
+
+TEST(ObjReader, GivesTheSameWithAnyNumberOfThreadsAndPieces) {
+  std::string text;
+  for (int i = 0; i < 60; ++i) {
+    const std::string number = std::to_string(i);
+    text += "v " + number + ".5 0 -1e-3\nv 0 " + number + " 1\nv 1 \\\n0 " + number + "\n";
+    if (i % 7 == 0) text += "g part" + std::to_string(i % 3) + "\n";
+    if (i % 11 == 0) text += "o tree" + number + "\n";
+    if (i % 5 == 0) text += "usemtl m" + std::to_string(i % 2) + "\nvt 0." + number + " 1\n";
+    text += i % 4 == 0 ? "f -1/-1 -2/-1 -3/-1\n" : "f 1 -2 " + std::to_string(180 - i) + "\n";
+    if (i % 13 == 0) text += "f -1 -2\nl 1 2\n";
+  }
+  const auto read = [&](size_t buffer_size, int threads) {
+    std::istringstream stream(text);
+    return read_obj(stream, "t.obj", {.buffer_size = buffer_size, .threads = threads});
+  };
+  // One line at a time, more or less.
+  const ObjScene lines = read(1, 1);
+  EXPECT_EQ(lines.positions.size(), 180u);
+  EXPECT_EQ(lines.face_count(), 60);
+  EXPECT_EQ(lines.corner_vertex[0], 2);
+  for (const size_t size : {size_t{64}, size_t{1000}, size_t{1} << 20}) {
+    for (const int threads : {1, 2, 5}) {
+      expect_same(read(size, threads), lines,
+                  std::to_string(size) + " bytes, " + std::to_string(threads) + " threads");
+    }
+  }
+}
+
+TEST(ObjReader, NamesTheFirstOfSeveralBadLines) {
+  std::string text = kTriangle;
+  for (int i = 0; i < 200; ++i) text += "f 1 2 3\n";
+  // In different pieces, and the first is told by what stands before its own.
+  EXPECT_THAT(error_of(text + "f 1 2 -5\n" + text + "v x\n"), HasSubstr("t.obj:204: "));
+  EXPECT_THAT(error_of(text + "v x\n" + text + "f 1 2 -9\n"), HasSubstr("t.obj:204: "));
+  // On one line, and on one after the other.
+  EXPECT_THAT(error_of(text + "f -5 x\n"), HasSubstr("vertex index -5 is out of range (3 so far)"));
+  EXPECT_THAT(error_of(text + "f -4 1\nf 1 2 x\n"), HasSubstr("t.obj:204: "));
+}
+
+TEST(ObjReader, TextureCoordinatesOfFacesLeftOutDoNotCount) {
+  const std::string text = kTriangle + "vt 0 0\nf 1 2 3\nf 1/1 2/1\nf 1 2 3\n";
+  for (const size_t size : {1, 16, 64, 4096}) {
+    EXPECT_TRUE(parse(text, size).corner_uv.empty()) << size;
+  }
 }
 
 TEST(ObjReader, TakesNegativeIndicesFromWhereTheyStand) {
