@@ -239,8 +239,14 @@ Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
 
 void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
                    const Execution& execution) {
-  const SegmentTree segments(branches, std::vector<int32_t>(branches.size(), 0), 0.0f);
   const std::vector<Leaf> leaves = leaves_of(foliage);
+  if (leaves.empty()) {
+    foliage.leaf_branch.clear();
+    foliage.leaf_attach_point.clear();
+    report_progress(execution.progress, 1.0f);
+    return;
+  }
+  const SegmentTree segments(branches, std::vector<int32_t>(branches.size(), 0), 0.0f);
   foliage.leaf_branch.assign(leaves.size(), -1);
   foliage.leaf_attach_point.assign(leaves.size(), glm::vec3(0.0f));
 
