@@ -5,6 +5,10 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
 
 #include "tree/surface_triangles.h"
 
@@ -132,6 +136,37 @@ class Neighbourhoods {
   int32_t stamp_ = 0;
   std::vector<int32_t> vertices_, faces_;
   size_t expanded_ = 0;
+};
+
+/// Neighbourhoods that no thread works with just now: as large as the surface, a block of junctions
+/// should not have to make its own.
+class NeighbourhoodPool {
+ public:
+  NeighbourhoodPool(const Surface& surface, const VertexFaces& around)
+      : surface_(surface), around_(around) {}
+
+  std::unique_ptr<Neighbourhoods> take() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!free_.empty()) {
+        std::unique_ptr<Neighbourhoods> one = std::move(free_.back());
+        free_.pop_back();
+        return one;
+      }
+    }
+    return std::make_unique<Neighbourhoods>(surface_, around_);
+  }
+
+  void give_back(std::unique_ptr<Neighbourhoods> one) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(one));
+  }
+
+ private:
+  const Surface& surface_;
+  const VertexFaces& around_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<Neighbourhoods>> free_;
 };
 
 /// Whether a plane through what two faces share proves that they have nothing else in common: all
@@ -283,16 +318,18 @@ JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8
       wanted.push_back(j);
     }
   }
+  NeighbourhoodPool pool(surface, around);
   parallel_blocks(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
-    Neighbourhoods neighbourhoods(surface, around);
+    std::unique_ptr<Neighbourhoods> neighbourhoods = pool.take();
     std::vector<Face> faces;
     for (size_t i = begin; i < end; ++i) {
       faces.clear();
-      for (const int32_t f : neighbourhoods.at(surface.junctions[wanted[i]])) {
+      for (const int32_t f : neighbourhoods->at(surface.junctions[wanted[i]])) {
         faces.push_back(make_face(surface, f));
       }
       crossings[wanted[i]] = crossing_pairs(faces);
     }
+    pool.give_back(std::move(neighbourhoods));
   });
   return crossings;
 }
