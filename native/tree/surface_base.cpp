@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <vector>
 
 #include "tree/frames.h"
 #include "tree/surface_stations.h"
@@ -62,34 +63,48 @@ Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
   return crossing;
 }
 
-/// Whether a point lies more than `margin` outside the parent's round hull.
-bool clears(const LimbSurface& parent, const glm::dvec3& point, double margin) {
+/// Whether a point lies more than `margin` outside the round hull of one segment.
+bool clears(const Ring& a, const Ring& b, const glm::dvec3& point, double margin) {
+  const glm::dvec3 ab = b.centre - a.centre;
+  const double square = glm::dot(ab, ab);
+  const double t =
+      square > 0.0 ? std::clamp(glm::dot(point - a.centre, ab) / square, 0.0, 1.0) : 0.0;
+  return glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t) > margin;
+}
+
+/// The parent's segments, by their first rings, whose hulls may come within `margin` of a ball. The
+/// others, nearly all of a long limb, are further away than they are long and thick.
+std::vector<size_t> segments_near(const LimbSurface& parent, const glm::dvec3& centre,
+                                  double radius, double margin) {
+  std::vector<size_t> near;
   for (size_t i = 0; i + 1 < parent.rings.size(); ++i) {
     const Ring& a = parent.rings[i];
     const Ring& b = parent.rings[i + 1];
     const glm::dvec3 ab = b.centre - a.centre;
-    const glm::dvec3 ap = point - a.centre;
-    const double square = glm::dot(ab, ab);
-    // Further away than the segment is long and thick: the usual case on a long limb. The square of
-    // a sum of three is at most three times the sum of the squares.
+    const glm::dvec3 ap = centre - a.centre;
     const double corner = std::max(a.corner, b.corner);
-    if (glm::dot(ap, ap) > 3.01 * (square + corner * corner + margin * margin)) {
-      continue;
-    }
-    const double t = square > 0.0 ? std::clamp(glm::dot(ap, ab) / square, 0.0, 1.0) : 0.0;
-    if (glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t) <=
-        margin) {
-      return false;
+    // The square of a sum of four is at most four times the sum of the squares.
+    if (glm::dot(ap, ap) <=
+        4.01 * (glm::dot(ab, ab) + corner * corner + margin * margin + radius * radius)) {
+      near.push_back(i);
     }
   }
-  return true;
+  return near;
 }
 
-/// Whether a ring stands clear: outside the parent, and the whole hole behind it.
+/// Whether a ring stands clear: outside the parent's round hull, and the whole hole behind it.
 bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& centre,
                  const glm::dvec3& normal, double corner, double margin) {
-  if (glm::dot(centre - hole.centre, hole.normal) <= margin ||
-      !clears(parent, centre, margin)) {
+  if (glm::dot(centre - hole.centre, hole.normal) <= margin) {
+    return false;
+  }
+  const std::vector<size_t> near = segments_near(parent, centre, corner, margin);
+  const auto clears_all = [&](const glm::dvec3& point) {
+    return std::all_of(near.begin(), near.end(), [&](size_t i) {
+      return clears(parent.rings[i], parent.rings[i + 1], point, margin);
+    });
+  };
+  if (!clears_all(centre)) {
     return false;
   }
   for (const glm::dvec3& p : hole.corners) {
@@ -101,7 +116,7 @@ bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& 
   for (int k = 0; k < 8; ++k) {
     const double angle = 0.25 * M_PI * k;
     const glm::dvec3 p = centre + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * corner;
-    if (!clears(parent, p, margin) || glm::dot(p - hole.centre, hole.normal) <= margin) {
+    if (glm::dot(p - hole.centre, hole.normal) <= margin || !clears_all(p)) {
       return false;
     }
   }
