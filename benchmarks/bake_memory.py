@@ -43,7 +43,9 @@ def main():
         for entry in bpy.context.scene.snowbough.receivers:
             entry.resolution = options.resolution
         bpy.context.scene.snowbough.checkpoint_interval = 10
-        running = bake_operators.make_session(bpy.context.scene, bake_operators.make_request(bpy.context.scene))
+        running = bake_operators.make_session(
+            bpy.context.scene, bake_operators.make_request(bpy.context.scene)
+        )
         running.on_frame = lambda result: sizes.update({result.frame: resident_mib()})
         bake_engine.run(bpy.context, running)
         assert running.error is None, running.error

@@ -4,8 +4,8 @@ in snow whose wind turns half-way. Inside Blender in the background:
 
     blender -b --factory-startup --python-exit-code 1 -P blend_samples/windy_shot.py -- TREE.obj FOLDER [RESOLUTION]
 
-RESOLUTION (512) is that of the maps, the ground's is twice as fine. Uses the demo's stage and tree. Leaves in FOLDER: shot.blend, the cache, frame_NNNN.png and shot.json with
-what windy_sheet.py writes under the frames.
+RESOLUTION (512) is that of the maps, the ground's is twice as fine. Uses the demo's stage and tree. Leaves in
+FOLDER: shot.blend, the cache, frame_NNNN.png and shot.json with what windy_sheet.py writes under the frames.
 """
 
 import json
@@ -27,7 +27,14 @@ START_DEPTH, END_DEPTH = 0.0, 0.045
 # It begins to snow here; the frames before are dry.
 SNOW_FROM = 4
 # (frame, degrees from the vertical, where the wind blows to): from the left, calm, then from the right.
-WIND = ((1, 35.0, 75.0), (18, 35.0, 75.0), (24, 0.0, 75.0), (25, 0.0, 285.0), (31, 45.0, 285.0), (48, 45.0, 285.0))
+WIND = (
+    (1, 35.0, 75.0),
+    (18, 35.0, 75.0),
+    (24, 0.0, 75.0),
+    (25, 0.0, 285.0),
+    (31, 45.0, 285.0),
+    (48, 45.0, 285.0),
+)
 # The cloth hangs nearly upright: snow sticks to it for a moment, lies in its folds and slides off.
 POLE_FOOT, POLE_LENGTH, POLE_LEAN = Vector((-1.35, -2.9, 0.0)), 2.3, math.radians(35.0)
 FLAG_LENGTH, FLAG_HEIGHT, FLAG_SLANT = 1.15, 0.75, math.radians(84.0)
@@ -182,7 +189,8 @@ def main(tree, folder, resolution):
             [
                 {
                     "frame": frame,
-                    "depth": START_DEPTH + (END_DEPTH - START_DEPTH) * max(0, frame - SNOW_FROM + 1) / snowing,
+                    "depth": START_DEPTH
+                    + (END_DEPTH - START_DEPTH) * max(0, frame - SNOW_FROM + 1) / snowing,
                     "angle": math.degrees(wind(frame)[0]),
                     "bearing": math.degrees(wind(frame)[1]),
                 }

@@ -102,7 +102,9 @@ def keep(image, name):
     for colours in (256, 192, 128, 96, 64, 32):
         image.convert("RGB").quantize(colours, method=method).save(target, optimize=True)
         if target.stat().st_size < MOST_BYTES:
-            print(f"{target.relative_to(ROOT)}: {image.width} x {image.height}, {target.stat().st_size} bytes")
+            print(
+                f"{target.relative_to(ROOT)}: {image.width} x {image.height}, {target.stat().st_size} bytes"
+            )
             return
     raise SystemExit(f"{target} is larger than {MOST_BYTES} bytes: make it smaller")
 
@@ -225,7 +227,9 @@ def panels_newest():
 def panel_states(which):
     made = sorted((ROOT / "build" / "panels").glob("*/sidebars.png"))
     if len(made) < 2:
-        raise SystemExit("build/panels does not hold two versions: tests/ui/panel_states.py says how to make them")
+        raise SystemExit(
+            "build/panels does not hold two versions: tests/ui/panel_states.py says how to make them"
+        )
     image = Image.open(made[which])
     return image.resize((1400, round(1400 * image.height / image.width)), Image.LANCZOS)
 

@@ -89,9 +89,7 @@ class BakeJob:
         request = self.request
         rates = request.rates
         if rates is None:
-            rates = [
-                evaluate(frame, 0.0).rate for frame in range(request.frame_start, request.frame_end + 1)
-            ]
+            rates = [evaluate(frame, 0.0).rate for frame in range(request.frame_start, request.frame_end + 1)]
         return bake_plan.plan_snowfall(
             request.frame_start, request.frame_end, request.start_depth, request.end_depth, rates
         )
@@ -203,14 +201,14 @@ class BakeJob:
             )
         for receiver in self.receivers:
             receiver.forget_after(frame)
-        self.native.set_simulation_state(
-            self._simulation, {"step_number": numbers.pop(), "objects": states}
-        )
+        self.native.set_simulation_state(self._simulation, {"step_number": numbers.pop(), "objects": states})
         log(f"restored the checkpoint of frame {frame}")
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
         """Compares the scene, frame by frame, with what the finished receivers were baked from."""
-        recorded = next((poses for r in self.baked if (poses := cache.read_inputs(r.folder)) is not None), None)
+        recorded = next(
+            (poses for r in self.baked if (poses := cache.read_inputs(r.folder)) is not None), None
+        )
         if recorded is None:
             return
         self._walk(evaluate, snowfall, first_pose, self.request.last, cancelled)
@@ -338,9 +336,7 @@ class BakeJob:
             self._registry.take(added)
             self._positions.update(changed)
             for step in steps:
-                self._simulation.step(
-                    self._positions, depth=step.depth, direction=direction, dt=step.dt
-                )
+                self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
                 self._positions = {}
         snowing = clock() - begun
         volume = slid = reading = 0.0
@@ -401,7 +397,11 @@ class BakeJob:
         a frame its state belongs to none, and the last regular checkpoint must do."""
         done = self.receivers[0].frames
         writer.flush()
-        if self._between_frames and done and done[-1]["frame"] not in cache.checkpoints(self.receivers[0].folder):
+        if (
+            self._between_frames
+            and done
+            and done[-1]["frame"] not in cache.checkpoints(self.receivers[0].folder)
+        ):
             self._checkpoint(done[-1]["frame"], settings, writer)
             writer.flush()
 

@@ -40,7 +40,8 @@ def _region_at(window, x, y):
     for area in window.screen.areas:
         for region in reversed(area.regions):
             if (
-                region.type != "WINDOW" or not any(_inside(other, x, y) for other in area.regions if other != region)
+                region.type != "WINDOW"
+                or not any(_inside(other, x, y) for other in area.regions if other != region)
             ) and _inside(region, x, y):
                 return area, region
     return None, None

@@ -9,8 +9,18 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_job, bake_lock, bake_request, cache, compat, displacement, native
-from . import scene_reader, simulations
+from . import (
+    bake_engine,
+    bake_job,
+    bake_lock,
+    bake_request,
+    cache,
+    compat,
+    displacement,
+    native,
+    scene_reader,
+    simulations,
+)
 
 POPUP_LETTERS = 80
 

@@ -3,7 +3,6 @@
 
 from dataclasses import dataclass, field
 
-
 # What of a request decides about the maps of the whole shot, besides the depth of each frame.
 SHOT_SETTINGS = (
     "frame_start", "frame_end", "fps", "start_depth", "end_depth", "flutter", "max_depth",

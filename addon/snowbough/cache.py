@@ -287,7 +287,9 @@ def version_folder(root, number):
 def _manifests(folder):
     if not folder.is_dir():
         return {}
-    found = {name: read_manifest(folder / name) for name in sorted(os.listdir(folder)) if (folder / name).is_dir()}
+    found = {
+        name: read_manifest(folder / name) for name in sorted(os.listdir(folder)) if (folder / name).is_dir()
+    }
     return {name: manifest for name, manifest in found.items() if manifest is not None}
 
 
@@ -440,7 +442,9 @@ def lock_folder(folder):
         if not _try_lock(descriptor):
             holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
             os.close(descriptor)
-            raise CacheBusy(f"{Path(folder).name} is being baked by {holder}: wait for it, or stop it ({path})")
+            raise CacheBusy(
+                f"{Path(folder).name} is being baked by {holder}: wait for it, or stop it ({path})"
+            )
         # Between open and lock the former holder may have removed the file: then ours is not the one
         # that others see.
         try:

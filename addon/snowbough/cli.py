@@ -19,12 +19,16 @@ STOPPED = 130
 
 def parser():
     """The parser of both subcommands; `args.command` says which."""
-    top = argparse.ArgumentParser(prog="snowbough", description="Imports trees and bakes snow without a window.")
+    top = argparse.ArgumentParser(
+        prog="snowbough", description="Imports trees and bakes snow without a window."
+    )
     commands = top.add_subparsers(dest="command", required=True)
 
     tree = commands.add_parser("import", help="import an OBJ tree and save a .blend")
     tree.add_argument("file", metavar="FILE.obj")
-    tree.add_argument("--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved")
+    tree.add_argument(
+        "--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved"
+    )
     tree.add_argument("--json", metavar="R.json", help="where the import report goes")
     tree.add_argument("--up-axis", choices=("AUTO", "Y", "Z"), default="AUTO")
     tree.add_argument("--levels", default="", help="names of groups from the trunk on, separated by commas")
@@ -38,11 +42,17 @@ def parser():
     tree.add_argument("--max-bone-level", type=int, default=-1, help="-1 = all")
     tree.add_argument("--no-foliage", dest="foliage", action="store_false", help="leave the leaves out")
     tree.add_argument(
-        "--foliage", dest="foliage_names", metavar="NAMES", default="",
+        "--foliage",
+        dest="foliage_names",
+        metavar="NAMES",
+        default="",
         help="starts of the names of groups, objects or materials that are foliage, separated by commas",
     )
     tree.add_argument(
-        "--snow-resolution", type=int, default=1024, help="texels a side that the snow UV maps are laid out for"
+        "--snow-resolution",
+        type=int,
+        default=1024,
+        help="texels a side that the snow UV maps are laid out for",
     )
 
     bake = commands.add_parser("bake", help="bake the snow of the loaded file")
@@ -51,7 +61,9 @@ def parser():
     bake.add_argument("--json", metavar="R.json")
     bake.add_argument("--resume", action="store_true")
     bake.add_argument("--objects", metavar="A,B", help="only these receivers")
-    bake.add_argument("--allow-other-driver", action="store_true", help="resume although the GPU driver changed")
+    bake.add_argument(
+        "--allow-other-driver", action="store_true", help="resume although the GPU driver changed"
+    )
     return top
 
 

@@ -3,7 +3,8 @@
 
 One line a frame on standard output, made of ``name=value`` words, seconds and metres::
 
-    SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8 evaluate=0.012 gpu=0.371 files=0.094
+    SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
+              evaluate=0.012 gpu=0.371 files=0.094                                  (all in one line)
 
 ``seconds`` is the time from the frame before to this one; ``evaluate`` (Blender's poses), ``gpu`` (snow and
 maps) and ``files`` (packing and writing) run beside each other.
@@ -96,7 +97,9 @@ def run(args):
     if message:
         print(f"SNOWBOUGH error={json.dumps(message)} code={code}", file=sys.stderr, flush=True)
     else:
-        print(f"SNOWBOUGH done frames={len(report['frames'])} version={report.get('version', '')}", flush=True)
+        print(
+            f"SNOWBOUGH done frames={len(report['frames'])} version={report.get('version', '')}", flush=True
+        )
     return code
 
 

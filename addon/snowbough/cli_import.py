@@ -53,7 +53,9 @@ def run(args):
     try:
         blend, report_file = _checked_target(args.out, ".blend"), _checked_target(args.json, "")
         fields = import_tree.ImportOptions.__dataclass_fields__
-        options = import_tree.ImportOptions(**{name: getattr(args, name) for name in fields if hasattr(args, name)})
+        options = import_tree.ImportOptions(
+            **{name: getattr(args, name) for name in fields if hasattr(args, name)}
+        )
         # A callback is what lets Ctrl-C reach the native part.
         tree = import_tree.read_native(Path(args.file).absolute(), options, progress=lambda _share: True)
         if not bpy.data.filepath:

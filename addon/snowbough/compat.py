@@ -216,6 +216,7 @@ def unregister_command(handle):
     if handle is not None:
         bpy.utils.unregister_cli_command(handle)
 
+
 # --------------------------------------------------------------------------------------------------
 # Snow materials, displacement and shells
 

@@ -143,7 +143,9 @@ class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
         # A dial's value grows from its Y axis towards its X axis, clockwise as seen from its Z axis.
         self.dials["bearing"].matrix_basis = frame_matrix(Vector((0, 0, 1)), Vector((0, 1, 0)), origin)
         self.dials["fall_angle"].matrix_basis = frame_matrix(across, Vector((0, 0, -1)), origin)
-        self.arrow.matrix_basis = Matrix.Translation(origin) @ along.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        self.arrow.matrix_basis = (
+            Matrix.Translation(origin) @ along.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        )
 
 
 CLASSES = (SNOWBOUGH_OT_add_direction_arrow, SNOWBOUGH_GGT_direction)

@@ -17,9 +17,21 @@ OWN_MODIFIERS = (SUBDIVISION_NAME, DISPLACE_NAME)
 SCALE_TOLERANCE = 1e-3
 
 MODES = (
-    ("ADAPTIVE", "Cycles Displacement", "The material displaces; Cycles subdivides the mesh to the size of a pixel"),
-    ("MODIFIER", "Modifiers", "Subdivision and Displace modifiers: geometry in every renderer; needs uniform scale"),
-    ("SHELL", "Snow Shell", "A separate snow object with its own material; also for linked and instanced meshes"),
+    (
+        "ADAPTIVE",
+        "Cycles Displacement",
+        "The material displaces; Cycles subdivides the mesh to the size of a pixel",
+    ),
+    (
+        "MODIFIER",
+        "Modifiers",
+        "Subdivision and Displace modifiers: geometry in every renderer; needs uniform scale",
+    ),
+    (
+        "SHELL",
+        "Snow Shell",
+        "A separate snow object with its own material; also for linked and instanced meshes",
+    ),
     ("NONE", "None", "Snow changes the material only"),
 )
 
@@ -135,7 +147,9 @@ def apply(scene, receiver, mode):
             "apply the scale (Ctrl+A) or choose the snow shell"
         )
     if mode != "SHELL" and snow_material.is_shared(obj):
-        raise ValueError(f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead")
+        raise ValueError(
+            f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
+        )
     clear(scene, receiver)
     record_update = {"displacement": mode}
     if mode == "SHELL":

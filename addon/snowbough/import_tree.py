@@ -70,7 +70,11 @@ def _build_meshes(module, skeleton, options, progress):
             return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
 
         whole = module.build_tree_mesh(
-            skeleton, options.width, options.species, lod=lod, snow_resolution=options.snow_resolution,
+            skeleton,
+            options.width,
+            options.species,
+            lod=lod,
+            snow_resolution=options.snow_resolution,
             progress=step,
         )
         reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
@@ -260,7 +264,9 @@ def _tell(operator, report):
     for text in report["warnings"][:5]:
         operator.report({"WARNING"}, text)
     if len(report["warnings"]) > 5:
-        operator.report({"WARNING"}, f"and {len(report['warnings']) - 5} more: see the collection's custom property")
+        operator.report(
+            {"WARNING"}, f"and {len(report['warnings']) - 5} more: see the collection's custom property"
+        )
     operator.report({"INFO"}, summary(report))
 
 
@@ -330,7 +336,9 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     tolerance: FloatProperty(
         name="Tolerance",
         description="How far a limb may stray from the original (radii of the limb)",
-        default=0.5, min=0.0, soft_max=4.0,
+        default=0.5,
+        min=0.0,
+        soft_max=4.0,
     )
     width: EnumProperty(
         name="Width",
@@ -353,7 +361,9 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     lod: IntProperty(
         name="Level of Detail",
         description="0: four-sided limbs; each level doubles the sides and rounds them (levels)",
-        default=0, min=0, max=LOD_COUNT - 1,
+        default=0,
+        min=0,
+        max=LOD_COUNT - 1,
     )
     lod_chain: BoolProperty(
         name="Import LOD Chain",
@@ -363,10 +373,14 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     max_bones: IntProperty(
         name="Max Bones",
         description="Bone budget, 0 = all; the deepest bones hand their weights to their ancestors (bones)",
-        default=1000, min=0,
+        default=1000,
+        min=0,
     )
     max_bone_level: IntProperty(
-        name="Max Bone Level", description="Last branch level that gets bones, -1 = all (levels)", default=-1, min=-1
+        name="Max Bone Level",
+        description="Last branch level that gets bones, -1 = all (levels)",
+        default=-1,
+        min=-1,
     )
     foliage: BoolProperty(
         name="Foliage", description="Keep leaves, needles and flowers as a second object", default=True
@@ -380,7 +394,9 @@ class IMPORT_SCENE_OT_xfrog_tree(bpy.types.Operator, ImportHelper):
     snow_resolution: IntProperty(
         name="Snow Resolution",
         description="Side of the accumulation map that the UV maps `snow` are laid out for (texels)",
-        default=1024, min=64, max=8192,
+        default=1024,
+        min=64,
+        max=8192,
     )
 
     def _options(self):
@@ -435,7 +451,9 @@ class SNOWBOUGH_OT_import_tree_job(bpy.types.Operator):
     snow_resolution: IntProperty(default=1024)
 
     def invoke(self, context, _event):
-        self._options = ImportOptions(**{name: getattr(self, name) for name in ImportOptions.__dataclass_fields__})
+        self._options = ImportOptions(
+            **{name: getattr(self, name) for name in ImportOptions.__dataclass_fields__}
+        )
         try:
             self._job = _Job(self.filepath, self._options)
         except RuntimeError as error:

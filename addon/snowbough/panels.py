@@ -115,7 +115,9 @@ def draw_bake(layout, context):
         buttons.operator("snowbough.bake", text="Bake from the Start", icon="FREEZE").resume = False
     else:
         again = state == "BAKED"
-        main.operator("snowbough.bake", text="Bake Again" if again else "Bake Snow", icon="FREEZE").resume = False
+        main.operator(
+            "snowbough.bake", text="Bake Again" if again else "Bake Snow", icon="FREEZE"
+        ).resume = False
     if state == "BAKED" and not unfinished:
         buttons.operator("snowbough.bake", text="Compare with Scene", icon="VIEWZOOM").resume = True
     if state == "BAKED" or unfinished:
@@ -141,7 +143,9 @@ def draw_issues(layout, context):
         layout.label(text="Nothing in the way", icon="CHECKMARK")
     for issue in issues:
         row = layout.row()
-        draw_text(row.column(align=True), context, issue.text, ICONS[issue.severity], BUTTON if issue.fix else 0)
+        draw_text(
+            row.column(align=True), context, issue.text, ICONS[issue.severity], BUTTON if issue.fix else 0
+        )
         if issue.fix:
             button = row.row()
             button.alignment = "RIGHT"
@@ -153,7 +157,9 @@ def draw_result(layout, context):
     column = layout.column(align=True)
     column.enabled = state_of(context.scene) == "BAKED"
     column.operator("snowbough.setup_material", icon="MATERIAL")
-    column.operator_menu_enum("snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE")
+    column.operator_menu_enum(
+        "snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE"
+    )
     column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
@@ -213,7 +219,9 @@ class SNOWBOUGH_PT_receivers(_ScenePanel, bpy.types.Panel):
         layout = self.layout
         layout.enabled = bake_engine.session() is None
         row = layout.row()
-        row.template_list("SNOWBOUGH_UL_receivers", "", settings, "receivers", settings, "active_receiver", rows=3)
+        row.template_list(
+            "SNOWBOUGH_UL_receivers", "", settings, "receivers", settings, "active_receiver", rows=3
+        )
         buttons = row.column(align=True)
         buttons.operator("snowbough.add_receivers", text="", icon="ADD")
         buttons.operator("snowbough.remove_receiver", text="", icon="REMOVE")

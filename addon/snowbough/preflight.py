@@ -12,8 +12,24 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import bake_job, bake_lock, bake_operators, bake_plan, baked_receiver, cache, compat, displacement
-from . import material_alpha, mesh_record, native, receivers, scene_reader, simulations, stale, uv_overlap
+from . import (
+    bake_job,
+    bake_lock,
+    bake_operators,
+    bake_plan,
+    baked_receiver,
+    cache,
+    compat,
+    displacement,
+    material_alpha,
+    mesh_record,
+    native,
+    receivers,
+    scene_reader,
+    simulations,
+    stale,
+    uv_overlap,
+)
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5
@@ -93,7 +109,9 @@ def _environment():
     except RuntimeError as error:
         yield Issue("ERROR", bake_operators.one_line(error))
     if bpy.app.autoexec_fail:
-        yield Issue("ERROR", "Blender has disabled scripts in this file: allow Auto Run Python Scripts and reload")
+        yield Issue(
+            "ERROR", "Blender has disabled scripts in this file: allow Auto Run Python Scripts and reload"
+        )
 
 
 def _settings(scene):
@@ -122,7 +140,8 @@ def _cache(scene):
     numbers = cache.versions(root)
     if numbers:
         yield Issue(
-            "INFO", f"There are bakes already, the newest is v{numbers[-1]:03d}; finished ones are never overwritten"
+            "INFO",
+            f"There are bakes already, the newest is v{numbers[-1]:03d}; finished ones are never overwritten",
         )
 
 
@@ -172,10 +191,14 @@ def _receiver(scene, entry, depsgraph):
             )
         )
     if min(obj.matrix_world.to_scale()) <= 0 or obj.matrix_world.determinant() < 0:
-        issues.append(Issue("WARNING", f"'{name}' has a negative scale: apply it (Ctrl+A), or use a snow shell", name))
+        issues.append(
+            Issue("WARNING", f"'{name}' has a negative scale: apply it (Ctrl+A), or use a snow shell", name)
+        )
     elif displacement.uniform_scale(obj) is None:
         issues.append(
-            Issue("WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use a snow shell", name)
+            Issue(
+                "WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use a snow shell", name
+            )
         )
     return issues, scene_reader.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
 

@@ -11,8 +11,19 @@ import math
 import bpy
 import numpy as np
 
-from . import bake_lock, bake_operators, bake_plan, bake_request, baked_receiver, displacement, native
-from . import scene_reader, scene_tracker, simulation_scene, snow_shell
+from . import (
+    bake_lock,
+    bake_operators,
+    bake_plan,
+    bake_request,
+    baked_receiver,
+    displacement,
+    native,
+    scene_reader,
+    scene_tracker,
+    simulation_scene,
+    snow_shell,
+)
 
 RESOLUTION = 256
 SUFFIX = "snow preview"
@@ -29,7 +40,11 @@ class _Preview:
         start, end = settings.frame_start, settings.frame_end
         rates = bake_operators.constant_rates(scene, start, end)
         self.snowfall = bake_plan.plan_snowfall(
-            start, end, settings.start_depth, settings.end_depth, rates or (settings.rate,) * (end - start + 1)
+            start,
+            end,
+            settings.start_depth,
+            settings.end_depth,
+            rates or (settings.rate,) * (end - start + 1),
         )
         self.fps = scene.render.fps / scene.render.fps_base
         self.slide_half_life = settings.slide_half_life
@@ -67,7 +82,9 @@ class _Preview:
         self.registry = simulation_scene.Registry(self.simulation, maps)
         self.tracker = scene_tracker.SceneTracker()
         self.receivers = {key: pose.objects[key] for key in texels}
-        self._step(pose, scene.frame_current, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life))
+        self._step(
+            pose, scene.frame_current, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life)
+        )
         self.frame = scene.frame_current
 
     def _step(self, pose, frame, steps):
@@ -114,7 +131,8 @@ class _Preview:
                     for entry in scene.snowbough.receivers
                     if entry.object is not None
                     and entry.object.type == "MESH"
-                    and (entry.object.name, scene_reader.library_path(entry.object)) == (pose.name, pose.library)
+                    and (entry.object.name, scene_reader.library_path(entry.object))
+                    == (pose.name, pose.library)
                 ),
                 None,
             )

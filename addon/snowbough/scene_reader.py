@@ -301,7 +301,9 @@ class SceneReader:
         records = [item[3] for item in group.instances]
         if not records:
             if group.receiver is not None:
-                raise SceneError(f"'{group.label}' has no faces at frame {frame}: there is nothing to snow on")
+                raise SceneError(
+                    f"'{group.label}' has no faces at frame {frame}: there is nothing to snow on"
+                )
             return _empty_pose(key, group)
         matrices = np.stack([item[1] for item in group.instances])
         flips = tuple(bool(np.linalg.det(matrix[:3, :3]) < 0) for matrix in matrices)
@@ -375,7 +377,9 @@ def _fits_map(uv):
 def _empty_pose(key, group):
     topology = Topology(np.empty((0, 3), np.int32), np.empty((0, 3, 2), np.float32), 0, "")
     positions = np.empty((0, 3), np.float32)
-    return ObjectPose(key, group.label, group.name, group.library, None, "", topology, positions, ("", "", ""))
+    return ObjectPose(
+        key, group.label, group.name, group.library, None, "", topology, positions, ("", "", "")
+    )
 
 
 def _same_arrays(before, after):

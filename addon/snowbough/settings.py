@@ -23,7 +23,11 @@ from . import compat
 
 MAPPINGS = (
     ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time"),
-    ("GEOMETRY", "Geometry", "A geometry shader and additive blending, as the method was first published; slower"),
+    (
+        "GEOMETRY",
+        "Geometry",
+        "A geometry shader and additive blending, as the method was first published; slower",
+    ),
 )
 
 

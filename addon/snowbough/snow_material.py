@@ -232,7 +232,9 @@ def dress(scene, receiver, displace):
     """
     obj = receiver.object
     if is_shared(obj):
-        raise ValueError(f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead")
+        raise ValueError(
+            f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
+        )
     uv_map = uv_map_name(receiver)
     if not uv_map:
         raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")

@@ -125,7 +125,9 @@ def _arrange(tree):
 
 def ensure_group():
     """The node group of this file, made on first use. Returns a ShaderNodeTree."""
-    tree = next((group for group in bpy.data.node_groups if group.name == GROUP_NAME and not group.library), None)
+    tree = next(
+        (group for group in bpy.data.node_groups if group.name == GROUP_NAME and not group.library), None
+    )
     if tree is None:
         tree = bpy.data.node_groups.new(GROUP_NAME, "ShaderNodeTree")
         for name, kind, default, least, most, description in INPUTS:

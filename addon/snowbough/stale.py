@@ -61,7 +61,11 @@ def settings_changes(scene):
         if request.rates is not None:
             totals = list(
                 bake_plan.plan_snowfall(
-                    request.frame_start, request.frame_end, request.start_depth, request.end_depth, request.rates
+                    request.frame_start,
+                    request.frame_end,
+                    request.start_depth,
+                    request.end_depth,
+                    request.rates,
                 ).totals
             )
     except ValueError:

@@ -102,7 +102,14 @@ def add_sway(rig, scene, bearing, strength, gusts, seed, frame_start, loop_frame
     seconds = loop_frames * scene.render.fps_base / scene.render.fps
     to_world = np.array(rig.matrix_world, dtype=float)[:3, :3]
     angles = sway_angles(
-        rig.data, to_world, wind_direction(bearing), strength, gusts, seed, keys, seconds,
+        rig.data,
+        to_world,
+        wind_direction(bearing),
+        strength,
+        gusts,
+        seed,
+        keys,
+        seconds,
         scene.unit_settings.scale_length,
     )
     for bone in rig.pose.bones:
@@ -137,16 +144,29 @@ class SNOWBOUGH_OT_add_sway(bake_lock.NotWhileBaking, bpy.types.Operator):
         soft_max=3.0,
     )
     gusts: FloatProperty(
-        name="Gusts", description="How much the wind's speed varies over the loop (0 to 1)", default=0.4, min=0.0, max=1.0
+        name="Gusts",
+        description="How much the wind's speed varies over the loop (0 to 1)",
+        default=0.4,
+        min=0.0,
+        max=1.0,
     )
-    seed: IntProperty(name="Seed", description="Another number gives another sway (no unit)", default=0, min=0)
+    seed: IntProperty(
+        name="Seed", description="Another number gives another sway (no unit)", default=0, min=0
+    )
     frame_start: IntProperty(name="First Frame", description="Where the loop begins (frames)", default=1)
     loop_frames: IntProperty(
-        name="Loop Length", description="Time after which the sway repeats (frames)", default=96, min=8, soft_max=1000
+        name="Loop Length",
+        description="Time after which the sway repeats (frames)",
+        default=96,
+        min=8,
+        soft_max=1000,
     )
     keys: IntProperty(
-        name="Keys", description="Keys that each channel takes for the loop; the fastest limbs swing once in four (keys)",
-        default=16, min=4, max=256,
+        name="Keys",
+        description="Keys that each channel takes for the loop; the fastest limbs swing once in four (keys)",
+        default=16,
+        min=4,
+        max=256,
     )
 
     @classmethod
@@ -165,8 +185,15 @@ class SNOWBOUGH_OT_add_sway(bake_lock.NotWhileBaking, bpy.types.Operator):
             self.report({"ERROR"}, f"{rig.name} is linked: make a library override to animate it")
             return {"CANCELLED"}
         add_sway(
-            rig, context.scene, self.bearing, self.strength, self.gusts, self.seed, self.frame_start,
-            self.loop_frames, self.keys,
+            rig,
+            context.scene,
+            self.bearing,
+            self.strength,
+            self.gusts,
+            self.seed,
+            self.frame_start,
+            self.loop_frames,
+            self.keys,
         )
         self.report({"INFO"}, f"{len(rig.data.bones)} bones sway in a loop of {self.loop_frames} frames")
         return {"FINISHED"}

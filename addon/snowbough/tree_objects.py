@@ -107,8 +107,16 @@ def create_bark(name, tree, bone_names, material):
     quads = np.asarray(tree.quads, dtype=np.int32)
     vertices = np.asarray(tree.vertices, dtype=np.float32)
     uvs = [(BARK_UV, tree.uv_bark), (SNOW_UV, tree.uv_snow)]
-    mesh = create_mesh(name, vertices, quads, np.arange(len(quads) + 1) * 4, uvs, smooth=True,
-                       bones=tree.bone_indices, weights=tree.bone_weights)
+    mesh = create_mesh(
+        name,
+        vertices,
+        quads,
+        np.arange(len(quads) + 1) * 4,
+        uvs,
+        smooth=True,
+        bones=tree.bone_indices,
+        weights=tree.bone_weights,
+    )
     levels = np.ascontiguousarray(tree.branch_level, dtype=np.int32)
     mesh.attributes.new(LEVEL_ATTRIBUTE, "INT", "FACE").data.foreach_set("value", levels)
     # Float: glTF has no 32-bit integer attributes.
@@ -129,8 +137,16 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
     vertex_leaf = np.full(len(foliage.vertices), -1, dtype=np.int32)
     vertex_leaf[corner_vertex] = np.repeat(foliage.face_leaf, np.diff(face_begin))
     bones = np.where(vertex_leaf >= 0, np.asarray(leaf_bones)[vertex_leaf], 0).astype(np.int32)[:, None]
-    mesh = create_mesh(name, foliage.vertices, corner_vertex, face_begin, uvs, smooth=False,
-                       bones=bones, weights=np.ones(bones.shape, dtype=np.float32))
+    mesh = create_mesh(
+        name,
+        foliage.vertices,
+        corner_vertex,
+        face_begin,
+        uvs,
+        smooth=False,
+        bones=bones,
+        weights=np.ones(bones.shape, dtype=np.float32),
+    )
     for material in materials:
         mesh.materials.append(material)
     # -1, no material, is the last slot.

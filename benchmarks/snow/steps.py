@@ -14,7 +14,6 @@ import time
 
 import numpy as np
 import snowbough_native as native
-
 from snow_meshes import sphere
 
 RADIUS = 0.5

@@ -62,7 +62,15 @@ def packaged(options):
 def start_blender(blender, addon_zip, options, rest):
     """Starts Blender on this file in a fresh user directory; returns its exit code."""
     with tempfile.TemporaryDirectory(prefix="snowbough-user-") as folder:
-        command = [blender, "-b", "--factory-startup", "--python-exit-code", "1", "-P", str(Path(__file__).resolve())]
+        command = [
+            blender,
+            "-b",
+            "--factory-startup",
+            "--python-exit-code",
+            "1",
+            "-P",
+            str(Path(__file__).resolve()),
+        ]
         command += ["--", "--zip", str(addon_zip)]
         command += ["--junitxml", os.path.abspath(options.junitxml)] if options.junitxml else []
         return subprocess.run(command + rest, env=user_environment(Path(folder)), check=False).returncode

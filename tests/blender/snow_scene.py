@@ -122,7 +122,7 @@ def moving_scene(folder, frames=(1, 12), **values):
 def texel(map_, u, v):
     """Mean of 5 x 5 texels around (u, v), row 0 = v 0: single texels hold a whole number of pixels."""
     row, column = int(v * map_.shape[0]), int(u * map_.shape[1])
-    return float(np.mean(map_[row - 2:row + 3, column - 2:column + 3]))
+    return float(np.mean(map_[row - 2 : row + 3, column - 2 : column + 3]))
 
 
 def open_ground(map_):

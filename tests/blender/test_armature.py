@@ -3,7 +3,6 @@
 
 import math
 
-import bpy
 import numpy as np
 from synthetic_tree import build_synthetic, evaluated_vertices, synthetic_bones
 
@@ -26,7 +25,9 @@ def test_one_bone_a_segment_with_names_parents_and_positions(addon):
         bone = rig.data.bones[name]
         assert np.allclose(bone.head_local, head, atol=1e-5)
         assert np.allclose(bone.tail_local, tail, atol=1e-5)
-        assert (bone.parent.name if bone.parent else None) == (bones["names"][parent] if parent >= 0 else None)
+        assert (bone.parent.name if bone.parent else None) == (
+            bones["names"][parent] if parent >= 0 else None
+        )
 
 
 def test_bones_carry_the_limbs_radii_and_are_plain(addon):

@@ -302,7 +302,9 @@ def test_free_removes_what_the_bake_made_and_nothing_else(tmp_path):
     s.bake()
     (s.folder_of(tmp_path, "Ground") / "notes.txt").write_text("mine")
     bpy.ops.snowbough.free_bake()
-    assert list(s.files_of(tmp_path)) == [f"Scene/v001/{os.listdir(tmp_path / 'Scene' / 'v001')[0]}/notes.txt"]
+    assert list(s.files_of(tmp_path)) == [
+        f"Scene/v001/{os.listdir(tmp_path / 'Scene' / 'v001')[0]}/notes.txt"
+    ]
 
 
 def test_substeps_spread_a_fast_object_over_its_way(native, tmp_path):

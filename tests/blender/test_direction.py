@@ -14,7 +14,9 @@ def settled():
     return bpy.context.scene.snowbough
 
 
-@pytest.mark.parametrize("angle, bearing", [(0.0, 0.0), (30.0, 0.0), (30.0, 90.0), (60.0, -135.0), (89.0, 10.0)])
+@pytest.mark.parametrize(
+    "angle, bearing", [(0.0, 0.0), (30.0, 0.0), (30.0, 90.0), (60.0, -135.0), (89.0, 10.0)]
+)
 def test_the_arrow_starts_with_the_direction_that_was_set(angle, bearing):
     settings = bpy.context.scene.snowbough
     settings.fall_angle, settings.bearing = math.radians(angle), math.radians(bearing)

@@ -77,7 +77,9 @@ class Glb:
         world = self.world_matrices()
         joints = np.array([world[joint] for joint in skin["joints"]]) @ inverse
         positions = np.c_[attributes["POSITION"], np.ones(len(attributes["POSITION"]))]
-        blend = np.einsum("vk,vkij->vij", attributes["WEIGHTS_0"].astype(float), joints[attributes["JOINTS_0"]])
+        blend = np.einsum(
+            "vk,vkij->vij", attributes["WEIGHTS_0"].astype(float), joints[attributes["JOINTS_0"]]
+        )
         bent = np.einsum("vij,vj->vi", blend, positions)[:, :3]
         return bent[:, (0, 2, 1)] * (1, -1, 1), attributes
 

@@ -105,7 +105,9 @@ def test_weights_are_those_of_the_native_module(addon):
     bark = _import(lod=1).objects["small_maple_bark"]
     names = addon("bone_names").fitting_names(tree.bone_names)
     assert [group.name for group in bark.vertex_groups] == names
-    for vertex, bones, weights in zip(bark.data.vertices, tree.bone_indices.tolist(), tree.bone_weights.tolist()):
+    for vertex, bones, weights in zip(
+        bark.data.vertices, tree.bone_indices.tolist(), tree.bone_weights.tolist()
+    ):
         expected = {bone: weight for bone, weight in zip(bones, weights) if weight > 0}
         assert {entry.group: entry.weight for entry in vertex.groups} == expected
 
@@ -228,7 +230,10 @@ def test_foliage_is_what_is_named(tmp_path):
 
 def test_snow_maps_remember_the_resolution_they_are_for(addon, tmp_path):
     objects = _import(_leafy(tmp_path, "x.png"), snow_resolution=512).objects
-    assert [objects[f"leafy_{part}"]["snowbough_snow_resolution"] for part in ("bark", "leaves")] == [512, 512]
+    assert [objects[f"leafy_{part}"]["snowbough_snow_resolution"] for part in ("bark", "leaves")] == [
+        512,
+        512,
+    ]
     receiver = bpy.context.scene.snowbough.receivers.add()
     receiver.object, receiver.uv_map = objects["leafy_bark"], "snow"
     resolution = addon("scene_reader").receiver_resolution
@@ -251,7 +256,9 @@ def test_bad_input_gets_one_message_and_leaves_nothing(tmp_path):
     (tmp_path / "empty.obj").write_text("")
     (tmp_path / "text.obj").write_text("Dear reader,\nthis is a letter.\n")
     (tmp_path / "broken.obj").write_text("v 0 0 zero\n")
-    leaves_only = LEAF.replace("g trunk1", "").split("f 1 2")[0] + "g leaves\nusemtl leaf\nf 13/1 14/2 15/3 16/4\n"
+    leaves_only = (
+        LEAF.replace("g trunk1", "").split("f 1 2")[0] + "g leaves\nusemtl leaf\nf 13/1 14/2 15/3 16/4\n"
+    )
     (tmp_path / "leaves.obj").write_text(leaves_only)
     assert "not found" in _refused(tmp_path / "missing.obj")
     assert "folder" in _refused(tmp_path)
@@ -270,7 +277,9 @@ def test_an_error_while_objects_are_made_leaves_nothing(addon, monkeypatch):
 
 
 @pytest.mark.parametrize("chain", [False, True])
-@pytest.mark.parametrize("until", [0.3, 0.5, 0.6, 0.8])  # while it reads, builds the surface, packs the charts
+@pytest.mark.parametrize(
+    "until", [0.3, 0.5, 0.6, 0.8]
+)  # while it reads, builds the surface, packs the charts
 def test_stopping_the_native_part_makes_nothing(addon, until, chain):
     import_tree = addon("import_tree")
     before = _data_names()
@@ -341,7 +350,10 @@ def test_obj_files_can_be_dropped_where_trees_are_shown():
         pytest.skip("this Blender has no file handlers (they came with 4.1)")
     handler = bpy.types.SNOWBOUGH_FH_xfrog_tree
     assert (handler.bl_import_operator, handler.bl_file_extensions) == ("import_scene.xfrog_tree", ".obj")
-    areas = {kind: SimpleNamespace(area=SimpleNamespace(type=kind)) for kind in ("VIEW_3D", "OUTLINER", "TEXT_EDITOR")}
+    areas = {
+        kind: SimpleNamespace(area=SimpleNamespace(type=kind))
+        for kind in ("VIEW_3D", "OUTLINER", "TEXT_EDITOR")
+    }
     assert [handler.poll_drop(context) for context in areas.values()] == [True, True, False]
     assert not handler.poll_drop(SimpleNamespace(area=None))
 
@@ -384,8 +396,12 @@ def _write_forest(path, limbs=4000, rings=30):
     """A thick trunk with many limbs of four-sided rings: about 22 MB, seconds of work."""
     ring = ((1, 0), (0, 1), (-1, 0), (0, -1))
     faces = "".join(
-        "f " + " ".join(str(corner - 4 * rings) for corner in (4 * r + k, 4 * r + (k + 1) % 4,
-                                                               4 * r + 4 + (k + 1) % 4, 4 * r + 4 + k)) + "\n"
+        "f "
+        + " ".join(
+            str(corner - 4 * rings)
+            for corner in (4 * r + k, 4 * r + (k + 1) % 4, 4 * r + 4 + (k + 1) % 4, 4 * r + 4 + k)
+        )
+        + "\n"
         for r in range(rings - 1)
         for k in range(4)
     )
@@ -413,12 +429,16 @@ def test_ctrl_c_stops_the_command_line_and_leaves_nothing(tmp_path):
     arguments = ["import", forest, "--out", results / "t.blend", "--json", results / "r.json"]
     running = subprocess.Popen(
         [*_program(), "-P", str(CLI), "--", *map(str, arguments)],
-        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     )
 
     def reads_it():
         try:
-            return any(os.readlink(entry.path) == str(forest) for entry in os.scandir(f"/proc/{running.pid}/fd"))
+            return any(
+                os.readlink(entry.path) == str(forest) for entry in os.scandir(f"/proc/{running.pid}/fd")
+            )
         except FileNotFoundError:  # a file that was closed meanwhile
             return False
 
@@ -443,16 +463,22 @@ def test_the_command_of_the_installed_add_on(tmp_path):
     command = [*_program()[:3], "--addons", os.environ["SNOWBOUGH_TEST_ADDON"], "-c", "snowbough"]
     done = subprocess.run(
         [*command, "import", str(MAPLE), "--out", str(tmp_path / "t.blend")],
-        capture_output=True, text=True, timeout=120,
+        capture_output=True,
+        text=True,
+        timeout=120,
     )
     assert done.returncode == 0, done.stdout + done.stderr
     assert (tmp_path / "t.blend").is_file()
-    done = subprocess.run([*command, "import", str(tmp_path / "no.obj")], capture_output=True, text=True, timeout=120)
+    done = subprocess.run(
+        [*command, "import", str(tmp_path / "no.obj")], capture_output=True, text=True, timeout=120
+    )
     assert done.returncode == 1 and "not found" in done.stderr
 
 
 def _shared_trees():
-    return sorted(str(path.relative_to(SHARED_DATA / "trees")) for path in (SHARED_DATA / "trees").rglob("*.obj"))
+    return sorted(
+        str(path.relative_to(SHARED_DATA / "trees")) for path in (SHARED_DATA / "trees").rglob("*.obj")
+    )
 
 
 @pytest.mark.parametrize("name", _shared_trees() or ["tubes/AL06a.obj"])

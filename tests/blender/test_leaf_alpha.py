@@ -259,7 +259,9 @@ def test_a_changed_alpha_image_is_named(addon, tmp_path):
     pixels = np.ones((4, 4, 4), np.float32)
     pixels[0, 0, 3] = 0.0
     picture.pixels.foreach_set(pixels.reshape(-1))
-    assert stale.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == ["Leaf: alpha image changed at frame 2"]
+    assert stale.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == [
+        "Leaf: alpha image changed at frame 2"
+    ]
     with pytest.raises(RuntimeError, match=r"\(Leaf: alpha image changed at frame 1\)"):
         s.bake(resume=True)
 
@@ -342,7 +344,9 @@ def test_the_leaves_of_an_imported_tree_gather_by_their_texture(tmp_path, there)
     s.settings(tmp_path / "cache", (1, 2), pixel_size=0.01)
     s.bake()
     volumes = {
-        name: json.loads((s.folder_of(tmp_path / "cache", name) / "object.json").read_text())["frames"][-1]["volume"]
+        name: json.loads((s.folder_of(tmp_path / "cache", name) / "object.json").read_text())["frames"][-1][
+            "volume"
+        ]
         for name in ("leafy_leaves", "leafy_bark")
     }
     assert volumes["leafy_bark"] > 0

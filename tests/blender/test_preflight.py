@@ -113,7 +113,12 @@ def test_what_a_bake_would_refuse_is_an_error(addon, tmp_path):
     s.receive(hidden, bare, empty)
     s.settings(tmp_path, start_depth=0.5, end_depth=0.1)
     found = "\n".join(texts(addon, "ERROR"))
-    for part in ("'Hidden' is hidden in renders", "'Bare' has no UV map", "'Empty' has no faces", "does not melt"):
+    for part in (
+        "'Hidden' is hidden in renders",
+        "'Bare' has no UV map",
+        "'Empty' has no faces",
+        "does not melt",
+    ):
         assert part in found
     bpy.ops.snowbough.fix(kind="SHOW_IN_RENDER", object_name="Hidden")
     bpy.ops.snowbough.fix(kind="UNWRAP", object_name="Bare")

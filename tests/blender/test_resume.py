@@ -84,7 +84,9 @@ def test_parts_of_the_receivers_make_the_same_bytes(addon, undisturbed, tmp_path
 
 def test_the_middle_of_a_shot_needs_a_checkpoint(addon, undisturbed, tmp_path):
     error = run_part(addon, 6, 12).error
-    assert isinstance(error, addon("cache").NoCheckpoint) and "Frame 6 needs the checkpoint of frame 5" in str(error)
+    assert isinstance(
+        error, addon("cache").NoCheckpoint
+    ) and "Frame 6 needs the checkpoint of frame 5" in str(error)
     assert not (tmp_path / "cache").exists() or not s.files_of(tmp_path / "cache")
 
 
@@ -175,26 +177,44 @@ def blender_command(addon, blend, *arguments):
         f"sys.exit(cli.run(types.SimpleNamespace(resume={resume}, **{given!r})))"
     )
     if bpy.app.binary_path:
-        return [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr", program]
+        return [
+            bpy.app.binary_path,
+            "-b",
+            "--factory-startup",
+            "--python-exit-code",
+            "1",
+            "--python-expr",
+            program,
+        ]
     return [sys.executable, "-c", "import bpy\n" + program]
 
 
 def run_blender(*arguments, **options):
     return subprocess.run(
-        blender_command(*arguments), stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, timeout=120, **options
+        blender_command(*arguments),
+        capture_output=True,
+        text=True,
+        timeout=120,
+        **options,
     )
 
 
 def test_the_command_line_prints_a_parsable_line_a_frame(addon, undisturbed, tmp_path):
     report = tmp_path / "report.json"
-    done = run_blender(addon, tmp_path / "shot.blend", "--cache", str(tmp_path / "cache"), "--json", str(report))
+    done = run_blender(
+        addon, tmp_path / "shot.blend", "--cache", str(tmp_path / "cache"), "--json", str(report)
+    )
     assert done.returncode == 0, done.stderr
     lines = [line for line in done.stdout.splitlines() if line.startswith("SNOWBOUGH frame=")]
     words = [dict(word.split("=") for word in line.split()[1:]) for line in lines]
     assert [int(word["frame"]) for word in words] == list(range(1, 13))
     assert float(words[-1]["depth"]) == pytest.approx(0.1)
     told = json.loads(report.read_text())
-    assert told["exit_code"] == 0 and len(told["frames"]) == 12 and sorted(told["receivers"]) == ["Cart", "Flag", "Ground"]
+    assert (
+        told["exit_code"] == 0
+        and len(told["frames"]) == 12
+        and sorted(told["receivers"]) == ["Cart", "Flag", "Ground"]
+    )
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
@@ -236,13 +256,22 @@ def test_a_file_whose_drivers_are_disabled_is_refused(addon, undisturbed, tmp_pa
 
 def test_overlapping_uvs_are_a_warning_on_the_command_line(addon, tmp_path):
     ground = s.square("Ground")
-    twice = s.mesh_object("Twice", [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 2), (1, 0, 2), (1, 1, 2)],
-                          [(0, 1, 2, 3), (4, 5, 6)], [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0), (1, 0), (1, 1)])
+    twice = s.mesh_object(
+        "Twice",
+        [(0, 0, 1), (1, 0, 1), (1, 1, 1), (0, 1, 1), (0, 0, 2), (1, 0, 2), (1, 1, 2)],
+        [(0, 1, 2, 3), (4, 5, 6)],
+        [(0, 0), (1, 0), (1, 1), (0, 1), (0, 0), (1, 0), (1, 1)],
+    )
     s.receive(ground, twice)
     s.settings(tmp_path / "cache")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     done = run_blender(addon, tmp_path / "shot.blend")
-    assert done.returncode == 0 and "warning=" in done.stderr and "'Twice'" in done.stderr and "'Ground'" not in done.stderr
+    assert (
+        done.returncode == 0
+        and "warning=" in done.stderr
+        and "'Twice'" in done.stderr
+        and "'Ground'" not in done.stderr
+    )
 
 
 def test_without_egl_the_message_and_the_code_say_so(addon, undisturbed, tmp_path):
@@ -309,7 +338,9 @@ def small_disk(tmp_path):
     folder = tmp_path / "small"
     folder.mkdir()
     mounted = subprocess.run(
-        ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", str(folder)], stderr=subprocess.DEVNULL, check=False
+        ["mount", "-t", "tmpfs", "-o", "size=400k", "tmpfs", str(folder)],
+        stderr=subprocess.DEVNULL,
+        check=False,
     )
     if mounted.returncode != 0:
         pytest.skip("mounting a small disk needs root")

@@ -154,7 +154,9 @@ def test_cloth_that_begins_before_the_snow_must_be_baked(tmp_path):
 def test_a_simulation_that_a_render_does_not_play_is_refused_until_it_is_baked(addon, tmp_path, kind):
     falling_scene(tmp_path, kind)
     scene = bpy.context.scene
-    with pytest.raises(RuntimeError, match=f"'Falling' is a {kind} whose simulation is not baked.*Bake All Dynamics"):
+    with pytest.raises(
+        RuntimeError, match=f"'Falling' is a {kind} whose simulation is not baked.*Bake All Dynamics"
+    ):
         s.bake()
     assert not (tmp_path / "Scene").exists()
     issues = addon("preflight").check(scene, bpy.context.evaluated_depsgraph_get())

@@ -193,7 +193,9 @@ def test_apply_at_frame_makes_plain_geometry(ground, write_bake):
 def state_of(obj):
     return json.dumps(
         {
-            "slots": [(slot.link, slot.material.name if slot.material else None) for slot in obj.material_slots],
+            "slots": [
+                (slot.link, slot.material.name if slot.material else None) for slot in obj.material_slots
+            ],
             "data": [material.name if material else None for material in obj.data.materials],
             "modifiers": [modifier.name for modifier in obj.modifiers],
             "fake": [material.use_fake_user for material in bpy.data.materials],
@@ -227,7 +229,9 @@ def test_material_before_a_bake_shows_no_snow_and_no_missing_image(ground):
     bpy.ops.snowbough.setup_material()
     material = ground.object.material_slots[0].material
     assert not image_nodes(material)
-    assert any(node.type == "GROUP" and node.node_tree.name == "Snowbough Snow" for node in material.node_tree.nodes)
+    assert any(
+        node.type == "GROUP" and node.node_tree.name == "Snowbough Snow" for node in material.node_tree.nodes
+    )
 
 
 def test_muted_displacement_is_off_in_renders_and_comes_back(addon, ground, write_bake):

@@ -179,7 +179,9 @@ def test_a_receiver_whose_uv_map_vanishes_is_named_with_the_frame(tmp_path):
     s.receive(cube)
     remeshed(cube, 3)
     s.settings(tmp_path)
-    refused(r"'Block' has other faces at frame 3 than before, and its UV map 'UVMap' is gone.*take 'Block' off")
+    refused(
+        r"'Block' has other faces at frame 3 than before, and its UV map 'UVMap' is gone.*take 'Block' off"
+    )
 
 
 def test_what_was_baked_before_the_refusal_is_kept(addon, tmp_path):
@@ -210,7 +212,9 @@ def test_uvs_that_leave_the_map_are_named_with_the_frame(tmp_path):
     array.offset_u = 0.5
     keyed(array, "count", (2, 1), (3, 2))
     s.settings(tmp_path)
-    refused(r"'Ground' has other faces at frame 3 than before, and they do not lie on its UV map 'snow' from 0 to 1")
+    refused(
+        r"'Ground' has other faces at frame 3 than before, and they do not lie on its UV map 'snow' from 0 to 1"
+    )
 
 
 def test_faces_without_any_place_on_the_map_are_named_with_the_frame(tmp_path):

@@ -20,7 +20,9 @@ def baked(folder, frames=(1, 2), complete=True, shot="s"):
     folder.mkdir(parents=True, exist_ok=True)
     for frame in frames:
         (folder / cache.frame_file("height", frame)).write_bytes(b"exr")
-    cache.write_manifest(folder, {"complete": complete, "settings": {"shot": shot}, "hash": "h", "frames": []})
+    cache.write_manifest(
+        folder, {"complete": complete, "settings": {"shot": shot}, "hash": "h", "frames": []}
+    )
     return folder
 
 

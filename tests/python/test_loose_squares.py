@@ -42,6 +42,7 @@ def maple(tmp_path_factory):
 
 def found_again(truth, skeleton):
     """Per branch of the skeleton: the branch of the truth with the same points in the same order, or -1."""
+
     def key(branch):
         return tuple(map(tuple, np.round(branch.points, 4) + 0.0))
 
@@ -54,8 +55,10 @@ def test_a_shuffled_tree_with_groups_is_the_same_tree(maple, tmp_path):
     skeleton = native.read_tree(write_shuffled(maple, tmp_path / "shuffled.obj", groups=True))
     assert skeleton.report["form"] == "SQUARES_PER_GROUP"
     assert any("in no order" in warning for warning in skeleton.report["warnings"])
-    parents = {branch.name: (branch.level, truth.branches[branch.parent].name if branch.parent >= 0 else None)
-               for branch in truth.branches}
+    parents = {
+        branch.name: (branch.level, truth.branches[branch.parent].name if branch.parent >= 0 else None)
+        for branch in truth.branches
+    }
     points = {branch.name: branch.points for branch in truth.branches}
     assert len(skeleton.branches) == len(truth.branches) == 324
     for branch in skeleton.branches:

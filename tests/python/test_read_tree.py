@@ -10,7 +10,6 @@ import time
 
 import numpy as np
 import pytest
-
 import snowbough_native as native
 
 TREES = pathlib.Path(__file__).resolve().parents[2] / ".." / "shared" / "data" / "trees"
@@ -40,8 +39,13 @@ def tube(points, radius, first, flat=False):
 def small_tree(flat=False):
     trunk = [(0, 0, z) for z in range(6)]
     limb = [(0.3 * i, 0, 3 + 0.5 * i) for i in range(4)]
-    return ("g trunk1\n" + tube(trunk, 0.4, 1, flat) + "g branch1\n" + tube(limb, 0.1, 25, flat)
-            + "g leaves\nv 1 0.2 4.5\nv 1.1 0.4 4.5\nv 1 0.6 4.5\nvt 0.25 0.75\nf 41/1 42/1 43/1\n")
+    return (
+        "g trunk1\n"
+        + tube(trunk, 0.4, 1, flat)
+        + "g branch1\n"
+        + tube(limb, 0.1, 25, flat)
+        + "g leaves\nv 1 0.2 4.5\nv 1.1 0.4 4.5\nv 1 0.6 4.5\nvt 0.25 0.75\nf 41/1 42/1 43/1\n"
+    )
 
 
 @pytest.fixture
@@ -52,8 +56,15 @@ def small(tmp_path):
 
 
 def one_branch(**changes):
-    branch = {"name": "trunk", "level": 0, "parent": -1, "attach_point": (0, 0, 0),
-              "points": [(0, 0, 0), (0, 0, 2)], "radii": [0.2, 0.1], "areas": [0.1, 0.02]}
+    branch = {
+        "name": "trunk",
+        "level": 0,
+        "parent": -1,
+        "attach_point": (0, 0, 0),
+        "points": [(0, 0, 0), (0, 0, 2)],
+        "radii": [0.2, 0.1],
+        "areas": [0.1, 0.02],
+    }
     branch.update(changes)
     return branch
 
@@ -78,8 +89,15 @@ def test_arrays_are_read_only_and_outlive_the_skeleton(small):
 
 def test_report(small):
     report = native.read_tree(small).report
-    assert report == {"form": "TUBES_PER_GROUP", "up_axis": "Z", "branches_per_level": [1, 1],
-                      "skipped_parts": [], "extra_roots": [], "foliage_parts": 1, "warnings": []}
+    assert report == {
+        "form": "TUBES_PER_GROUP",
+        "up_axis": "Z",
+        "branches_per_level": [1, 1],
+        "skipped_parts": [],
+        "extra_roots": [],
+        "foliage_parts": 1,
+        "warnings": [],
+    }
 
 
 def test_squares_with_leaves(tmp_path):
@@ -112,20 +130,31 @@ def test_simplify(small):
     assert len(native.read_tree(small, simplify="TOLERANCE").branches[0].points) == 3
 
 
-@pytest.mark.parametrize("arguments, message", [
-    ({"up_axis": "X"}, "up_axis"), ({"simplify": "ALL"}, "simplify"), ({"tolerance": -1}, "tolerance"),
-    ({"levels": "stem"}, "'trunk1'")])
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ({"up_axis": "X"}, "up_axis"),
+        ({"simplify": "ALL"}, "simplify"),
+        ({"tolerance": -1}, "tolerance"),
+        ({"levels": "stem"}, "'trunk1'"),
+    ],
+)
 def test_bad_options(small, arguments, message):
     with pytest.raises(ValueError, match=message):
         native.read_tree(small, **arguments)
 
 
-@pytest.mark.parametrize("text, message", [
-    ("", "no Wavefront OBJ"), ("Dear reader,\nhello\n", "no Wavefront OBJ"),
-    ("v 0 0 0\nv 1 0 0\nv 0 1 x\n", r"bad\.obj:3: malformed number 'x'"),
-    ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", r"bad\.obj:4: vertex index 7 is out of range"),
-    ("v 0 0 0\nv nan 0 0\n", r"bad\.obj:2: .*not finite"),
-    ("g leaves\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "holds no branches, only 1 leaves")])
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("", "no Wavefront OBJ"),
+        ("Dear reader,\nhello\n", "no Wavefront OBJ"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 x\n", r"bad\.obj:3: malformed number 'x'"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", r"bad\.obj:4: vertex index 7 is out of range"),
+        ("v 0 0 0\nv nan 0 0\n", r"bad\.obj:2: .*not finite"),
+        ("g leaves\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "holds no branches, only 1 leaves"),
+    ],
+)
 def test_bad_files(tmp_path, text, message):
     path = tmp_path / "bad.obj"
     path.write_text(text)
@@ -173,8 +202,13 @@ def test_ctrl_c_ends_a_long_read(tmp_path):
     path = tmp_path / "many.obj"
     path.write_text(block * (40_000_000 // len(block)))
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
-    run = subprocess.run([sys.executable, "-c", INTERRUPTED_READ, str(path)], env=environment, text=True,
-                         capture_output=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED_READ, str(path)],
+        env=environment,
+        text=True,
+        capture_output=True,
+        timeout=60,
+    )
     path.unlink()
     assert run.returncode == 0, run.stderr
     word, *seconds = run.stdout.split()
@@ -190,6 +224,7 @@ def test_progress_cancels(small):
 def test_what_progress_raises_comes_through(small):
     def stop(share):
         raise LookupError("enough")
+
     with pytest.raises(LookupError, match="enough"):
         native.read_tree(small, progress=stop)
 
@@ -203,12 +238,21 @@ def test_from_branches():
     assert skeleton.height == 2
 
 
-@pytest.mark.parametrize("changes, message", [
-    ({"points": np.zeros((0, 3))}, "no points"), ({"points": [1, 2, 3]}, "shape"),
-    ({"radii": [0.1]}, "as many radii"), ({"areas": [0.1, -1]}, "area"),
-    ({"points": [(0, 0, 0), (0, 0, float("nan"))]}, "not finite"), ({"parent": 0}, "after its parent"),
-    ({"level": -1}, "level"), ({"name": 3}, "string"), ({"attach_point": (0, 0)}, "attach_point"),
-    ({"points": "no"}, "points")])
+@pytest.mark.parametrize(
+    "changes, message",
+    [
+        ({"points": np.zeros((0, 3))}, "no points"),
+        ({"points": [1, 2, 3]}, "shape"),
+        ({"radii": [0.1]}, "as many radii"),
+        ({"areas": [0.1, -1]}, "area"),
+        ({"points": [(0, 0, 0), (0, 0, float("nan"))]}, "not finite"),
+        ({"parent": 0}, "after its parent"),
+        ({"level": -1}, "level"),
+        ({"name": 3}, "string"),
+        ({"attach_point": (0, 0)}, "attach_point"),
+        ({"points": "no"}, "points"),
+    ],
+)
 def test_from_branches_checks(changes, message):
     with pytest.raises(ValueError, match=message):
         native.Skeleton.from_branches([one_branch(**changes)])
@@ -249,7 +293,7 @@ def test_squares_are_exact(name):
 def segment_distances(points, polylines):
     begin = np.concatenate([line[:-1] for line in polylines]).astype(float)
     along = np.concatenate([line[1:] - line[:-1] for line in polylines]).astype(float)
-    squared = np.maximum((along ** 2).sum(1), 1e-30)
+    squared = np.maximum((along**2).sum(1), 1e-30)
     distances = []
     for point in points:
         t = np.clip(((point - begin) * along).sum(1) / squared, 0, 1)
@@ -270,17 +314,25 @@ def test_al06a_lies_on_the_skeleton_that_others_made():
 
 
 @needs_trees
-@pytest.mark.parametrize("name, form, up_axis, branches, foliage", [
-    ("tubes/BL02A_Betula_lenta", "MERGED_TUBES", "Y", 1348, 0),
-    ("levels/Acer_saccharum_y1", "TUBES_PER_LEVEL", "Y", 27, 0),
-    ("levels/quaking_aspen", "TUBES_PER_LEVEL", "Y", 1222, 21988),
-    ("levels/test_small", "TUBES_PER_LEVEL", "Y", 3, 3),
-    ("levels/sapling_tree1", "MERGED_TUBES", "Z", 46, 0)])
+@pytest.mark.parametrize(
+    "name, form, up_axis, branches, foliage",
+    [
+        ("tubes/BL02A_Betula_lenta", "MERGED_TUBES", "Y", 1348, 0),
+        ("levels/Acer_saccharum_y1", "TUBES_PER_LEVEL", "Y", 27, 0),
+        ("levels/quaking_aspen", "TUBES_PER_LEVEL", "Y", 1222, 21988),
+        ("levels/test_small", "TUBES_PER_LEVEL", "Y", 3, 3),
+        ("levels/sapling_tree1", "MERGED_TUBES", "Z", 46, 0),
+    ],
+)
 def test_real_trees_need_no_options(name, form, up_axis, branches, foliage):
     skeleton = native.read_tree(TREES / f"{name}.obj")
     report = skeleton.report
-    assert (report["form"], report["up_axis"], len(skeleton.branches), report["foliage_parts"]) \
-        == (form, up_axis, branches, foliage)
+    assert (report["form"], report["up_axis"], len(skeleton.branches), report["foliage_parts"]) == (
+        form,
+        up_axis,
+        branches,
+        foliage,
+    )
     assert report["extra_roots"] == [] and report["skipped_parts"] == []
     assert report["branches_per_level"][0] == 1
     assert skeleton.branches[0].points[0, 2] < 0.05 * skeleton.height
@@ -290,8 +342,11 @@ def test_real_trees_need_no_options(name, form, up_axis, branches, foliage):
 def test_aspen_leaves_hang_twig_by_twig():
     """Arbaro writes leaves in the order of the twigs: numbers of twigs that do not fall are right."""
     skeleton = native.read_tree(TREES / "levels" / "quaking_aspen.obj")
-    twigs = [int(skeleton.branches[b].name.removeprefix("stems_2_"))
-             for b in skeleton.foliage.leaf_branch if skeleton.branches[b].level == 2]
+    twigs = [
+        int(skeleton.branches[b].name.removeprefix("stems_2_"))
+        for b in skeleton.foliage.leaf_branch
+        if skeleton.branches[b].level == 2
+    ]
     assert len(twigs) > 0.999 * len(skeleton.foliage.leaf_branch)
     assert np.count_nonzero(np.diff(twigs) < 0) < 0.001 * len(twigs)
 
@@ -324,8 +379,10 @@ def test_foliage_takes_a_bool_a_word_or_names(tmp_path):
     lines += ["v 0 0 2", "v 0.3 0 2.1", "v 0.3 0.1 2.3", "g tags", "f 13 14 15"]
     path = tmp_path / "tree.obj"
     path.write_text("\n".join(lines) + "\n")
-    corners = [len(native.read_tree(path, foliage=value).foliage.corner_vertex)
-               for value in (True, "AUTO", "", "tags", False, "NONE")]
+    corners = [
+        len(native.read_tree(path, foliage=value).foliage.corner_vertex)
+        for value in (True, "AUTO", "", "tags", False, "NONE")
+    ]
     assert corners == [3, 3, 3, 3, 0, 0]
     with pytest.raises(ValueError, match="starts with 'petals'"):
         native.read_tree(path, foliage="petals")

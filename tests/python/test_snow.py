@@ -6,7 +6,6 @@ import gc
 import numpy as np
 import pytest
 import snowbough_native as native
-
 from snow_meshes import box, chart_of_box, grid, rotated, sphere, wind
 
 DOWN = (0.0, 0.0, -1.0)
@@ -37,8 +36,9 @@ def volume(height, area):
 @pytest.mark.parametrize("pixel_size", [0.002, 0.016, 0.16])
 def test_a_tilted_plane_gathers_depth_times_its_area_seen_from_above(tilt, pixel_size):
     positions, triangles, uv = grid()
-    height, area, statistics = snow_on((rotated(positions, "x", tilt), triangles, uv), steps=48,
-                                       depth=0.48, pixel_size=pixel_size)
+    height, area, statistics = snow_on(
+        (rotated(positions, "x", tilt), triangles, uv), steps=48, depth=0.48, pixel_size=pixel_size
+    )
     assert volume(height, area) == pytest.approx(0.48 * np.cos(np.radians(tilt)), rel=0.01)
     total = statistics["total"]
     assert total["deposited_volume"] == pytest.approx(0.01 * total["visible_area"], rel=1e-3)
@@ -56,8 +56,9 @@ def test_a_sphere_gathers_depth_times_its_disc(resolution):
 
 @pytest.mark.parametrize("angle, pixel_size", [(45, 0.01), (80, 0.002), (89, 0.0005)])
 def test_level_ground_gets_the_depth_whatever_the_wind(angle, pixel_size):
-    height, area, _ = snow_on(grid(cells=2), steps=24, depth=0.12, direction=wind(angle, 30.0),
-                              pixel_size=pixel_size)
+    height, area, _ = snow_on(
+        grid(cells=2), steps=24, depth=0.12, direction=wind(angle, 30.0), pixel_size=pixel_size
+    )
     assert volume(height, area) == pytest.approx(0.12, rel=0.01)
     inner = height[8:-8, 8:-8]
     assert np.percentile(inner, 5) > 0.85 * 0.12
@@ -104,7 +105,9 @@ def test_a_texel_that_goes_half_around_a_twig_holds_snow_by_its_upper_parts():
     around = np.stack([(10 + 2 * np.arange(9) / 8) / 64, np.full(9, 0.05)], axis=1)
     corner = np.concatenate([around, around + (0, 0.9)])
     side = np.arange(8)
-    triangles = np.concatenate([np.stack([side, side + 9, side + 10], 1), np.stack([side, side + 10, side + 1], 1)])
+    triangles = np.concatenate(
+        [np.stack([side, side + 9, side + 10], 1), np.stack([side, side + 10, side + 1], 1)]
+    )
     uv = corner[triangles].astype(np.float32)
     height, area, statistics = snow_on(
         (positions, triangles.astype(np.int32), uv), steps=24, depth=0.02, pixel_size=0.005, max_depth=1e6
@@ -138,8 +141,9 @@ def test_an_upright_wall_gathers_nothing_without_wind_and_tangent_times_depth_in
         assert chart_of_box(still, face).max() == 0.0, f"face {face}"
     assert chart_of_box(still, 5).mean() == pytest.approx(0.16, rel=0.01)
 
-    blown, _, _ = snow_on(box(), steps=16, depth=0.16, resolution=128, pixel_size=0.01,
-                          direction=wind(45.0), dt=0.0)  # towards +y: hits the face at -y
+    blown, _, _ = snow_on(
+        box(), steps=16, depth=0.16, resolution=128, pixel_size=0.01, direction=wind(45.0), dt=0.0
+    )  # towards +y: hits the face at -y
     assert chart_of_box(blown, 2).mean() == pytest.approx(0.16, rel=0.03)
     assert chart_of_box(blown, 3).max() == 0.0
     assert chart_of_box(blown, 0).max() == 0.0
@@ -253,8 +257,14 @@ def test_a_wind_that_turns_leaves_both_layers():
 def test_level_ground_holds_max_depth_and_a_slope_less():
     for tilt in (0, 60):
         positions, triangles, uv = grid()
-        height, _, _ = snow_on((rotated(positions, "x", tilt), triangles, uv), steps=60, depth=0.5,
-                               max_depth=0.2, slide_half_life=0.01, dt=1.0)
+        height, _, _ = snow_on(
+            (rotated(positions, "x", tilt), triangles, uv),
+            steps=60,
+            depth=0.5,
+            max_depth=0.2,
+            slide_half_life=0.01,
+            dt=1.0,
+        )
         assert np.median(height) == pytest.approx(0.2 * np.cos(np.radians(tilt)), rel=0.01)
 
 
@@ -270,9 +280,20 @@ def test_what_is_too_much_halves_in_the_half_life():
 
 @pytest.mark.parametrize("max_depth", [100.0, 0.05])
 def test_the_frame_rate_does_not_matter(max_depth):
-    depths = [np.median(snow_on(grid(), steps=rate, depth=0.1, dt=1.0 / rate, max_depth=max_depth,
-                                slide_half_life=0.5, pixel_size=0.005)[0][8:-8, 8:-8])
-              for rate in (24, 30, 60, 240)]
+    depths = [
+        np.median(
+            snow_on(
+                grid(),
+                steps=rate,
+                depth=0.1,
+                dt=1.0 / rate,
+                max_depth=max_depth,
+                slide_half_life=0.5,
+                pixel_size=0.005,
+            )[0][8:-8, 8:-8]
+        )
+        for rate in (24, 30, 60, 240)
+    ]
     assert max(depths) / min(depths) < 1.01
 
 
@@ -296,8 +317,12 @@ def test_scale_does_not_matter():
     pictures = []
     for scale in (0.01, 1.0, 100.0):
         positions, triangles, uv = sphere()
-        height, _, _ = snow_on((positions * np.float32(scale), triangles, uv), depth=0.08 * scale,
-                               pixel_size=0.01 * scale, max_depth=0.05 * scale)
+        height, _, _ = snow_on(
+            (positions * np.float32(scale), triangles, uv),
+            depth=0.08 * scale,
+            pixel_size=0.01 * scale,
+            max_depth=0.05 * scale,
+        )
         pictures.append(height / scale)
     for picture in (pictures[0], pictures[2]):
         assert abs(picture - pictures[1]).mean() < 1e-3 * pictures[1].mean()
@@ -308,13 +333,18 @@ def test_scale_does_not_matter():
 
 def scene_heights(order, receivers, tile_size=2048, mapping="COMPUTE", seed=3):
     objects = {"ball": sphere(), "ground": grid(3.0, 3.0, 2), "plate": grid(0.5, 0.5)}
-    placed = {"ball": objects["ball"][0] + np.float32((0.0, 0.0, 1.0)), "ground": objects["ground"][0],
-              "plate": objects["plate"][0] + np.float32((0.8, 0.0, 0.4))}
-    with simulation(pixel_size=0.01, noise_density=0.5, flutter=2.0, seed=seed, tile_size=tile_size,
-                    mapping=mapping) as sim:
+    placed = {
+        "ball": objects["ball"][0] + np.float32((0.0, 0.0, 1.0)),
+        "ground": objects["ground"][0],
+        "plate": objects["plate"][0] + np.float32((0.8, 0.0, 0.4)),
+    }
+    with simulation(
+        pixel_size=0.01, noise_density=0.5, flutter=2.0, seed=seed, tile_size=tile_size, mapping=mapping
+    ) as sim:
         for name in order:
-            sim.add_object(name, objects[name][1], objects[name][2], resolution=128,
-                           receive=name in receivers)
+            sim.add_object(
+                name, objects[name][1], objects[name][2], resolution=128, receive=name in receivers
+            )
         for frame in range(3):
             sim.step(placed, 0.01, wind(20.0 + frame))
         return {name: sim.height(name) for name in receivers}
@@ -324,9 +354,13 @@ def test_order_tiles_and_the_choice_of_receivers_change_no_bit():
     every = ("ball", "ground", "plate")
     first = scene_heights(every, every)
     assert first["ground"].max() > 0.0
-    for other in (scene_heights(every[::-1], every), scene_heights(every, every, tile_size=64),
-                  scene_heights(every, every), scene_heights(every, ("ground",)),
-                  scene_heights(every, ("ball", "plate"))):
+    for other in (
+        scene_heights(every[::-1], every),
+        scene_heights(every, every, tile_size=64),
+        scene_heights(every, every),
+        scene_heights(every, ("ground",)),
+        scene_heights(every, ("ball", "plate")),
+    ):
         for name, height in other.items():
             assert np.array_equal(height, first[name]), name
     assert not np.array_equal(scene_heights(every, every, seed=4)["ground"], first["ground"])
@@ -336,8 +370,9 @@ def test_order_tiles_and_the_choice_of_receivers_change_no_bit():
 def test_geometry_agrees_with_compute(pixel_size):
     maps = {}
     for mapping in ("COMPUTE", "GEOMETRY"):
-        maps[mapping] = snow_on(sphere(), steps=4, resolution=128, pixel_size=pixel_size,
-                                direction=wind(30.0), mapping=mapping)
+        maps[mapping] = snow_on(
+            sphere(), steps=4, resolution=128, pixel_size=pixel_size, direction=wind(30.0), mapping=mapping
+        )
     (one, area, a), (two, _, b) = maps["COMPUTE"], maps["GEOMETRY"]
     assert volume(two, area) == pytest.approx(volume(one, area), rel=0.005)
     assert a["visible_area"] == b["visible_area"]

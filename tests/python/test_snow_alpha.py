@@ -117,7 +117,9 @@ def test_memory_counts_an_image_that_many_objects_show_once():
 
     plain = taken([None] * 8)
     assert taken([alpha_of(mesh, image) for _ in range(8)]) - plain < 2**17 + 2**12
-    assert taken([alpha_of(mesh, image + np.uint8(200) * (number == 0)) for number in range(8)]) - plain > 2**18
+    assert (
+        taken([alpha_of(mesh, image + np.uint8(200) * (number == 0)) for number in range(8)]) - plain > 2**18
+    )
 
 
 @pytest.mark.parametrize(

@@ -84,9 +84,7 @@ def test_a_texel_round_an_edge_takes_snow_by_the_part_that_faces_the_fall():
             sim.step({"it": mesh[0]} if step == 0 else {}, 0.01)
         height = sim.height("it")[10:54]
     table = native.texel_table(mesh[1], mesh[2], 64)
-    share, _ = lit_shares(
-        table, mesh, 64, np.arange(len(table["texel"])), mesh[0][mesh[1]], DOWN, 1e-5, 10
-    )
+    share, _ = lit_shares(table, mesh, 64, np.arange(len(table["texel"])), mesh[0][mesh[1]], DOWN, 1e-5, 10)
     at_edge = share[np.isin(table["texel"], np.arange(10, 54) * 64 + 20)]
     assert at_edge == pytest.approx(0.3, abs=0.01)
     assert height[:, 20].min() > 0.0

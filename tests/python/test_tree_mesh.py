@@ -267,8 +267,13 @@ except KeyboardInterrupt:
 def test_ctrl_c_ends_a_build():
     maple = Path(__file__).resolve().parents[1] / "data" / "small_maple.obj"
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
-    run = subprocess.run([sys.executable, "-c", INTERRUPTED_BUILD, str(maple)], env=environment,
-                         text=True, capture_output=True, timeout=60)
+    run = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED_BUILD, str(maple)],
+        env=environment,
+        text=True,
+        capture_output=True,
+        timeout=60,
+    )
     assert run.returncode == 0, run.stderr
     word, calls = run.stdout.split()
     assert word == "interrupted" and int(calls) < 6

@@ -53,14 +53,14 @@ def sample_owners(uv, charts, resolution):
     uv = uv.astype(np.float64)
     pairs = set()
     for begin in range(0, len(uv), 2000):
-        a, b, c, d = (uv[begin:begin + 2000, i] for i in range(4))
+        a, b, c, d = (uv[begin : begin + 2000, i] for i in range(4))
         points = [(1 - u) * (1 - v) * a + u * (1 - v) * b + u * v * c + (1 - u) * v * d]
         centre = (a + b + c + d) / 4
         for p, q in ((a, b), (b, c), (c, d), (d, a)):
             on_edge = (1 - edge) * p + edge * q
             points.append(on_edge + inside * (centre - on_edge))
         texel = (np.concatenate(points) * resolution).astype(np.int64)
-        owner = np.broadcast_to(charts[begin:begin + 2000], texel.shape[:2])
+        owner = np.broadcast_to(charts[begin : begin + 2000], texel.shape[:2])
         key = (texel[..., 1] * resolution + texel[..., 0]) * len(uv) + owner
         pairs.update(np.unique(key).tolist())
     keys = np.array(sorted(pairs))
@@ -74,8 +74,8 @@ def closest_charts(texel, owner, resolution, distance):
     count = 0
     for dy in range(distance + 1):
         for dx in range(-distance, distance + 1):
-            a = grid[dy:, max(dx, 0):resolution + min(dx, 0)]
-            b = grid[:resolution - dy, max(-dx, 0):resolution + min(-dx, 0)]
+            a = grid[dy:, max(dx, 0) : resolution + min(dx, 0)]
+            b = grid[: resolution - dy, max(-dx, 0) : resolution + min(-dx, 0)]
             count += np.count_nonzero((a >= 0) & (b >= 0) & (a != b))
     return count
 
@@ -136,7 +136,8 @@ def test_seams_run_along_the_underside():
     walls = {
         (b, r, s): f
         for f, (b, r, s, part) in enumerate(
-            zip(mesh.face_branch, mesh.face_row, mesh.face_side, mesh.face_part))
+            zip(mesh.face_branch, mesh.face_row, mesh.face_side, mesh.face_part)
+        )
         if part == WALL
     }
     offset, weight = [], []
@@ -158,18 +159,24 @@ def test_seams_run_along_the_underside():
 def chain(points, radius, parent, level):
     points = np.asarray(points, np.float32)
     return {
-        "name": f"b{level}", "level": level, "parent": parent, "attach_point": points[0],
-        "points": points, "radii": np.full(len(points), radius, np.float32),
-        "areas": np.full(len(points), np.pi * radius ** 2, np.float32),
+        "name": f"b{level}",
+        "level": level,
+        "parent": parent,
+        "attach_point": points[0],
+        "points": points,
+        "radii": np.full(len(points), radius, np.float32),
+        "areas": np.full(len(points), np.pi * radius**2, np.float32),
     }
 
 
 def test_a_continuing_child_lies_on_its_parents_chart():
-    skeleton = native.Skeleton.from_branches([
-        chain([(0, 0, 0), (0, 0, 1), (0, 0, 2)], 0.4, -1, 0),
-        chain([(0, 0, 2), (0.1, 0, 3)], 0.38, 0, 1),
-        chain([(0, 0, 1), (2, 0, 1.5)], 0.1, 0, 1),
-    ])
+    skeleton = native.Skeleton.from_branches(
+        [
+            chain([(0, 0, 0), (0, 0, 1), (0, 0, 2)], 0.4, -1, 0),
+            chain([(0, 0, 2), (0.1, 0, 3)], 0.38, 0, 1),
+            chain([(0, 0, 1), (2, 0, 1.5)], 0.1, 0, 1),
+        ]
+    )
     mesh = native.build_tree_mesh(skeleton, snow_resolution=256)
     assert mesh.continues_parent.tolist() == [0, 1, 0]
     charts = find_charts(mesh.quads, mesh.uv_snow)
@@ -212,8 +219,7 @@ def test_every_leaf_of_a_real_tree_has_texels_of_its_own():
     # Its leaves are all of one kind of polygon.
     assert corners.min() == corners.max() and corners[0] in (3, 4)
     faces = foliage.corner_vertex.reshape(-1, corners[0])
-    result = native.measure_uv_layout(
-        layout["uv"].reshape(*faces.shape, 2), foliage.vertices, faces, 2048)
+    result = native.measure_uv_layout(layout["uv"].reshape(*faces.shape, 2), foliage.vertices, faces, 2048)
     print(result)
     assert result["overlap_texels"] == 0
     assert result["narrow_gutter_texels"] == 0

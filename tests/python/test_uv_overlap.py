@@ -22,7 +22,9 @@ def test_neighbouring_triangles_share_no_cell():
     points = np.stack(np.meshgrid(np.linspace(0, 1, edge), np.linspace(0, 1, edge)), axis=-1)
     points[1:-1, 1:-1] += numbers.uniform(-0.02, 0.02, points[1:-1, 1:-1].shape)
     a, b, c, d = (points[:-1, :-1], points[:-1, 1:], points[1:, 1:], points[1:, :-1])
-    triangles = np.concatenate([np.stack([a, b, c], -2).reshape(-1, 3, 2), np.stack([c, d, a], -2).reshape(-1, 3, 2)])
+    triangles = np.concatenate(
+        [np.stack([a, b, c], -2).reshape(-1, 3, 2), np.stack([c, d, a], -2).reshape(-1, 3, 2)]
+    )
     assert uv_overlap.overlap_share(triangles) == 0.0
     assert uv_overlap._cover_counts(triangles * 64, 64).sum() == 64 * 64
 
@@ -39,7 +41,9 @@ def test_a_mirrored_copy_on_the_same_place_is_found():
 
 
 def test_charts_side_by_side_are_clean():
-    assert uv_overlap.overlap_share(square(0.0, 0.0, 0.5) + square(0.5, 0.0, 0.5) + square(0.0, 0.5, 0.5)) == 0.0
+    assert (
+        uv_overlap.overlap_share(square(0.0, 0.0, 0.5) + square(0.5, 0.0, 0.5) + square(0.0, 0.5, 0.5)) == 0.0
+    )
 
 
 def test_an_empty_or_flat_layout_has_no_overlap():

@@ -6,8 +6,8 @@
     tools/blender_sid.sh --run /usr/bin/python3 tests/ui/panel_states.py            Debian sid's
 
 Writes build/panels/<Blender's version>/<state>.png, each with the sidebar at the left and the Scene
-properties beside it, all.png with all states, and sidebars.png with the sidebars alone. The states are those of a small scene that is really set
-up, baked, changed and spoilt:
+properties beside it, all.png with all states, and sidebars.png with the sidebars alone. The states are those
+of a small scene that is really set up, baked, changed and spoilt:
 
 empty     nothing is set up
 ready     two receivers, nothing baked
@@ -29,7 +29,9 @@ from PIL import Image, ImageDraw, ImageFont
 from window import ROOT
 
 GAP = 10
-COLUMN_SHARE = 0.52  # of the 3D view's width that stays with it: properties are read in a column of usual width
+COLUMN_SHARE = (
+    0.52  # of the 3D view's width that stays with it: properties are read in a column of usual width
+)
 LABEL_FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 
 # The 3D view split for a column of properties, with Blender's own Scene panels put away.
@@ -250,7 +252,9 @@ def main():
             work.mkdir()
             taken = take(window, pictures, work)
             overview([(state, both) for state, _, both in taken], 3).save(pictures / "all.png")
-            overview([(state, sidebar) for state, sidebar, _ in taken], len(taken)).save(pictures / "sidebars.png")
+            overview([(state, sidebar) for state, sidebar, _ in taken], len(taken)).save(
+                pictures / "sidebars.png"
+            )
             print(f"panels: {pictures}")
         finally:
             window.close()

@@ -27,7 +27,10 @@ def test_the_view_is_drawn_and_can_be_turned_while_a_bake_runs(window, tmp_path)
 def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(window, tmp_path):
     window.open_sidebar_tab()
     bake_in_the_background(window, tmp_path)
-    state = "result = [sorted(o.name for o in bpy.data.objects), bpy.context.mode, len(bpy.context.scene.snowbough.receivers)]"
+    state = (
+        "result = [sorted(o.name for o in bpy.data.objects), bpy.context.mode, "
+        "len(bpy.context.scene.snowbough.receivers)]"
+    )
     before = window.run(state)
     window.move(500, 500)
     for key in ("ctrl+z", "x", "Return", "Delete", "Tab", "ctrl+s", "shift+d"):
@@ -91,7 +94,9 @@ except RuntimeError as error:
     window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=60)
     time.sleep(1.0)
     assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
-    window.run("addon in bpy.context.preferences.addons or bpy.ops.preferences.addon_enable(module=addon)\nresult = 1")
+    window.run(
+        "addon in bpy.context.preferences.addons or bpy.ops.preferences.addon_enable(module=addon)\nresult = 1"
+    )
     window.run(f"bpy.ops.wm.open_mainfile(filepath={str(tmp_path / 'shot.blend')!r})\nresult = True")
     if script == "delete" and outcome == "done":  # then the frames since lack the object, and Resume says so
         assert [path.name for path in tmp_path.rglob("*") if path.name == "lock" or ".tmp" in path.name] == []
@@ -133,7 +138,8 @@ LEFT = """
 import os
 import threading
 result = [
-    [cls.__name__ for cls in bpy.types.RenderEngine.__subclasses__() if "bl_rna" in cls.__dict__ and cls.bl_idname == "SNOWBOUGH_BAKE"],
+    [cls.__name__ for cls in bpy.types.RenderEngine.__subclasses__()
+     if "bl_rna" in cls.__dict__ and cls.bl_idname == "SNOWBOUGH_BAKE"],
     [camera.name for camera in bpy.data.cameras if camera.name.startswith("Snowbough")],
     [thread.name for thread in threading.enumerate() if thread.name.startswith("snowbough")],
     bpy.context.scene.render.engine == "SNOWBOUGH_BAKE",
@@ -191,7 +197,9 @@ def test_reload_delete_undo_and_switching_off_wait_for_the_end_of_the_bake(windo
     # The same keys work now, one after the other.
     window.move(500, 500)
     window.key("Delete")
-    window.wait_until("'Cube' not in bpy.data.objects or not bpy.data.objects['Cube'].users_scene", timeout=10)
+    window.wait_until(
+        "'Cube' not in bpy.data.objects or not bpy.data.objects['Cube'].users_scene", timeout=10
+    )
     window.key("ctrl+z")
     window.wait_until("'Cube' in bpy.context.scene.objects", timeout=10)
     for _ in range(4):  # the bake, what the test resumed, and the move

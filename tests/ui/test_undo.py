@@ -75,4 +75,6 @@ def test_the_sidebar_lets_a_selected_tree_sway_and_undo_stops_it(window):
     window.screenshot("sway")
     window.move(500, 500)
     window.key("ctrl+z")
-    window.wait_until("len(bpy.data.actions) == 0 and 'ARMATURE' in {obj.type for obj in bpy.data.objects}", timeout=10)
+    window.wait_until(
+        "len(bpy.data.actions) == 0 and 'ARMATURE' in {obj.type for obj in bpy.data.objects}", timeout=10
+    )

@@ -29,6 +29,7 @@ for draw in bpy.types.TOPBAR_MT_file_import.draw._draw_funcs:
 result = Menu.layout.operators
 """
 
+
 def test_file_import_offers_the_tree(window):
     assert window.run(RECORD_OPERATORS) == ["import_scene.xfrog_tree"]
     # The File menu stands at the left of the top bar; the letter opens its submenu.
