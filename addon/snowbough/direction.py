@@ -43,9 +43,13 @@ def frame_matrix(axis, zero, origin):
 
 def drive_by(scene, empty):
     """Lets the Empty's rotation drive the scene's fall angle and bearing."""
+    settings = scene.snowbough
+    # Both get stored values before their drivers run: Blender evaluates drivers side by side, and two that
+    # each have to store a first value can lose one of them.
+    settings.fall_angle, settings.bearing = settings.fall_angle, settings.bearing
     for path, expression in (("fall_angle", _DRIVER_FALL_ANGLE), ("bearing", _DRIVER_BEARING)):
-        scene.snowbough.driver_remove(path)
-        driver = scene.snowbough.driver_add(path).driver
+        settings.driver_remove(path)
+        driver = settings.driver_add(path).driver
         driver.type = "SCRIPTED"
         for axis in "xyz":
             variable = driver.variables.new()

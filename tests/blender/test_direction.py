@@ -27,6 +27,14 @@ def test_the_arrow_starts_with_the_direction_that_was_set(angle, bearing):
         assert settled().bearing == pytest.approx(math.radians(bearing), abs=1e-4)
 
 
+def test_both_angles_are_stored_before_their_drivers_run_side_by_side(addon):
+    settings = bpy.context.scene.snowbough
+    assert not settings.is_property_set("fall_angle") and not settings.is_property_set("bearing")
+    empty = bpy.data.objects.new("Arrow", None)
+    addon("direction").drive_by(bpy.context.scene, empty)
+    assert settings.is_property_set("fall_angle") and settings.is_property_set("bearing")
+
+
 @pytest.mark.parametrize("rotation", [(3.5, 0.2, 1.0), (2.6, -0.4, -2.0)])
 def test_turning_the_arrow_turns_the_snow(addon, rotation):
     bpy.ops.snowbough.add_direction_arrow()
