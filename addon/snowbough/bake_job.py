@@ -146,6 +146,7 @@ class BakeJob:
         for receiver in self.receivers:
             if receiver.key in finished:
                 receiver.compare_settings(settings)
+                cache.drop_dead_lock(receiver.folder)
         self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
         for receiver in self.receivers:
             stack.enter_context(cache.lock_folder(receiver.folder))

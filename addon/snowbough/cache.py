@@ -462,3 +462,11 @@ def lock_folder(folder):
         with contextlib.suppress(OSError):
             path.unlink()
         os.close(descriptor)
+
+
+def drop_dead_lock(folder):
+    """Removes the lock file that a bake left which was killed between finishing this receiver and its end.
+    A lock that is held, or that cannot be removed, stays."""
+    if (Path(folder) / LOCK).exists():
+        with contextlib.suppress(CacheError), lock_folder(folder):
+            pass

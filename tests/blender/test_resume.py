@@ -332,6 +332,20 @@ def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undist
         assert not list((tmp_path / "cache").rglob("*.exr"))
 
 
+def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon, undisturbed, tmp_path):
+    """Killed when one receiver was finished and the other not, or both and not yet unlocked."""
+    s.bake()
+    cache = addon("cache")
+    folders = sorted(path.parent for path in (tmp_path / "cache").rglob("object.json"))
+    assert len(folders) == 3
+    for folder in folders:
+        (folder / "lock").write_text("process 1 on elsewhere\n")
+    with cache.lock_folder(folders[0]):
+        s.bake(resume=True)
+        assert [(folder / "lock").exists() for folder in folders] == [True, False, False]
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
 @pytest.fixture
 def small_disk(tmp_path):
     """A disk of 400 KiB at tmp/small; grow() makes room."""
