@@ -24,8 +24,22 @@ from read_benchmark import read_blender
 
 FOLDER = pathlib.Path(__file__).resolve().parents[2] / ".." / "shared" / "data" / "trees"
 RESOLUTION = 1024
-COLUMNS = ["file", "form", "branches", "parents right", "vertices", "components", "Euler", "closed",
-           "crossing / junctions", "snow UV fill", "read s", "mesh s", "native s", "Blender's OBJ s"]
+COLUMNS = [
+    "file",
+    "form",
+    "branches",
+    "parents right",
+    "vertices",
+    "components",
+    "Euler",
+    "closed",
+    "crossing / junctions",
+    "snow UV fill",
+    "read s",
+    "mesh s",
+    "native s",
+    "Blender's OBJ s",
+]
 
 
 def true_parents(path, skeleton):
@@ -90,13 +104,22 @@ def row(path, folder, repeats, blender):
     parents = true_parents(path, skeleton) or sibling_parents(path, skeleton, folder)
     check = native.check_mesh(mesh.vertices, mesh.quads)
     euler = sorted(set(int(value) for value in check["euler"]))
-    return [path.relative_to(folder), skeleton.report["form"], len(skeleton.branches),
-            f"{parents[0]} of {parents[1]}" if parents else "not known", len(mesh.vertices),
-            check["components"],
-            " ".join(map(str, euler)), "yes" if check["boundary_edges"] == 0 else "no",
-            f"{mesh.report['crossing_junctions']} / {mesh.report['junctions']}", f"{fill(mesh):.2f}",
-            f"{read:.3f}", f"{build:.3f}", f"{read + build:.3f}",
-            f"{read_blender(blender, str(path), repeats)['seconds']:.3f}" if blender else "-"]
+    return [
+        path.relative_to(folder),
+        skeleton.report["form"],
+        len(skeleton.branches),
+        f"{parents[0]} of {parents[1]}" if parents else "not known",
+        len(mesh.vertices),
+        check["components"],
+        " ".join(map(str, euler)),
+        "yes" if check["boundary_edges"] == 0 else "no",
+        f"{mesh.report['crossing_junctions']} / {mesh.report['junctions']}",
+        f"{fill(mesh):.2f}",
+        f"{read:.3f}",
+        f"{build:.3f}",
+        f"{read + build:.3f}",
+        f"{read_blender(blender, str(path), repeats)['seconds']:.3f}" if blender else "-",
+    ]
 
 
 def main():
@@ -115,8 +138,10 @@ def main():
     for path in files:
         cells = row(path, folder, arguments.repeats, arguments.blender)
         print("| " + " | ".join(map(str, cells)) + " |", flush=True)
-    print(f"\nLoad of the machine: {before:.1f} before, {os.getloadavg()[0]:.1f} after; "
-          f"{os.cpu_count()} cores. Best of {arguments.repeats}.")
+    print(
+        f"\nLoad of the machine: {before:.1f} before, {os.getloadavg()[0]:.1f} after; "
+        f"{os.cpu_count()} cores. Best of {arguments.repeats}."
+    )
 
 
 if __name__ == "__main__":

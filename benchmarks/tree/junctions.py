@@ -84,7 +84,9 @@ def look_at(camera, child, frame):
     distance = 20.0 * radius
     # Towards the child: it is what the junction is about.
     center = Vector(at) + right * (0.3 * VIEW_RADII * radius)
-    camera.matrix_world = Matrix.Translation(center + back * distance) @ Matrix((right, up, back)).transposed().to_4x4()
+    camera.matrix_world = (
+        Matrix.Translation(center + back * distance) @ Matrix((right, up, back)).transposed().to_4x4()
+    )
     camera.data.type = "ORTHO"
     camera.data.ortho_scale = 2 * VIEW_RADII * radius
     depth = 2 * VIEW_RADII * radius
@@ -147,7 +149,11 @@ def import_rows(path, snowbough):
     for lod, smooth in ((0, False), (2, True)):
         before = set(bpy.data.objects)
         bpy.ops.import_scene.xfrog_tree(filepath=str(path), lod=lod)
-        row = [obj for obj in bpy.data.objects if obj not in before and obj.type == "MESH" and "_bark" in obj.name]
+        row = [
+            obj
+            for obj in bpy.data.objects
+            if obj not in before and obj.type == "MESH" and "_bark" in obj.name
+        ]
         for obj in row:
             obj.data.polygons.foreach_set("use_smooth", np.full(len(obj.data.polygons), smooth))
         rows.append(row)
@@ -164,7 +170,11 @@ def main(path, folder):
     scene = bpy.context.scene
     camera = set_up(scene)
     rows, branches = import_rows(path, snowbough)
-    materials = [clay("export", (0.55, 0.36, 0.22)), clay("base", (0.3, 0.42, 0.55)), clay("level 2", (0.3, 0.5, 0.32))]
+    materials = [
+        clay("export", (0.55, 0.36, 0.22)),
+        clay("base", (0.3, 0.42, 0.55)),
+        clay("level 2", (0.3, 0.5, 0.32)),
+    ]
     for row, material in zip(rows, materials):
         for obj in row:
             obj.data.materials.clear()
@@ -173,7 +183,9 @@ def main(path, folder):
     junctions = choose(branches)
     sheet = np.ones((SIZE * len(rows), SIZE * len(junctions), 4), np.float32)
     for column, (child, frame) in enumerate(junctions):
-        print(f"junction {column + 1}: {child.name} on {branches[child.parent].name}, parent's radius {frame[2]:.4g}")
+        print(
+            f"junction {column + 1}: {child.name} on {branches[child.parent].name}, parent's radius {frame[2]:.4g}"
+        )
         look_at(camera, child, frame)
         for number, row in enumerate(rows):
             for obj in bpy.data.objects:
@@ -193,4 +205,6 @@ if __name__ == "__main__":
     given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     if not given:
         sys.exit(__doc__)
-    main(Path(given[0]).resolve(), Path(given[1] if len(given) > 1 else ROOT / "build" / "junctions").resolve())
+    main(
+        Path(given[0]).resolve(), Path(given[1] if len(given) > 1 else ROOT / "build" / "junctions").resolve()
+    )

@@ -87,8 +87,10 @@ def write_tree(path, megabytes, seed=1):
                 for side in range(6):
                     angle = side * math.pi / 3
                     u, v = side / 6, i / len(line)
-                    text.append(f"v {x + r * math.cos(angle):.6f} {y:.6f} {z + r * math.sin(angle):.6f}\n"
-                                f"vt {u:.6f} {v:.6f}\n")
+                    text.append(
+                        f"v {x + r * math.cos(angle):.6f} {y:.6f} {z + r * math.sin(angle):.6f}\n"
+                        f"vt {u:.6f} {v:.6f}\n"
+                    )
             for i in range(len(line) - 1):
                 for side in range(6):
                     a = first + i * 6 + side
@@ -102,26 +104,54 @@ def write_tree(path, megabytes, seed=1):
                 x, y, z = rng.choice(line[5:])
                 dx, dy, dz = (rng.uniform(-1, 1) for _ in range(3))
                 step = 0.6 * 0.1
-                lines.append(([(x + step * i * dx, y + step * i * abs(dy), z + step * i * dz)
-                               for i in range(rng.randint(20, 80))], radius * rng.uniform(0.3, 0.7)))
+                lines.append(
+                    (
+                        [
+                            (x + step * i * dx, y + step * i * abs(dy), z + step * i * dz)
+                            for i in range(rng.randint(20, 80))
+                        ],
+                        radius * rng.uniform(0.3, 0.7),
+                    )
+                )
 
 
 def read_native(path, repeats, mesh=True):
-    run = subprocess.run([sys.executable, "-c", READ, path, str(repeats), "mesh" if mesh else ""], check=True, text=True,
-                         capture_output=True)
+    run = subprocess.run(
+        [sys.executable, "-c", READ, path, str(repeats), "mesh" if mesh else ""],
+        check=True,
+        text=True,
+        capture_output=True,
+    )
     return json.loads(run.stdout)
 
 
 def read_blender(blender, path, repeats):
-    run = subprocess.run([blender, "-b", "--factory-startup", "--python-exit-code", "1", "--python-expr",
-                          BLENDER, "--", path, str(repeats)], check=True, text=True, capture_output=True)
+    run = subprocess.run(
+        [
+            blender,
+            "-b",
+            "--factory-startup",
+            "--python-exit-code",
+            "1",
+            "--python-expr",
+            BLENDER,
+            "--",
+            path,
+            str(repeats),
+        ],
+        check=True,
+        text=True,
+        capture_output=True,
+    )
     return json.loads(next(line for line in run.stdout.splitlines() if line.startswith("RESULT "))[7:])
 
 
 def best(runs):
     """The runs' smallest figures; what is no time is the same in all."""
     first = runs[0]
-    return {key: min(run[key] for run in runs) if isinstance(first[key], float) else first[key] for key in first}
+    return {
+        key: min(run[key] for run in runs) if isinstance(first[key], float) else first[key] for key in first
+    }
 
 
 def print_row(path, native, blender):
@@ -132,11 +162,14 @@ def print_row(path, native, blender):
     def cell(value, width, digits):
         return f"{'-':>{width}}" if value is None else f"{value:{width}.{digits}f}"
 
-    print(f"{os.path.basename(path)[:28]:28} {size / 1e6:6.1f} {native['branches']:8} {native['form'][:15]:15} "
-          f"{cell(read, 7, 3)} {cell(mesh, 7, 3)} {cell(seconds, 9, 3)} "
-          f"{cell(seconds and read / seconds, 6, 2)} {cell(seconds and (read + mesh) / seconds, 6, 2)} "
-          f"{cell(blender and native['processor'] / blender['processor'], 6, 2)} "
-          f"{native['peak'] / size:9.1f}", flush=True)
+    print(
+        f"{os.path.basename(path)[:28]:28} {size / 1e6:6.1f} {native['branches']:8} {native['form'][:15]:15} "
+        f"{cell(read, 7, 3)} {cell(mesh, 7, 3)} {cell(seconds, 9, 3)} "
+        f"{cell(seconds and read / seconds, 6, 2)} {cell(seconds and (read + mesh) / seconds, 6, 2)} "
+        f"{cell(blender and native['processor'] / blender['processor'], 6, 2)} "
+        f"{native['peak'] / size:9.1f}",
+        flush=True,
+    )
 
 
 def main():
@@ -152,11 +185,16 @@ def main():
         if not files:
             files = [os.path.join(folder, "generated.obj")]
             write_tree(files[0], arguments.megabytes)
-        print(f"{'file':28} {'MB':>6} {'branches':>8} {'form':15} {'read s':>7} {'mesh s':>7} {'Blender s':>9} "
-              f"{'read/B':>6} {'all/B':>6} {'cpu/B':>6} {'peak/file':>9}")
+        print(
+            f"{'file':28} {'MB':>6} {'branches':>8} {'form':15} {'read s':>7} {'mesh s':>7} {'Blender s':>9} "
+            f"{'read/B':>6} {'all/B':>6} {'cpu/B':>6} {'peak/file':>9}"
+        )
         for path in files:
             runs = [
-                (read_native(path, arguments.repeats), read_blender(arguments.blender, path, arguments.repeats))
+                (
+                    read_native(path, arguments.repeats),
+                    read_blender(arguments.blender, path, arguments.repeats),
+                )
                 for _turn in range(TURNS)
             ]
             print_row(path, *map(best, zip(*runs)))

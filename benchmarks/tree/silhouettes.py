@@ -93,14 +93,16 @@ def main(path, samples):
     for name in VIEWS:
         whole = masks[name, 3].sum()
         areas = ", ".join(f"{100 * masks[name, lod].sum() / whole:.2f}" for lod in range(4))
-        apart = ", ".join(f"{a} and {b}: {100 * (masks[name, a] ^ masks[name, b]).sum() / whole:.2f} %"
-                          for a, b in PAIRS)
-        print(f"{path.name} along {name}: areas {areas} %; apart {apart}; {whole} rays hit level 3",
-              flush=True)
+        apart = ", ".join(
+            f"{a} and {b}: {100 * (masks[name, a] ^ masks[name, b]).sum() / whole:.2f} %" for a, b in PAIRS
+        )
+        print(
+            f"{path.name} along {name}: areas {areas} %; apart {apart}; {whole} rays hit level 3", flush=True
+        )
 
 
 if __name__ == "__main__":
-    given = sys.argv[sys.argv.index("--") + 1:] if "--" in sys.argv else []
+    given = sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else []
     if not given:
         sys.exit(__doc__)
     main(Path(given[0]).resolve(), int(given[1]) if len(given) > 1 else 2400)
