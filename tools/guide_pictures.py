@@ -30,12 +30,12 @@ ROOT = Path(__file__).resolve().parent.parent
 DEMO = ROOT / "build" / "demo"
 IMAGES = ROOT / "docs" / "images"
 MOST_BYTES = 150_000
-GAP = 12
 
 sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "tests" / "ui")]
 import contact_sheet  # noqa: E402
 import grow_tree  # noqa: E402
 import window as ui  # noqa: E402
+from panel_states import side_by_side  # noqa: E402
 
 # A maple over a ground, half way through a snowfall with wind, previewed live.
 PREVIEWED_SCENE = """
@@ -107,16 +107,6 @@ def keep(image, name):
             )
             return
     raise SystemExit(f"{target} is larger than {MOST_BYTES} bytes: make it smaller")
-
-
-def side_by_side(images):
-    width = sum(image.width for image in images) + GAP * (len(images) - 1)
-    row = Image.new("RGB", (width, max(image.height for image in images)), (255, 255, 255))
-    left = 0
-    for image in images:
-        row.paste(image, (left, 0))
-        left += image.width + GAP
-    return row
 
 
 def maple():

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
-#include <numeric>
 #include <stdexcept>
 #include <string>
+
+#include "snow/surface_order.h"
 
 namespace snowbough::snow {
 namespace {
@@ -196,35 +197,6 @@ class BatchWriter {
   TexelArrays arrays_;
   std::vector<std::vector<uint32_t>> group_triangles_;
 };
-
-/// `order` sorted by `key` (below `keys`), equal ones left in their order.
-template <typename Key>
-std::vector<int32_t> sorted_by(const std::vector<int32_t>& order, int32_t keys, const Key& key) {
-  std::vector<int32_t> begin(static_cast<size_t>(keys) + 1, 0);
-  for (const int32_t i : order) {
-    ++begin[static_cast<size_t>(key(i)) + 1];
-  }
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<int32_t> sorted(order.size());
-  for (const int32_t i : order) {
-    sorted[static_cast<size_t>(begin[static_cast<size_t>(key(i))]++)] = i;
-  }
-  return sorted;
-}
-
-/// The texels of a chart side by side, in squares of 32 x 32: neighbours on the surface share a
-/// work group, so that whole groups turn away from the fall together.
-std::vector<int32_t> surface_order(const TexelTable& table) {
-  const int32_t squares = (table.resolution + 31) / 32;
-  std::vector<int32_t> order(table.texel.size());
-  std::iota(order.begin(), order.end(), 0);
-  order = sorted_by(order, squares * squares, [&](int32_t i) {
-    const int32_t texel = table.texel[static_cast<size_t>(i)];
-    return texel / table.resolution / 32 * squares + texel % table.resolution / 32;
-  });
-  return sorted_by(order, table.chart_count,
-                   [&](int32_t i) { return table.chart[static_cast<size_t>(i)]; });
-}
 
 /// Notes for every texel's group the triangles on the texel, and those on its chart's texels around
 /// it that are in other groups: a pixel's snow may go to the texel beside the one that it hits.

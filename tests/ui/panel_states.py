@@ -29,9 +29,8 @@ from PIL import Image, ImageDraw, ImageFont
 from window import ROOT
 
 GAP = 10
-COLUMN_SHARE = (
-    0.52  # of the 3D view's width that stays with it: properties are read in a column of usual width
-)
+# Of the 3D view's width that stays with it: properties are read in a column of usual width.
+COLUMN_SHARE = 0.52
 LABEL_FONT = "/usr/share/fonts/truetype/dejavu/DejaVuSans.ttf"
 
 # The 3D view split for a column of properties, with Blender's own Scene panels put away.
