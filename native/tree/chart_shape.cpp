@@ -1,18 +1,11 @@
 #include "tree/chart_shape.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
 
 namespace snowbough::tree {
 namespace {
 
 constexpr int kSides = 4;
-/// Narrowest chart in texels.
-constexpr double kMinWidth = 2.0;
-/// From this width on a chart keeps two texels free around it.
-constexpr double kWideChart = 4.0;
 /// How many times its share of texels a widened row may take, and how far it is shortened for it.
 constexpr double kMaxDensityRatio = 1.6;
 constexpr double kMinShortening = 0.5;
@@ -20,20 +13,67 @@ constexpr double kMinShortening = 0.5;
 constexpr double kMinRowLength = 1.0 / 32.0;
 /// A side takes at least this share of the perimeter in the map, however short it is.
 constexpr double kMinSideShare = 0.1;
-/// Holes and insets keep this share of their cell clear of each other.
-constexpr double kMinInsetShare = 0.04;
 /// Outlines may pass a cell's edge by this much (in cells) before they count as touching it.
 constexpr double kTouch = 1e-6;
 
-double ring_width(const StripRing& ring, double scale) {
-  return std::max(kMinWidth, scale * ring.perimeter());
+double ring_width(double perimeter, double scale) {
+  return std::max(kMinChartWidth, scale * perimeter);
 }
 
-/// Where the five columns (the seam twice) lie across the chart at one ring, from 0 to 1.
-std::array<double, kSides + 1> column_shares(const StripRing& ring, int seam) {
+/// Width of a ring's broadest side: as wide as a cap can be, whichever side it hangs on.
+double cap_width(const StripRing& ring, double ring_width) {
+  const auto columns = column_shares(ring, 0);
+  double widest = 0.0;
+  for (int side = 0; side < kSides; ++side) {
+    widest = std::max(widest, columns[side + 1] - columns[side]);
+  }
+  return ring_width * widest;
+}
+
+/// The cell that `at`, which is not negative, lies in.
+int cell_at(double at) {
+  return static_cast<int>(at + kTouch);
+}
+
+/// First cell that lies above `at`, which is not negative.
+int cell_after(double at) {
+  const int cell = static_cast<int>(at - kTouch);
+  return cell < at - kTouch ? cell + 1 : cell;
+}
+
+/// The slanted edge of a chart, from one end to the other, in cells: the chart's part of a column
+/// begins where the edge first passes the column's left side.
+class SlantedEdge {
+ public:
+  /// The edge begins at its first point. `meet(column, y)` is called once for each column that the
+  /// edge goes on to, in their order.
+  template <typename Meet>
+  void go_on(const ChartRing& point, const Meet& meet) {
+    const ChartRing from = begun_ ? at_ : point;
+    const int columns = cell_after(point.width);
+    for (; columns_ < columns; ++columns_) {
+      const bool crosses = from.width < columns_;
+      meet(columns_, crosses ? from.y + (point.y - from.y) * (columns_ - from.width) /
+                                            (point.width - from.width)
+                             : from.y);
+    }
+    at_ = point;
+    begun_ = true;
+  }
+
+ private:
+  ChartRing at_;
+  bool begun_ = false;
+  /// Columns met so far.
+  int columns_ = 0;
+};
+
+}  // namespace
+
+std::array<double, 5> column_shares(const StripRing& ring, int seam) {
   std::array<double, kSides> share{};
   double sum = 0.0;
-  const double perimeter = ring.perimeter();
+  const double perimeter = ring.sides[0] + ring.sides[1] + ring.sides[2] + ring.sides[3];
   for (int column = 0; column < kSides; ++column) {
     const double side = ring.sides[(seam + column) % kSides];
     share[column] = perimeter > 0.0 ? std::max(side / perimeter, kMinSideShare) : 1.0;
@@ -47,288 +87,95 @@ std::array<double, kSides + 1> column_shares(const StripRing& ring, int seam) {
   return columns;
 }
 
-/// Width of a ring's broadest side: as wide as a cap can be, whichever side it hangs on.
-double cap_width(const StripRing& ring, double ring_width) {
-  const auto columns = column_shares(ring, 0);
-  double widest = 0.0;
-  for (int side = 0; side < kSides; ++side) {
-    widest = std::max(widest, columns[side + 1] - columns[side]);
-  }
-  return ring_width * widest;
+double shortening(double own_width, double width) {
+  return std::clamp(kMaxDensityRatio * own_width / width, kMinShortening, 1.0);
 }
 
-/// Marks the columns that a trapezoid with its straight edge on x = 0 covers.
-void cover(PackShape& outline, double y0, double y1, double width0, double width1, double cell) {
-  y0 /= cell;
-  y1 /= cell;
-  width0 /= cell;
-  width1 /= cell;
-  const auto columns =
-      std::min(outline.width, static_cast<int>(std::ceil(std::max(width0, width1) - kTouch)));
-  for (int column = 0; column < columns; ++column) {
-    double low = y0;
-    double high = y1;
-    // Part of the trapezoid that reaches past the column's left edge.
-    if (width0 < column || width1 < column) {
-      const double crossing = y0 + (y1 - y0) * (column - width0) / (width1 - width0);
-      (width0 < width1 ? low : high) = crossing;
-    }
-    outline.begin[column] =
-        std::min(outline.begin[column], static_cast<int>(std::floor(low + kTouch)));
-    outline.end[column] = std::max(outline.end[column], static_cast<int>(std::ceil(high - kTouch)));
-  }
-}
-
-/// Where the hole of an inset cell lies in it: left, right, bottom, top, each from 0 to 1.
-struct HoleRect {
-  double left, right, bottom, top;
-};
-
-void order_with_margin(double& low, double& high) {
-  low = std::clamp(low, kMinInsetShare, 1.0 - 2.0 * kMinInsetShare);
-  high = std::clamp(high, low + kMinInsetShare, 1.0 - kMinInsetShare);
-}
-
-/// Corner of the cell that corner `c` of an inset lies on or nearest to, and whether it is the
-/// hole's.
-struct InsetCorner {
-  int cell_corner = 0;
-  bool inner = false;
-};
-
-std::array<InsetCorner, 4> classify_inset(const Quad& inset, const std::array<int32_t, 4>& cell) {
-  std::array<InsetCorner, 4> result;
-  std::array<int, 4> outer{-1, -1, -1, -1};
-  for (int corner = 0; corner < 4; ++corner) {
-    const auto match = std::find(cell.begin(), cell.end(), inset[corner]);
-    outer[corner] = match == cell.end() ? -1 : static_cast<int>(match - cell.begin());
-  }
-  for (int corner = 0; corner < 4; ++corner) {
-    if (outer[corner] >= 0) {
-      result[corner] = {outer[corner], false};
-    } else {
-      const int before = outer[(corner + 3) % 4];
-      result[corner] = {before >= 0 ? before : std::max(outer[(corner + 1) % 4], 0), true};
-    }
-  }
-  return result;
-}
-
-HoleRect locate_hole(const TreeMesh& mesh, const StripCell& cell,
-                     const std::array<int32_t, 4>& corners) {
-  HoleRect hole{0.25, 0.75, 0.25, 0.75};
-  if (std::any_of(corners.begin(), corners.end(), [](int32_t v) { return v < 0; })) {
-    return hole;
-  }
-  std::array<glm::dvec3, 4> p;
-  for (int i = 0; i < 4; ++i) {
-    p[i] = mesh.vertices[corners[i]];
-  }
-  const glm::dvec3 centre = 0.25 * (p[0] + p[1] + p[2] + p[3]);
-  const glm::dvec3 across = 0.5 * (p[1] - p[0] + p[2] - p[3]);
-  const glm::dvec3 along = 0.5 * (p[3] - p[0] + p[2] - p[1]);
-  const double aa = glm::dot(across, across);
-  const double ab = glm::dot(across, along);
-  const double bb = glm::dot(along, along);
-  const double determinant = aa * bb - ab * ab;
-  if (determinant <= 1e-6 * aa * bb) {
-    return hole;
-  }
-  std::array<double, 4> u{};
-  std::array<double, 4> v{};
-  std::array<int, 4> count{};
-  for (const int32_t inset : cell.insets) {
-    if (inset < 0) {
-      continue;
-    }
-    const auto kinds = classify_inset(mesh.quads[inset], corners);
-    for (int i = 0; i < 4; ++i) {
-      if (kinds[i].inner) {
-        const glm::dvec3 d = glm::dvec3(mesh.vertices[mesh.quads[inset][i]]) - centre;
-        const int corner = kinds[i].cell_corner;
-        u[corner] += 0.5 + (bb * glm::dot(d, across) - ab * glm::dot(d, along)) / determinant;
-        v[corner] += 0.5 + (aa * glm::dot(d, along) - ab * glm::dot(d, across)) / determinant;
-        ++count[corner];
-      }
-    }
-  }
-  for (int i = 0; i < 4; ++i) {
-    if (count[i] == 0) {
-      return hole;
-    }
-    u[i] /= count[i];
-    v[i] /= count[i];
-  }
-  hole = {0.5 * (u[0] + u[3]), 0.5 * (u[1] + u[2]), 0.5 * (v[0] + v[1]), 0.5 * (v[2] + v[3])};
-  order_with_margin(hole.left, hole.right);
-  order_with_margin(hole.bottom, hole.top);
-  return hole;
-}
-
-}  // namespace
-
-std::vector<double> row_lengths(const Strip& strip, double scale) {
-  std::vector<double> lengths(strip.rows.size());
-  for (size_t row = 0; row < strip.rows.size(); ++row) {
-    const StripRing& bottom = strip.rings[row];
-    const StripRing& top = strip.rings[row + 1];
-    const double own_width = 0.5 * scale * (bottom.perimeter() + top.perimeter());
+void row_lengths(const Strip& strip, double scale, std::vector<double>& lengths) {
+  lengths.resize(strip.areas.size());
+  for (size_t row = 0; row < lengths.size(); ++row) {
+    const double bottom = strip.perimeters[row];
+    const double top = strip.perimeters[row + 1];
+    const double own_width = 0.5 * scale * (bottom + top);
     const double width = 0.5 * (ring_width(bottom, scale) + ring_width(top, scale));
-    double length = own_width > 0.0 ? scale * scale * strip.rows[row].area / own_width : 0.0;
-    const double widening = own_width > 0.0 ? width / own_width : 1.0;
-    length *= std::clamp(kMaxDensityRatio / widening, kMinShortening, 1.0);
+    double length = own_width > 0.0 ? scale * scale * strip.areas[row] / own_width : 0.0;
+    if (width > own_width) {
+      length *= shortening(own_width, width);
+    }
     lengths[row] = std::max(length, kMinRowLength);
   }
-  return lengths;
 }
 
-ChartShape shape_chart(const Strip& strip, const StripPiece& piece,
-                       const std::vector<double>& lengths, double scale, double max_height) {
-  ChartShape shape;
-  shape.piece = piece;
-  const int32_t ring_count = piece.last_row - piece.first_row + 1;
-  shape.ring_width.resize(ring_count);
-  shape.ring_y.resize(ring_count);
-  for (int32_t i = 0; i < ring_count; ++i) {
-    shape.ring_width[i] = ring_width(strip.rings[piece.first_row + i], scale);
-    shape.width = std::max(shape.width, shape.ring_width[i]);
-  }
-  shape.root_cap = piece.has_root_cap ? 0.25 * shape.ring_width.front() : 0.0;
-  shape.tip_cap = piece.has_tip_cap ? 0.25 * shape.ring_width.back() : 0.0;
+void add_chart(const Strip& strip, const StripPiece& piece, const std::vector<double>& lengths,
+               double scale, double max_height, ChartShapes& shapes) {
+  ChartShape chart;
+  chart.piece = piece;
+  chart.first_ring = shapes.rings.size();
   double walls = 0.0;
   for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
     walls += lengths[row];
   }
-  const double caps = shape.root_cap + shape.tip_cap;
+  const double first_width = ring_width(strip.perimeters[piece.first_row], scale);
+  const double last_width = ring_width(strip.perimeters[piece.last_row], scale);
+  chart.root_cap = piece.has_root_cap ? 0.25 * first_width : 0.0;
+  chart.tip_cap = piece.has_tip_cap ? 0.25 * last_width : 0.0;
+  const double caps = chart.root_cap + chart.tip_cap;
   const double stretch =
-      std::clamp(walls, kMinWidth, std::max(max_height - caps, kMinWidth)) / walls;
-  shape.ring_y[0] = shape.root_cap;
-  for (int32_t i = 1; i < ring_count; ++i) {
-    shape.ring_y[i] = shape.ring_y[i - 1] + stretch * lengths[piece.first_row + i - 1];
-  }
-  shape.height = shape.ring_y.back() + shape.tip_cap;
-  return shape;
-}
-
-PackShape footprint(const ChartShape& shape, const Strip& strip, int cell_size) {
-  const double cell = cell_size;
-  PackShape outline;
-  outline.width = static_cast<int>(std::ceil(shape.width / cell - kTouch));
-  outline.height = static_cast<int>(std::ceil(shape.height / cell - kTouch));
-  outline.begin.assign(outline.width, outline.height);
-  outline.end.assign(outline.width, 0);
-  const int gutter = shape.width > kWideChart ? 2 : 1;
-  outline.gutter = (gutter + cell_size - 1) / cell_size;
-  for (size_t i = 0; i + 1 < shape.ring_y.size(); ++i) {
-    cover(outline, shape.ring_y[i], shape.ring_y[i + 1], shape.ring_width[i],
-          shape.ring_width[i + 1], cell);
-  }
-  const StripPiece& piece = shape.piece;
-  if (shape.root_cap > 0.0) {
-    const double width = cap_width(strip.rings[piece.first_row], shape.ring_width.front());
-    cover(outline, 0.0, shape.root_cap, width, width, cell);
-  }
-  if (shape.tip_cap > 0.0) {
-    const double width = cap_width(strip.rings[piece.last_row], shape.ring_width.back());
-    cover(outline, shape.ring_y.back(), shape.height, width, width, cell);
-  }
-  return outline;
-}
-
-void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape, int32_t seam,
-                     const PackShape& outline, const Placement& placement, int resolution,
-                     int cell_size) {
-  const StripPiece& piece = shape.piece;
-  const double full_width = static_cast<double>(outline.width) * cell_size;
-  const double full_height = static_cast<double>(outline.height) * cell_size;
-  const double texels = resolution;
-  // Turned by half a turn, the straight edge of the outline comes to lie on the other side.
-  const bool straight_right = placement.columns_reversed != placement.rows_reversed;
-  const auto to_map = [&](double x, double y) {
-    if (placement.rows_reversed) {
-      x = full_width - x;
-      y = full_height - y;
-    }
-    return glm::vec2((x + static_cast<double>(placement.x) * cell_size) / texels,
-                     (y + static_cast<double>(placement.y) * cell_size) / texels);
-  };
-  const auto column_x = [&](int ring, double share) {
-    const double width = shape.ring_width[ring];
-    return (straight_right ? full_width - width : 0.0) + share * width;
-  };
-  std::array<double, kSides + 1> bottom_shares = column_shares(strip.rings[piece.first_row], seam);
+      std::clamp(walls, kMinChartWidth, std::max(max_height - caps, kMinChartWidth)) / walls;
+  double y = chart.root_cap;
   for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
-    const int ring = row - piece.first_row;
-    const auto top_shares = column_shares(strip.rings[row + 1], seam);
-    for (int column = 0; column < kSides; ++column) {
-      const int side = (seam + column) % kSides;
-      const int next = (side + 1) % kSides;
-      const StripCell& cell = strip.rows[row].cells[side];
-      const double x0 = column_x(ring, bottom_shares[column]);
-      const double x1 = column_x(ring, bottom_shares[column + 1]);
-      const double x2 = column_x(ring + 1, top_shares[column + 1]);
-      const double x3 = column_x(ring + 1, top_shares[column]);
-      const double y0 = shape.ring_y[ring];
-      const double y1 = shape.ring_y[ring + 1];
-      if (cell.wall >= 0) {
-        mesh.uv_snow[cell.wall] = {to_map(x0, y0), to_map(x1, y0), to_map(x2, y1), to_map(x3, y1)};
-        continue;
-      }
-      if (cell.empty()) {
-        continue;
-      }
-      const std::array<int32_t, 4> corners{
-          strip.rings[row].corners[side], strip.rings[row].corners[next],
-          strip.rings[row + 1].corners[next], strip.rings[row + 1].corners[side]};
-      const HoleRect hole = locate_hole(mesh, cell, corners);
-      const auto in_cell = [&](double u, double v) {
-        const double left = x0 + v * (x3 - x0);
-        const double right = x1 + v * (x2 - x1);
-        return to_map(left + u * (right - left), y0 + v * (y1 - y0));
-      };
-      const std::array<glm::vec2, 4> outer{to_map(x0, y0), to_map(x1, y0), to_map(x2, y1),
-                                           to_map(x3, y1)};
-      const std::array<glm::vec2, 4> inner{
-          in_cell(hole.left, hole.bottom), in_cell(hole.right, hole.bottom),
-          in_cell(hole.right, hole.top), in_cell(hole.left, hole.top)};
-      for (const int32_t inset : cell.insets) {
-        if (inset < 0) {
-          continue;
-        }
-        const auto kinds = classify_inset(mesh.quads[inset], corners);
-        for (int i = 0; i < 4; ++i) {
-          mesh.uv_snow[inset][i] =
-              kinds[i].inner ? inner[kinds[i].cell_corner] : outer[kinds[i].cell_corner];
-        }
-      }
-    }
-    bottom_shares = top_shares;
+    const double width = ring_width(strip.perimeters[row], scale);
+    chart.width = std::max(chart.width, width);
+    shapes.rings.push_back({y, width});
+    y += stretch * lengths[row];
   }
-  // A cap hangs on the end's side along the straight edge, where the strip leaves room for it.
-  const int cap_column = straight_right ? kSides - 1 : 0;
-  const int cap_side = (seam + cap_column) % kSides;
-  const auto write_cap = [&](int32_t quad, int ring, double base_y, double far_y) {
-    const StripRing& corners = strip.rings[piece.first_row + ring];
-    const auto shares = column_shares(corners, seam);
-    const double left = column_x(ring, shares[cap_column]);
-    const double right = column_x(ring, shares[cap_column + 1]);
-    for (int i = 0; i < kSides; ++i) {
-      // Seen from outside, the far edge of a tip's cap carries the next two corners in the limb's
-      // order; a root's cap is seen from the other end.
-      const int32_t vertex = mesh.quads[quad][i];
-      const auto at = std::find(corners.corners.begin(), corners.corners.end(), vertex);
-      const int corner = static_cast<int>(at - corners.corners.begin());
-      const int step = (corner - cap_side + kSides) % kSides;
-      const double x = step == 1 || step == 2 ? right : left;
-      mesh.uv_snow[quad][i] = to_map(x, step < 2 ? base_y : far_y);
-    }
+  chart.width = std::max(chart.width, last_width);
+  shapes.rings.push_back({y, last_width});
+  chart.height = y + chart.tip_cap;
+  shapes.charts.push_back(chart);
+}
+
+void add_footprint(const ChartShapes& shapes, const ChartShape& chart, const Strip& strip,
+                   int cell_size, PackShapes& outlines) {
+  const double to_cells = 1.0 / cell_size;
+  PackShape outline;
+  outline.width = cell_after(chart.width * to_cells);
+  outline.height = cell_after(chart.height * to_cells);
+  outline.first_column = outlines.columns.size();
+  const int gutter = chart.width > kWideChart ? 2 : 1;
+  outline.gutter = (gutter + cell_size - 1) / cell_size;
+  outlines.shapes.push_back(outline);
+  outlines.columns.resize(outline.first_column + outline.width);
+  CellRun* const columns = outlines.columns.data() + outline.first_column;
+
+  const std::span<const ChartRing> rings = shapes.rings_of(chart);
+  const StripPiece& piece = chart.piece;
+  const auto in_cells = [to_cells](double y, double width) {
+    return ChartRing{y * to_cells, width * to_cells};
   };
-  if (piece.has_root_cap) {
-    write_cap(strip.root_cap, 0, shape.ring_y.front(), 0.0);
+  // Caps are squares upon the ends, never wider than these.
+  SlantedEdge up;
+  const auto begin_column = [columns](int column, double y) { columns[column].begin = cell_at(y); };
+  if (chart.root_cap > 0.0) {
+    const double width = cap_width(strip.rings[piece.first_row], rings.front().width);
+    up.go_on(in_cells(0.0, width), begin_column);
+    up.go_on(in_cells(chart.root_cap, width), begin_column);
   }
-  if (piece.has_tip_cap) {
-    write_cap(strip.tip_cap, static_cast<int>(shape.ring_y.size()) - 1, shape.ring_y.back(),
-              shape.height);
+  for (const ChartRing& ring : rings) {
+    up.go_on(in_cells(ring.y, ring.width), begin_column);
+  }
+  SlantedEdge down;
+  const auto end_column = [columns](int column, double y) {
+    // A column that next to nothing lies in still stands on a cell.
+    columns[column].end = std::max(cell_after(y), columns[column].begin + 1);
+  };
+  if (chart.tip_cap > 0.0) {
+    const double width = cap_width(strip.rings[piece.last_row], rings.back().width);
+    down.go_on(in_cells(chart.height, width), end_column);
+    down.go_on(in_cells(rings.back().y, width), end_column);
+  }
+  for (size_t i = rings.size(); i-- > 0;) {
+    down.go_on(in_cells(rings[i].y, rings[i].width), end_column);
   }
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
-#include <glm/vec2.hpp>
+#include <array>
+#include <cstddef>
+#include <span>
 #include <vector>
 
 #include "tree/pack_charts.h"
@@ -8,12 +10,17 @@
 
 namespace snowbough::tree {
 
+/// Height of a ring in its chart and width of the chart there, in texels.
+struct ChartRing {
+  double y = 0.0;
+  double width = 0.0;
+};
+
 /// A piece of a strip unrolled flat, in texels, standing on y = 0 with one straight vertical edge.
 struct ChartShape {
   StripPiece piece;
-  /// Height of each ring of the piece and width of the chart there; one more than the piece's rows.
-  std::vector<double> ring_y;
-  std::vector<double> ring_width;
+  /// Its first ring in ChartShapes::rings: there is one more than the piece has rows.
+  size_t first_ring = 0;
   /// Sides of the squares that close root and tip, 0 where there is none.
   double root_cap = 0.0;
   double tip_cap = 0.0;
@@ -22,23 +29,42 @@ struct ChartShape {
   double height = 0.0;
 };
 
+/// The shapes of all charts, in flat arrays.
+struct ChartShapes {
+  std::vector<ChartShape> charts;
+  std::vector<ChartRing> rings;
+
+  std::span<const ChartRing> rings_of(const ChartShape& chart) const {
+    return {rings.data() + chart.first_ring,
+            static_cast<size_t>(chart.piece.last_row - chart.piece.first_row + 1)};
+  }
+};
+
+/// Narrowest chart in texels.
+inline constexpr double kMinChartWidth = 2.0;
+/// A chart wider than this keeps two texels free around it, others one.
+inline constexpr double kWideChart = 4.0;
+
+/// How much shorter what was widened from `own_width` to `width` texels becomes: as little as keeps
+/// its texels a m2 near those of the rest, and by half at most.
+double shortening(double own_width, double width);
+
 /// Length in texels of each row of a strip at `scale` texels a metre: as long as it takes to give
 /// the row its share of texels, but where it had to be widened to two texels.
-std::vector<double> row_lengths(const Strip& strip, double scale);
+void row_lengths(const Strip& strip, double scale, std::vector<double>& lengths);
 
+/// Adds the shape of a piece to the charts.
 /// @param lengths     row_lengths of the whole strip.
 /// @param max_height  a chart of one long row is shortened to this height.
-ChartShape shape_chart(const Strip& strip, const StripPiece& piece,
-                       const std::vector<double>& lengths, double scale, double max_height);
+void add_chart(const Strip& strip, const StripPiece& piece, const std::vector<double>& lengths,
+               double scale, double max_height, ChartShapes& shapes);
 
-/// The cells of the packing grid that the chart touches, its straight edge on the left.
+/// Adds the cells of the packing grid that a chart touches, its straight edge on the left.
 /// @param cell_size  texels along one side of a cell of the packing grid.
-PackShape footprint(const ChartShape& shape, const Strip& strip, int cell_size);
+void add_footprint(const ChartShapes& shapes, const ChartShape& chart, const Strip& strip,
+                   int cell_size, PackShapes& outlines);
 
-/// Writes the chart's part of `uv_snow`, cut open along corner `seam`.
-/// @param resolution  texels along one side of the map.
-void write_chart_uvs(TreeMesh& mesh, const Strip& strip, const ChartShape& shape, int32_t seam,
-                     const PackShape& outline, const Placement& placement, int resolution,
-                     int cell_size);
+/// Where the five corners of a ring (the seam's twice) lie across the chart, from 0 to 1.
+std::array<double, 5> column_shares(const StripRing& ring, int seam);
 
 }  // namespace snowbough::tree

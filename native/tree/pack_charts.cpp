@@ -1,284 +1,341 @@
 #include "tree/pack_charts.h"
 
 #include <algorithm>
-#include <bit>
-#include <functional>
+#include <array>
+#include <cstdint>
 #include <limits>
-#include <map>
 #include <numeric>
-#include <tuple>
 #include <utility>
 
 namespace snowbough::tree {
 namespace {
 
 constexpr int kMaxGutter = 2;
+/// Places along the grid that are looked at together.
+constexpr int kBlock = 64;
+/// Columns of a chart between two looks at whether any place of a block is left.
+constexpr int kColumnsAtOnce = 4;
 
-/// Cells or heights from `begin` up to, not including, `end`.
-struct Run {
-  int begin = 0;
-  int end = 0;
+/// A number of cells: short, as eight of them fit into one register.
+using Cells = int16_t;
+
+/// Free cells from `begin` up to, not including, `end`.
+struct FreeRun {
+  Cells begin = 0;
+  Cells end = 0;
 };
 
 /// The cells where a chart may lie: of every column of the grid the free runs, from the lowest on.
 class FreeCells {
  public:
-  explicit FreeCells(int grid)
-      : grid_(grid),
-        leaves_(static_cast<int>(std::bit_ceil(static_cast<unsigned>(grid)))),
-        runs_(grid),
-        longest_(2 * static_cast<size_t>(leaves_), 0) {
-    for (int x = 1; x + 1 < grid; ++x) {
-      runs_[x].push_back({1, grid - 1});
+  FreeCells(int rows, int columns)
+      : columns_(columns),
+        runs_(static_cast<size_t>(columns) * capacity_),
+        counts_(columns, 0),
+        longest_(static_cast<size_t>(columns) + kBlock, 0) {
+    for (int x = 1; x + 1 < columns && rows > 2; ++x) {
+      column(x)[0] = {1, static_cast<Cells>(rows - 1)};
+      counts_[x] = 1;
+      longest_[x] = static_cast<Cells>(rows - 2);
     }
-    update(0, grid);
   }
 
-  const std::vector<Run>& column(int x) const { return runs_[x]; }
-  int longest_run(int x) const { return longest_[leaves_ + x]; }
-
-  /// First column from `x` on with a free run of `length` cells; the grid's width if there is none.
-  int next_column(int x, int length) const {
-    int node = leaves_ + x;
-    while (longest_[node] < length) {
-      // Past the end of every subtree that ends here, then to the one right of it.
-      while (node % 2 == 1) {
-        node /= 2;
-      }
-      if (node == 0) {
-        return grid_;
-      }
-      ++node;
-    }
-    while (node < leaves_) {
-      node = longest_[2 * node] >= length ? 2 * node : 2 * node + 1;
-    }
-    return node - leaves_;
+  std::span<const FreeRun> column(int x) const {
+    return {runs_.data() + static_cast<size_t>(x) * capacity_, static_cast<size_t>(counts_[x])};
   }
 
-  /// Takes cells [begin, end) of a column; update must follow.
+  /// Length of the longest run of every column from x on; kBlock zeros follow the last one's.
+  const Cells* longest(int x) const { return longest_.data() + x; }
+
+  /// Takes cells [begin, end) of a column; what lies outside of the grid is passed over.
   void take(int x, int begin, int end) {
-    if (x < 0 || x >= grid_ || begin >= end) {
+    if (x < 0 || x >= columns_) {
       return;
     }
-    std::vector<Run>& runs = runs_[x];
-    const auto first =
-        std::find_if(runs.begin(), runs.end(), [begin](const Run& run) { return run.end > begin; });
-    const auto last =
-        std::find_if(first, runs.end(), [end](const Run& run) { return run.begin >= end; });
+    FreeRun* const runs = column(x);
+    const int count = counts_[x];
+    int first = 0;
+    while (first < count && runs[first].end <= begin) {
+      ++first;
+    }
+    int last = first;
+    while (last < count && runs[last].begin < end) {
+      ++last;
+    }
     if (first == last) {
       return;
     }
-    const Run below{first->begin, begin};
-    const Run above{end, (last - 1)->end};
-    auto at = runs.erase(first, last);
-    if (above.begin < above.end) {
-      at = runs.insert(at, above);
+    std::array<FreeRun, 2> kept;
+    int kept_count = 0;
+    if (runs[first].begin < begin) {
+      kept[kept_count++] = {runs[first].begin, static_cast<Cells>(begin)};
     }
-    if (below.begin < below.end) {
-      runs.insert(at, below);
+    if (end < runs[last - 1].end) {
+      kept[kept_count++] = {static_cast<Cells>(end), runs[last - 1].end};
     }
-  }
-
-  /// Renews what is known of the columns [from, to) after some of their cells were taken.
-  void update(int from, int to) {
-    from = std::max(from, 0);
-    to = std::min(to, grid_);
-    for (int x = from; x < to; ++x) {
-      int longest = 0;
-      for (const Run& run : runs_[x]) {
-        longest = std::max(longest, run.end - run.begin);
-      }
-      longest_[leaves_ + x] = longest;
-    }
-    int low = (leaves_ + from) / 2;
-    int high = (leaves_ + to - 1) / 2;
-    for (; low > 0; low /= 2, high /= 2) {
-      for (int node = low; node <= high; ++node) {
-        longest_[node] = std::max(longest_[2 * node], longest_[2 * node + 1]);
-      }
-    }
+    replace(x, first, last, {kept.data(), static_cast<size_t>(kept_count)});
   }
 
  private:
-  int grid_;
-  int leaves_;
-  std::vector<std::vector<Run>> runs_;
-  /// Longest free run of every column, and in a tree above them the longest of each subtree: node i
-  /// has children 2 i and 2 i + 1, column x is node leaves_ + x.
-  std::vector<int> longest_;
+  FreeRun* column(int x) { return runs_.data() + static_cast<size_t>(x) * capacity_; }
+
+  /// Puts `kept` in the place of runs [first, last) of a column.
+  void replace(int x, int first, int last, std::span<const FreeRun> kept) {
+    const int count = counts_[x];
+    const int change = static_cast<int>(kept.size()) - (last - first);
+    if (count + change > capacity_) {
+      widen();
+    }
+    FreeRun* const runs = column(x);
+    if (change > 0) {
+      std::move_backward(runs + last, runs + count, runs + count + change);
+    } else if (change < 0) {
+      std::move(runs + last, runs + count, runs + last + change);
+    }
+    std::copy(kept.begin(), kept.end(), runs + first);
+    counts_[x] = count + change;
+    int longest = 0;
+    for (int i = 0; i < counts_[x]; ++i) {
+      longest = std::max(longest, runs[i].end - runs[i].begin);
+    }
+    longest_[x] = static_cast<Cells>(longest);
+  }
+
+  /// Makes room for twice as many runs a column.
+  void widen() {
+    std::vector<FreeRun> wider(runs_.size() * 2);
+    for (int x = 0; x < columns_; ++x) {
+      const FreeRun* const runs = column(x);
+      std::copy(runs, runs + counts_[x], wider.data() + static_cast<size_t>(x) * capacity_ * 2);
+    }
+    runs_ = std::move(wider);
+    capacity_ *= 2;
+  }
+
+  int columns_;
+  /// Runs that a column has room for.
+  int capacity_ = 16;
+  std::vector<FreeRun> runs_;
+  std::vector<int> counts_;
+  std::vector<Cells> longest_;
 };
 
-/// A shape in one of its orientations.
-struct Oriented {
-  Placement placement;
-  std::vector<int> begin;
-  std::vector<int> end;
-  /// Its columns, the longest first: where it fails soonest.
-  std::vector<int> columns;
-
-  int length(int column) const { return end[column] - begin[column]; }
-};
-
-Oriented orient(const PackShape& shape, bool columns_reversed, bool rows_reversed) {
-  Oriented result;
-  result.placement = {0, 0, columns_reversed, rows_reversed};
-  result.begin = shape.begin;
-  result.end = shape.end;
-  if (rows_reversed) {
-    for (int j = 0; j < shape.width; ++j) {
-      result.begin[j] = shape.height - shape.end[j];
-      result.end[j] = shape.height - shape.begin[j];
-    }
-  }
-  if (columns_reversed) {
-    std::reverse(result.begin.begin(), result.begin.end());
-    std::reverse(result.end.begin(), result.end.end());
-  }
-  return result;
-}
-
-std::vector<Oriented> orientations(const PackShape& shape) {
-  std::vector<Oriented> result;
-  for (const bool rows_reversed : {false, true}) {
-    for (const bool columns_reversed : {false, true}) {
-      Oriented next = orient(shape, columns_reversed, rows_reversed);
-      const bool known = std::any_of(result.begin(), result.end(), [&next](const Oriented& other) {
-        return other.begin == next.begin && other.end == next.end;
-      });
-      if (!known) {
-        result.push_back(std::move(next));
-      }
-    }
-  }
-  for (Oriented& shape_so : result) {
-    shape_so.columns.resize(shape.width);
-    std::iota(shape_so.columns.begin(), shape_so.columns.end(), 0);
-    std::sort(shape_so.columns.begin(), shape_so.columns.end(), [&shape_so](int a, int b) {
-      const int long_a = shape_so.length(a), long_b = shape_so.length(b);
-      return long_a != long_b ? long_a > long_b : a < b;
-    });
-  }
-  return result;
-}
-
-/// First place from `x` on where every column of the shape has a free run long enough: all other
-/// places are passed over without a look. Past the grid's end if there is none.
-int next_place(const FreeCells& free, const Oriented& shape, int x, int last_x) {
-  for (size_t i = 0; i < shape.columns.size() && x <= last_x; ++i) {
-    const int j = shape.columns[i];
-    const int next = free.next_column(x + j, shape.length(j)) - j;
-    if (next != x) {
-      x = next;
-      i = static_cast<size_t>(-1);
-    }
-  }
-  return x;
-}
-
-/// Finds the heights at which a shape fits.
-class HeightSearch {
+/// A shape in one of its orientations. Both of its sides, rows reversed or not, have the same
+/// lengths.
+class Orientation {
  public:
+  /// Turns the shape's columns; the vectors are kept from one shape to the next.
+  void set(std::span<const CellRun> columns, int height, bool columns_reversed,
+           bool rows_reversed) {
+    columns_.assign(columns.begin(), columns.end());
+    if (columns_reversed) {
+      std::reverse(columns_.begin(), columns_.end());
+    }
+    if (rows_reversed) {
+      for (CellRun& run : columns_) {
+        run = {height - run.end, height - run.begin};
+      }
+    }
+    placement = {0, 0, columns_reversed, rows_reversed};
+  }
+
+  const std::vector<CellRun>& columns() const { return columns_; }
+  int width() const { return static_cast<int>(columns_.size()); }
+
   /// Lowest height at which the shape fits with its left column at x; -1 if there is none.
-  int lowest(const FreeCells& free, const Oriented& shape, int x) {
-    heights_.assign(1, {0, std::numeric_limits<int>::max()});
-    for (const int j : shape.columns) {
-      // A column that nothing was marked in still stands on a free cell.
-      const int length = std::max(shape.length(j), 1);
-      kept_.clear();
-      auto height = heights_.begin();
-      for (const Run& run : free.column(x + j)) {
-        const Run here{run.begin - shape.begin[j], run.end - shape.begin[j] - length + 1};
-        if (here.begin >= here.end) {
-          continue;
-        }
-        while (height != heights_.end() && height->end <= here.begin) {
-          ++height;
-        }
-        for (auto next = height; next != heights_.end() && next->begin < here.end; ++next) {
-          kept_.push_back({std::max(next->begin, here.begin), std::min(next->end, here.end)});
+  int lowest(const FreeCells& free, int x) const {
+    // Each column in turn raises the height to where it fits; done once all agree.
+    int height = 0;
+    int agreed = 0;
+    for (int j = 0; agreed < width(); j = j + 1 < width() ? j + 1 : 0) {
+      const auto [begin, end] = columns_[j];
+      int fits = -1;
+      for (const FreeRun& run : free.column(x + j)) {
+        const int lowest = std::max<int>(run.begin, height + begin);
+        if (lowest + (end - begin) <= run.end) {
+          fits = lowest - begin;
+          break;
         }
       }
-      std::swap(heights_, kept_);
-      if (heights_.empty()) {
+      if (fits < 0) {
         return -1;
       }
+      agreed = fits == height ? agreed + 1 : 1;
+      height = fits;
     }
-    return heights_.front().begin;
+    return height;
   }
 
+  Placement placement;
+
  private:
-  /// Runs of heights that are left, ascending.
-  std::vector<Run> heights_;
-  std::vector<Run> kept_;
+  std::vector<CellRun> columns_;
 };
 
-void take_with_gutter(FreeCells& free, const Oriented& shape, int gutter) {
-  const auto width = static_cast<int>(shape.begin.size());
+/// A block of places where a shape may lie as far as the longest run of every column goes.
+class RoomyPlaces {
+ public:
+  /// Looks at kBlock places from x on. True if any is left.
+  bool look(const FreeCells& free, const Orientation& shape, int x) {
+    slack_.fill(std::numeric_limits<Cells>::max());
+    for (int j = 0; j < shape.width(); ++j) {
+      const CellRun& run = shape.columns()[j];
+      const auto length = static_cast<Cells>(run.end - run.begin);
+      const Cells* const longest = free.longest(x + j);
+      for (int i = 0; i < kBlock; ++i) {
+        slack_[i] = std::min(slack_[i], static_cast<Cells>(longest[i] - length));
+      }
+      if (j % kColumnsAtOnce == 0 || j + 1 == shape.width()) {
+        Cells most = -1;
+        for (int i = 0; i < kBlock; ++i) {
+          most = std::max(most, slack_[i]);
+        }
+        if (most < 0) {
+          return false;
+        }
+      }
+    }
+    return true;
+  }
+
+  bool operator[](int i) const { return slack_[i] >= 0; }
+
+ private:
+  /// By how much the longest run of a column exceeds what the shape takes of it, the least of all
+  /// its columns.
+  std::array<Cells, kBlock> slack_;
+};
+
+void take_with_gutter(FreeCells& free, const Orientation& shape, int gutter) {
+  const int width = shape.width();
   for (int j = -gutter; j < width + gutter; ++j) {
     int begin = std::numeric_limits<int>::max();
     int end = std::numeric_limits<int>::min();
     for (int k = std::max(j - gutter, 0); k <= std::min(j + gutter, width - 1); ++k) {
-      begin = std::min(begin, shape.begin[k]);
-      end = std::max(end, shape.end[k]);
+      begin = std::min(begin, shape.columns()[k].begin);
+      end = std::max(end, shape.columns()[k].end);
     }
     free.take(shape.placement.x + j, shape.placement.y + begin - gutter,
               shape.placement.y + end + gutter);
   }
-  free.update(shape.placement.x - gutter, shape.placement.x + width + gutter);
+}
+
+/// The four ways in which a shape may lie, without those that are the same as another.
+class Orientations {
+ public:
+  void set(std::span<const CellRun> columns, int height) {
+    count_ = 0;
+    for (const bool rows_reversed : {false, true}) {
+      for (const bool columns_reversed : {false, true}) {
+        Orientation& next = all_[count_];
+        next.set(columns, height, columns_reversed, rows_reversed);
+        const bool known =
+            std::any_of(all_.begin(), all_.begin() + count_,
+                        [&](const Orientation& o) { return o.columns() == next.columns(); });
+        count_ += known ? 0 : 1;
+      }
+    }
+  }
+
+  /// Puts the shape as far left, from first_x on, and there as far down as it goes.
+  /// @return the orientation in which it lies there; null if it does not fit.
+  const Orientation* place(const FreeCells& free, int first_x, int last_x) {
+    for (int block = first_x; block <= last_x; block += kBlock) {
+      bool any = false;
+      for (int i = 0; i < count_; ++i) {
+        // Reversed rows leave the lengths as they are.
+        any_room_[i] = room_[i].look(free, all_[i], block);
+        any = any || any_room_[i];
+      }
+      const int places = any ? std::min(kBlock, last_x - block + 1) : 0;
+      for (int place = 0; place < places; ++place) {
+        Orientation* found = nullptr;
+        for (int i = 0; i < count_; ++i) {
+          if (!any_room_[i] || !room_[i][place]) {
+            continue;
+          }
+          const int y = all_[i].lowest(free, block + place);
+          if (y >= 0 && (found == nullptr || y < found->placement.y)) {
+            found = &all_[i];
+            found->placement.y = y;
+          }
+        }
+        if (found != nullptr) {
+          found->placement.x = block + place;
+          return found;
+        }
+      }
+    }
+    return nullptr;
+  }
+
+ private:
+  std::array<Orientation, 4> all_;
+  std::array<RoomyPlaces, 4> room_;
+  std::array<bool, 4> any_room_{};
+  int count_ = 0;
+};
+
+/// The shapes' order on the grid: what stands high sets the columns that lower charts fill.
+std::vector<size_t> packing_order(const PackShapes& shapes) {
+  std::vector<size_t> order(shapes.shapes.size());
+  std::iota(order.begin(), order.end(), size_t{0});
+  std::stable_sort(order.begin(), order.end(), [&](size_t a, size_t b) {
+    const PackShape& p = shapes.shapes[a];
+    const PackShape& q = shapes.shapes[b];
+    if (p.height != q.height || p.width != q.width) {
+      return p.height != q.height ? p.height > q.height : p.width > q.width;
+    }
+    const auto before = [](const CellRun& r, const CellRun& s) {
+      return r.begin != s.begin ? r.begin < s.begin : r.end < s.end;
+    };
+    const auto r = shapes.columns_of(p), s = shapes.columns_of(q);
+    return std::lexicographical_compare(r.begin(), r.end(), s.begin(), s.end(), before);
+  });
+  return order;
+}
+
+bool same_outline(const PackShapes& shapes, const PackShape& a, const PackShape& b) {
+  const auto r = shapes.columns_of(a), s = shapes.columns_of(b);
+  return a.height == b.height && a.gutter == b.gutter &&
+         std::equal(r.begin(), r.end(), s.begin(), s.end());
 }
 
 }  // namespace
 
-std::optional<std::vector<Placement>> pack_charts(const std::vector<PackShape>& shapes, int grid) {
+std::optional<Packing> pack_charts(const PackShapes& shapes, int rows, int columns) {
   // A chart that keeps g cells free must lie clear of every other chart by the larger of both
   // gutters: thin charts look at what is taken with everyone's own gutter, wide ones at what is
   // taken with the widest.
-  FreeCells clear_of_own(grid);
-  FreeCells clear_of_widest(grid);
-  HeightSearch heights;
-  // What did not fit left of some column never will, as room only dwindles: the next chart of the
-  // same outline starts its search there.
-  std::map<std::tuple<int, std::vector<int>, std::vector<int>>, int, std::less<>> first_columns;
-  std::vector<Placement> placements(shapes.size());
-  for (size_t i = 0; i < shapes.size(); ++i) {
-    const PackShape& shape = shapes[i];
-    if (shape.width > grid - 2) {
-      return std::nullopt;
+  FreeCells clear_of_own(rows, columns);
+  FreeCells clear_of_widest(rows, columns);
+  Packing packing;
+  packing.placements.resize(shapes.shapes.size());
+  packing.used_columns = std::min(columns, 2);
+  Orientations orientations;
+  const PackShape* before = nullptr;
+  int first_x = 1;
+  for (const size_t i : packing_order(shapes)) {
+    const PackShape& shape = shapes.shapes[i];
+    // What did not fit left of some column never will, as room only dwindles.
+    if (before == nullptr || !same_outline(shapes, shape, *before)) {
+      orientations.set(shapes.columns_of(shape), shape.height);
+      first_x = 1;
     }
-    const FreeCells& free = shape.gutter < kMaxGutter ? clear_of_own : clear_of_widest;
-    std::vector<Oriented> candidates = orientations(shape);
-    const Oriented* found = nullptr;
-    int last_x = grid - 1 - shape.width;
-    for (Oriented& candidate : candidates) {
-      auto first = first_columns.find(std::tie(shape.gutter, candidate.begin, candidate.end));
-      if (first == first_columns.end()) {
-        first = first_columns.try_emplace({shape.gutter, candidate.begin, candidate.end}, 1).first;
-      }
-      int x = next_place(free, candidate, first->second, last_x);
-      for (; x <= last_x; x = next_place(free, candidate, x + 1, last_x)) {
-        const int y = heights.lowest(free, candidate, x);
-        if (y < 0) {
-          continue;
-        }
-        if (found == nullptr || x < last_x || y < found->placement.y) {
-          candidate.placement.x = x;
-          candidate.placement.y = y;
-          found = &candidate;
-        }
-        last_x = x;
-        break;
-      }
-      first->second = std::min(x, last_x);
-    }
+    const Orientation* found =
+        orientations.place(shape.gutter < kMaxGutter ? clear_of_own : clear_of_widest, first_x,
+                           columns - 1 - shape.width);
     if (found == nullptr) {
       return std::nullopt;
     }
-    placements[i] = found->placement;
+    packing.placements[i] = found->placement;
+    first_x = found->placement.x;
+    packing.used_columns = std::max(packing.used_columns, first_x + shape.width + 1);
     take_with_gutter(clear_of_own, *found, shape.gutter);
     take_with_gutter(clear_of_widest, *found, kMaxGutter);
+    before = &shape;
   }
-  return placements;
+  return packing;
 }
 
 }  // namespace snowbough::tree

@@ -19,7 +19,7 @@ namespace snowbough::tree {
 /// - no texel is touched by two charts, and every face has positive area, caps and insets included:
 ///   a cap hangs on its strip's end, insets lie in their knuckle's cell;
 /// - a strip longer than the map is cut between two rows, if possible not where a child continues.
-/// The scale is the largest at which all charts fit, found by bisection.
+/// The scale is nearly the largest at which all charts fit: lay_out_charts finds it.
 ///
 /// @param mesh  the level-0 mesh: quads, origins and vertices filled as FaceOrigin says. Fills
 ///   uv_snow, one entry a quad, and may add to warnings.

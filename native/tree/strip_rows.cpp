@@ -192,6 +192,7 @@ void measure_rings(Strip& strip, const TreeMesh& mesh) {
       }
     }
     previous = &ring;
+    strip.perimeters.push_back(ring.sides[0] + ring.sides[1] + ring.sides[2] + ring.sides[3]);
   }
 }
 
@@ -212,7 +213,7 @@ void measure_rows(Strip& strip, const TreeMesh& mesh) {
                     triangle_area(origin, mesh.vertices[corners[2]], mesh.vertices[corners[3]]);
       ++known_cells;
     }
-    strip.rows[row].area = known_cells > 0 ? known_area * kSides / known_cells : 0.0;
+    strip.areas.push_back(known_cells > 0 ? known_area * kSides / known_cells : 0.0);
   }
 }
 
@@ -264,6 +265,21 @@ bool rows_touch(const StripRow& a, const StripRow& b) {
   return false;
 }
 
+void find_ranges(Strip& strip) {
+  const auto row_count = static_cast<int32_t>(strip.rows.size());
+  for (int32_t row = 0; row < row_count;) {
+    const auto& cells = strip.rows[row].cells;
+    const int32_t first = row++;
+    if (std::all_of(cells.begin(), cells.end(), [](const StripCell& c) { return c.empty(); })) {
+      continue;
+    }
+    while (row < row_count && rows_touch(strip.rows[row - 1], strip.rows[row])) {
+      ++row;
+    }
+    strip.ranges.push_back({first, row});
+  }
+}
+
 }  // namespace
 
 std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton) {
@@ -300,40 +316,29 @@ std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton
   for (Strip& strip : strips) {
     measure_rings(strip, mesh);
     measure_rows(strip, mesh);
+    find_ranges(strip);
   }
   return strips;
 }
 
-std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
-                                  const std::vector<double>& row_lengths, double max_length) {
+void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double>& row_lengths,
+               double max_length, std::vector<StripPiece>& pieces) {
   const auto row_count = static_cast<int32_t>(strip.rows.size());
-  std::vector<StripPiece> pieces;
   const auto add_piece = [&](int32_t first, int32_t last) {
     pieces.push_back({strip_index, first, last, first == 0 && strip.root_cap >= 0,
                       last == row_count && strip.tip_cap >= 0});
   };
-  int32_t run_begin = 0;
-  while (run_begin < row_count) {
-    const auto& cells = strip.rows[run_begin].cells;
-    if (std::all_of(cells.begin(), cells.end(), [](const StripCell& c) { return c.empty(); })) {
-      ++run_begin;
-      continue;
-    }
-    int32_t run_end = run_begin + 1;
-    while (run_end < row_count && rows_touch(strip.rows[run_end - 1], strip.rows[run_end])) {
-      ++run_end;
-    }
-    double rest =
-        std::accumulate(row_lengths.begin() + run_begin, row_lengths.begin() + run_end, 0.0);
-    while (rest > max_length && run_end - run_begin > 1) {
+  for (auto [first, last] : strip.ranges) {
+    double rest = std::accumulate(row_lengths.begin() + first, row_lengths.begin() + last, 0.0);
+    while (rest > max_length && last - first > 1) {
       const double target = rest / std::ceil(rest / max_length);
       double length = 0.0;
       double best_score = std::numeric_limits<double>::infinity();
       double best_length = 0.0;
-      int32_t best_row = run_begin + 1;
-      for (int32_t row = run_begin + 1; row < run_end; ++row) {
+      int32_t best_row = first + 1;
+      for (int32_t row = first + 1; row < last; ++row) {
         length += row_lengths[row - 1];
-        if (length > max_length && row > run_begin + 1) {
+        if (length > max_length && row > first + 1) {
           break;
         }
         // A joint keeps its continuing child on the same chart if another cut is about as good.
@@ -345,21 +350,19 @@ std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
           best_length = length;
         }
       }
-      add_piece(run_begin, best_row);
-      run_begin = best_row;
+      add_piece(first, best_row);
+      first = best_row;
       rest -= best_length;
     }
-    add_piece(run_begin, run_end);
-    run_begin = run_end;
+    add_piece(first, last);
   }
-  return pieces;
 }
 
 int32_t choose_seam(const Strip& strip, const StripPiece& piece) {
   std::array<double, kSides> height{};
   for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
-    const double width = strip.rings[row].perimeter() + strip.rings[row + 1].perimeter();
-    const double length = width > 0.0 ? 2.0 * strip.rows[row].area / width : 0.0;
+    const double width = strip.perimeters[row] + strip.perimeters[row + 1];
+    const double length = width > 0.0 ? 2.0 * strip.areas[row] / width : 0.0;
     for (int corner = 0; corner < kSides; ++corner) {
       height[corner] +=
           length * (strip.rings[row].heights[corner] + strip.rings[row + 1].heights[corner]);

@@ -25,16 +25,18 @@ struct StripRing {
   std::array<double, 4> sides{};
   /// How far corner k lies above the ring's centre, in metres.
   std::array<double, 4> heights{};
-
-  double perimeter() const { return sides[0] + sides[1] + sides[2] + sides[3]; }
 };
 
 /// What lies between two rings.
 struct StripRow {
   std::array<StripCell, 4> cells;
-  /// m2 of the row with its holes filled.
-  double area = 0.0;
   int32_t branch = -1;
+};
+
+/// Rows [first, last).
+struct RowRange {
+  int32_t first = 0;
+  int32_t last = 0;
 };
 
 /// A limb and, one after another, the children that continue it from its end ring, as rows of one
@@ -43,6 +45,11 @@ struct Strip {
   /// One more than rows.
   std::vector<StripRing> rings;
   std::vector<StripRow> rows;
+  /// Perimeter of every ring in metres, and m2 of every row with its holes filled.
+  std::vector<double> perimeters;
+  std::vector<double> areas;
+  /// Rows that hang together: between two ranges lie holes on all sides.
+  std::vector<RowRange> ranges;
   /// Quads that close it; -1 if open.
   int32_t root_cap = -1;
   int32_t tip_cap = -1;
@@ -61,11 +68,11 @@ struct StripPiece {
   bool has_tip_cap = false;
 };
 
-/// Cuts a strip into as few pieces of similar length as possible, none longer than `max_length`
-/// unless a single row is. Also cuts where holes on all sides separate two rows.
+/// Cuts every range of a strip into as few pieces of similar length as possible, none longer than
+/// `max_length` unless a single row is, and adds them to `pieces`.
 /// @param row_lengths  one entry a row, in the unit of max_length.
-std::vector<StripPiece> cut_strip(const Strip& strip, int32_t strip_index,
-                                  const std::vector<double>& row_lengths, double max_length);
+void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double>& row_lengths,
+               double max_length, std::vector<StripPiece>& pieces);
 
 /// Corner along which a piece is cut open: the lowest one, weighted by length, that leaves its
 /// cells connected; the lowest one if none does.

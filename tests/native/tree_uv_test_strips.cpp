@@ -51,7 +51,8 @@ TEST(CollectStrips, MeasuresSidesAndAreas) {
   for (const double side : strips[0].rings[1].sides) {
     EXPECT_NEAR(side, std::numbers::sqrt2, 1e-6);
   }
-  EXPECT_NEAR(strips[0].rows[1].area, 4.0 * std::numbers::sqrt2, 1e-5);
+  EXPECT_NEAR(strips[0].perimeters[1], 4.0 * std::numbers::sqrt2, 1e-5);
+  EXPECT_NEAR(strips[0].areas[1], 4.0 * std::numbers::sqrt2, 1e-5);
 }
 
 TEST(CollectStrips, AChildOutOfAHoleStartsAStripOfItsOwn) {
@@ -86,10 +87,17 @@ TEST(CollectStrips, RefusesOriginsThatContradictTheQuads) {
   EXPECT_THROW(collect_strips(limbs.mesh, limbs.skeleton), std::invalid_argument);
 }
 
+std::vector<StripPiece> cut(const Strip& strip, const std::vector<double>& row_lengths,
+                            double max_length) {
+  std::vector<StripPiece> pieces;
+  cut_strip(strip, 0, row_lengths, max_length, pieces);
+  return pieces;
+}
+
 TEST(CutStrip, KeepsWhatFitsInOnePiece) {
   const LimbBuilder limbs = limb_with_continuing_child();
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut_strip(strips[0], 0, {1, 1, 1, 1}, 4.0);
+  const auto pieces = cut(strips[0], {1, 1, 1, 1}, 4.0);
   ASSERT_EQ(pieces.size(), 1u);
   EXPECT_EQ(pieces[0].last_row, 4);
 }
@@ -98,7 +106,7 @@ TEST(CutStrip, CutsALongStripBesideTheJointRatherThanAtIt) {
   const LimbBuilder limbs = limb_with_continuing_child();
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
   // The middle is the joint; half a unit beside it is as good.
-  const auto pieces = cut_strip(strips[0], 0, {1.5, 0.5, 0.5, 1.5}, 3.0);
+  const auto pieces = cut(strips[0], {1.5, 0.5, 0.5, 1.5}, 3.0);
   ASSERT_EQ(pieces.size(), 2u);
   EXPECT_NE(pieces[0].last_row, 2);
   EXPECT_EQ(pieces[0].last_row, pieces[1].first_row);
@@ -108,7 +116,7 @@ TEST(CutStrip, CutsIntoAsFewPiecesAsNeeded) {
   LimbBuilder limbs;
   limbs.add_limb({0, 0, 0}, {0, 0, 20}, 1, 1, 20);
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut_strip(strips[0], 0, std::vector<double>(20, 1.0), 7.0);
+  const auto pieces = cut(strips[0], std::vector<double>(20, 1.0), 7.0);
   ASSERT_EQ(pieces.size(), 3u);
   EXPECT_TRUE(pieces[0].has_root_cap);
   EXPECT_FALSE(pieces[0].has_tip_cap);
@@ -123,7 +131,7 @@ TEST(ChooseSeam, PutsTheSeamOnTheUnderside) {
   LimbBuilder limbs;
   limbs.add_limb({0, 0, 0}, {5, 0, 0}, 1, 0.5, 3);
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut_strip(strips[0], 0, {1, 1, 1}, 9.0);
+  const auto pieces = cut(strips[0], {1, 1, 1}, 9.0);
   const int32_t vertex = strips[0].rings[0].corners[choose_seam(strips[0], pieces[0])];
   EXPECT_FLOAT_EQ(limbs.mesh.vertices[vertex].z, -1.0f);
 }
@@ -138,7 +146,7 @@ TEST(CutStrip, FallsApartWhereChildrenLeaveOnAllSides) {
   limbs.add_row(parent, 0, rings[0], rings[1]);
   limbs.add_row(parent, 2, rings[2], rings[3]);
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut_strip(strips[0], 0, {1, 1, 1}, 9.0);
+  const auto pieces = cut(strips[0], {1, 1, 1}, 9.0);
   ASSERT_EQ(pieces.size(), 2u);
   EXPECT_EQ(pieces[0].last_row, 1);
   EXPECT_EQ(pieces[1].first_row, 2);
@@ -158,7 +166,7 @@ TEST(ChooseSeam, MovesTheSeamAwayFromWhereItWouldSplitTheChart) {
   limbs.add_wall(parent, 1, 0, rings[1], rings[2]);
   limbs.add_wall(parent, 2, 0, rings[2], rings[3]);
   const auto strips = collect_strips(limbs.mesh, limbs.skeleton);
-  const auto pieces = cut_strip(strips[0], 0, {1, 1, 1}, 9.0);
+  const auto pieces = cut(strips[0], {1, 1, 1}, 9.0);
   ASSERT_EQ(pieces.size(), 1u);
   EXPECT_NE(choose_seam(strips[0], pieces[0]), 0);
 }
