@@ -2,162 +2,178 @@
 
 #include <algorithm>
 #include <array>
-#include <cmath>
+#include <bit>
 #include <glm/common.hpp>
-#include <glm/geometric.hpp>
+#include <limits>
 #include <memory>
 #include <mutex>
 #include <utility>
 #include <vector>
 
-#include "tree/surface_triangles.h"
+#include "tree/four_lanes.h"
+#include "tree/surface_faces.h"
+#include "tree/surface_neighbourhoods.h"
 
 namespace snowbough::tree {
 namespace {
 
-/// Junctions a thread looks at before it takes the next ones.
-constexpr size_t kJunctionBlock = 256;
-/// Distance from a plane, as a share of the coordinates that went into it, that rounding can not
-/// make up.
-constexpr double kClear = 1e-12;
-/// Corners of the two triangles that a face counts as.
-constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+/// Junctions a thread looks at before it takes the next ones: many enough that most find faces of
+/// the one before, few enough that the threads end together.
+constexpr size_t kJunctionBlock = 64;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Float4 kNowhere = {kInfinity, kInfinity, kInfinity, kInfinity};
 
-/// Faces around every vertex, flat.
-struct VertexFaces {
-  std::vector<int32_t> begin;
-  std::vector<int32_t> faces;
-
-  explicit VertexFaces(const Surface& surface) : begin(surface.vertices.size() + 1, 0) {
-    for (const Quad& quad : surface.quads) {
-      for (int32_t v : quad) {
-        ++begin[v + 1];
-      }
-    }
-    for (size_t v = 0; v + 1 < begin.size(); ++v) {
-      begin[v + 1] += begin[v];
-    }
-    faces.resize(begin.back());
-    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-    for (size_t f = 0; f < surface.quads.size(); ++f) {
-      for (int32_t v : surface.quads[f]) {
-        faces[next[v]++] = static_cast<int32_t>(f);
-      }
-    }
-  }
+/// Boxes around four faces, first along the axis of a sweep; where there are fewer than four, boxes
+/// that meet none.
+struct Boxes {
+  std::array<Float4, 3> low{kNowhere, kNowhere, kNowhere}, high{-kNowhere, -kNowhere, -kNowhere};
+  /// -1 for those that the junction before had as well.
+  Int4 known{};
 };
 
-/// A face of a neighbourhood with all that the tests read of it.
-struct Face {
-  glm::dvec3 low, high;
-  std::array<glm::dvec3, 4> points;
-  /// Sum of the corners.
-  glm::dvec3 sum;
-  Quad corners;
-  int32_t number;
+using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
-  bool meets(const Face& other) const {
-    return low.x <= other.high.x && other.low.x <= high.x && low.y <= other.high.y &&
-           other.low.y <= high.y && low.z <= other.high.z && other.low.z <= high.z;
-  }
-};
-
-Face make_face(const Surface& surface, int32_t number) {
-  Face face{};
-  face.number = number;
-  face.corners = surface.quads[number];
-  for (int k = 0; k < 4; ++k) {
-    face.points[k] = glm::dvec3(glm::vec3(surface.vertices[face.corners[k]]));
-  }
-  const auto& [a, b, c, d] = face.points;
-  face.low = glm::min(glm::min(a, b), glm::min(c, d));
-  face.high = glm::max(glm::max(a, b), glm::max(c, d));
-  face.sum = a + b + c + d;
-  return face;
-}
-
-/// Finds the faces near a junction. Each thread has its own: the stamps say what was met.
-class Neighbourhoods {
+/// Looks at junctions one after the other. Neighbours along a limb have most faces in common; what
+/// was found among those is taken over. Each thread has its own.
+class CrossingSearch {
  public:
-  Neighbourhoods(const Surface& surface, const VertexFaces& around)
-      : surface_(surface),
-        around_(around),
-        face_stamp_(surface.quads.size(), -1),
-        vertex_stamp_(surface.vertices.size(), -1) {}
+  CrossingSearch(const Surface& surface, const VertexFaces& around)
+      : surface_(surface), neighbourhoods_(surface, around), slot_(surface.quads.size(), 0) {}
 
-  /// The faces within two edges of the junction.
-  const std::vector<int32_t>& at(const Junction& junction) {
-    ++stamp_;
-    vertices_.clear();
+  /// Forgets all junctions looked at.
+  void begin() {
+    neighbourhoods_.forget();
     faces_.clear();
-    const auto reach = [&](int32_t v) {
-      if (vertex_stamp_[v] != stamp_) {
-        vertex_stamp_[v] = stamp_;
-        vertices_.push_back(v);
-      }
-    };
-    const LimbSurface& limb = surface_.limbs[junction.parent];
-    for (int k = 0; k < 4; ++k) {
-      reach(limb.rings[junction.row].vertices[k]);
-      reach(limb.rings[junction.row + 1].vertices[k]);
-      reach(surface_.limbs[junction.child].rings[0].vertices[k]);
-    }
-    size_t vertex = 0, face = 0;
-    for (int step = 0; step < 3; ++step) {
-      for (const size_t end = vertices_.size(); vertex < end; ++vertex) {
-        const int32_t v = vertices_[vertex];
-        for (int32_t i = around_.begin[v]; i < around_.begin[v + 1]; ++i) {
-          const int32_t f = around_.faces[i];
-          if (face_stamp_[f] != stamp_) {
-            face_stamp_[f] = stamp_;
-            faces_.push_back(f);
-          }
-        }
-      }
-      expanded_ = vertex;
-      for (; face < faces_.size(); ++face) {
-        for (int32_t v : surface_.quads[faces_[face]]) {
-          reach(v);
-        }
-      }
-    }
-    return faces_;
+    found_.clear();
   }
 
-  /// After at(): the vertices whose faces were all taken.
-  std::pair<const int32_t*, const int32_t*> expanded() const {
-    return {vertices_.data(), vertices_.data() + expanded_};
+  /// All pairs near the junction that cross, the lower number first, ascending.
+  const Pairs& at(const Junction& junction) {
+    gather(junction);
+    std::erase_if(found_, [&](const auto& pair) {
+      return !neighbourhoods_.has(pair.first) || !neighbourhoods_.has(pair.second);
+    });
+    sweep();
+    std::sort(found_.begin(), found_.end());
+    return found_;
   }
 
  private:
+  /// A face of the neighbourhood.
+  struct Entry {
+    /// Where it begins along the axis of the sweep.
+    float low;
+    /// Where it is in faces_.
+    int32_t slot;
+    /// The junction before had it as well.
+    int32_t known;
+  };
+
+  /// Puts the neighbourhood's faces in the order in which they begin along its longest axis.
+  void gather(const Junction& junction) {
+    const std::vector<int32_t>& numbers = neighbourhoods_.at(junction);
+    glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+    order_.clear();
+    for (size_t i = 0; i < numbers.size(); ++i) {
+      const bool known = neighbourhoods_.known()[i] != 0;
+      if (!known) {
+        slot_[numbers[i]] = static_cast<int32_t>(faces_.size());
+        faces_.push_back(make_crossing_face(surface_, numbers[i]));
+      }
+      const int32_t slot = slot_[numbers[i]];
+      low = glm::min(low, faces_[slot].low);
+      high = glm::max(high, faces_[slot].high);
+      order_.push_back({0.0f, slot, known ? -1 : 0});
+    }
+    const glm::vec3 extent = high - low;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0
+                     : extent.y >= extent.z                       ? 1
+                                                                  : 2;
+    for (Entry& entry : order_) {
+      entry.low = faces_[entry.slot].low[axis];
+    }
+    std::sort(order_.begin(), order_.end(), [](const Entry& a, const Entry& b) {
+      return a.low != b.low ? a.low < b.low : a.slot < b.slot;
+    });
+    boxes_.assign((order_.size() + 3) / 4, Boxes());
+    for (size_t i = 0; i < order_.size(); ++i) {
+      const CrossingFace& face = faces_[order_[i].slot];
+      Boxes& boxes = boxes_[i / 4];
+      for (int k = 0; k < 3; ++k) {
+        boxes.low[k][i % 4] = face.low[(axis + k) % 3];
+        boxes.high[k][i % 4] = face.high[(axis + k) % 3];
+      }
+      boxes.known[i % 4] = order_[i].known;
+    }
+  }
+
+  /// Tests each face against those that begin before it ends, but for two that the junction before
+  /// had.
+  void sweep() {
+    for (size_t i = 0; i < order_.size(); ++i) {
+      const CrossingFace& one = faces_[order_[i].slot];
+      const Boxes& own = boxes_[i / 4];
+      const size_t lane = i % 4;
+      // Of its own four those after it.
+      uint32_t after = 0xeu << lane & 0xfu;
+      for (size_t four = i / 4; four < boxes_.size(); ++four) {
+        const Boxes& boxes = boxes_[four];
+        if (boxes.low[0][0] > own.high[0][lane]) {
+          break;
+        }
+        const Int4 meet =
+            (boxes.low[0] <= own.high[0][lane]) & (boxes.low[1] <= own.high[1][lane]) &
+            (boxes.high[1] >= own.low[1][lane]) & (boxes.low[2] <= own.high[2][lane]) &
+            (boxes.high[2] >= own.low[2][lane]) & ~(boxes.known & own.known[lane]);
+        for (uint32_t hits = bits(meet) & after; hits != 0; hits &= hits - 1) {
+          test(one, faces_[order_[4 * four + std::countr_zero(hits)].slot]);
+        }
+        after = 0xf;
+      }
+    }
+  }
+
+  void test(const CrossingFace& one, const CrossingFace& other) {
+    const CrossingFace& f = one.number < other.number ? one : other;
+    const CrossingFace& g = one.number < other.number ? other : one;
+    if (faces_cross(f, g)) {
+      found_.emplace_back(f.number, g.number);
+    }
+  }
+
   const Surface& surface_;
-  const VertexFaces& around_;
-  std::vector<int32_t> face_stamp_, vertex_stamp_;
-  int32_t stamp_ = 0;
-  std::vector<int32_t> vertices_, faces_;
-  size_t expanded_ = 0;
+  Neighbourhoods neighbourhoods_;
+  /// Faces met since begin(), and per face of the surface where it is among them.
+  std::vector<CrossingFace> faces_;
+  std::vector<int32_t> slot_;
+  /// What the last junction gave.
+  Pairs found_;
+  /// Faces of the last junction.
+  std::vector<Entry> order_;
+  /// In that order, by fours.
+  std::vector<Boxes> boxes_;
 };
 
-/// Neighbourhoods that no thread works with just now: as large as the surface, a block of junctions
+/// Searches that no thread works with just now: as large as the surface, a block of junctions
 /// should not have to make its own.
-class NeighbourhoodPool {
+class SearchPool {
  public:
-  NeighbourhoodPool(const Surface& surface, const VertexFaces& around)
+  SearchPool(const Surface& surface, const VertexFaces& around)
       : surface_(surface), around_(around) {}
 
-  std::unique_ptr<Neighbourhoods> take() {
+  std::unique_ptr<CrossingSearch> take() {
     {
       const std::lock_guard lock(mutex_);
       if (!free_.empty()) {
-        std::unique_ptr<Neighbourhoods> one = std::move(free_.back());
+        std::unique_ptr<CrossingSearch> one = std::move(free_.back());
         free_.pop_back();
         return one;
       }
     }
-    return std::make_unique<Neighbourhoods>(surface_, around_);
+    return std::make_unique<CrossingSearch>(surface_, around_);
   }
 
-  void give_back(std::unique_ptr<Neighbourhoods> one) {
+  void give_back(std::unique_ptr<CrossingSearch> one) {
     const std::lock_guard lock(mutex_);
     free_.push_back(std::move(one));
   }
@@ -166,145 +182,8 @@ class NeighbourhoodPool {
   const Surface& surface_;
   const VertexFaces& around_;
   std::mutex mutex_;
-  std::vector<std::unique_ptr<Neighbourhoods>> free_;
+  std::vector<std::unique_ptr<CrossingSearch>> free_;
 };
-
-/// Whether a plane through what two faces share proves that they have nothing else in common: all
-/// their other corners lie clear of it, on either side. The usual case; what it cannot tell is left
-/// to the exact test.
-bool parted(const Face& f, const Face& g) {
-  std::array<bool, 4> of_f{}, of_g{};
-  std::array<int, 4> shared{};
-  int count = 0;
-  for (int k = 0; k < 4; ++k) {
-    for (int l = 0; l < 4; ++l) {
-      if (f.corners[k] == g.corners[l]) {
-        if (count == 2 || of_f[k] || of_g[l]) {
-          return false;
-        }
-        of_f[k] = of_g[l] = true;
-        shared[count++] = k;
-      }
-    }
-  }
-  const glm::dvec3& base = f.points[shared[0]];
-  const glm::dvec3 extent = glm::max(f.high, g.high) - glm::min(f.low, g.low);
-  double margin = kClear * (extent.x + extent.y + extent.z);
-  glm::dvec3 normal = g.sum - f.sum;
-  if (count == 0) {
-    margin *= std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z);
-  } else {
-    // Half way between the directions in which the faces lie, however large either is.
-    glm::dvec3 to_f = f.sum - 4.0 * base, to_g = g.sum - 4.0 * base;
-    if (count == 2) {
-      const glm::dvec3 edge = f.points[shared[1]] - base;
-      const double squared = glm::dot(edge, edge);
-      const double whole_f = glm::dot(to_f, to_f), whole_g = glm::dot(to_g, to_g);
-      to_f -= edge * (glm::dot(to_f, edge) / squared);
-      to_g -= edge * (glm::dot(to_g, edge) / squared);
-      // What is left of a direction along the edge is rounding.
-      if (!(glm::dot(to_f, to_f) > 1e-6 * whole_f && glm::dot(to_g, to_g) > 1e-6 * whole_g)) {
-        return false;
-      }
-    }
-    normal = glm::normalize(to_g) - glm::normalize(to_f);
-  }
-  double highest_f = -1e300, lowest_g = 1e300;
-  for (int k = 0; k < 4; ++k) {
-    if (!of_f[k]) {
-      highest_f = std::max(highest_f, glm::dot(normal, f.points[k] - base));
-    }
-    if (!of_g[k]) {
-      lowest_g = std::min(lowest_g, glm::dot(normal, g.points[k] - base));
-    }
-  }
-  return count > 0 ? highest_f < -margin && lowest_g > margin : highest_f + margin < lowest_g;
-}
-
-/// Whether all corners of `g` but those that a triangle of `f` shares lie clear of its plane on one
-/// side, for both triangles: decides most pairs of a large face and a small one.
-bool on_one_side(const Face& f, const Face& g) {
-  const glm::dvec3 size = f.high - f.low;
-  const glm::dvec3 extent = glm::max(f.high, g.high) - glm::min(f.low, g.low);
-  const double side = size.x + size.y + size.z;
-  const double margin = kClear * side * side * (extent.x + extent.y + extent.z);
-  for (const auto& corners : kTriangles) {
-    const glm::dvec3& base = f.points[corners[0]];
-    const glm::dvec3 normal = glm::cross(f.points[corners[1]] - base, f.points[corners[2]] - base);
-    double lowest = 1e300, highest = -1e300;
-    for (int k = 0; k < 4; ++k) {
-      const int32_t v = g.corners[k];
-      if (v != f.corners[corners[0]] && v != f.corners[corners[1]] && v != f.corners[corners[2]]) {
-        const double height = glm::dot(normal, g.points[k] - base);
-        lowest = std::min(lowest, height);
-        highest = std::max(highest, height);
-      }
-    }
-    if (!(lowest > margin || highest < -margin)) {
-      return false;
-    }
-  }
-  return true;
-}
-
-/// The exact test of all four pairs of triangles.
-bool quads_cross(const Face& f, const Face& g) {
-  for (const auto& i : kTriangles) {
-    const Triangle a = {f.points[i[0]], f.points[i[1]], f.points[i[2]]};
-    for (const auto& j : kTriangles) {
-      const Triangle b = {g.points[j[0]], g.points[j[1]], g.points[j[2]]};
-      std::array<int, 3> shared = {-1, -1, -1};
-      for (int k = 0; k < 3; ++k) {
-        for (int l = 0; l < 3; ++l) {
-          if (f.corners[i[k]] == g.corners[j[l]]) {
-            shared[k] = l;
-          }
-        }
-      }
-      if (triangles_cross(a, b, shared)) {
-        return true;
-      }
-    }
-  }
-  return false;
-}
-
-/// All pairs among `faces` that cross, the lower number first, ascending.
-std::vector<std::pair<int32_t, int32_t>> crossing_pairs(std::vector<Face>& faces) {
-  glm::dvec3 low(1e300), high(-1e300);
-  for (const Face& face : faces) {
-    low = glm::min(low, face.low);
-    high = glm::max(high, face.high);
-  }
-  const glm::dvec3 extent = high - low;
-  const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-  std::vector<std::pair<double, const Face*>> order;
-  order.reserve(faces.size());
-  for (const Face& face : faces) {
-    order.emplace_back(face.low[axis], &face);
-  }
-  std::sort(order.begin(), order.end(), [](const auto& a, const auto& b) {
-    return a.first != b.first ? a.first < b.first : a.second->number < b.second->number;
-  });
-  // Swept along the longest axis: each face meets only those that begin before it ends.
-  std::vector<std::pair<int32_t, int32_t>> pairs;
-  for (size_t i = 0; i < order.size(); ++i) {
-    const Face& one = *order[i].second;
-    for (size_t j = i + 1; j < order.size() && order[j].first <= one.high[axis]; ++j) {
-      const Face& other = *order[j].second;
-      if (one.meets(other) && !parted(one, other) && !on_one_side(one, other) &&
-          !on_one_side(other, one)) {
-        const Face& f = one.number < other.number ? one : other;
-        const Face& g = one.number < other.number ? other : one;
-        if (quads_cross(f, g)) {
-          pairs.emplace_back(f.number, g.number);
-        }
-      }
-    }
-  }
-  std::sort(pairs.begin(), pairs.end());
-  return pairs;
-}
 
 }  // namespace
 
@@ -318,18 +197,14 @@ JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8
       wanted.push_back(j);
     }
   }
-  NeighbourhoodPool pool(surface, around);
+  SearchPool pool(surface, around);
   parallel_blocks(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
-    std::unique_ptr<Neighbourhoods> neighbourhoods = pool.take();
-    std::vector<Face> faces;
+    std::unique_ptr<CrossingSearch> search = pool.take();
+    search->begin();
     for (size_t i = begin; i < end; ++i) {
-      faces.clear();
-      for (const int32_t f : neighbourhoods->at(surface.junctions[wanted[i]])) {
-        faces.push_back(make_face(surface, f));
-      }
-      crossings[wanted[i]] = crossing_pairs(faces);
+      crossings[wanted[i]] = search->at(surface.junctions[wanted[i]]);
     }
-    pool.give_back(std::move(neighbourhoods));
+    pool.give_back(std::move(search));
   });
   return crossings;
 }
@@ -355,13 +230,12 @@ std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uin
       continue;
     }
     neighbourhoods.at(surface.junctions[j]);
-    const auto [from, to] = neighbourhoods.expanded();
-    for (const int32_t* v = from; v != to; ++v) {
-      if (open[*v] == 0) {
+    for (const int32_t v : neighbourhoods.expanded()) {
+      if (open[v] == 0) {
         continue;
       }
-      for (auto rim = std::lower_bound(rims.begin(), rims.end(), std::pair(*v, 0));
-           rim != rims.end() && rim->first == *v; ++rim) {
+      for (auto rim = std::lower_bound(rims.begin(), rims.end(), std::pair(v, 0));
+           rim != rims.end() && rim->first == v; ++rim) {
         missing.push_back(rim->second);
       }
     }

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+
+namespace snowbough::tree {
+
+/// Four numbers on which arithmetic, comparison (-1 where it holds, else 0) and `mask ? a : b` work
+/// side by side: a vector type of GCC and Clang.
+using Float4 = float __attribute__((vector_size(16)));
+using Int4 = int32_t __attribute__((vector_size(16)));
+
+/// The lanes moved round by one: b, c, d, a.
+inline Int4 rotated(const Int4& v) {
+  return __builtin_shufflevector(v, v, 1, 2, 3, 0);
+}
+
+/// All lanes the same.
+inline Float4 four(float value) {
+  return Float4{} + value;
+}
+
+inline float largest(const Float4& v) {
+  const float low = v[0] > v[1] ? v[0] : v[1];
+  const float high = v[2] > v[3] ? v[2] : v[3];
+  return low > high ? low : high;
+}
+
+inline float smallest(const Float4& v) {
+  const float low = v[0] < v[1] ? v[0] : v[1];
+  const float high = v[2] < v[3] ? v[2] : v[3];
+  return low < high ? low : high;
+}
+
+/// Bit k: the comparison holds in lane k.
+inline uint32_t bits(const Int4& mask) {
+#ifdef __SSE2__
+  // What the compiler makes of the line below takes four times as long.
+  return static_cast<uint32_t>(__builtin_ia32_movmskps(std::bit_cast<Float4>(mask)));
+#else
+  return static_cast<uint32_t>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));
+#endif
+}
+
+}  // namespace snowbough::tree
