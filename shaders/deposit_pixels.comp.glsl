@@ -1,6 +1,6 @@
-// Second part of the deposit: works out what a pixel gives to the texels that take part in it, lists the
-// pixels whose texels cover less than half of them, for the next part, and counts what the sky sees of
-// every object. Kept apart from that part because software renderers run every branch for every pixel.
+// Second part of the deposit: lists the pixels whose texels cover less than half of them, for the next
+// part, and counts what the sky sees of every object. Kept apart from that part because software renderers
+// run every branch for every pixel.
 #include "packed_pixel.h"
 #include "pixel_counts.h"
 
@@ -11,9 +11,6 @@ layout(std430) buffer ListSize { uint list_groups; uint list_groups_y; uint list
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
 uniform usampler2D occlusion;
 uniform usampler2D weight_sum;
-/// Snow in m3 for a pixel's area of texels. Texels that together cover less than half of their pixel take
-/// no more than half a pixel would hold.
-layout(r32f) writeonly uniform image2D pixel_share;
 /// Slots of the objects whose maps are in this group: [first, end).
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
@@ -30,37 +27,30 @@ void list(ivec2 pixel) {
 
 void main() {
   // A work group walks along a row, each lane every 64th pixel, once for every object in its pixels:
-  // mostly one.
+  // mostly one. Loops ask for their end at their end: llvmpipe runs a body once more for a test at its head.
   const int y = int(gl_WorkGroupID.y);
   const int begin = int(gl_WorkGroupID.x * kPixelsEach * 64u + gl_LocalInvocationID.x);
+  const int end = min(begin + int(kPixelsEach * 64u), tile_size.x);
   uint slot = group_objects.x;
-  while (slot < group_objects.y) {
+  do {
     uint next = group_objects.y;
     PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
-    for (uint i = 0u; i < kPixelsEach; ++i) {
-      const ivec2 pixel = ivec2(begin + int(i * 64u), y);
-      if (pixel.x >= tile_size.x) {
-        break;
-      }
+    ivec2 pixel = ivec2(begin, y);
+    do {
       const uvec4 seen = texelFetch(occlusion, pixel, 0);
-      const uint own = seen.x == 0u ? 0u : seen.z;
+      const uint own = seen.x == 0u || pixel.x >= end ? 0u : seen.z;
       const bool mine = own == (slot | kReceives);
       const bool front = mine && (seen.x & kBackFace) == 0u;
       next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
       count.back_facing += mine && !front ? 1u : 0u;
       count.visible += front ? 1u : 0u;
-      const float snow = snow_of_pixel(pixel + tile_origin);
-      count.snowed += front && snow > 0.0 ? 1u : 0u;
-      if (front) {
-        const uint sum = texelFetch(weight_sum, pixel, 0).x;
-        const float covered = float(max(sum, kPixelWeight / 2u)) / float(kPixelWeight);
-        imageStore(pixel_share, pixel, vec4(snow * fall.direction.w * fall.direction.w / covered));
-        if (sum < kPixelWeight / 2u) {
-          list(pixel);
-        }
+      count.snowed += front && snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
+      if (front && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u) {
+        list(pixel);
       }
-    }
+      pixel.x += 64;
+    } while (pixel.x < end);
     flush(slot, count);
     slot = next;
-  }
+  } while (slot < group_objects.y);
 }

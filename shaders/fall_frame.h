@@ -24,8 +24,12 @@ uvec3 pcg3d(uvec3 v) {
 }
 
 /// Snow that falls through a pixel of the grid in this step, as thickness perpendicular to the fall:
-/// depth / |d.z| times a noise of mean 1 that depends on seed, step and grid pixel alone.
+/// depth / |d.z| times a noise of mean 1 that depends on seed, step and grid pixel alone. WITHOUT_NOISE: for
+/// a noise density of 1, since software renderers run every branch.
 float snow_of_pixel(ivec2 local_pixel) {
+#ifdef WITHOUT_NOISE
+  return fall.range.z;
+#else
   const float density = fall.range.w;
   if (density >= 1.0) {
     return fall.range.z;
@@ -33,4 +37,5 @@ float snow_of_pixel(ivec2 local_pixel) {
   const uvec2 pixel = uvec2(local_pixel + fall.base);
   const uint random = pcg3d(uvec3(pixel, fall.seed ^ (fall.step_number * 0x9E3779B9u))).x;
   return float(random >> 8u) * (1.0 / 16777216.0) < density ? fall.range.z / density : 0.0;
+#endif
 }

@@ -15,7 +15,9 @@ layout(local_size_x = 64) in;
 #ifdef DEPOSIT_MAP
 uniform sampler2DArray deposit_map;
 #else
-layout(std430) buffer DepositUnits { uint deposit_units[]; };
+/// Left at 0 for the next step; read as a texture, which llvmpipe reads a whole vector at once from.
+layout(std430) writeonly buffer DepositUnits { uint deposit_units[]; };
+uniform usamplerBuffer units_before;
 uniform float step_depth;
 #endif
 #ifdef EARLIER_TILES
@@ -61,7 +63,7 @@ float settle(float height, float deposit, float capacity) {
 #ifndef DEPOSIT_MAP
 /// The texel's deposit of the whole step, in metres; leaves the sums at 0.
 float take_deposit(int index, float area, out bool saturated) {
-  const uint units = deposit_units[index];
+  const uint units = texelFetch(units_before, index).x;
   saturated = units == kNowhere;
   float deposit = float(units) * (step_depth / kDepthUnits);
   if (units != 0u) {

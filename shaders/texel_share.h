@@ -1,13 +1,17 @@
 // GLSL only: a texel's share of its pixel's snow. A share is proportional to projected area, so that
 // surfaces of different slope in one pixel each get what falls on them.
+#include "fall_frame.h"
 #include "packed_pixel.h"
-#include "snow_shared.h"
 
-/// Snow in m3 for a pixel's area of texels.
-uniform sampler2D pixel_share;
+/// Per pixel of the tile: the sum of its texels' weights.
+uniform usampler2D weight_sum;
+uniform ivec2 tile_origin;
 
-/// Thickness in metres that the pixel of `target` gives a texel of `area` m2.
+/// Thickness in metres that the pixel of `target` gives a texel of `area` m2. Texels that together cover
+/// less than half of their pixel take no more than half a pixel would hold.
 float share_of(uvec2 target, float area) {
-  const float volume = texelFetch(pixel_share, unpacked_pixel(target.x), 0).x;
-  return volume * (float(target.y) * (1.0 / float(kPixelWeight))) / area;
+  const ivec2 pixel = unpacked_pixel(target.x);
+  const float sum = float(max(texelFetch(weight_sum, pixel, 0).x, kPixelWeight / 2u));
+  const float volume = snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
+  return volume * float(target.y) / (sum * area);
 }

@@ -30,15 +30,17 @@ void main() {
   float area = 0.0;
   float up = 0.0;
   float upper = 0.0;
+  int i = int(texelFetch(fragment_begin, index).x);
   const int end = int(texelFetch(fragment_begin, index + 1).x);
-  for (int i = int(texelFetch(fragment_begin, index).x); i < end; ++i) {
+  // The end is asked for at the end: llvmpipe runs a loop's body once more for a test at its head.
+  do {
     const uvec2 fragment = texelFetch(fragments, i).xy;
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
-    const float own = uintBitsToFloat(fragment.y) * surface.w;
+    const float own = i < end ? uintBitsToFloat(fragment.y) * surface.w : 0.0;
     area += own;
     up += own * surface.z;
     upper += own * max(surface.z, 0.0);
-  }
+  } while (++i < end);
   texel_surface[index] = vec4(position, area);
   texel_up[index] = area > 0.0 ? (upper > 0.0 ? upper : up) / area : 0.0;
 }

@@ -34,12 +34,14 @@ vec2 depth_gradient(vec3 normal, float facing) {
 /// Area perpendicular to the fall of the texel's parts that face it, in m2.
 float facing_area(int index) {
   float area = 0.0;
+  int i = int(texelFetch(fragment_begin, index).x);
   const int end = int(texelFetch(fragment_begin, index + 1).x);
-  for (int i = int(texelFetch(fragment_begin, index).x); i < end; ++i) {
+  do {
     const uvec2 fragment = texelFetch(fragments, i).xy;
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
-    area += uintBitsToFloat(fragment.y) * surface.w * max(-dot(surface.xyz, fall.direction.xyz), 0.0);
-  }
+    const float own = i < end ? uintBitsToFloat(fragment.y) * surface.w : 0.0;
+    area += own * max(-dot(surface.xyz, fall.direction.xyz), 0.0);
+  } while (++i < end);
   return area;
 }
 

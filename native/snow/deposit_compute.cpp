@@ -15,7 +15,6 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
   if (weight_sum_.width() != occlusion.visible.width() ||
       weight_sum_.height() != occlusion.visible.height()) {
     weight_sum_ = gpu::Texture(GL_R32UI, occlusion.visible.width(), occlusion.visible.height());
-    pixel_share_ = gpu::Texture(GL_R32F, occlusion.visible.width(), occlusion.visible.height());
   }
   const glm::ivec2 size = tile.pixels.size();
   glClearTexSubImage(weight_sum_.id(), 0, 0, 0, 0, size.x, size.y, 1, GL_RED_INTEGER,
@@ -41,22 +40,25 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
 }
 
 void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
-                                     const OcclusionTarget& occlusion, const MapGroup& group) {
+                                     const OcclusionTarget& occlusion, const MapGroup& group,
+                                     const StepSnow& snow) {
   const glm::ivec2 size = tile.pixels.size();
   const uint32_t empty[4] = {0, 1, 1, 0};
   list_size_.write(0, sizeof empty, empty);
-  pixels_.use();
-  pixels_.bind("Fall", fall);
-  pixels_.bind("Counts", scene.pixel_counts);
-  pixels_.bind("ListSize", list_size_);
-  pixels_.bind("PixelList", pixel_list_);
-  pixels_.bind_texture("occlusion", occlusion.visible);
-  pixels_.bind_texture("weight_sum", weight_sum_);
-  pixels_.bind_image("pixel_share", pixel_share_, GL_WRITE_ONLY);
-  pixels_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
-  pixels_.set("tile_origin", tile.pixels.low);
-  pixels_.set("tile_size", size);
-  pixels_.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
+  gpu::Program& program = pixels_.with(snow.defines());
+  program.use();
+  program.bind("Fall", fall);
+  if (snow.has_noise) {
+    program.set("tile_origin", tile.pixels.low);
+  }
+  program.bind("Counts", scene.pixel_counts);
+  program.bind("ListSize", list_size_);
+  program.bind("PixelList", pixel_list_);
+  program.bind_texture("occlusion", occlusion.visible);
+  program.bind_texture("weight_sum", weight_sum_);
+  program.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
+  program.set("tile_size", size);
+  program.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
   glMemoryBarrier(kBarriers | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 
@@ -88,21 +90,27 @@ void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const
   lay_.dispatch_indirect(list_size_);
 }
 
-void DepositComputePass::share_out(SceneBuffers& scene) {
+void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                                   const StepSnow& snow) {
+  gpu::Program& program = share_.with(snow.defines());
   for (TexelBatch& batch : scene.batches) {
-    share_.use();
-    share_.bind_texture("groups", batch.views.active_groups);
-    share_.bind_texture("texel_surface", batch.views.surface);
-    share_.bind_texture("targets", batch.views.targets);
-    share_.bind("DepositShare", batch.share);
-    share_.bind_texture("pixel_share", pixel_share_);
-    share_.dispatch_indirect(batch.active_groups, kBlocks);
+    program.use();
+    program.bind("Fall", fall);
+    program.bind_texture("groups", batch.views.active_groups);
+    program.bind_texture("texel_surface", batch.views.surface);
+    program.bind_texture("targets", batch.views.targets);
+    program.bind("DepositShare", batch.share);
+    program.bind_texture("weight_sum", weight_sum_);
+    if (snow.has_noise) {
+      program.set("tile_origin", tile.pixels.low);
+    }
+    program.dispatch_indirect(batch.active_groups, kBlocks);
   }
   glMemoryBarrier(kBarriers);
 }
 
 void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
-                             const OcclusionTarget& occlusion, float step_depth, bool is_last) {
+                             const OcclusionTarget& occlusion, const StepSnow& snow, bool is_last) {
   weigh(scene, fall, tile, occlusion);
   const glm::ivec2 size = tile.pixels.size();
   const int64_t pixels = int64_t{size.x} * size.y;
@@ -114,13 +122,14 @@ void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const
   for (TexelBatch& batch : scene.batches) {
     const bool is_new = batch.group != listed_group;
     if (is_new) {
-      list_pixels(scene, fall, tile, occlusion, scene.groups[static_cast<size_t>(batch.group)]);
+      list_pixels(scene, fall, tile, occlusion, scene.groups[static_cast<size_t>(batch.group)],
+                  snow);
       listed_group = batch.group;
     }
-    lay(scene, fall, tile, occlusion, step_depth, batch, is_new);
+    lay(scene, fall, tile, occlusion, snow.depth, batch, is_new);
   }
   if (!is_last) {
-    share_out(scene);
+    share_out(scene, fall, tile, snow);
   }
 }
 

@@ -81,7 +81,7 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   }
 
   statistics_.open(scene);
-  const auto depth = static_cast<float>(input.fall.depth);
+  const StepSnow snow{static_cast<float>(input.fall.depth), input.fall.noise_density < 1.0};
   PendingShares pending;
   if (input.mapping == DepositMapping::kGeometry) {
     if (deposit_geometry_ == nullptr) {
@@ -99,16 +99,17 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
         deposit_geometry_->run(scene, fall_, tile, target_);
         continue;
       }
-      deposit_compute_.run(scene, fall_, tile, target_, depth, is_last);
+      deposit_compute_.run(scene, fall_, tile, target_, snow, is_last);
       if (is_last) {
-        pending = {&deposit_compute_.pixel_share(), tiles.size() > 1};
+        pending = {&deposit_compute_.weight_sum(), &fall_, tile.pixels.low, tiles.size() > 1};
       }
     }
   }
-  stability_.run(scene, input.stability, pending, depth, static_cast<float>(input.dt));
+  stability_.run(scene, input.stability, pending, snow, static_cast<float>(input.dt));
   const double pixel_area = input.fall.pixel_size * input.fall.pixel_size;
-  const double snow = frame.range.z / std::min(1.0, input.fall.noise_density);
-  statistics_.close(scene, static_cast<float>(pixel_area), static_cast<float>(pixel_area * snow));
+  const double thickness = frame.range.z / std::min(1.0, input.fall.noise_density);
+  statistics_.close(scene, static_cast<float>(pixel_area),
+                    static_cast<float>(pixel_area * thickness));
 }
 
 }  // namespace snowbough::snow

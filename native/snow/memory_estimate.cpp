@@ -68,12 +68,11 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     const int64_t texels =
         (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
     estimate.texels +=
-        texels * kPerTexel + texels / group * (16 + 5 * 4) +
-        triangles * 2 * 4 +
+        texels * kPerTexel + texels / group * (16 + 5 * 4) + triangles * 2 * 4 +
         static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
   }
-  // What is seen, its depth, the sums, the shares and the list of pixels.
-  estimate.tile = int64_t{tile_size} * tile_size * (16 + 4 + 4 + 4 + 4);
+  // What is seen, its depth, the sums and the list of pixels.
+  estimate.tile = int64_t{tile_size} * tile_size * (16 + 4 + 4 + 4);
   // Three heights, a normal and its tables.
   estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;

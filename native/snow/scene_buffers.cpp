@@ -79,6 +79,7 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.views.surface = gpu::BufferTexture(batch.surface, GL_RGBA32F);
   batch.views.up = gpu::BufferTexture(batch.up, GL_R32F);
   batch.views.targets = gpu::BufferTexture(batch.targets, GL_RG32UI);
+  batch.views.units = gpu::BufferTexture(batch.units, GL_R32UI);
   batch.views.group_slots = gpu::BufferTexture(batch.group_slots, GL_R32UI);
   return batch;
 }

@@ -37,8 +37,8 @@ struct TexelBatch {
   gpu::Buffer partials;
   gpu::Buffer segment_buffer;
   gpu::Buffer group_slots;
-  /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether one
-  /// has anything to do, what state each is in, and which are at work in this step.
+  /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether
+  /// one has anything to do, what state each is in, and which are at work in this step.
   gpu::Buffer group_begin;
   gpu::Buffer group_triangles;
   gpu::Buffer group_states;
@@ -54,6 +54,7 @@ struct TexelBatch {
     gpu::BufferTexture surface;
     gpu::BufferTexture up;
     gpu::BufferTexture targets;
+    gpu::BufferTexture units;
     gpu::BufferTexture group_slots;
     gpu::BufferTexture group_begin;
     gpu::BufferTexture group_triangles;

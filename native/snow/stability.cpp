@@ -6,22 +6,23 @@
 
 namespace snowbough::snow {
 
-gpu::Program& StabilityPass::program_for(const PendingShares& pending) {
-  if (pending.on_deposit_maps) {
-    return deposit_map_;
-  }
-  if (pending.pixel_share == nullptr) {
-    return shares_waiting_;
-  }
-  return pending.earlier_tiles ? all_tiles_ : last_tile_;
-}
-
 void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
-                        const PendingShares& pending, float step_depth, float dt) {
+                        const PendingShares& pending, const StepSnow& snow, float dt) {
   const bool maps = pending.on_deposit_maps;
-  const bool has_tile = !maps && pending.pixel_share != nullptr;
+  const bool has_tile = !maps && pending.weight_sum != nullptr;
   const bool earlier = !maps && (!has_tile || pending.earlier_tiles);
-  gpu::Program& program = program_for(pending);
+  std::vector<std::string> defines;
+  if (maps) {
+    defines.emplace_back("DEPOSIT_MAP");
+  }
+  if (has_tile) {
+    defines = snow.defines();
+    defines.emplace_back("LAST_TILE");
+  }
+  if (earlier) {
+    defines.emplace_back("EARLIER_TILES");
+  }
+  gpu::Program& program = programs_.with(defines);
   for (TexelBatch& batch : scene.batches) {
     program.use();
     program.bind_texture("groups", batch.views.active_groups);
@@ -30,8 +31,12 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     program.bind_texture("texels", batch.views.texels);
     program.bind_texture("texel_surface", batch.views.surface);
     if (has_tile) {
-      program.bind_texture("pixel_share", *pending.pixel_share);
+      program.bind("Fall", *pending.fall);
+      program.bind_texture("weight_sum", *pending.weight_sum);
       program.bind_texture("targets", batch.views.targets);
+      if (snow.has_noise) {
+        program.set("tile_origin", pending.tile_origin);
+      }
     }
     if (earlier) {
       program.bind("DepositShare", batch.share);
@@ -41,7 +46,8 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
       program.bind_texture("deposit_map", group.deposit);
     } else {
       program.bind("DepositUnits", batch.units);
-      program.set("step_depth", step_depth);
+      program.bind_texture("units_before", batch.views.units);
+      program.set("step_depth", snow.depth);
     }
     program.bind("Partials", batch.partials);
     program.bind_image("height_map", group.height, GL_READ_WRITE);

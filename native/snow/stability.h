@@ -1,6 +1,10 @@
 #pragma once
 
-#include "gpu/program.h"
+#include <string>
+#include <vector>
+
+#include "gpu/program_variants.h"
+#include "snow/deposit_compute.h"
 #include "snow/fall_grid.h"
 #include "snow/scene_buffers.h"
 
@@ -16,8 +20,11 @@ struct StabilitySettings {
 
 /// What the deposit of the step's last tile left to be shared out.
 struct PendingShares {
-  /// DepositComputePass::pixel_share; null = no tile is pending.
-  const gpu::Texture* pixel_share = nullptr;
+  /// DepositComputePass::weight_sum; null = no tile is pending.
+  const gpu::Texture* weight_sum = nullptr;
+  /// The step's FallFrame, and the tile's first pixel.
+  const gpu::Buffer* fall = nullptr;
+  glm::ivec2 tile_origin{0};
   /// Shares of further tiles wait in the batches' `share`.
   bool earlier_tiles = false;
   /// The whole deposit lies on the groups' `deposit` maps; nothing of the above counts.
@@ -29,18 +36,13 @@ struct PendingShares {
 /// leaves the volumes in the batches' `partials`.
 class StabilityPass {
  public:
-  /// `step_depth` is the depth that the step's `units` refer to, metres. Without a pending tile
-  /// only `units` and `share` count. GPU thread.
+  /// `snow.depth` is what the step's `units` refer to. Without a pending tile only `units` and
+  /// `share` count. GPU thread.
   void run(SceneBuffers& scene, const StabilitySettings& settings, const PendingShares& pending,
-           float step_depth, float dt);
+           const StepSnow& snow, float dt);
 
  private:
-  gpu::Program& program_for(const PendingShares& pending);
-
-  gpu::Program deposit_map_{{"stability.comp.glsl"}, {"DEPOSIT_MAP"}};
-  gpu::Program shares_waiting_{{"stability.comp.glsl"}, {"EARLIER_TILES"}};
-  gpu::Program last_tile_{{"stability.comp.glsl"}, {"LAST_TILE"}};
-  gpu::Program all_tiles_{{"stability.comp.glsl"}, {"LAST_TILE", "EARLIER_TILES"}};
+  gpu::ProgramVariants programs_{{"stability.comp.glsl"}};
 };
 
 }  // namespace snowbough::snow

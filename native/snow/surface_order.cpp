@@ -1,6 +1,10 @@
 #include "snow/surface_order.h"
 
+#include <algorithm>
+#include <cstddef>
 #include <numeric>
+
+#include "shaders/snow_shared.h"
 
 namespace snowbough::snow {
 namespace {
@@ -30,8 +34,20 @@ std::vector<int32_t> surface_order(const TexelTable& table) {
     const int32_t texel = table.texel[static_cast<size_t>(i)];
     return texel / table.resolution / 32 * squares + texel % table.resolution / 32;
   });
-  return sorted_by(order, table.chart_count,
-                   [&](int32_t i) { return table.chart[static_cast<size_t>(i)]; });
+  order = sorted_by(order, table.chart_count,
+                    [&](int32_t i) { return table.chart[static_cast<size_t>(i)]; });
+  // A few neighbouring invocations walk along their parts together: as long as the longest takes.
+  const auto parts = [&](int32_t i) {
+    const auto at = static_cast<size_t>(i);
+    return table.fragment_begin[at + 1] - table.fragment_begin[at];
+  };
+  for (auto begin = order.begin(); begin != order.end();) {
+    const auto end =
+        begin + std::min<std::ptrdiff_t>(std::ptrdiff_t{shared::kTexelGroup}, order.end() - begin);
+    std::stable_sort(begin, end, [&](int32_t a, int32_t b) { return parts(a) < parts(b); });
+    begin = end;
+  }
+  return order;
 }
 
 }  // namespace snowbough::snow

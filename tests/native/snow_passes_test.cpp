@@ -195,9 +195,14 @@ TEST(TexelSurface, HoldsPositionAndArea) {
       area += texel.w;
     }
     EXPECT_NEAR(area, 4.0, 1e-4);
-    EXPECT_NEAR(surface[0].x, -1.0f + 1.0f / 64.0f, 1e-5f);
-    EXPECT_NEAR(surface[0].y, -1.0f + 1.0f / 64.0f, 1e-5f);
-    EXPECT_EQ(surface[0].z, 3.0f);
+    const auto texels = bench.scene.batches[0].texels.read_all<shared::Texel>();
+    for (size_t i = 0; i < surface.size(); ++i) {
+      const uint32_t column = texels[i].place % 64;
+      const uint32_t row = texels[i].place / 64;
+      EXPECT_NEAR(surface[i].x, -1.0f + (static_cast<float>(column) + 0.5f) / 32.0f, 1e-5f);
+      EXPECT_NEAR(surface[i].y, -1.0f + (static_cast<float>(row) + 0.5f) / 32.0f, 1e-5f);
+      EXPECT_EQ(surface[i].z, 3.0f);
+    }
   });
 }
 
@@ -244,7 +249,7 @@ TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
     // Pixels of four by four texels: every inner pixel's texels fill it.
     Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 16.0));
     DepositComputePass deposit;
-    deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, 0.01f, false);
+    deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, false);
     const gpu::Texture& sums = deposit.weight_sum();
     std::vector<uint32_t> weights(static_cast<size_t>(sums.width() * sums.height()));
     sums.read(0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(weights.size()) * 4,
@@ -273,7 +278,8 @@ TEST(DepositGeometry, LaysWhatComputeLays) {
     // Pixels smaller than texels, as large, and larger: by the texel under them, and by sharing.
     for (const double pixel_size : {1.0 / 300.0, 1.0 / 64.0, 1.0 / 16.0}) {
       Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.3, 0, -1}, pixel_size));
-      DepositComputePass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, 0.01f, false);
+      DepositComputePass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f},
+                               false);
       DepositGeometryPass geometry;
       geometry.begin(bench.scene);
       geometry.run(bench.scene, bench.fall, bench.tiles[0], bench.target);
@@ -307,7 +313,7 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
       bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
       std::vector<float> shares(static_cast<size_t>(bench.scene.batches[0].count), deposit);
       bench.scene.batches[0].share = gpu::Buffer(shares);
-      StabilityPass().run(bench.scene, {max_depth, 2.0f}, {}, 0.01f, dt);
+      StabilityPass().run(bench.scene, {max_depth, 2.0f}, {}, {0.01f}, dt);
       std::vector<float> result(64 * 64);
       bench.scene.groups[0].height.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, result.data());
       EXPECT_EQ(bench.scene.batches[0].share.read_all<float>()[0], 0.0f);
@@ -361,7 +367,7 @@ TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
     groups.run(bench.scene, bench.fall, {0}, false);
     // Nobody has looked yet whether snow lies there.
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
-    StabilityPass().run(bench.scene, {}, {}, 0.01f, 1.0f);
+    StabilityPass().run(bench.scene, {}, {}, {0.01f}, 1.0f);
     groups.run(bench.scene, bench.fall, {}, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
     EXPECT_TRUE(listed(batch.old_groups).empty());
@@ -383,11 +389,11 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
     bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
     TexelGroupsPass groups;
     groups.run(bench.scene, bench.fall, {0}, false);
-    StabilityPass().run(bench.scene, {}, {}, 0.01f, 0.01f);
+    StabilityPass().run(bench.scene, {}, {}, {0.01f}, 0.01f);
     groups.run(bench.scene, bench.fall, {}, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2}));
     // It slides off within a thousand half-lives.
-    StabilityPass().run(bench.scene, {}, {}, 0.01f, 2000.0f);
+    StabilityPass().run(bench.scene, {}, {}, {0.01f}, 2000.0f);
     groups.run(bench.scene, bench.fall, {}, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
   });
