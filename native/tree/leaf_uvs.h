@@ -31,7 +31,8 @@ struct LeafUvs {
 /// and a sheet that would fold upon itself (needle tubes, spheres) one a face. All charts have the
 /// same scale, but at least two texels of width and height. Between two charts at least one texel
 /// stays free, two where the layout has charts wider than four texels, and one along the border.
-/// Every face of three or more corners has positive area.
+/// Every face of three or more corners has positive area. The scale is the largest but for a
+/// thousandth. flatten_leaves makes the charts.
 ///
 /// @param resolution  16 to 16384.
 /// @throws Cancelled when execution's progress says stop.

@@ -109,6 +109,59 @@ TEST(LeafUvs, CrossedPlanesAndFoldedSheetsAreTakenApart) {
   EXPECT_GT(measure(needle, layout, 4).min_face_area, 0.0);
 }
 
+/// A strip of quads around the z axis, a tenth of a turn each, that rises by `rise` a turn.
+Foliage winding_strip(int quads, float rise) {
+  Foliage foliage;
+  for (int i = 0; i <= quads; ++i) {
+    const float angle = 0.1f * 6.2831853f * static_cast<float>(i);
+    for (const float radius : {1.0f, 2.0f}) {
+      foliage.vertices.emplace_back(radius * std::cos(angle), radius * std::sin(angle),
+                                    0.1f * rise * static_cast<float>(i));
+    }
+  }
+  for (int32_t i = 0; i < quads; ++i) {
+    add_indexed_face(foliage, 0, {2 * i, 2 * i + 1, 2 * i + 3, 2 * i + 2});
+  }
+  return foliage;
+}
+
+TEST(LeafUvs, AHookedLeafIsOneChart) {
+  const Foliage foliage = winding_strip(7, 0.0f);
+  const LeafUvs layout = layout_leaf_uvs(foliage, 64);
+  EXPECT_EQ(layout.chart_count, 1);
+  EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
+}
+
+TEST(LeafUvs, ALeafThatWindsAroundOverItselfIsTakenApart) {
+  const Foliage foliage = winding_strip(13, 0.2f);
+  const LeafUvs layout = layout_leaf_uvs(foliage, 64);
+  EXPECT_EQ(layout.chart_count, 13);
+  EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
+}
+
+TEST(LeafUvs, TheFacesOfALeafMayLieApart) {
+  Foliage foliage;
+  foliage.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 2, 0}, {0, 2, 0}, {2, 0, 0}, {2, 2, 0}};
+  add_indexed_face(foliage, 1, {0, 1, 2, 3});
+  add_face(foliage, 0, {{5, 0, 0}, {6, 0, 0}, {6, 2, 0}, {5, 2, 0}});
+  add_indexed_face(foliage, 1, {1, 4, 5, 2});
+  const LeafUvs layout = layout_leaf_uvs(foliage, 64);
+  EXPECT_EQ(layout.chart_count, 2);
+  EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
+}
+
+TEST(LeafUvs, TheScaleIsNearlyTheLargest) {
+  // Seven squares of a metre in a row: at 7 texels each they take 61 with their gutters of two,
+  // of 62.
+  Foliage foliage;
+  for (int32_t leaf = 0; leaf < 49; ++leaf) {
+    add_face(foliage, leaf, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}});
+  }
+  const LeafUvs layout = layout_leaf_uvs(foliage, 64);
+  EXPECT_NEAR(layout.scale, 7.0, 0.01);
+  EXPECT_LE(layout.scale, 7.0);
+}
+
 TEST(LeafUvs, FacesWithoutAreaStillGetAPlace) {
   Foliage foliage;
   add_face(foliage, 0, {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}});
