@@ -303,9 +303,10 @@ class SurfaceBuilder {
       const double slant =
           glm::dot(request.direction, x_axis) / std::max(0.3, glm::dot(request.direction, normal));
       const double wanted_y = (request.position - knuckle.begin) / (knuckle.end - knuckle.begin);
+      const double margin_x =
+          half_x + std::max(kInsetMargin, std::min(half_x, kFreeMargin * (1.0 - 2.0 * half_x)));
       const double margin_y = half_y + std::max(kInsetMargin, kFreeMargin * (1.0 - 2.0 * half_y));
-      const double x =
-          std::clamp(0.5 + 0.5 * slant, half_x + kInsetMargin, 1.0 - half_x - kInsetMargin);
+      const double x = std::clamp(0.5 + 0.5 * slant, margin_x, 1.0 - margin_x);
       const double y = std::clamp(wanted_y, margin_y, 1.0 - margin_y);
       const auto on_side = [&](double a, double c) {
         return (outer[0] * (1.0 - a) + outer[1] * a) * (1.0 - c) +

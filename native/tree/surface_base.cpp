@@ -22,6 +22,14 @@ constexpr double kInsetBelow = 0.9;
 constexpr double kHoleLength = 0.55;
 /// A child widens from its hole by at most this much a metre.
 constexpr double kWidening = 1.2;
+/// The points of a child's first ring rise from its hole at least this share as steeply as its
+/// centre does, or it would hang over the parent's side with a slit under it.
+constexpr double kLeastRise = 0.5;
+/// To rise enough, a child passes by its own joints as long as it strays less than this share of
+/// their corner radius from them.
+constexpr double kLargestShortcut = 1.0;
+/// Points that stand for a whole ring.
+constexpr int kRingSamples = 8;
 /// Each step of relief narrows the base by this factor, and moves its first ring out by this share
 /// of the parent's corner radius.
 constexpr double kReliefFactor = 0.7;
@@ -92,6 +100,17 @@ std::vector<size_t> segments_near(const LimbSurface& parent, const glm::dvec3& c
   return near;
 }
 
+std::array<glm::dvec3, kRingSamples> ring_samples(const glm::dvec3& centre,
+                                                  const glm::dvec3& normal, double corner) {
+  const Frame frame = first_frame(normal);
+  std::array<glm::dvec3, kRingSamples> samples;
+  for (int k = 0; k < kRingSamples; ++k) {
+    const double angle = 2.0 * M_PI / kRingSamples * k;
+    samples[k] = centre + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * corner;
+  }
+  return samples;
+}
+
 /// Whether a ring stands clear: outside the parent's round hull, and the whole hole behind it.
 bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& centre,
                  const glm::dvec3& normal, double corner, double margin) {
@@ -112,15 +131,82 @@ bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& 
       return false;
     }
   }
-  const Frame frame = first_frame(normal);
-  for (int k = 0; k < 8; ++k) {
-    const double angle = 0.25 * M_PI * k;
-    const glm::dvec3 p = centre + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * corner;
-    if (glm::dot(p - hole.centre, hole.normal) <= margin || !clears_all(p)) {
+  const auto samples = ring_samples(centre, normal, corner);
+  return std::all_of(samples.begin(), samples.end(), [&](const glm::dvec3& p) {
+    return glm::dot(p - hole.centre, hole.normal) > margin && clears_all(p);
+  });
+}
+
+/// Whether a ring rises from the hole as its centre does. One close to a hole that its limb leaves
+/// aslant reaches beyond the hole's edge, hardly above the parent's side.
+bool ring_rises(const Hole& hole, const glm::dvec3& centre, const glm::dvec3& normal,
+                double corner) {
+  const glm::dvec3 step = centre - hole.centre;
+  const double height = glm::dot(step, hole.normal);
+  const double aside = glm::length(across(step, hole.normal));
+  const auto samples = ring_samples(centre, normal, corner);
+  return std::all_of(samples.begin(), samples.end(), [&](const glm::dvec3& p) {
+    double beyond = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const glm::dvec3& from = hole.corners[k];
+      const glm::dvec3 outward = glm::cross(hole.corners[(k + 1) % 4] - from, hole.normal);
+      beyond = std::max(beyond, glm::dot(p - from, outward) / glm::length(outward));
+    }
+    return glm::dot(p - hole.centre, hole.normal) * aside >= kLeastRise * height * beyond;
+  });
+}
+
+/// Whether the way straight from the hole to a joint passes by those before it, from `first` on, as
+/// if they were not there: near them, and about as wide.
+bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t joint) {
+  const glm::dvec3 way = child.points[joint] - hole.centre;
+  for (size_t i = first; i < joint; ++i) {
+    const glm::dvec3 to = child.points[i] - hole.centre;
+    const double t = std::clamp(glm::dot(to, way) / glm::dot(way, way), 0.0, 1.0);
+    const double corner = hole.corner + (child.corners[joint] - hole.corner) * t;
+    if (glm::distance(to, way * t) + std::abs(corner - child.corners[i]) >
+        kLargestShortcut * child.corners[i]) {
       return false;
     }
   }
   return true;
+}
+
+/// The joint where a child has its first ring, and that ring's corner radius.
+struct FirstRing {
+  size_t joint = 0;
+  double corner = 0.0;
+};
+
+/// The first joint whose ring, narrowed if need be, clears the parent, or one soon after it whose
+/// ring rises from the hole as well. None: joint 0.
+FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+                     const SurfaceScale& scale, double margin, double narrowing) {
+  const size_t last = child.points.size() - 1;
+  FirstRing first;
+  for (size_t i = 1; i <= last; ++i) {
+    if (first.joint > 0 && !is_shortcut(child, hole, first.joint, i)) {
+      break;
+    }
+    const glm::dvec3 normal = joint_normal(child, i);
+    for (double factor : {1.0, 0.75, 0.5, 0.3, 0.15, 0.0}) {
+      if (i < last && factor < 0.5) {
+        break;
+      }
+      const double corner = std::max(child.corners[i] * factor * narrowing, scale.smallest_corner);
+      if (ring_clears(parent, hole, child.points[i], normal, corner, margin)) {
+        const bool rises = ring_rises(hole, child.points[i], normal, corner);
+        if (rises || first.joint == 0) {
+          first = {i, corner};
+        }
+        if (rises) {
+          return first;
+        }
+        break;
+      }
+    }
+  }
+  return first;
 }
 
 }  // namespace
@@ -168,24 +254,8 @@ LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface
   const double margin = scale.smallest_gap + kReliefMargin * relief * hole.parent_corner;
   const double narrowing = std::pow(kReliefFactor, relief);
   const size_t last = child.points.size() - 1;
-  size_t first = 0;
-  double first_corner = scale.smallest_corner;
-  glm::dvec3 first_point = child.points[last];
-  for (size_t i = 1; i <= last && first == 0; ++i) {
-    const glm::dvec3 normal = joint_normal(child, i);
-    for (double factor : {1.0, 0.75, 0.5, 0.3, 0.15, 0.0}) {
-      if (i < last && factor < 0.5) {
-        break;
-      }
-      const double corner = std::max(child.corners[i] * factor * narrowing, scale.smallest_corner);
-      if (ring_clears(parent, hole, child.points[i], normal, corner, margin)) {
-        first = i;
-        first_corner = corner;
-        first_point = child.points[i];
-        break;
-      }
-    }
-  }
+  auto [first, first_corner] = first_ring(child, hole, parent, scale, margin, narrowing);
+  glm::dvec3 first_point = child.points[first];
   if (first == 0) {
     // The whole branch lies inside its parent, or behind it: what remains is a stub.
     first = last;
@@ -217,7 +287,9 @@ LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface
   for (double t : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
     const double s = t * path.lengths[1];
     const double corner = hole.corner + (path.corners[1] - hole.corner) * t;
-    if (ring_clears(parent, hole, path.points[0] + direction * s, direction, corner, margin)) {
+    const glm::dvec3 centre = path.points[0] + direction * s;
+    if (ring_clears(parent, hole, centre, direction, corner, margin) &&
+        ring_rises(hole, centre, direction, corner)) {
       path.clear_from = s;
       break;
     }

@@ -35,8 +35,9 @@ Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int
                const SurfaceScale& scale, int relief);
 
 /// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
-/// would cut into it, are dropped; rings that hardly clear it are narrowed. At least the tip
-/// remains.
+/// would cut into it, are dropped, and so are those close to the hole whose ring would hang over
+/// the parent's side with a slit under it, if the way past them is about straight; rings that
+/// hardly clear the parent are narrowed. At least the tip remains.
 /// @param parent the parent's rings.
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
                       const SurfaceScale& scale, int relief);

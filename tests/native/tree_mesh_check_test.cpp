@@ -116,5 +116,33 @@ TEST(MeshCheck, AnInsideOutCubeIsWoundWrongly) {
   EXPECT_NEAR(check.volume, -1.0, 1e-6);
 }
 
+TEST(MeshCheck, FindsWhatIsWrongWithACube) {
+  const std::vector<glm::vec3> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
+                                          {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
+  const std::vector<Quad> cube = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
+                                  {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
+  const MeshCheck good = check_mesh(corners, cube);
+  EXPECT_TRUE(good.closed() && good.winding_ok);
+  EXPECT_THAT(good.euler, ElementsAre(2));
+  EXPECT_NEAR(good.volume, 1.0, 1e-6);
+
+  const MeshCheck open = check_mesh(corners, {cube.begin(), cube.end() - 1});
+  EXPECT_EQ(open.boundary_edges, 4);
+  EXPECT_THAT(open.euler, ElementsAre(1));
+
+  std::vector<Quad> flipped = cube;
+  std::reverse(flipped[0].begin(), flipped[0].end());
+  EXPECT_EQ(check_mesh(corners, flipped).flipped_edges, 4);
+  EXPECT_FALSE(check_mesh(corners, flipped).winding_ok);
+
+  std::vector<Quad> doubled = cube;
+  doubled.push_back(cube[0]);
+  EXPECT_EQ(check_mesh(corners, doubled).nonmanifold_edges, 4);
+
+  std::vector<glm::vec3> flat = corners;
+  flat[4] = flat[5] = flat[6] = flat[7] = {0.5f, 0.5f, 1.0f};
+  EXPECT_EQ(check_mesh(flat, cube).zero_area_faces, 1);
+}
+
 }  // namespace
 }  // namespace snowbough::tree

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <set>
 
-#include "tree/bones.h"
 #include "tree/build_tree_mesh.h"
 #include "tree/frames.h"
 #include "tree/surface.h"
@@ -12,8 +11,7 @@
 #include "tree/surface_path.h"
 #include "tree/surface_relief.h"
 #include "tree/surface_triangles.h"
-#include "tree/weights.h"
-#include "tree_surface_skeletons.h"
+#include "tree_surface_built.h"
 
 namespace snowbough::tree {
 namespace {
@@ -22,31 +20,6 @@ using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::SizeIs;
-
-struct Built {
-  SurfaceScale scale;
-  std::vector<LimbPath> paths;
-  Surface surface;
-};
-
-Built build(const Skeleton& skeleton) {
-  Built built;
-  built.scale = surface_scale(skeleton);
-  built.paths = limb_paths(skeleton, limb_widths(skeleton, {}), built.scale);
-  built.surface = build_surface(skeleton, built.paths, built.scale, {},
-                                std::vector<uint8_t>(built.paths.size(), 0));
-  return built;
-}
-
-MeshCheck check(const Surface& surface) {
-  return check_mesh({surface.vertices.begin(), surface.vertices.end()}, surface.quads);
-}
-
-Branch side_branch(float height, float radius, glm::vec3 direction = {1.0f, 0.0f, 0.0f}) {
-  const glm::vec3 root(0.0f, 0.0f, height);
-  return make_branch(0, 1, {root, root + direction, root + 2.0f * direction},
-                     {radius, radius, radius});
-}
 
 int count_part(const Surface& surface, FacePart part) {
   return static_cast<int>(
@@ -109,16 +82,6 @@ TEST(Surface, TheSideThatFacesTheChildStaysOpen) {
   }
 }
 
-/// A trunk with `count` branches all round one place.
-Skeleton whorl(int count) {
-  std::vector<Branch> branches = {trunk()};
-  for (int i = 0; i < count; ++i) {
-    const double angle = 2.0 * M_PI * i / count;
-    branches.push_back(side_branch(5.5f, 0.05f, {std::cos(angle), std::sin(angle), 0.0}));
-  }
-  return make_skeleton(branches);
-}
-
 TEST(Surface, FourChildrenAtOnePlaceShareAKnuckleAndEightTakeTwo) {
   for (int count : {4, 8}) {
     const Built built = build(whorl(count));
@@ -146,49 +109,6 @@ TEST(Surface, JointsInsideAKnuckleLoseTheirRing) {
   const Built built = build(make_skeleton({trunk(), side_branch(5.0f, 0.2f)}));
   for (const Ring& ring : built.surface.limbs[0].rings) {
     EXPECT_GT(std::abs(ring.centre.z - 5.0), 0.05);
-  }
-}
-
-TEST(Surface, TheChildsOwnJointsInsideTheParentAreDropped) {
-  const Branch child =
-      make_branch(0, 1, {{0, 0, 5.5f}, {0.05f, 0, 5.5f}, {0.1f, 0, 5.5f}, {1, 0, 5.5f}},
-                  {0.05f, 0.05f, 0.05f, 0.05f});
-  const Built built = build(make_skeleton({trunk(), child}));
-  EXPECT_THAT(built.surface.limbs[1].rings, SizeIs(2));
-}
-
-/// The least mean height of a branch's walls and insets, in longest edges of the same face.
-double thinnest_face(const Surface& surface, int32_t branch) {
-  double thinnest = 1.0;
-  for (size_t f = 0; f < surface.quads.size(); ++f) {
-    if (surface.origins[f].branch != branch) continue;
-    std::array<glm::dvec3, 4> p;
-    for (int k = 0; k < 4; ++k) p[k] = surface.vertices[surface.quads[f][k]];
-    double longest = 0.0;
-    for (int k = 0; k < 4; ++k) longest = std::max(longest, glm::distance(p[k], p[(k + 1) % 4]));
-    const double area = 0.5 * glm::length(glm::cross(p[2] - p[0], p[3] - p[1]));
-    thinnest = std::min(thinnest, area / (longest * longest));
-  }
-  return thinnest;
-}
-
-TEST(Surface, NoSliverLiesAcrossALimbBesideAHole) {
-  // Slivers show as dark lines round the limb once it is shaded smooth. The steeper the branch, the
-  // further its hole moves towards the knuckle's end.
-  for (const float up : {-2.0f, -0.5f, 0.0f, 0.5f, 2.0f}) {
-    SCOPED_TRACE("up " + std::to_string(up));
-    const glm::vec3 direction = glm::normalize(glm::vec3(1.0f, 0.0f, up));
-    EXPECT_GT(thinnest_face(
-                  build(make_skeleton({trunk(), side_branch(5.5f, 0.05f, direction)})).surface, 0),
-              0.04);
-  }
-}
-
-TEST(Surface, AJointCloseToAKnuckleLosesItsRing) {
-  for (const float height : {5.13f, 5.15f, 5.17f, 5.2f, 5.25f, 5.3f}) {
-    SCOPED_TRACE("height " + std::to_string(height));
-    EXPECT_GT(thinnest_face(build(make_skeleton({trunk(), side_branch(height, 0.05f)})).surface, 0),
-              0.04);
   }
 }
 
@@ -322,133 +242,6 @@ TEST(Crossings, AnOverlapAtAJunctionIsFound) {
   const Branch hooked =
       make_branch(0, 1, {{0, 0, 5.5f}, {0.6f, 0, 5.5f}, {-0.6f, 0, 6.2f}}, {0.1f, 0.1f, 0.1f});
   EXPECT_EQ(count_crossing(find_crossings(build(make_skeleton({trunk(), hooked})).surface)), 1);
-}
-
-TEST(Weights, FollowFromWhereTheRingStands) {
-  const Built built = build(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}));
-  const Armature armature =
-      make_bones(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}), built.paths, built.scale);
-  const VertexWeights weights = make_weights(built.surface, built.paths, armature, 4);
-  const LimbSurface& limb = built.surface.limbs[0];
-  const int32_t joint = limb.rings[3].vertices[0];
-  EXPECT_THAT(weights.indices[joint], ElementsAre(2, 3, 0, 0));
-  EXPECT_THAT(weights.weights[joint], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
-  const int32_t tip = limb.rings.back().vertices[0];
-  EXPECT_THAT(weights.indices[tip], ElementsAre(9, 0, 0, 0));
-  EXPECT_THAT(weights.weights[tip], ElementsAre(1.0f, 0.0f, 0.0f, 0.0f));
-  const int32_t knuckle = limb.rings[built.surface.junctions[0].row].vertices[0];
-  EXPECT_THAT(weights.indices[knuckle], ElementsAre(5, 0, 0, 0));
-  const int32_t rim = built.surface.limbs[1].rings[0].vertices[0];
-  EXPECT_THAT(weights.indices[rim], ElementsAre(5, 10, 0, 0));
-  EXPECT_THAT(weights.weights[rim], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
-}
-
-TEST(Bones, AChildHangsOnTheBoneThatEndsWhereItSits) {
-  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
-  ASSERT_THAT(mesh.bones.parents, SizeIs(12));
-  EXPECT_EQ(mesh.bones.names[10], "b1.0");
-  EXPECT_EQ(mesh.bones.parents[10], 4);
-  EXPECT_EQ(mesh.bones.parents[11], 10);
-  EXPECT_NEAR(mesh.bones.head_radii[0], 0.2f, 1e-6f);
-}
-
-TEST(Bones, ReducingHandsWeightsToTheNearestKeptAncestor) {
-  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
-  const ReducedBones reduced = reduce_bones(mesh.bones, {0, 0});
-  EXPECT_THAT(reduced.bones.heads, SizeIs(10));
-  EXPECT_EQ(reduced.bone_map[11], 4);
-  auto indices = mesh.bone_indices;
-  auto weights = mesh.bone_weights;
-  remap_weights(reduced.bone_map, indices, weights);
-  for (const auto& weight : weights) {
-    EXPECT_NEAR(weight[0] + weight[1] + weight[2] + weight[3], 1.0f, 1e-6f);
-  }
-}
-
-TEST(Bones, ABudgetIsKeptAndNoBoneLosesItsParent) {
-  const TreeMesh mesh = build_tree_mesh(whorl(8));
-  ASSERT_THAT(mesh.bones.heads, SizeIs(26));
-  const ReducedBones reduced = reduce_bones(mesh.bones, {20, -1});
-  EXPECT_THAT(reduced.bones.heads, SizeIs(20));
-  for (size_t i = 0; i < reduced.bones.parents.size(); ++i) {
-    EXPECT_LT(reduced.bones.parents[i], static_cast<int32_t>(i));
-  }
-}
-
-TEST(Bark, TheTextureKeepsItsAspect) {
-  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}));
-  const float circumference = 4.0f * std::sqrt(static_cast<float>(M_PI)) * 0.2f;
-  for (size_t f = 0; f < mesh.quads.size(); ++f) {
-    if (mesh.origins[f].part == FacePart::kWall) {
-      EXPECT_NEAR(mesh.uv_bark[f][1].x - mesh.uv_bark[f][0].x, 0.25f, 1e-5f);
-      EXPECT_NEAR(mesh.uv_bark[f][3].y - mesh.uv_bark[f][0].y, 1.0f / circumference, 1e-3f);
-    }
-  }
-}
-
-TEST(Lod, EachLevelDoublesTheSidesAndPutsThemOnTheRadius) {
-  for (int lod = 1; lod <= 3; ++lod) {
-    TreeMeshOptions options;
-    options.lod = lod;
-    const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}), options);
-    EXPECT_THAT(mesh.quads, SizeIs(42u << (2 * lod)));
-    int around = 0;
-    for (const glm::vec3& p : mesh.vertices) {
-      const float radius = std::hypot(p.x, p.y);
-      if (p.z > 0.01f && p.z < 9.99f) {
-        EXPECT_NEAR(radius, 0.2f, 1e-5f);
-      }
-      around += std::abs(p.z - 5.0f) < 1e-4f;
-    }
-    EXPECT_EQ(around, 4 << lod);
-  }
-}
-
-TEST(Lod, FinerLevelsStayClosedAndWeighted) {
-  TreeMeshOptions options;
-  options.lod = 2;
-  for (uint32_t seed = 1; seed <= 20; ++seed) {
-    SCOPED_TRACE("seed " + std::to_string(seed));
-    const TreeMesh mesh = build_tree_mesh(RandomSkeleton(seed).make(), options);
-    const MeshCheck result = check_mesh(mesh.vertices, mesh.quads);
-    EXPECT_TRUE(result.closed());
-    EXPECT_THAT(result.euler, Each(2));
-    EXPECT_EQ(result.flipped_edges, 0);
-    for (const auto& weight : mesh.bone_weights) {
-      ASSERT_NEAR(weight[0] + weight[1] + weight[2] + weight[3], 1.0f, 1e-6f);
-    }
-    EXPECT_EQ(mesh.uv_bark.size(), mesh.quads.size());
-    EXPECT_EQ(mesh.uv_snow.size(), mesh.quads.size());
-    EXPECT_EQ(mesh.branch_level.size(), mesh.quads.size());
-  }
-}
-
-TEST(MeshCheck, FindsWhatIsWrongWithACube) {
-  const std::vector<glm::vec3> corners = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0},
-                                          {0, 0, 1}, {1, 0, 1}, {1, 1, 1}, {0, 1, 1}};
-  const std::vector<Quad> cube = {{0, 3, 2, 1}, {4, 5, 6, 7}, {0, 1, 5, 4},
-                                  {1, 2, 6, 5}, {2, 3, 7, 6}, {3, 0, 4, 7}};
-  const MeshCheck good = check_mesh(corners, cube);
-  EXPECT_TRUE(good.closed() && good.winding_ok);
-  EXPECT_THAT(good.euler, ElementsAre(2));
-  EXPECT_NEAR(good.volume, 1.0, 1e-6);
-
-  const MeshCheck open = check_mesh(corners, {cube.begin(), cube.end() - 1});
-  EXPECT_EQ(open.boundary_edges, 4);
-  EXPECT_THAT(open.euler, ElementsAre(1));
-
-  std::vector<Quad> flipped = cube;
-  std::reverse(flipped[0].begin(), flipped[0].end());
-  EXPECT_EQ(check_mesh(corners, flipped).flipped_edges, 4);
-  EXPECT_FALSE(check_mesh(corners, flipped).winding_ok);
-
-  std::vector<Quad> doubled = cube;
-  doubled.push_back(cube[0]);
-  EXPECT_EQ(check_mesh(corners, doubled).nonmanifold_edges, 4);
-
-  std::vector<glm::vec3> flat = corners;
-  flat[4] = flat[5] = flat[6] = flat[7] = {0.5f, 0.5f, 1.0f};
-  EXPECT_EQ(check_mesh(flat, cube).zero_area_faces, 1);
 }
 
 TEST(Options, OutOfRangeIsAnErrorWithTheRange) {
