@@ -71,17 +71,18 @@ class SlantedEdge {
 }  // namespace
 
 std::array<double, 5> column_shares(const StripRing& ring, int seam) {
+  const double perimeter = double{ring.sides[0]} + ring.sides[1] + ring.sides[2] + ring.sides[3];
+  const double least = perimeter > 0.0 ? kMinSideShare * perimeter : 1.0;
   std::array<double, kSides> share{};
   double sum = 0.0;
-  const double perimeter = ring.sides[0] + ring.sides[1] + ring.sides[2] + ring.sides[3];
   for (int column = 0; column < kSides; ++column) {
-    const double side = ring.sides[(seam + column) % kSides];
-    share[column] = perimeter > 0.0 ? std::max(side / perimeter, kMinSideShare) : 1.0;
+    share[column] = std::max<double>(ring.sides[(seam + column) % kSides], least);
     sum += share[column];
   }
+  const double scale = 1.0 / sum;
   std::array<double, kSides + 1> columns{};
   for (int column = 0; column < kSides; ++column) {
-    columns[column + 1] = columns[column] + share[column] / sum;
+    columns[column + 1] = columns[column] + share[column] * scale;
   }
   columns[kSides] = 1.0;
   return columns;

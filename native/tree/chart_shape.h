@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tree/pack_charts.h"
+#include "tree/strip_pieces.h"
 #include "tree/strip_rows.h"
 
 namespace snowbough::tree {

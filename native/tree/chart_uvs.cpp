@@ -46,7 +46,8 @@ std::array<InsetCorner, 4> classify_inset(const Quad& inset, const std::array<in
   return result;
 }
 
-HoleRect locate_hole(const TreeMesh& mesh, const StripCell& cell,
+/// @param insets  the quads along the cell's edges; -1 where one is missing.
+HoleRect locate_hole(const TreeMesh& mesh, const std::array<int32_t, 4>& insets,
                      const std::array<int32_t, 4>& corners) {
   HoleRect hole{0.25, 0.75, 0.25, 0.75};
   if (std::any_of(corners.begin(), corners.end(), [](int32_t v) { return v < 0; })) {
@@ -69,7 +70,7 @@ HoleRect locate_hole(const TreeMesh& mesh, const StripCell& cell,
   std::array<double, 4> u{};
   std::array<double, 4> v{};
   std::array<int, 4> count{};
-  for (const int32_t inset : cell.insets) {
+  for (const int32_t inset : insets) {
     if (inset < 0) {
       continue;
     }
@@ -142,10 +143,11 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
       if (cell.empty()) {
         continue;
       }
+      const std::array<int32_t, 4>& insets = strip.insets[cell.inset];
       const std::array<int32_t, 4> corners{
           strip.rings[row].corners[side], strip.rings[row].corners[next],
           strip.rings[row + 1].corners[next], strip.rings[row + 1].corners[side]};
-      const HoleRect hole = locate_hole(mesh, cell, corners);
+      const HoleRect hole = locate_hole(mesh, insets, corners);
       const auto in_cell = [&](double u, double v) {
         const double left = x0 + v * (x3 - x0);
         const double right = x1 + v * (x2 - x1);
@@ -156,7 +158,7 @@ void write_chart_uvs(const Strip& strip, const ChartShapes& shapes, const ChartS
       const std::array<glm::vec2, 4> inner{
           in_cell(hole.left, hole.bottom), in_cell(hole.right, hole.bottom),
           in_cell(hole.right, hole.top), in_cell(hole.left, hole.top)};
-      for (const int32_t inset : cell.insets) {
+      for (const int32_t inset : insets) {
         if (inset < 0) {
           continue;
         }

@@ -6,6 +6,7 @@
 
 #include "tree/chart_layout.h"
 #include "tree/chart_uvs.h"
+#include "tree/strip_pieces.h"
 #include "tree/strip_rows.h"
 
 namespace snowbough::tree {

@@ -1,10 +1,9 @@
 #include "tree/strip_rows.h"
 
 #include <algorithm>
-#include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <numeric>
+#include <span>
 #include <stdexcept>
 #include <string>
 
@@ -13,12 +12,27 @@ namespace {
 
 constexpr int kSides = 4;
 
-/// All that the quads say of one branch, in its own order of sides.
+using Corners = std::array<int32_t, kSides>;
+
+/// All that the quads say of the branches, each in its own order of sides, in flat arrays.
 struct BranchRows {
+  /// Each branch's first row, and where the last one's end.
+  std::vector<int32_t> first_row;
   std::vector<std::array<StripCell, kSides>> cells;
-  std::vector<std::array<int32_t, kSides>> rings;
-  int32_t root_cap = -1;
-  int32_t tip_cap = -1;
+  /// Each branch has one more than rows.
+  std::vector<Corners> rings;
+  std::vector<Corners> insets;
+  std::vector<int32_t> root_caps;
+  std::vector<int32_t> tip_caps;
+
+  int32_t row_count(size_t branch) const { return first_row[branch + 1] - first_row[branch]; }
+  size_t first_ring(size_t branch) const { return first_row[branch] + branch; }
+  std::span<const std::array<StripCell, kSides>> cells_of(size_t branch) const {
+    return std::span(cells).subspan(first_row[branch], row_count(branch));
+  }
+  std::span<const Corners> rings_of(size_t branch) const {
+    return std::span(rings).subspan(first_ring(branch), row_count(branch) + 1);
+  }
 };
 
 [[noreturn]] void reject(const FaceOrigin& origin, const std::string& why) {
@@ -27,12 +41,12 @@ struct BranchRows {
                               ": " + why);
 }
 
-void check_origin(const FaceOrigin& origin, size_t branch_count) {
+void check_origin(const FaceOrigin& origin, size_t branch_count, size_t quad_count) {
   if (origin.branch < 0 || static_cast<size_t>(origin.branch) >= branch_count) {
     reject(origin, "its branch is not in the skeleton");
   }
-  if (origin.row < 0 || origin.side < 0 || origin.side >= kSides || origin.inset < 0 ||
-      origin.inset >= kSides) {
+  if (origin.row < 0 || static_cast<size_t>(origin.row) > quad_count || origin.side < 0 ||
+      origin.side >= kSides || origin.inset < 0 || origin.inset >= kSides) {
     reject(origin, "row, side or inset is out of range");
   }
 }
@@ -44,89 +58,97 @@ void claim(int32_t& slot, int32_t quad, const FaceOrigin& origin) {
   slot = quad;
 }
 
-void set_corner(BranchRows& rows, int32_t ring, int32_t corner, int32_t vertex,
-                const FaceOrigin& origin) {
-  int32_t& slot = rows.rings[ring][corner % kSides];
+/// Sets corner `corner` (modulo four) of a ring.
+void set_corner(Corners& ring, int32_t corner, int32_t vertex, const FaceOrigin& origin) {
+  int32_t& slot = ring[corner % kSides];
   if (slot >= 0 && slot != vertex) {
     reject(origin, "its corners do not meet those of its neighbours");
   }
   slot = vertex;
 }
 
-std::vector<BranchRows> sort_quads(const TreeMesh& mesh, size_t branch_count) {
+bool is_cap(const FaceOrigin& origin) {
+  return origin.part == FacePart::kRootCap || origin.part == FacePart::kTipCap;
+}
+
+/// Checks the origins and makes room for every branch's rows.
+BranchRows count_rows(const TreeMesh& mesh, size_t branch_count) {
   if (mesh.origins.size() != mesh.quads.size()) {
     throw std::invalid_argument("the mesh has " + std::to_string(mesh.quads.size()) +
                                 " quads but " + std::to_string(mesh.origins.size()) + " origins");
   }
-  std::vector<BranchRows> branches(branch_count);
+  BranchRows rows;
+  rows.first_row.assign(branch_count + 1, 0);
+  for (const FaceOrigin& origin : mesh.origins) {
+    check_origin(origin, branch_count, mesh.quads.size());
+    if (!is_cap(origin)) {
+      int32_t& count = rows.first_row[origin.branch + 1];
+      count = std::max(count, origin.row + 1);
+    }
+  }
+  std::partial_sum(rows.first_row.begin(), rows.first_row.end(), rows.first_row.begin());
+  rows.cells.resize(rows.first_row.back());
+  rows.rings.assign(rows.first_row.back() + branch_count, {-1, -1, -1, -1});
+  rows.root_caps.assign(branch_count, -1);
+  rows.tip_caps.assign(branch_count, -1);
+  return rows;
+}
+
+BranchRows sort_quads(const TreeMesh& mesh, size_t branch_count) {
+  BranchRows rows = count_rows(mesh, branch_count);
   for (size_t quad = 0; quad < mesh.quads.size(); ++quad) {
     const FaceOrigin& origin = mesh.origins[quad];
-    check_origin(origin, branch_count);
-    BranchRows& rows = branches[origin.branch];
     const auto index = static_cast<int32_t>(quad);
-    if (origin.part == FacePart::kRootCap) {
-      claim(rows.root_cap, index, origin);
+    if (is_cap(origin)) {
+      auto& caps = origin.part == FacePart::kRootCap ? rows.root_caps : rows.tip_caps;
+      claim(caps[origin.branch], index, origin);
       continue;
     }
-    if (origin.part == FacePart::kTipCap) {
-      claim(rows.tip_cap, index, origin);
+    StripCell& cell = rows.cells[rows.first_row[origin.branch] + origin.row][origin.side];
+    if (origin.part == FacePart::kInset) {
+      if (cell.inset < 0) {
+        cell.inset = static_cast<int32_t>(rows.insets.size());
+        rows.insets.push_back({-1, -1, -1, -1});
+      }
+      claim(rows.insets[cell.inset][origin.inset], index, origin);
       continue;
     }
-    if (rows.cells.size() <= static_cast<size_t>(origin.row)) {
-      rows.cells.resize(origin.row + 1);
-    }
-    StripCell& cell = rows.cells[origin.row][origin.side];
-    claim(origin.part == FacePart::kWall ? cell.wall : cell.insets[origin.inset], index, origin);
-  }
-  for (BranchRows& rows : branches) {
-    rows.rings.assign(rows.cells.size() + 1, {-1, -1, -1, -1});
-  }
-  for (size_t quad = 0; quad < mesh.quads.size(); ++quad) {
-    const FaceOrigin& origin = mesh.origins[quad];
-    if (origin.part != FacePart::kWall) {
-      continue;
-    }
-    BranchRows& rows = branches[origin.branch];
+    claim(cell.wall, index, origin);
     const Quad& corners = mesh.quads[quad];
-    set_corner(rows, origin.row, origin.side, corners[0], origin);
-    set_corner(rows, origin.row, origin.side + 1, corners[1], origin);
-    set_corner(rows, origin.row + 1, origin.side + 1, corners[2], origin);
-    set_corner(rows, origin.row + 1, origin.side, corners[3], origin);
+    Corners* const ring = &rows.rings[rows.first_ring(origin.branch) + origin.row];
+    set_corner(ring[0], origin.side, corners[0], origin);
+    set_corner(ring[0], origin.side + 1, corners[1], origin);
+    set_corner(ring[1], origin.side + 1, corners[2], origin);
+    set_corner(ring[1], origin.side, corners[3], origin);
   }
-  return branches;
+  return rows;
 }
 
 /// Where insets fill all sides of a row, its corners are only known from them: the corner of the
 /// cell is the vertex that two consecutive insets share on the outside.
-void complete_rings(BranchRows& rows, const TreeMesh& mesh) {
-  for (size_t row = 0; row < rows.cells.size(); ++row) {
-    for (int side = 0; side < kSides; ++side) {
-      const StripCell& cell = rows.cells[row][side];
-      if (cell.insets[0] < 0) {
-        continue;
-      }
-      const std::array<std::pair<size_t, int>, kSides> places{
-          {{row, side}, {row, side + 1}, {row + 1, side + 1}, {row + 1, side}}};
-      for (int edge = 0; edge < kSides; ++edge) {
-        if (cell.insets[edge] < 0) {
-          continue;
-        }
-        const auto [ring, corner] = places[edge];
-        int32_t& slot = rows.rings[ring][corner % kSides];
-        slot = slot < 0 ? mesh.quads[cell.insets[edge]][0] : slot;
-      }
+void complete_rings(const TreeMesh& mesh, BranchRows& rows) {
+  for (size_t quad = 0; quad < mesh.quads.size(); ++quad) {
+    const FaceOrigin& origin = mesh.origins[quad];
+    if (origin.part != FacePart::kInset) {
+      continue;
     }
+    // Edges 0 to 3 begin at the cell's corners, anticlockwise from its lower left.
+    const int32_t up = origin.inset / 2;
+    const int32_t right = origin.inset == 1 || origin.inset == 2 ? 1 : 0;
+    Corners& ring = rows.rings[rows.first_ring(origin.branch) + origin.row + up];
+    int32_t& slot = ring[(origin.side + right) % kSides];
+    slot = slot < 0 ? mesh.quads[quad][0] : slot;
   }
 }
 
 /// How far the child's sides are turned against the parent's where both share a ring; -1 if they
 /// share none.
-int shared_ring_turn(const BranchRows& parent, const BranchRows& child) {
-  if (parent.cells.empty() || child.cells.empty()) {
+int shared_ring_turn(const BranchRows& rows, size_t parent, size_t child) {
+  if (rows.row_count(parent) == 0 || rows.row_count(child) == 0) {
     return -1;
   }
-  const auto& end = parent.rings.back();
-  const auto& start = child.rings.front();
+  const Corners& end = rows.rings_of(parent).back();
+  const Corners& start = rows.rings_of(child).front();
   for (int turn = 0; turn < kSides; ++turn) {
     bool same = true;
     for (int corner = 0; corner < kSides; ++corner) {
@@ -139,33 +161,44 @@ int shared_ring_turn(const BranchRows& parent, const BranchRows& child) {
   return -1;
 }
 
-void append_branch(Strip& strip, const BranchRows& rows, int32_t branch, int turn) {
+void append_branch(const BranchRows& rows, size_t branch, int turn, Strip& strip) {
   const auto turned = [turn](int side) { return (side + kSides - turn) % kSides; };
-  for (size_t ring = strip.rings.empty() ? 0 : 1; ring < rows.rings.size(); ++ring) {
+  const auto rings = rows.rings_of(branch);
+  const auto cells = rows.cells_of(branch);
+  strip.rings.reserve(strip.rings.size() + rings.size());
+  strip.rows.reserve(strip.rows.size() + cells.size());
+  for (size_t ring = strip.rings.empty() ? 0 : 1; ring < rings.size(); ++ring) {
     StripRing& added = strip.rings.emplace_back();
     for (int corner = 0; corner < kSides; ++corner) {
-      added.corners[corner] = rows.rings[ring][turned(corner)];
+      added.corners[corner] = rings[ring][turned(corner)];
     }
   }
-  for (const auto& cells : rows.cells) {
+  for (const auto& row : cells) {
     StripRow& added = strip.rows.emplace_back();
-    added.branch = branch;
+    added.branch = static_cast<int32_t>(branch);
     for (int side = 0; side < kSides; ++side) {
-      added.cells[side] = cells[turned(side)];
+      StripCell& cell = added.cells[side];
+      cell = row[turned(side)];
+      if (cell.inset >= 0) {
+        strip.insets.push_back(rows.insets[cell.inset]);
+        cell.inset = static_cast<int32_t>(strip.insets.size()) - 1;
+      }
     }
   }
 }
 
-double triangle_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c) {
-  return 0.5 * glm::length(glm::cross(glm::dvec3(b - a), glm::dvec3(c - a)));
+/// Of a quad that is nearly flat: half the product of its diagonals across each other.
+double quad_area(const glm::vec3& a, const glm::vec3& b, const glm::vec3& c, const glm::vec3& d) {
+  return 0.5 * glm::length(glm::cross(glm::dvec3(c - a), glm::dvec3(d - b)));
 }
 
-void measure_rings(Strip& strip, const TreeMesh& mesh) {
+void measure_rings(const TreeMesh& mesh, Strip& strip) {
+  strip.perimeters.reserve(strip.rings.size());
   const StripRing* previous = nullptr;
   for (StripRing& ring : strip.rings) {
-    double known_length = 0.0;
+    float known_length = 0.0f;
     int known_sides = 0;
-    double centre = 0.0;
+    float centre = 0.0f;
     int known_corners = 0;
     for (int side = 0; side < kSides; ++side) {
       const int32_t a = ring.corners[side];
@@ -180,79 +213,43 @@ void measure_rings(Strip& strip, const TreeMesh& mesh) {
         ++known_sides;
       }
     }
+    centre /= static_cast<float>(std::max(known_corners, 1));
+    double perimeter = 0.0;
     for (int side = 0; side < kSides; ++side) {
       const int32_t a = ring.corners[side];
       const int32_t b = ring.corners[(side + 1) % kSides];
       if (a >= 0) {
-        ring.heights[side] = mesh.vertices[a].z - centre / known_corners;
+        ring.heights[side] = mesh.vertices[a].z - centre;
       }
       if (a < 0 || b < 0) {
-        const double fallback = previous != nullptr ? previous->sides[side] : 0.0;
-        ring.sides[side] = known_sides > 0 ? known_length / known_sides : fallback;
+        const float fallback = previous != nullptr ? previous->sides[side] : 0.0f;
+        ring.sides[side] =
+            known_sides > 0 ? known_length / static_cast<float>(known_sides) : fallback;
       }
+      perimeter += ring.sides[side];
     }
+    strip.perimeters.push_back(perimeter);
     previous = &ring;
-    strip.perimeters.push_back(ring.sides[0] + ring.sides[1] + ring.sides[2] + ring.sides[3]);
   }
 }
 
-void measure_rows(Strip& strip, const TreeMesh& mesh) {
+void measure_rows(const TreeMesh& mesh, Strip& strip) {
+  strip.areas.reserve(strip.rows.size());
   for (size_t row = 0; row < strip.rows.size(); ++row) {
+    const auto& low = strip.rings[row].corners;
+    const auto& high = strip.rings[row + 1].corners;
     double known_area = 0.0;
     int known_cells = 0;
     for (int side = 0; side < kSides; ++side) {
       const int next = (side + 1) % kSides;
-      const std::array<int32_t, 4> corners{
-          strip.rings[row].corners[side], strip.rings[row].corners[next],
-          strip.rings[row + 1].corners[next], strip.rings[row + 1].corners[side]};
-      if (std::any_of(corners.begin(), corners.end(), [](int32_t v) { return v < 0; })) {
-        continue;
+      if (low[side] >= 0 && low[next] >= 0 && high[next] >= 0 && high[side] >= 0) {
+        known_area += quad_area(mesh.vertices[low[side]], mesh.vertices[low[next]],
+                                mesh.vertices[high[next]], mesh.vertices[high[side]]);
+        ++known_cells;
       }
-      const glm::vec3& origin = mesh.vertices[corners[0]];
-      known_area += triangle_area(origin, mesh.vertices[corners[1]], mesh.vertices[corners[2]]) +
-                    triangle_area(origin, mesh.vertices[corners[2]], mesh.vertices[corners[3]]);
-      ++known_cells;
     }
     strip.areas.push_back(known_cells > 0 ? known_area * kSides / known_cells : 0.0);
   }
-}
-
-/// Whether the cells of a piece hang together by their edges once it is cut open at `seam`.
-bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int seam) {
-  std::vector<int32_t> group(static_cast<size_t>(last_row - first_row) * kSides);
-  std::iota(group.begin(), group.end(), 0);
-  const auto find = [&group](int32_t i) {
-    while (group[i] != i) {
-      i = group[i] = group[group[i]];
-    }
-    return i;
-  };
-  const auto filled = [&](int32_t row, int column) {
-    return !strip.rows[row].cells[(seam + column) % kSides].empty();
-  };
-  int32_t groups = 0;
-  for (int32_t row = first_row; row < last_row; ++row) {
-    for (int column = 0; column < kSides; ++column) {
-      if (!filled(row, column)) {
-        continue;
-      }
-      ++groups;
-      const int32_t cell = (row - first_row) * kSides + column;
-      const auto join = [&](int32_t other) {
-        const int32_t a = find(cell);
-        const int32_t b = find(other);
-        groups -= a != b;
-        group[std::max(a, b)] = std::min(a, b);
-      };
-      if (column > 0 && filled(row, column - 1)) {
-        join(cell - 1);
-      }
-      if (row > first_row && filled(row - 1, column)) {
-        join(cell - kSides);
-      }
-    }
-  }
-  return groups <= 1;
 }
 
 /// Where nothing but holes lies between two rows, or in one of them, the strip falls apart anyway.
@@ -284,98 +281,39 @@ void find_ranges(Strip& strip) {
 
 std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton) {
   const size_t branch_count = skeleton.branches.size();
-  std::vector<BranchRows> branches = sort_quads(mesh, branch_count);
-  for (BranchRows& rows : branches) {
-    complete_rings(rows, mesh);
-  }
+  BranchRows rows = sort_quads(mesh, branch_count);
+  complete_rings(mesh, rows);
   std::vector<Strip> strips;
+  strips.reserve(branch_count);
   // Strip and turn of each branch: parents come first, so a child finds its parent's.
   std::vector<int32_t> strip_of(branch_count, -1);
   std::vector<int> turn_of(branch_count, 0);
   for (size_t branch = 0; branch < branch_count; ++branch) {
-    const BranchRows& rows = branches[branch];
-    if (rows.cells.empty()) {
-      if (rows.root_cap >= 0 || rows.tip_cap >= 0) {
+    if (rows.row_count(branch) == 0) {
+      if (rows.root_caps[branch] >= 0 || rows.tip_caps[branch] >= 0) {
         throw std::invalid_argument("branch " + std::to_string(branch) + " has a cap but no walls");
       }
       continue;
     }
     const int32_t parent = skeleton.branches[branch].parent;
-    const int turn = parent >= 0 ? shared_ring_turn(branches[parent], rows) : -1;
+    const int turn = parent >= 0 ? shared_ring_turn(rows, parent, branch) : -1;
     if (turn >= 0) {
       strip_of[branch] = strip_of[parent];
       turn_of[branch] = (turn_of[parent] + turn) % kSides;
     } else {
       strip_of[branch] = static_cast<int32_t>(strips.size());
-      strips.emplace_back().root_cap = rows.root_cap;
+      strips.emplace_back().root_cap = rows.root_caps[branch];
     }
     Strip& strip = strips[strip_of[branch]];
-    append_branch(strip, rows, static_cast<int32_t>(branch), turn_of[branch]);
-    strip.tip_cap = rows.tip_cap;
+    append_branch(rows, branch, turn_of[branch], strip);
+    strip.tip_cap = rows.tip_caps[branch];
   }
   for (Strip& strip : strips) {
-    measure_rings(strip, mesh);
-    measure_rows(strip, mesh);
+    measure_rings(mesh, strip);
+    measure_rows(mesh, strip);
     find_ranges(strip);
   }
   return strips;
-}
-
-void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double>& row_lengths,
-               double max_length, std::vector<StripPiece>& pieces) {
-  const auto row_count = static_cast<int32_t>(strip.rows.size());
-  const auto add_piece = [&](int32_t first, int32_t last) {
-    pieces.push_back({strip_index, first, last, first == 0 && strip.root_cap >= 0,
-                      last == row_count && strip.tip_cap >= 0});
-  };
-  for (auto [first, last] : strip.ranges) {
-    double rest = std::accumulate(row_lengths.begin() + first, row_lengths.begin() + last, 0.0);
-    while (rest > max_length && last - first > 1) {
-      const double target = rest / std::ceil(rest / max_length);
-      double length = 0.0;
-      double best_score = std::numeric_limits<double>::infinity();
-      double best_length = 0.0;
-      int32_t best_row = first + 1;
-      for (int32_t row = first + 1; row < last; ++row) {
-        length += row_lengths[row - 1];
-        if (length > max_length && row > first + 1) {
-          break;
-        }
-        // A joint keeps its continuing child on the same chart if another cut is about as good.
-        const bool joint = strip.rows[row - 1].branch != strip.rows[row].branch;
-        const double score = std::abs(length - target) + (joint ? 0.25 * max_length : 0.0);
-        if (score < best_score) {
-          best_score = score;
-          best_row = row;
-          best_length = length;
-        }
-      }
-      add_piece(first, best_row);
-      first = best_row;
-      rest -= best_length;
-    }
-    add_piece(first, last);
-  }
-}
-
-int32_t choose_seam(const Strip& strip, const StripPiece& piece) {
-  std::array<double, kSides> height{};
-  for (int32_t row = piece.first_row; row < piece.last_row; ++row) {
-    const double width = strip.perimeters[row] + strip.perimeters[row + 1];
-    const double length = width > 0.0 ? 2.0 * strip.areas[row] / width : 0.0;
-    for (int corner = 0; corner < kSides; ++corner) {
-      height[corner] +=
-          length * (strip.rings[row].heights[corner] + strip.rings[row + 1].heights[corner]);
-    }
-  }
-  std::array<int, kSides> order{0, 1, 2, 3};
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return height[a] < height[b]; });
-  for (const int seam : order) {
-    if (is_connected(strip, piece.first_row, piece.last_row, seam)) {
-      return seam;
-    }
-  }
-  return order[0];
 }
 
 }  // namespace snowbough::tree

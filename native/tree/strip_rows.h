@@ -9,12 +9,14 @@
 
 namespace snowbough::tree {
 
-/// One side of one row: a wall, four insets around a hole, or (all -1) a hole as wide as the side.
+/// One side of one row: a wall, four insets around a hole, or (both -1) a hole as wide as the side.
 struct StripCell {
+  /// Quad of the wall.
   int32_t wall = -1;
-  std::array<int32_t, 4> insets{-1, -1, -1, -1};
+  /// Index into Strip::insets.
+  int32_t inset = -1;
 
-  bool empty() const { return wall < 0 && insets[0] < 0; }
+  bool empty() const { return wall < 0 && inset < 0; }
 };
 
 /// The four corners of a limb between two rows, anticlockwise seen from the tip.
@@ -22,9 +24,9 @@ struct StripRing {
   /// Vertex indices; -1 where every cell around the corner is a hole.
   std::array<int32_t, 4> corners{-1, -1, -1, -1};
   /// Length in metres of the side from corner k to corner k + 1.
-  std::array<double, 4> sides{};
+  std::array<float, 4> sides{};
   /// How far corner k lies above the ring's centre, in metres.
-  std::array<double, 4> heights{};
+  std::array<float, 4> heights{};
 };
 
 /// What lies between two rings.
@@ -45,6 +47,8 @@ struct Strip {
   /// One more than rows.
   std::vector<StripRing> rings;
   std::vector<StripRow> rows;
+  /// The quads around each hole, along the four edges of its cell; -1 where one is missing.
+  std::vector<std::array<int32_t, 4>> insets;
   /// Perimeter of every ring in metres, and m2 of every row with its holes filled.
   std::vector<double> perimeters;
   std::vector<double> areas;
@@ -58,24 +62,5 @@ struct Strip {
 /// Sorts the quads of a level-0 mesh into strips, in the order of their first branches.
 /// @throws std::invalid_argument if the origins contradict the quads.
 std::vector<Strip> collect_strips(const TreeMesh& mesh, const Skeleton& skeleton);
-
-/// Part of a strip that becomes one chart: rows [first_row, last_row) cut open along one corner.
-struct StripPiece {
-  int32_t strip = 0;
-  int32_t first_row = 0;
-  int32_t last_row = 0;
-  bool has_root_cap = false;
-  bool has_tip_cap = false;
-};
-
-/// Cuts every range of a strip into as few pieces of similar length as possible, none longer than
-/// `max_length` unless a single row is, and adds them to `pieces`.
-/// @param row_lengths  one entry a row, in the unit of max_length.
-void cut_strip(const Strip& strip, int32_t strip_index, const std::vector<double>& row_lengths,
-               double max_length, std::vector<StripPiece>& pieces);
-
-/// Corner along which a piece is cut open: the lowest one, weighted by length, that leaves its
-/// cells connected; the lowest one if none does.
-int32_t choose_seam(const Strip& strip, const StripPiece& piece);
 
 }  // namespace snowbough::tree

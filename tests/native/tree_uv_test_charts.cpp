@@ -18,7 +18,7 @@ Strip even_strip(int rows, double perimeter = 1.0) {
   Strip strip;
   strip.rings.resize(rows + 1);
   for (StripRing& ring : strip.rings) {
-    ring.sides.fill(0.25 * perimeter);
+    ring.sides.fill(static_cast<float>(0.25 * perimeter));
   }
   strip.rows.resize(rows);
   strip.perimeters.assign(rows + 1, perimeter);

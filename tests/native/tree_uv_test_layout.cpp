@@ -15,10 +15,10 @@ Strip cone(double length, double perimeter, int rows) {
   strip.rows.resize(rows);
   for (int ring = 0; ring <= rows; ++ring) {
     strip.perimeters.push_back(perimeter * (1.0 - 0.9 * ring / rows));
-    strip.rings[ring].sides.fill(0.25 * strip.perimeters.back());
+    strip.rings[ring].sides.fill(static_cast<float>(0.25 * strip.perimeters.back()));
   }
   for (int row = 0; row < rows; ++row) {
-    strip.rows[row].cells.fill({0, {-1, -1, -1, -1}});
+    strip.rows[row].cells.fill({0, -1});
     strip.areas.push_back(0.5 * (strip.perimeters[row] + strip.perimeters[row + 1]) * length /
                           rows);
   }

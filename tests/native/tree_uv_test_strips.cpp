@@ -3,6 +3,7 @@
 
 #include <numbers>
 
+#include "tree/strip_pieces.h"
 #include "tree/strip_rows.h"
 #include "tree_uv_test_limbs.h"
 
@@ -81,6 +82,9 @@ TEST(CollectStrips, RefusesOriginsThatContradictTheQuads) {
   EXPECT_THROW(collect_strips(limbs.mesh, limbs.skeleton), std::invalid_argument);
   limbs = limb_with_continuing_child();
   std::swap(limbs.mesh.origins[0].side, limbs.mesh.origins[1].side);
+  EXPECT_THROW(collect_strips(limbs.mesh, limbs.skeleton), std::invalid_argument);
+  limbs = limb_with_continuing_child();
+  limbs.mesh.origins[5].row = 1 << 30;
   EXPECT_THROW(collect_strips(limbs.mesh, limbs.skeleton), std::invalid_argument);
   limbs = limb_with_continuing_child();
   limbs.mesh.origins.pop_back();
