@@ -192,9 +192,10 @@ std::vector<int32_t> rank_levels(const std::vector<std::string>& cluster_names,
   for (const auto& [prefix, places] : families) {
     std::vector<int32_t> family;
     for (const size_t place : places) family.push_back(order[place]);
+    const size_t digits_begin = prefix.size();
     std::stable_sort(family.begin(), family.end(), [&](int32_t a, int32_t b) {
       const auto number = [&](int32_t c) {
-        const std::string digits = cluster_names[c].substr(prefix.size());
+        const std::string digits = cluster_names[c].substr(digits_begin);
         const size_t zeros = std::min(digits.find_first_not_of('0'), digits.size());
         return std::pair(digits.size() - zeros, digits.substr(zeros));
       };

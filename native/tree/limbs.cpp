@@ -45,6 +45,7 @@ void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t
         continue;
       }
       std::vector<CrossSection> ordered;
+      ordered.reserve(row.size());
       for (const size_t i : row) ordered.push_back(sections[i]);
       Limb limb = limb_from_cross_sections(ordered);
       limb.reversible = std::min(limb.radii.front(), limb.radii.back()) >=

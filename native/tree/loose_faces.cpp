@@ -131,7 +131,8 @@ Parts join_loose_faces(const ObjScene& scene, Parts parts, const PartLabels& lab
     for (const int32_t q : members) families[q] = {q};
   }
   report_progress(progress, 1.0f);
-  return joined ? regroup(parts, families) : parts;
+  if (!joined) return parts;
+  return regroup(parts, families);
 }
 
 }  // namespace snowbough::tree

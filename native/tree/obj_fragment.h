@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -34,7 +35,7 @@ struct ForwardIndex {
 /// How many vertices, texture coordinates and normals stand before a place in the file; one number
 /// an ObjIndex.
 struct ObjCounts {
-  int64_t of[3] = {0, 0, 0};
+  std::array<int64_t, 3> of{};
 };
 
 /// What stands in some whole lines of an OBJ, read without knowing those before. Lines count from 0
@@ -52,7 +53,7 @@ struct ObjFragment {
   int64_t line_count = 0;
   std::vector<RelativeIndex> relative;
   /// By ObjIndex, each larger than the one before.
-  std::vector<ForwardIndex> forward[3];
+  std::array<std::vector<ForwardIndex>, 3> forward;
   /// The first line that cannot be read and why; what follows it was left unread. Empty = all good.
   std::string error;
   int64_t error_line = 0;

@@ -54,7 +54,9 @@ std::optional<Limb> trace_rows(const LocalMesh& mesh) {
     const auto count = static_cast<int32_t>(mesh.positions.size());
     for (int32_t row = 0; row * k < count; ++row) {
       const int32_t size = std::min(k, count - row * k);
-      append_ring({mesh.positions.data() + row * k, static_cast<size_t>(size)}, limb);
+      append_ring(
+          {mesh.positions.data() + static_cast<ptrdiff_t>(row) * k, static_cast<size_t>(size)},
+          limb);
     }
     limb.reversible = count % k == 0;
     return limb;
@@ -163,6 +165,7 @@ glm::vec3 centre_of(const LocalMesh& mesh, const std::vector<int32_t>& layer) {
 std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int32_t>& layer,
                                     const glm::vec3& axis) {
   std::vector<glm::vec3> ring;
+  ring.reserve(layer.size());
   for (const int32_t v : layer) ring.push_back(mesh.positions[v]);
   const float length = glm::length(axis);
   if (ring.size() <= 3 || length == 0.0f) return ring;
@@ -179,6 +182,7 @@ std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int
   }
   std::sort(angles.begin(), angles.end());
   std::vector<glm::vec3> ordered;
+  ordered.reserve(ring.size());
   for (const auto& [angle, i] : angles) ordered.push_back(ring[i]);
   return ordered;
 }
