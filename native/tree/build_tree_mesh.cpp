@@ -76,6 +76,11 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
         "to it there: " +
         some_names(skeleton, surface.clamped));
   }
+  if (!surface.squeezed.empty()) {
+    mesh.warnings.push_back(std::to_string(surface.squeezed.size()) +
+                            " branches were squeezed for lack of room on their parent: " +
+                            some_names(skeleton, surface.squeezed));
+  }
   if (!uncrossed.narrowed.empty()) {
     mesh.warnings.push_back(std::to_string(uncrossed.narrowed.size()) +
                             " branches were narrowed at their base to get clear of others: " +

@@ -19,6 +19,8 @@ constexpr double kInsetMargin = 0.08;
 /// The same along the limb, as a share of what the hole leaves free: it moves towards its child,
 /// not up to the knuckle's end, or slivers would remain there that show as dark lines.
 constexpr double kFreeMargin = 0.35;
+/// A hole shorter along its limb than this share of the child's width squeezes the child.
+constexpr double kSqueezedBelow = 0.8;
 /// Gap wanted between knuckles, in corner radii of the limb.
 constexpr double kKnuckleGap = 0.3;
 /// A child that turns back further than this (cosine) does not continue from its parent's end ring.
@@ -332,6 +334,11 @@ class SurfaceBuilder {
     hole.corner = std::max(scale_.smallest_corner, std::sqrt(0.5 * glm::length(area)));
     hole.parent_corner = 0.5 * (limb.rings[row].corner + limb.rings[row + 1].corner);
     surface_.junctions.push_back(junction);
+    const double length = 0.5 * (glm::distance(hole.corners[0], hole.corners[3]) +
+                                 glm::distance(hole.corners[1], hole.corners[2]));
+    if (length < kSqueezedBelow * request.width) {
+      surface_.squeezed.push_back(request.child);
+    }
   }
 
   const Skeleton& skeleton_;

@@ -54,6 +54,9 @@ struct Surface {
   std::vector<Junction> junctions;
   /// Branches that were thicker than their parent where they leave it.
   std::vector<int32_t> clamped;
+  /// Branches whose hole is shorter along their parent than they are wide there, by more than a
+  /// fifth, because the parent has no room for all that leave it.
+  std::vector<int32_t> squeezed;
 };
 
 struct SurfaceOptions {

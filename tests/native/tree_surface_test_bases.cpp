@@ -5,6 +5,7 @@
 #include <array>
 #include <cmath>
 
+#include "tree/build_tree_mesh.h"
 #include "tree_surface_built.h"
 
 namespace snowbough::tree {
@@ -45,6 +46,28 @@ TEST(Surface, NoSliverLiesAcrossALimbBesideAHole) {
                   build(make_skeleton({trunk(), side_branch(5.5f, 0.05f, direction)})).surface, 0),
               0.04);
   }
+}
+
+/// `count` branches as thick as their parent, one above the other on half a metre of it.
+Skeleton crowd(int count) {
+  std::vector<Branch> branches = {make_branch(-1, 0, {{0, 0, 5}, {0, 0, 5.5f}}, {0.2f, 0.2f})};
+  for (int i = 0; i < count; ++i) {
+    branches.push_back(side_branch(5.25f + 0.01f * static_cast<float>(i), 0.2f));
+  }
+  return make_skeleton(branches);
+}
+
+TEST(Surface, BranchesWithoutRoomOnTheirParentAreReportedWithTheirNames) {
+  EXPECT_THAT(build(crowd(5)).surface.squeezed, testing::UnorderedElementsAre(1, 2, 3, 4, 5));
+  EXPECT_THAT(build_tree_mesh(crowd(5)).warnings,
+              testing::Contains("5 branches were squeezed for lack of room on their parent: b1, "
+                                "b2, b3 and 2 more"));
+}
+
+TEST(Surface, ABranchWithRoomForItsWholeWidthIsNotReportedAsSqueezed) {
+  EXPECT_THAT(build(crowd(1)).surface.squeezed, testing::IsEmpty());
+  EXPECT_THAT(build(make_skeleton({trunk(), side_branch(5.5f, 0.05f)})).surface.squeezed,
+              testing::IsEmpty());
 }
 
 /// The least angle, in degrees, at which the corners of a branch's second ring stand over the plane
