@@ -1,6 +1,7 @@
 #include "snow/smoothing.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <stdexcept>
 
@@ -67,35 +68,40 @@ const FilterLevelTable& level_table() {
   return levels;
 }
 
+/// Positive numbers into few boxes, the boxes in the numbers' order.
+uint32_t box_of(float size) {
+  return std::bit_cast<uint32_t>(size) >> 16;
+}
+
 /// The texel length that a tenth of the covered texels fall short of.
 double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
-  std::vector<std::pair<float, float>> sizes;
+  // Sorting millions of texels would take longer than a frame: only a box of them is sorted.
+  std::vector<double> boxes(size_t{1} << 15, 0.0);
   double total = 0.0;
-  for (size_t i = 0; i < table.texel.size(); ++i) {
-    for (const float size : {seams.texel_size[i].x, seams.texel_size[i].y}) {
-      if (size <= 0.0f) continue;
-      sizes.emplace_back(size, table.coverage[i]);
-      total += table.coverage[i];
+  const auto for_each = [&](const auto& visit) {
+    for (size_t i = 0; i < table.texel.size(); ++i) {
+      for (const float size : {seams.texel_size[i].x, seams.texel_size[i].y}) {
+        if (size > 0.0f) visit(size, table.coverage[i]);
+      }
     }
-  }
-  if (sizes.empty()) return 0.0;
-  // Halved until one is left: sorting millions of texels would take longer than a frame.
-  auto begin = sizes.begin();
-  auto end = sizes.end();
+  };
+  for_each([&](float size, float coverage) {
+    boxes[box_of(size)] += coverage;
+    total += coverage;
+  });
   double below = 0.0;
-  while (end - begin > 1) {
-    const auto middle = begin + (end - begin) / 2;
-    std::nth_element(begin, middle, end);
-    double lower = 0.0;
-    for (auto at = begin; at != middle; ++at) lower += at->second;
-    if (below + lower >= 0.1 * total) {
-      end = middle;
-    } else {
-      below += lower;
-      begin = middle;
-    }
+  uint32_t box = 0;
+  while (box + 1 < boxes.size() && below + boxes[box] < 0.1 * total) below += boxes[box++];
+  std::vector<std::pair<float, float>> sizes;
+  for_each([&](float size, float coverage) {
+    if (box_of(size) == box) sizes.emplace_back(size, coverage);
+  });
+  std::sort(sizes.begin(), sizes.end());
+  for (const auto& [size, coverage] : sizes) {
+    below += coverage;
+    if (below >= 0.1 * total) return size;
   }
-  return begin->first;
+  return sizes.empty() ? 0.0 : sizes.back().first;
 }
 
 }  // namespace
@@ -126,11 +132,13 @@ SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, fl
   plan.passes =
       static_cast<int32_t>(std::clamp(std::ceil(wanted - closing), 0.0, double{kMostPasses}));
   const double pass_radius = blur_radius / std::sqrt(plan.passes + closing);
+  const double full_size = pass_radius / full_filter_sigma();
   const auto level = [&](float texel_size) {
     if (texel_size <= 0.0f) return uint8_t{0};
-    const double part = pass_radius / (full_filter_sigma() * texel_size);
-    return static_cast<uint8_t>(std::lround(std::min(part, 1.0) * (kFilterLevels - 1)));
+    return static_cast<uint8_t>(std::min(full_size / texel_size, 1.0) * (kFilterLevels - 1) + 0.5);
   };
+  plan.level_u.reserve(seams.texel_size.size());
+  plan.level_v.reserve(seams.texel_size.size());
   for (const glm::vec2 texel_size : seams.texel_size) {
     plan.level_u.push_back(level(texel_size.x));
     plan.level_v.push_back(level(texel_size.y));
