@@ -1,6 +1,7 @@
 #include "snow/scene_buffers.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <stdexcept>
@@ -121,9 +122,10 @@ class BatchWriter {
     slot_ = -1;
   }
 
-  /// `triangle` of the scene lies on the texel or beside it (`texel`: index within the map group).
-  void note_triangle(int32_t texel, uint32_t triangle) {
-    const size_t group = static_cast<size_t>(texel) / kTexelGroup;
+  /// `triangle` of the scene lies on a texel of the work group or beside one (`work_group`: within
+  /// the map group).
+  void note_triangle(int32_t work_group, uint32_t triangle) {
+    const auto group = static_cast<size_t>(work_group);
     if (group >= group_triangles_.size()) {
       group_triangles_.resize(group + 1);
     }
@@ -204,32 +206,37 @@ class BatchWriter {
 void note_triangles(const TexelTable& table, const std::vector<uint32_t>& owners,
                     uint32_t first_triangle, BatchWriter& writer) {
   const int32_t size = table.resolution;
-  const auto owner_at = [&owners](int32_t texel) {
-    return static_cast<int32_t>(owners[2 * static_cast<size_t>(texel)]) - 1;
-  };
-  const auto group_at = [](int32_t index) { return index / static_cast<int32_t>(kTexelGroup); };
+  constexpr int32_t kNobody = -1;
+  std::vector<int32_t> groups(owners.size() / 2, kNobody);
+  for (const int32_t texel : table.texel) {
+    groups[static_cast<size_t>(texel)] =
+        static_cast<int32_t>((owners[2 * static_cast<size_t>(texel)] - 1) / kTexelGroup);
+  }
   for (size_t i = 0; i < table.texel.size(); ++i) {
     const int32_t texel = table.texel[i];
-    const int32_t own = owner_at(texel);
-    std::vector<int32_t> takers = {own};
-    for (int32_t y = std::max(texel / size - 1, 0); y <= std::min(texel / size + 1, size - 1);
-         ++y) {
-      for (int32_t x = std::max(texel % size - 1, 0); x <= std::min(texel % size + 1, size - 1);
-           ++x) {
-        const int32_t other = owner_at(y * size + x);
-        if (other >= 0 && group_at(other) != group_at(own) &&
-            owners[2 * static_cast<size_t>(y * size + x) + 1] >> 8 ==
-                static_cast<uint32_t>(table.chart[i])) {
-          takers.push_back(other);
+    std::array<int32_t, 9> takers = {groups[static_cast<size_t>(texel)]};
+    size_t taker_count = 1;
+    const int32_t last_row = std::min(texel / size + 1, size - 1);
+    const int32_t last_column = std::min(texel % size + 1, size - 1);
+    for (int32_t y = std::max(texel / size - 1, 0); y <= last_row; ++y) {
+      for (int32_t x = std::max(texel % size - 1, 0); x <= last_column; ++x) {
+        const auto other = static_cast<size_t>(y * size + x);
+        const int32_t group = groups[other];
+        if (group == takers[0] || group == kNobody) continue;
+        const bool of_the_chart =
+            owners[2 * other + 1] >> 8 == static_cast<uint32_t>(table.chart[i]);
+        const auto end = takers.begin() + taker_count;
+        if (of_the_chart && std::find(takers.begin(), end, group) == end) {
+          takers[taker_count++] = group;
         }
       }
     }
-    for (const int32_t taker : takers) {
-      writer.note_triangle(taker, first_triangle + static_cast<uint32_t>(table.triangle[i]));
+    for (size_t taker = 0; taker < taker_count; ++taker) {
+      writer.note_triangle(takers[taker],
+                           first_triangle + static_cast<uint32_t>(table.triangle[i]));
       for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
-        writer.note_triangle(
-            taker, first_triangle +
-                       static_cast<uint32_t>(table.fragment_triangle[static_cast<size_t>(f)]));
+        writer.note_triangle(takers[taker],
+                             first_triangle + static_cast<uint32_t>(table.fragment_triangle[f]));
       }
     }
   }
