@@ -57,6 +57,8 @@ class Registry:
             }
             if key not in self._known:
                 self._simulation.add_object(*arguments, **options)
+                if receives:  # beside the first steps
+                    self._simulation.prepare_output(key)
                 self._known.add(key)
                 continue
             try:

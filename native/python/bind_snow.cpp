@@ -307,6 +307,11 @@ void bind_snow(py::module_& module) {
           "output", &output, "name"_a, "normal"_a = true,
           "{'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both\n"
           "continued beyond the charts and level at seams. normal=False leaves the normals out.")
+      .def(
+          "prepare_output", &SnowSimulation::prepare_output, "name"_a,
+          py::call_guard<py::gil_scoped_release>(),
+          "Begins with what output of a receiver needs to build first, beside the next steps, and\n"
+          "returns at once; changes no result. ValueError before its rest pose is known.")
       .def("save", &SnowSimulation::save, "path"_a, py::call_guard<py::gil_scoped_release>(),
            "Writes a checkpoint atomically.")
       .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,

@@ -81,8 +81,8 @@ void SnowSimulation::close() {
     thread_->run([this] { gpu_.reset(); });
     thread_.reset();
   }
-  objects_.clear();
   outputs_.clear();
+  objects_.clear();
 }
 
 void SnowSimulation::require_open() const {

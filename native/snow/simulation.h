@@ -11,10 +11,10 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "snow/cpu_output.h"
 #include "snow/frame_step.h"
 #include "snow/map_output.h"
 #include "snow/memory_estimate.h"
+#include "snow/output_tables.h"
 #include "snow/scene_object.h"
 #include "snow/simulation_state.h"
 
@@ -42,14 +42,6 @@ struct SimulationSettings {
   int32_t tile_size = 2048;
   /// Which EGL device, see gpu::EglContext.
   std::string device;
-};
-
-/// What a receiver's output needs, built when it is first asked for.
-struct OutputTables {
-  SeamTable seams;
-  SmoothingPlan plan;
-  /// On software renderers, and for maps that are too large for the driver's buffers.
-  std::unique_ptr<CpuOutput> processor;
 };
 
 /// Positions of one object, N of them, in metres.
@@ -91,6 +83,10 @@ class SnowSimulation {
   /// at seams; with normals in tangent space on request. Before the object's first step
   /// std::invalid_argument.
   MapOutput output(const std::string& name, bool with_normals);
+  /// Begins with what `output` of a receiver needs to build first, in threads beside the next
+  /// steps, and returns at once. Changes no result. @throws std::invalid_argument for a receiver
+  /// that was added without its rest pose and has had no step yet.
+  void prepare_output(const std::string& name);
   /// Area in m2 that every texel covers now; 0 where there is no surface. Before the first step
   /// std::invalid_argument.
   std::vector<float> texel_area(const std::string& name);
@@ -127,7 +123,8 @@ class SnowSimulation {
   void take_positions(const PositionMap& positions);
   /// Builds the GPU's scene where objects came in since the last step; the maps keep their content.
   void build_scene();
-  OutputTables& output_tables(const std::string& name, const SceneObject& object);
+  double blur_radius_of(const SceneObject& receiver) const;
+  bool outputs_on_processor() const;
   SimulationState read_state();
   void write_state(const SimulationState& state);
   size_t index_of(const std::string& name) const;
@@ -140,7 +137,7 @@ class SnowSimulation {
   std::map<std::string, SceneObject> objects_;
   /// Alpha masks of all objects so far, so that equal ones are held once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
-  std::map<std::string, std::unique_ptr<OutputTables>> outputs_;
+  OutputTableStore outputs_;
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;
   /// Set before the scene is on the GPU: taken over when it is built.

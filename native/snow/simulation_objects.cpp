@@ -114,7 +114,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
       saved.height = only_owned(object.table, saved.height);
     }
   }
-  outputs_.erase(found->first);
+  outputs_.forget(found->first);
   found->second = std::move(object);
 }
 

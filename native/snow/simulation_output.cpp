@@ -124,20 +124,24 @@ void scatter_normals(const TexelTable& table, const SeamTable& seams,
 
 }  // namespace
 
-OutputTables& SnowSimulation::output_tables(const std::string& name, const SceneObject& object) {
-  auto found = outputs_.find(name);
-  if (found == outputs_.end()) {
-    auto tables = std::make_unique<OutputTables>();
-    const MapTopology& topology = object.description.topology;
-    const std::vector<glm::vec3>& rest = object.description.rest;
-    tables->seams = build_seam_table(topology, object.table,
-                                     {rest.begin(), rest.begin() + topology.vertex_count});
-    const double own = object.description.blur_radius;
-    const double blur_radius = own < 0.0 ? settings_.blur_radius : own;
-    tables->plan = plan_smoothing(object.table, tables->seams, static_cast<float>(blur_radius));
-    found = outputs_.emplace(name, std::move(tables)).first;
+double SnowSimulation::blur_radius_of(const SceneObject& receiver) const {
+  const double own = receiver.description.blur_radius;
+  return own < 0.0 ? settings_.blur_radius : own;
+}
+
+bool SnowSimulation::outputs_on_processor() const {
+  return is_software(thread_->info());
+}
+
+void SnowSimulation::prepare_output(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  const SceneObject& object = find_receiver(name);
+  if (object.description.rest.empty()) {
+    throw std::invalid_argument(
+        "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
   }
-  return *found->second;
+  outputs_.begin(object, blur_radius_of(object), outputs_on_processor());
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
@@ -149,7 +153,7 @@ MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
     throw std::invalid_argument("object '" + name +
                                 "' has no positions yet: output is known after its first step");
   }
-  OutputTables& tables = output_tables(name, object);
+  OutputTables& tables = outputs_.get(object, blur_radius_of(object), outputs_on_processor());
   const MapTopology& topology = object.description.topology;
   std::vector<SurfaceMetric> metrics;
   if (with_normals) {
@@ -159,7 +163,7 @@ MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
   }
   const bool fits =
       largest_output_buffer(object.table, tables.seams) <= thread_->info().max_storage_buffer_bytes;
-  if (is_software(thread_->info()) || !fits || !scene_is_current_) {
+  if (outputs_on_processor() || !fits || !scene_is_current_) {
     if (tables.processor == nullptr) {
       tables.processor = std::make_unique<CpuOutput>(object.table, tables.seams, tables.plan);
     }
