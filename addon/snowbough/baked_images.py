@@ -7,12 +7,16 @@ shows the sequence must show no snow there.
 """
 
 import re
+import struct
 from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
 
 EVER_COVERED = "ever_covered.exr"
+HEADER_BYTES = 4096
+# Name, type and size of the attribute that holds the first and last pixels (OpenEXR File Layout).
+DATA_WINDOW = b"dataWindow\0box2i\0\x10\0\0\0"
 
 
 @dataclass
@@ -65,11 +69,15 @@ def _load(path, name):
 
 
 def _width(path):
-    """Texels of the file; the sequence's own image is empty while the scene stands before its first frame."""
-    image = bpy.data.images.load(str(path), check_existing=False)
-    width = image.size[0]
-    bpy.data.images.remove(image)
-    return width
+    """Texels of an EXR file, as its header says, or 0 where it is none. Blender would read all of it; and the
+    sequence's own image is empty while the scene stands before its first frame."""
+    with open(path, "rb") as stream:
+        header = stream.read(HEADER_BYTES)
+    at = header.find(DATA_WINDOW)
+    if at < 0:
+        return 0
+    left, _, right, _ = struct.unpack_from("<4i", header, at + len(DATA_WINDOW))
+    return right - left + 1
 
 
 def load_sequence(folder, kind):

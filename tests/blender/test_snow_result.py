@@ -79,6 +79,14 @@ def test_a_gap_in_the_files_ends_the_sequence(addon, write_bake):
     assert addon("baked_images").frames_on_disk(folder, "height") == [5, 6]
 
 
+def test_a_sequence_has_the_size_of_its_files_and_reads_none_for_it(addon, write_bake):
+    images = set(bpy.data.images)
+    sequence = addon("baked_images").load_sequence(str(write_bake()), "height")
+    assert sequence.size == SIZE
+    assert set(bpy.data.images) - images == {sequence.image}
+    assert not sequence.image.has_data
+
+
 def test_cycles_displacement_is_in_metres_from_the_surface(ground, write_bake):
     bpy.context.scene.unit_settings.scale_length = 0.5
     ground.folder = str(write_bake())
