@@ -4,6 +4,7 @@
 #include "packed_pixel.h"
 #include "pixel_counts.h"
 #include "texel_spread.h"
+#include "triangle_object.h"
 
 layout(local_size_x = 64) in;
 layout(std430) readonly buffer ListSize { uint list_groups; uint list_groups_y; uint list_groups_z; uint list_count; };
@@ -46,9 +47,9 @@ void main() {
   const uint stride = gl_NumWorkGroups.x * gl_WorkGroupSize.x;
   for (uint i = gl_GlobalInvocationID.x; i < list_count; i += stride) {
     const ivec2 pixel = unpacked_pixel(pixel_list[i]);
-    const uvec4 seen = texelFetch(occlusion, pixel, 0);
-    const uint slot = seen.z & ~kReceives;
-    const uint owner = texel_under(pixel, seen.x - 1u, slot);
+    const uint triangle = texelFetch(occlusion, pixel, 0).x - 1u;
+    const uint slot = object_of(triangle) & ~kReceives;
+    const uint owner = texel_under(pixel, triangle, slot);
     if (owner == 0u && counting) {
       atomicAdd(counts[slot].homeless, 1u);
     }

@@ -3,6 +3,7 @@
 // run every branch for every pixel.
 #include "packed_pixel.h"
 #include "pixel_counts.h"
+#include "triangle_object.h"
 
 layout(local_size_x = 64) in;
 /// Work groups of the next part (x, 1, 1) and the number of listed pixels.
@@ -37,10 +38,10 @@ void main() {
     PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
     ivec2 pixel = ivec2(begin, y);
     do {
-      const uvec4 seen = texelFetch(occlusion, pixel, 0);
-      const uint own = seen.x == 0u || pixel.x >= end ? 0u : seen.z;
+      const uint seen = texelFetch(occlusion, pixel, 0).x;
+      const uint own = seen == 0u || pixel.x >= end ? 0u : object_of((seen & ~kBackFace) - 1u);
       const bool mine = own == (slot | kReceives);
-      const bool front = mine && (seen.x & kBackFace) == 0u;
+      const bool front = mine && (seen & kBackFace) == 0u;
       next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
       count.back_facing += mine && !front ? 1u : 0u;
       count.visible += front ? 1u : 0u;

@@ -5,13 +5,13 @@
 layout(local_size_x = 64) in;
 /// Thickness in metres; 0 at the start of a step.
 layout(std430) writeonly buffer DepositShare { float deposit_share[]; };
-uniform samplerBuffer texel_surface;
-uniform usamplerBuffer targets;
+/// A TexelStep each.
+uniform usamplerBuffer texel_steps;
 
 void main() {
   const int index = listed_texel();
-  const uvec2 target = texelFetch(targets, index).xy;
-  if (target.y != 0u) {
-    deposit_share[index] = share_of(target, texelFetch(texel_surface, index).w);
+  const uvec4 step = texelFetch(texel_steps, index);
+  if (step.y != 0u) {
+    deposit_share[index] = share_of(step.xy, uintBitsToFloat(step.z));
   }
 }

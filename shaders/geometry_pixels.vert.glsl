@@ -3,6 +3,7 @@
 // GEOMETRY's second part, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the
 // snow that the pixel's texels do not take, for the texel under the pixel's centre.
 #include "texel_spread.h"
+#include "triangle_object.h"
 
 uniform sampler2D weight_map;
 uniform ivec2 tile_size;
@@ -16,14 +17,15 @@ void main() {
   volume = 0.0;
   texel = -1;
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-  const uvec4 seen = texelFetch(occlusion, pixel, 0);
-  const uint slot = seen.z & ~kReceives;
+  const uint seen = texelFetch(occlusion, pixel, 0).x;
+  const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
+  const uint slot = object & ~kReceives;
   const float sum = texelFetch(weight_map, pixel, 0).x;
-  if (seen.x == 0u || (seen.x & kBackFace) != 0u || (seen.z & kReceives) == 0u ||
+  if (seen == 0u || (seen & kBackFace) != 0u || (object & kReceives) == 0u ||
       slot < group_objects.x || slot >= group_objects.y || sum >= 0.5) {
     return;
   }
-  const uint owner = texel_under(pixel, seen.x - 1u, slot);
+  const uint owner = texel_under(pixel, seen - 1u, slot);
   if (owner == 0u || owner - 1u < batch_texels.x || owner - 1u >= batch_texels.y) {
     return;
   }

@@ -9,17 +9,16 @@ uniform sampler2D weight_map;
 uniform int resolution;
 
 void main() {
-  const TexelTarget target = target_of(gl_VertexID);
+  const TexelStep step = step_of(gl_VertexID);
   thickness = 0.0;
   map_place = ivec3(-1);
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-  if (target.weight == 0u) {
+  if (step.weight == 0u) {
     return;
   }
-  const ivec2 pixel = unpacked_pixel(target.pixel);
+  const ivec2 pixel = unpacked_pixel(step.pixel);
   const float sum = max(texelFetch(weight_map, pixel, 0).x, 0.5);
   const float volume = snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
-  thickness = volume * (float(target.weight) / float(kPixelWeight) / sum) /
-              texelFetch(texel_surface, gl_VertexID).w;
+  thickness = volume * (float(step.weight) / float(kPixelWeight) / sum) / step.area;
   map_place = decoded_place(texelFetch(texels, gl_VertexID).y, resolution);
 }

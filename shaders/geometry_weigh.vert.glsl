@@ -6,11 +6,11 @@
 flat out float weight;
 
 void main() {
-  const TexelTarget target = target_of(gl_VertexID);
-  weight = float(target.weight) / float(kPixelWeight);
-  const vec2 at = vec2(unpacked_pixel(target.pixel)) + 0.5;
+  const TexelStep step = step_of(gl_VertexID);
+  weight = float(step.weight) / float(kPixelWeight);
+  const vec2 at = vec2(unpacked_pixel(step.pixel)) + 0.5;
   // Outside the clip volume where the texel takes no part.
-  gl_Position = target.weight == 0u ? vec4(2.0, 2.0, 2.0, 1.0)
+  gl_Position = step.weight == 0u ? vec4(2.0, 2.0, 2.0, 1.0)
                                    : vec4(at / vec2(tile_size) * 2.0 - 1.0, 0.0, 1.0);
   gl_PointSize = 1.0;
 }

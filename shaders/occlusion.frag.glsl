@@ -4,14 +4,12 @@
 
 uniform ivec2 tile_origin;
 
-flat in uvec2 visible_triangle;
-flat in float facing;
+flat in uint visible_triangle;
 flat in vec4 corner_gradient;
 flat in vec3 depth_range;
 
-/// x: 1 + triangle with kBackFace, 0 = nothing; y: bits of the depth; z: slot with kReceives; w: bits
-/// of the facing.
-layout(location = 0) out uvec4 visible;
+/// 1 + triangle with kBackFace, 0 = nothing.
+layout(location = 0) out uint visible;
 
 #ifdef WITH_ALPHA
 uniform usamplerBuffer alpha_bits;
@@ -50,6 +48,5 @@ void main() {
   const float depth = clamp(depth_range.x + offset.x * corner_gradient.z + offset.y * corner_gradient.w,
                             depth_range.y, depth_range.z);
   gl_FragDepth = (depth - fall.range.x) * fall.range.y;
-  visible = uvec4(visible_triangle.x, floatBitsToUint(depth), visible_triangle.y,
-                  floatBitsToUint(facing));
+  visible = visible_triangle;
 }

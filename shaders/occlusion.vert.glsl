@@ -1,19 +1,15 @@
 // Projects a triangle's corner onto the grid, snapped to 1/256 pixel, so that every tile rasterises
 // the same triangle bit for bit, whatever its origin.
-#include "fall_frame.h"
+#include "snow_shared.h"
 
-// Buffer textures instead of storage blocks: llvmpipe reads a whole vector at once from them.
-uniform samplerBuffer positions;
-uniform usamplerBuffer triangles;
-uniform samplerBuffer triangle_surface;
+/// See triangle_fall.h.
+uniform samplerBuffer triangle_corners;
 
 uniform vec2 viewport_origin;
 uniform float viewport_size;
 
-/// 1 + triangle with kBackFace; the object's slot with kReceives.
-flat out uvec2 visible_triangle;
-/// Cosine between the triangle's normal and the way to the sky.
-flat out float facing;
+/// 1 + triangle with kBackFace.
+flat out uint visible_triangle;
 /// First corner in local pixels, and the gradient of depth.
 flat out vec4 corner_gradient;
 /// Depth at the first corner, smallest and largest depth.
@@ -44,17 +40,16 @@ void find_alpha(int index, vec2 ab, vec2 ac, float area) {
 }
 #endif
 
-vec3 snapped(uint vertex) {
-  const vec3 p = project(texelFetch(positions, int(vertex)).xyz);
+vec3 snapped(uint corner) {
+  const vec3 p = texelFetch(triangle_corners, int(corner)).xyz;
   return vec3(floor(p.xy * 256.0 + 0.5) * (1.0 / 256.0), p.z);
 }
 
 void main() {
   const uint index = uint(gl_VertexID) / 3u;
-  const uvec4 triangle = texelFetch(triangles, int(index));
-  const vec3 a = snapped(triangle.x);
-  const vec3 b = snapped(triangle.y);
-  const vec3 c = snapped(triangle.z);
+  const vec3 a = snapped(3u * index);
+  const vec3 b = snapped(3u * index + 1u);
+  const vec3 c = snapped(3u * index + 2u);
   const vec3 ab = b - a;
   const vec3 ac = c - a;
   const float area = ab.x * ac.y - ab.y * ac.x;
@@ -62,8 +57,7 @@ void main() {
       area == 0.0 ? vec2(0.0)
                   : vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area;
   // The cross product of the grid's axes points to the sky: faces turned there wind anticlockwise.
-  visible_triangle = uvec2((index + 1u) | (area > 0.0 ? 0u : kBackFace), triangle.w);
-  facing = -dot(texelFetch(triangle_surface, int(index)).xyz, fall.direction.xyz);
+  visible_triangle = (index + 1u) | (area > 0.0 ? 0u : kBackFace);
   corner_gradient = vec4(a.xy, gradient);
   depth_range = vec3(a.z, min(a.z, min(b.z, c.z)), max(a.z, max(b.z, c.z)));
 #ifdef WITH_ALPHA

@@ -1,5 +1,6 @@
 // Counts what the sky sees of every object, for the formulation without a compute pass over pixels.
 #include "pixel_counts.h"
+#include "triangle_object.h"
 
 layout(local_size_x = 64) in;
 uniform usampler2D occlusion;
@@ -16,16 +17,17 @@ void main() {
     if (pixel.x >= tile_size.x) {
       break;
     }
-    const uvec4 seen = texelFetch(occlusion, pixel, 0);
-    if (seen.x == 0u || (seen.z & kReceives) == 0u) {
+    const uint seen = texelFetch(occlusion, pixel, 0).x;
+    const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
+    if ((object & kReceives) == 0u) {
       continue;
     }
-    const uint slot = seen.z & ~kReceives;
+    const uint slot = object & ~kReceives;
     if (slot != current) {
       flush(current, count);
       current = slot;
     }
-    if ((seen.x & kBackFace) != 0u) {
+    if ((seen & kBackFace) != 0u) {
       count.back_facing += 1u;
     } else {
       count.visible += 1u;

@@ -69,13 +69,18 @@ struct Fragment {
 };
 SNOWBOUGH_SHARED_SIZE(Fragment, 8);
 
-/// The pixel of the tile that a texel takes its snow from, row << 16 | column, and the texel's projected
-/// area in units of pixel area / kPixelWeight, 0 = it takes none.
-struct TexelTarget {
+/// What a step finds out about a texel.
+struct TexelStep {
+  /// The pixel of the tile that it takes its snow from, row << 16 | column, and its projected area in
+  /// units of pixel area / kPixelWeight, 0 = it takes none.
   uint pixel;
   uint weight;
+  /// Covered area in m2.
+  float area;
+  /// Upward part of the normal, 1 on level ground.
+  float up;
 };
-SNOWBOUGH_SHARED_SIZE(TexelTarget, 8);
+SNOWBOUGH_SHARED_SIZE(TexelStep, 16);
 
 /// One step's fall and grid. Local pixels are counted from the grid pixel `base`, so that floats stay
 /// exact far away from the world's origin.
@@ -175,9 +180,8 @@ const uint kBlock = 64u;
 const uint kBlocksAGroup = kTexelGroup / kBlock;
 /// Where the numbers begin in a list of groups.
 const uint kGroupListBegin = 8u;
-/// A group's state: snow lies on one of its texels; its surface is that of an earlier pose.
+/// A group's state: snow lies on one of its texels.
 const uint kHoldsSnow = 1u;
-const uint kSurfaceIsOld = 2u;
 /// Work groups in one direction that OpenGL promises for a dispatch.
 const uint kMostGroups = 65535u;
 /// Invocations of a work group of the stability pass: each leaves one partial sum.

@@ -24,17 +24,14 @@ uniform float step_depth;
 /// Read, and left at 0 for the next step.
 layout(std430) buffer DepositShare { float deposit_share[]; };
 #endif
-#ifdef LAST_TILE
-uniform usamplerBuffer targets;
-#endif
 /// An invocation's sums: deposited, slid and held volume in m3, number of saturated texels.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 /// Per group of texels; kHoldsSnow is set where some lies after the step.
 layout(std430) buffer GroupStates { uint group_states[]; };
 uniform usamplerBuffer texels;
-uniform samplerBuffer texel_surface;
-uniform samplerBuffer texel_up;
+/// A TexelStep each.
+uniform usamplerBuffer texel_steps;
 uniform float max_depth;
 /// Seconds; the half-life is positive.
 uniform float dt;
@@ -62,7 +59,7 @@ float settle(float height, float deposit, float capacity) {
 
 #ifndef DEPOSIT_MAP
 /// The texel's deposit of the whole step, in metres; leaves the sums at 0.
-float take_deposit(int index, float area, out bool saturated) {
+float take_deposit(int index, uvec2 target, float area, out bool saturated) {
   const uint units = texelFetch(units_before, index).x;
   saturated = units == kNowhere;
   float deposit = float(units) * (step_depth / kDepthUnits);
@@ -70,7 +67,6 @@ float take_deposit(int index, float area, out bool saturated) {
     deposit_units[index] = 0u;
   }
 #ifdef LAST_TILE
-  const uvec2 target = texelFetch(targets, index).xy;
   if (target.y != 0u) {
     deposit += share_of(target, area);
   }
@@ -99,15 +95,16 @@ void main() {
     if (texel.y == kNowhere) {
       break;
     }
-    const float area = texelFetch(texel_surface, index).w;
-    const float capacity = max_depth * texelFetch(texel_up, index).x;
+    const uvec4 step = texelFetch(texel_steps, index);
+    const float area = uintBitsToFloat(step.z);
+    const float capacity = max_depth * uintBitsToFloat(step.w);
     const ivec3 at = decoded_place(texel.y, resolution);
 #ifdef DEPOSIT_MAP
     const bool saturated = false;
     const float deposit = texelFetch(deposit_map, at, 0).x;
 #else
     bool saturated;
-    const float deposit = take_deposit(index, area, saturated);
+    const float deposit = take_deposit(index, step.xy, area, saturated);
 #endif
     const float height = imageLoad(height_map, at).x;
     const float settled = settle(height, deposit, capacity);

@@ -1,23 +1,19 @@
 // Lists the groups of texels that have anything to do in this step: those on which snow lies or which
 // have a triangle that faces the fall. All that the passes would do to the others is nothing.
-#include "fall_frame.h"
+#include "snow_shared.h"
 
 layout(local_size_x = 64) in;
+/// See triangle_fall.h.
 uniform samplerBuffer triangle_surface;
 /// Triangles of group g: [group_begin[g], group_begin[g + 1]) of group_triangles.
 uniform usamplerBuffer group_begin;
 uniform usamplerBuffer group_triangles;
-uniform usamplerBuffer group_slots;
-/// Per slot: 1 = its vertices moved in this step.
-uniform usamplerBuffer slot_moved;
 uniform uint group_count;
 /// Lists every group.
 uniform bool all_groups;
-/// Per group: kHoldsSnow, which the stability pass sets again, and kSurfaceIsOld.
+/// Per group: kHoldsSnow, which the stability pass sets again.
 layout(std430) buffer GroupStates { uint group_states[]; };
-/// Groups to work on, and those of them whose surface must be evaluated again.
 layout(std430) buffer ActiveGroups { GroupListHeader active_header; uint active_groups[]; };
-layout(std430) buffer OldGroups { GroupListHeader old_header; uint old_groups[]; };
 
 /// Faces that are edge-on but for rounding may take snow.
 const float kEdgeOn = 1e-5;
@@ -27,7 +23,7 @@ bool faces_the_fall(int group) {
   bool faces = false;
   for (int i = int(texelFetch(group_begin, group).x); i < end && !faces; ++i) {
     const int triangle = int(texelFetch(group_triangles, i).x);
-    faces = dot(texelFetch(triangle_surface, triangle).xyz, fall.direction.xyz) < kEdgeOn;
+    faces = texelFetch(triangle_surface, triangle).x > -kEdgeOn;
   }
   return faces;
 }
@@ -37,16 +33,9 @@ void main() {
   if (group >= group_count) {
     return;
   }
-  const uint slot = texelFetch(group_slots, int(group)).x;
-  uint state = group_states[group] | (texelFetch(slot_moved, int(slot)).x != 0u ? kSurfaceIsOld : 0u);
-  if (all_groups || (state & kHoldsSnow) != 0u || faces_the_fall(int(group))) {
+  if (all_groups || (group_states[group] & kHoldsSnow) != 0u || faces_the_fall(int(group))) {
     active_groups[atomicAdd(active_header.group_count, 1u)] = group;
     atomicAdd(active_header.whole_count, 1u);
-    if ((state & kSurfaceIsOld) != 0u) {
-      old_groups[atomicAdd(old_header.group_count, 1u)] = group;
-      atomicAdd(old_header.whole_count, 1u);
-    }
-    state = 0u;
+    group_states[group] = 0u;
   }
-  group_states[group] = state;
 }

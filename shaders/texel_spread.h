@@ -5,7 +5,9 @@
 #include "texel_under.h"
 
 uniform usamplerBuffer texels;
-uniform samplerBuffer texel_surface;
+/// A TexelStep each; z: area in m2.
+uniform samplerBuffer texel_steps;
+/// See triangle_fall.h.
 uniform samplerBuffer triangle_surface;
 /// Texels of the group in this batch: [first, end). An object's texels share a batch unless they fill
 /// one alone, so the result does not depend on other objects.
@@ -33,13 +35,13 @@ int sharing_texel(ivec3 at, uint chart) {
   }
   const int texel = int(owner.x - 1u - batch_texels.x);
   const uint triangle = texelFetch(texels, texel).x;
-  return dot(texelFetch(triangle_surface, int(triangle)).xyz, fall.direction.xyz) < 0.0 ? texel : -1;
+  return texelFetch(triangle_surface, int(triangle)).x > 0.0 ? texel : -1;
 }
 
 /// How many texels in each direction from `texel` share, 0 = it alone; `area`: what they have together.
 int spread_reach(int texel, ivec3 place, uint chart, out float area) {
   const float enough = kSpreadArea * fall.direction.w * fall.direction.w;
-  area = texelFetch(texel_surface, texel).w;
+  area = texelFetch(texel_steps, texel).z;
   int reach = 0;
   while (area < enough && reach < kSpreadReach) {
     ++reach;
@@ -48,7 +50,7 @@ int spread_reach(int texel, ivec3 place, uint chart, out float area) {
       const int step = abs(y) == reach ? 1 : 2 * reach;
       for (int x = -reach; x <= reach; x += step) {
         const int other = sharing_texel(place + ivec3(x, y, 0), chart);
-        area += other < 0 ? 0.0 : texelFetch(texel_surface, other).w;
+        area += other < 0 ? 0.0 : texelFetch(texel_steps, other).z;
       }
     }
   }

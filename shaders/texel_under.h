@@ -1,8 +1,8 @@
 // GLSL only: the texel under a pixel's centre. Both formulations of the deposit include it.
 #include "fall_frame.h"
 
-uniform samplerBuffer positions;
-uniform usamplerBuffer triangles;
+/// See triangle_fall.h.
+uniform samplerBuffer triangle_corners;
 /// Two texels a triangle: uv of its corners, bits of home and chart.
 uniform samplerBuffer map_triangles;
 /// By slot: what to add to a scene triangle's index to get its index among the map triangles.
@@ -13,17 +13,14 @@ uniform usampler2DArray owners;
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
 
-vec3 projected_corner(uint vertex) { return project(texelFetch(positions, int(vertex)).xyz); }
-
 /// 1 + the texel (its index in the map group) that takes the snow under the centre of a pixel of the
 /// tile: the one there, if it is the chart's own; else the nearest of the chart's around it, which holds
 /// the part that lies in another chart's texel; else the one that holds most of the triangle. Each of
 /// them holds a part of the triangle that the pixel shows. 0 = none.
 uint texel_under(ivec2 pixel, uint triangle, uint slot) {
-  const uvec4 vertices = texelFetch(triangles, int(triangle));
-  const vec2 a = projected_corner(vertices.x).xy;
-  const vec2 ab = projected_corner(vertices.y).xy - a;
-  const vec2 ac = projected_corner(vertices.z).xy - a;
+  const vec2 a = texelFetch(triangle_corners, 3 * int(triangle)).xy;
+  const vec2 ab = texelFetch(triangle_corners, 3 * int(triangle) + 1).xy - a;
+  const vec2 ac = texelFetch(triangle_corners, 3 * int(triangle) + 2).xy - a;
   const int map_index = 2 * (int(triangle) + texelFetch(map_offsets, int(slot)).x);
   const vec4 uv_ab = texelFetch(map_triangles, map_index);
   const vec4 uv_c_home = texelFetch(map_triangles, map_index + 1);

@@ -20,7 +20,7 @@ namespace snowbough::gpu {
 ///
 ///   program.use();                         // forgets the bindings of the run before
 ///   program.set("pixel_size", 0.01f);      // uniforms keep their value from run to run
-///   program.bind("TexelSurface", buffer);  // storage or uniform block, by block name
+///   program.bind("TexelSteps", buffer);  // storage or uniform block, by block name
 ///   program.bind_image("height", texture, GL_READ_WRITE);
 ///   program.bind_texture("occlusion", texture);
 ///   program.dispatch(groups);              // or draw(...)
@@ -65,8 +65,8 @@ class Program {
   /// Runs a compute program whose shader finds its item by item_index.h, in groups of `group_size`.
   /// More groups than one dimension holds (`most_groups`; OpenGL promises 65,535) go into rows.
   void dispatch_items(int64_t count, int32_t group_size, int32_t most_groups = 65535);
-  /// Runs a compute program with the numbers of groups (three uint32) that lie in the buffer, `offset`
-  /// bytes from its start.
+  /// Runs a compute program with the numbers of groups (three uint32) that lie in the buffer,
+  /// `offset` bytes from its start.
   void dispatch_indirect(const Buffer& groups, int64_t offset = 0);
   /// Draws `count` vertices with the bound vertex array. @throws as dispatch.
   void draw(GLenum mode, int32_t first, int32_t count);

@@ -23,14 +23,17 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
     weigh_.use();
     weigh_.bind("Fall", fall);
     weigh_.bind_texture("groups", batch.views.active_groups);
+    weigh_.bind_texture("triangle_corners", scene.views.triangle_corners);
+    weigh_.bind_texture("corner_words", scene.views.corner_words);
+    weigh_.bind_texture("triangle_words", scene.views.triangle_words);
     weigh_.bind_texture("triangle_surface", scene.views.triangle_surface);
     weigh_.bind_texture("texels", batch.views.texels);
-    weigh_.bind_texture("texel_surface", batch.views.surface);
     weigh_.bind_texture("group_slots", batch.views.group_slots);
     weigh_.bind_texture("fragment_begin", batch.views.fragment_begin);
     weigh_.bind_texture("fragments", batch.views.fragments);
-    weigh_.bind("TexelTargets", batch.targets);
+    weigh_.bind("TexelSteps", batch.steps);
     weigh_.bind_texture("occlusion", occlusion.visible);
+    weigh_.bind_texture("occlusion_depth", occlusion.depth);
     weigh_.bind_image("weight_sum", weight_sum_, GL_READ_WRITE);
     weigh_.set("tile_origin", tile.pixels.low);
     weigh_.set("tile_size", size);
@@ -55,6 +58,7 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
   program.bind("ListSize", list_size_);
   program.bind("PixelList", pixel_list_);
   program.bind_texture("occlusion", occlusion.visible);
+  program.bind_texture("triangle_words", scene.views.triangle_words);
   program.bind_texture("weight_sum", weight_sum_);
   program.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
   program.set("tile_size", size);
@@ -72,13 +76,13 @@ void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const
   lay_.bind("ListSize", list_size_);
   lay_.bind("PixelList", pixel_list_);
   lay_.bind("DepositUnits", batch.units);
-  lay_.bind_texture("positions", scene.views.positions);
-  lay_.bind_texture("triangles", scene.views.triangles);
+  lay_.bind_texture("triangle_corners", scene.views.triangle_corners);
+  lay_.bind_texture("triangle_words", scene.views.triangle_words);
   lay_.bind_texture("triangle_surface", scene.views.triangle_surface);
   lay_.bind_texture("map_triangles", scene.views.map_triangles);
   lay_.bind_texture("map_offsets", scene.views.map_offsets);
   lay_.bind_texture("texels", batch.views.texels);
-  lay_.bind_texture("texel_surface", batch.views.surface);
+  lay_.bind_texture("texel_steps", batch.views.step_floats);
   lay_.bind_texture("occlusion", occlusion.visible);
   lay_.bind_texture("weight_sum", weight_sum_);
   lay_.bind_texture("owners", group.owners);
@@ -97,8 +101,7 @@ void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall,
     program.use();
     program.bind("Fall", fall);
     program.bind_texture("groups", batch.views.active_groups);
-    program.bind_texture("texel_surface", batch.views.surface);
-    program.bind_texture("targets", batch.views.targets);
+    program.bind_texture("texel_steps", batch.views.steps);
     program.bind("DepositShare", batch.share);
     program.bind_texture("weight_sum", weight_sum_);
     if (snow.has_noise) {

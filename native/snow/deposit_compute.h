@@ -33,8 +33,8 @@ struct StepSnow {
 class DepositComputePass {
  public:
   /// Adds the snow of one tile to the batches' `units` and `share`; the shares of the step's last
-  /// tile are left to the stability pass, which finds them by the batches' `targets` and
-  /// weight_sum(). GPU thread.
+  /// tile are left to the stability pass, which finds them by the batches' `steps`, filled in
+  /// here, and weight_sum(). GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const OcclusionTarget& occlusion, const StepSnow& snow, bool is_last);
 

@@ -29,13 +29,16 @@ class AdditivePoints {
 void bind_texels(gpu::Program& program, const SceneBuffers& scene, const TexelBatch& batch,
                  const gpu::Buffer& fall, const Tile& tile, const OcclusionTarget& occlusion) {
   program.bind("Fall", fall);
+  program.bind_texture("triangle_corners", scene.views.triangle_corners);
+  program.bind_texture("corner_words", scene.views.corner_words);
+  program.bind_texture("triangle_words", scene.views.triangle_words);
   program.bind_texture("triangle_surface", scene.views.triangle_surface);
   program.bind_texture("texels", batch.views.texels);
-  program.bind_texture("texel_surface", batch.views.surface);
   program.bind_texture("group_slots", batch.views.group_slots);
   program.bind_texture("fragment_begin", batch.views.fragment_begin);
   program.bind_texture("fragments", batch.views.fragments);
   program.bind_texture("occlusion", occlusion.visible);
+  program.bind_texture("occlusion_depth", occlusion.depth);
   program.set("tile_origin", tile.pixels.low);
   program.set("tile_size", tile.pixels.size());
 }
@@ -77,13 +80,13 @@ void DepositGeometryPass::drop_on_pixels(SceneBuffers& scene, const gpu::Buffer&
     const AdditivePoints drawing(group.deposit_target, vertices_, glm::ivec2(group.resolution));
     pixels_.use();
     pixels_.bind("Fall", fall);
-    pixels_.bind_texture("positions", scene.views.positions);
-    pixels_.bind_texture("triangles", scene.views.triangles);
+    pixels_.bind_texture("triangle_corners", scene.views.triangle_corners);
+    pixels_.bind_texture("triangle_words", scene.views.triangle_words);
     pixels_.bind_texture("map_triangles", scene.views.map_triangles);
     pixels_.bind_texture("map_offsets", scene.views.map_offsets);
     pixels_.bind_texture("triangle_surface", scene.views.triangle_surface);
     pixels_.bind_texture("texels", batch.views.texels);
-    pixels_.bind_texture("texel_surface", batch.views.surface);
+    pixels_.bind_texture("texel_steps", batch.views.step_floats);
     pixels_.bind_texture("occlusion", occlusion.visible);
     pixels_.bind_texture("owners", group.owners);
     pixels_.bind_texture("weight_map", weight_map_);
@@ -117,6 +120,7 @@ void DepositGeometryPass::count(SceneBuffers& scene, const gpu::Buffer& fall, co
   count_.bind("Fall", fall);
   count_.bind("Counts", scene.pixel_counts);
   count_.bind_texture("occlusion", occlusion.visible);
+  count_.bind_texture("triangle_words", scene.views.triangle_words);
   count_.set("tile_origin", tile.pixels.low);
   count_.set("tile_size", size);
   count_.dispatch(gpu::group_count(size.x, 64 * 16), size.y);

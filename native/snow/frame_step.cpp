@@ -10,19 +10,15 @@ bool overlap(const PixelRect& a, const PixelRect& b) {
   return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
 }
 
-/// The objects that moved, their vertices uploaded.
-std::vector<int32_t> upload_moved(const std::vector<SceneObject*>& objects, SceneBuffers& scene) {
-  std::vector<int32_t> moved;
+void upload_moved(const std::vector<SceneObject*>& objects, SceneBuffers& scene) {
   for (size_t i = 0; i < objects.size(); ++i) {
     if (objects[i]->moved) {
       scene.positions.write(int64_t{12} * scene.first_vertex[i],
                             static_cast<int64_t>(objects[i]->positions.size()) * 12,
                             objects[i]->positions.data());
       objects[i]->moved = false;
-      moved.push_back(static_cast<int32_t>(i));
     }
   }
-  return moved;
 }
 
 /// Triangles of the objects that may show in a tile; neighbours in one run.
@@ -57,9 +53,7 @@ std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
 
 void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scene,
                     const Input& input) {
-  const std::vector<int32_t> moved = upload_moved(objects, scene);
-  surface_.run_triangles(scene, moved);
-
+  upload_moved(objects, scene);
   // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
   Bounds bounds;
   for (const SceneObject* object : objects) {
@@ -67,9 +61,9 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   }
   const shared::FallFrame frame = make_fall_frame(input.fall, bounds);
   fall_.write(0, sizeof frame, &frame);
+  triangles_.run(scene, fall_);
   // GEOMETRY draws all texels.
-  groups_.run(scene, fall_, moved, input.mapping == DepositMapping::kGeometry);
-  surface_.run_texels(scene);
+  groups_.run(scene, input.mapping == DepositMapping::kGeometry);
 
   std::vector<PixelRect> rects;
   std::vector<PixelRect> receivers;
@@ -83,6 +77,9 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   statistics_.open(scene);
   const StepSnow snow{static_cast<float>(input.fall.depth), input.fall.noise_density < 1.0};
   PendingShares pending;
+  if (input.mapping == DepositMapping::kGeometry || snow.depth <= 0.0f) {
+    surface_.run(scene);
+  }
   if (input.mapping == DepositMapping::kGeometry) {
     if (deposit_geometry_ == nullptr) {
       deposit_geometry_ = std::make_unique<DepositGeometryPass>();
@@ -90,7 +87,7 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
     deposit_geometry_->begin(scene);
     pending.on_deposit_maps = true;
   }
-  if (input.fall.depth > 0.0) {
+  if (snow.depth > 0.0f) {
     const std::vector<Tile> tiles = make_tiles(receivers, input.tile_size);
     for (const Tile& tile : tiles) {
       const bool is_last = &tile == &tiles.back();

@@ -12,6 +12,7 @@
 #include "snow/statistics.h"
 #include "snow/texel_groups.h"
 #include "snow/texel_surface.h"
+#include "snow/triangle_fall.h"
 
 namespace snowbough::snow {
 
@@ -39,8 +40,9 @@ class FrameStep {
   void run(const std::vector<SceneObject*>& objects, SceneBuffers& scene, const Input& input);
 
  private:
-  TexelSurfacePass surface_;
+  TriangleFallPass triangles_;
   TexelGroupsPass groups_;
+  TexelSurfacePass surface_;
   OcclusionPass occlusion_;
   DepositComputePass deposit_compute_;
   /// Made when it is first asked for.

@@ -39,8 +39,7 @@ std::string MemoryEstimate::text() const {
 }
 
 MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size) {
-  constexpr int64_t kPerTexel =
-      sizeof(shared::Texel) + 4 + 16 + 4 + sizeof(shared::TexelTarget) + 4 + 4;
+  constexpr int64_t kPerTexel = sizeof(shared::Texel) + 4 + sizeof(shared::TexelStep) + 4 + 4;
   MemoryEstimate estimate;
   int64_t largest_map = 0;
   std::set<const AlphaMask*> masks;  // never iterated over
@@ -49,7 +48,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     const auto triangles = static_cast<int64_t>(object->triangle_count());
     const int64_t vertices =
         std::max<int64_t>(static_cast<int64_t>(object->positions.size()), topology.vertex_count);
-    estimate.geometry += vertices * 12 + triangles * (16 + 16);
+    estimate.geometry += vertices * 12 + triangles * (16 + 48 + 16);
     const ObjectAlpha& alpha = object->description.alpha;
     estimate.geometry += static_cast<int64_t>(alpha.mask.size() * sizeof(shared::AlphaTriangle));
     for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
@@ -68,11 +67,11 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     const int64_t texels =
         (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
     estimate.texels +=
-        texels * kPerTexel + texels / group * (16 + 5 * 4) + triangles * 2 * 4 +
+        texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
         static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
   }
   // What is seen, its depth, the sums and the list of pixels.
-  estimate.tile = int64_t{tile_size} * tile_size * (16 + 4 + 4 + 4);
+  estimate.tile = int64_t{tile_size} * tile_size * (4 + 4 + 4 + 4);
   // Three heights, a normal and its tables.
   estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;

@@ -14,7 +14,7 @@ void OcclusionTarget::require_size(glm::ivec2 size) {
   };
   const int32_t width = rounded(size.x, visible.width());
   const int32_t height = rounded(size.y, visible.height());
-  visible = gpu::Texture(GL_RGBA32UI, width, height);
+  visible = gpu::Texture(GL_R32UI, width, height);
   depth = gpu::Texture(GL_DEPTH_COMPONENT32F, width, height);
   framebuffer = gpu::Framebuffer({&visible}, &depth);
 }
@@ -23,9 +23,7 @@ void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const 
                         const Tile& tile) {
   program.use();
   program.bind("Fall", fall);
-  program.bind_texture("positions", scene.views.positions);
-  program.bind_texture("triangles", scene.views.triangles);
-  program.bind_texture("triangle_surface", scene.views.triangle_surface);
+  program.bind_texture("triangle_corners", scene.views.triangle_corners);
   program.set("viewport_origin", glm::vec2(tile.viewport_origin));
   program.set("viewport_size", static_cast<float>(kViewportSize));
   program.set("tile_origin", tile.pixels.low);

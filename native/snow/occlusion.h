@@ -13,9 +13,9 @@ namespace snowbough::snow {
 
 /// What the sky sees in the pixels of one tile. Grows to the largest tile asked for.
 struct OcclusionTarget {
-  /// RGBA32UI: x = 1 + triangle with kBackFace, 0 = nothing; y = bits of the depth along the fall;
-  /// z = the object's slot with kReceives; w = bits of the cosine between normal and sky.
+  /// R32UI: 1 + triangle with kBackFace, 0 = nothing.
   gpu::Texture visible;
+  /// Depth along the fall: 0 and 1 are the ends of FallFrame::range.
   gpu::Texture depth;
   gpu::Framebuffer framebuffer;
 
@@ -35,10 +35,10 @@ struct TriangleRange {
 /// Renders the scene along the fall onto one tile of the grid.
 class OcclusionPass {
  public:
-  /// `fall` holds the FallFrame. Clears and fills the lower left `tile.pixels.size()` pixels of
-  /// `target`. Back faces are drawn and marked; what an alpha mask cuts away is not there,
-  /// whichever way it faces. Ranges are drawn in their order, which decides where two surfaces
-  /// coincide. GPU thread.
+  /// `fall` holds the FallFrame, the triangles are those of its TriangleFallPass. Clears and fills
+  /// the lower left `tile.pixels.size()` pixels of `target`. Back faces are drawn and marked; what
+  /// an alpha mask cuts away is not there, whichever way it faces. Ranges are drawn in their order,
+  /// which decides where two surfaces coincide. GPU thread.
   void run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const std::vector<TriangleRange>& ranges, OcclusionTarget& target);
 

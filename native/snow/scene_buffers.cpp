@@ -57,9 +57,7 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.segment_buffer = gpu::Buffer(arrays.segments);
   batch.segments = std::move(arrays.segments);
   const int64_t count = batch.count;
-  batch.surface = gpu::Buffer(count * 16);
-  batch.up = gpu::Buffer(count * 4);
-  batch.targets = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelTarget)));
+  batch.steps = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelStep)));
   batch.share = gpu::Buffer(count * 4);
   batch.units = gpu::Buffer(count * 4);
   batch.partials = gpu::Buffer(count / kTexelGroup * shared::kPartialsEach * 16);
@@ -68,18 +66,15 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
     std::fill_n(group_slots.begin() + segment.first_group, segment.group_count, segment.slot);
   }
   batch.group_slots = gpu::Buffer(group_slots);
-  batch.group_states = gpu::Buffer(std::vector<uint32_t>(
-      static_cast<size_t>(batch.group_count()), shared::kHoldsSnow | shared::kSurfaceIsOld));
+  batch.group_states = gpu::Buffer(
+      std::vector<uint32_t>(static_cast<size_t>(batch.group_count()), shared::kHoldsSnow));
   batch.active_groups = gpu::Buffer(list_of_all_groups(batch.group_count()));
-  batch.old_groups = gpu::Buffer(list_of_all_groups(batch.group_count()));
   batch.views.active_groups = gpu::BufferTexture(batch.active_groups, GL_R32UI);
-  batch.views.old_groups = gpu::BufferTexture(batch.old_groups, GL_R32UI);
   batch.views.texels = gpu::BufferTexture(batch.texels, GL_RGBA32UI);
   batch.views.fragment_begin = gpu::BufferTexture(batch.fragment_begin, GL_R32UI);
   batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RG32UI);
-  batch.views.surface = gpu::BufferTexture(batch.surface, GL_RGBA32F);
-  batch.views.up = gpu::BufferTexture(batch.up, GL_R32F);
-  batch.views.targets = gpu::BufferTexture(batch.targets, GL_RG32UI);
+  batch.views.steps = gpu::BufferTexture(batch.steps, GL_RGBA32UI);
+  batch.views.step_floats = gpu::BufferTexture(batch.steps, GL_RGBA32F);
   batch.views.units = gpu::BufferTexture(batch.units, GL_R32UI);
   batch.views.group_slots = gpu::BufferTexture(batch.group_slots, GL_R32UI);
   return batch;
@@ -355,6 +350,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   require_room(static_cast<int64_t>(vertex_count) * 12, info, "vertices");
   scene.positions = gpu::Buffer(static_cast<int64_t>(vertex_count) * 12);
   scene.triangles = gpu::Buffer(triangles);
+  scene.triangle_corners = gpu::Buffer(static_cast<int64_t>(triangles.size()) * 48);
   scene.triangle_surface = gpu::Buffer(static_cast<int64_t>(triangles.size()) * 16);
 
   std::vector<size_t> by_slot(objects.size());
@@ -386,10 +382,11 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   scene.pixel_counts =
       gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::PixelCounts)));
   scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
-  scene.slot_moved = gpu::Buffer(static_cast<int64_t>(objects.size()) * 4);
-  scene.views.slot_moved = gpu::BufferTexture(scene.slot_moved, GL_R32UI);
   scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
   scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);
+  scene.views.triangle_words = gpu::BufferTexture(scene.triangles, GL_R32UI);
+  scene.views.corner_words = gpu::BufferTexture(scene.triangle_corners, GL_R32F);
+  scene.views.triangle_corners = gpu::BufferTexture(scene.triangle_corners, GL_RGBA32F);
   scene.views.triangle_surface = gpu::BufferTexture(scene.triangle_surface, GL_RGBA32F);
   scene.views.map_triangles = gpu::BufferTexture(scene.map_triangles, GL_RGBA32F);
   scene.views.map_offsets = gpu::BufferTexture(scene.map_offsets, GL_R32I);

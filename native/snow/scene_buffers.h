@@ -29,21 +29,19 @@ struct TexelBatch {
   gpu::Buffer texels;
   gpu::Buffer fragment_begin;
   gpu::Buffer fragments;
-  gpu::Buffer surface;
-  gpu::Buffer up;
-  gpu::Buffer targets;
+  /// shared::TexelStep, of the step that is being computed.
+  gpu::Buffer steps;
   gpu::Buffer share;
   gpu::Buffer units;
   gpu::Buffer partials;
   gpu::Buffer segment_buffer;
   gpu::Buffer group_slots;
   /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether
-  /// one has anything to do, what state each is in, and which are at work in this step.
+  /// one has anything to do, whether snow lies on it, and which are at work in this step.
   gpu::Buffer group_begin;
   gpu::Buffer group_triangles;
   gpu::Buffer group_states;
   gpu::Buffer active_groups;
-  gpu::Buffer old_groups;
   int32_t group_count() const { return count / static_cast<int32_t>(shared::kTexelGroup); }
 
   /// The buffers above as buffer textures, which llvmpipe reads a whole vector at a time.
@@ -51,15 +49,14 @@ struct TexelBatch {
     gpu::BufferTexture texels;
     gpu::BufferTexture fragment_begin;
     gpu::BufferTexture fragments;
-    gpu::BufferTexture surface;
-    gpu::BufferTexture up;
-    gpu::BufferTexture targets;
+    gpu::BufferTexture steps;
+    /// The same as floats, for their areas.
+    gpu::BufferTexture step_floats;
     gpu::BufferTexture units;
     gpu::BufferTexture group_slots;
     gpu::BufferTexture group_begin;
     gpu::BufferTexture group_triangles;
     gpu::BufferTexture active_groups;
-    gpu::BufferTexture old_groups;
   } views;
 };
 
@@ -77,6 +74,8 @@ struct SceneBuffers {
 
   gpu::Buffer positions;
   gpu::Buffer triangles;
+  /// Triangles as the step's fall meets them, see shaders/triangle_fall.h.
+  gpu::Buffer triangle_corners;
   gpu::Buffer triangle_surface;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
@@ -87,18 +86,19 @@ struct SceneBuffers {
   gpu::Buffer alpha_bits;
   gpu::Buffer pixel_counts;
   gpu::Buffer sums;
-  /// Per slot: 1 = its vertices moved in this step.
-  gpu::Buffer slot_moved;
   std::vector<MapGroup> groups;
   std::vector<TexelBatch> batches;
 
   struct Views {
     gpu::BufferTexture positions;
     gpu::BufferTexture triangles;
+    /// `triangles` and `triangle_corners` number by number.
+    gpu::BufferTexture triangle_words;
+    gpu::BufferTexture corner_words;
+    gpu::BufferTexture triangle_corners;
     gpu::BufferTexture triangle_surface;
     gpu::BufferTexture map_triangles;
     gpu::BufferTexture map_offsets;
-    gpu::BufferTexture slot_moved;
     gpu::BufferTexture alpha_triangles;
     gpu::BufferTexture alpha_places;
     gpu::BufferTexture alpha_bits;

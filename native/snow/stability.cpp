@@ -27,13 +27,11 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     program.use();
     program.bind_texture("groups", batch.views.active_groups);
     program.bind("GroupStates", batch.group_states);
-    program.bind_texture("texel_up", batch.views.up);
     program.bind_texture("texels", batch.views.texels);
-    program.bind_texture("texel_surface", batch.views.surface);
+    program.bind_texture("texel_steps", batch.views.steps);
     if (has_tile) {
       program.bind("Fall", *pending.fall);
       program.bind_texture("weight_sum", *pending.weight_sum);
-      program.bind_texture("targets", batch.views.targets);
       if (snow.has_noise) {
         program.set("tile_origin", pending.tile_origin);
       }

@@ -31,9 +31,9 @@ struct PendingShares {
   bool on_deposit_maps = false;
 };
 
-/// Adds the step's deposit (the batches' `units` and `share`, left at zero, and what is pending) to
-/// the height maps and lets slide what the slope cannot hold, in closed form over `dt` seconds;
-/// leaves the volumes in the batches' `partials`.
+/// Adds the step's deposit (the batches' `units` and `share`, left at zero, and what is pending in
+/// their `steps`) to the height maps and lets slide what the slope cannot hold, in closed form over
+/// `dt` seconds; leaves the volumes in the batches' `partials`.
 class StabilityPass {
  public:
   /// `snow.depth` is what the step's `units` refer to. Without a pending tile only `units` and

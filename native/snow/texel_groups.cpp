@@ -1,30 +1,21 @@
 #include "snow/texel_groups.h"
 
+#include <vector>
+
 namespace snowbough::snow {
 
-void TexelGroupsPass::run(SceneBuffers& scene, const gpu::Buffer& fall,
-                          const std::vector<int32_t>& moved, bool all) {
-  std::vector<uint32_t> slot_moved(scene.slot.size(), 0);
-  for (const int32_t object : moved) {
-    slot_moved[static_cast<size_t>(scene.slot[static_cast<size_t>(object)])] = 1;
-  }
-  scene.slot_moved.write(0, static_cast<int64_t>(slot_moved.size()) * 4, slot_moved.data());
+void TexelGroupsPass::run(SceneBuffers& scene, bool all) {
   const shared::GroupListHeader none{shared::kBlocksAGroup, 0, 1, 0, 1, 0, 1, 0};
   for (TexelBatch& batch : scene.batches) {
     batch.active_groups.write(0, sizeof none, &none);
-    batch.old_groups.write(0, sizeof none, &none);
     // Groups that are left out have nothing to add.
     batch.partials.clear();
     groups_.use();
-    groups_.bind("Fall", fall);
     groups_.bind_texture("triangle_surface", scene.views.triangle_surface);
     groups_.bind_texture("group_begin", batch.views.group_begin);
     groups_.bind_texture("group_triangles", batch.views.group_triangles);
-    groups_.bind_texture("group_slots", batch.views.group_slots);
-    groups_.bind_texture("slot_moved", scene.views.slot_moved);
     groups_.bind("GroupStates", batch.group_states);
     groups_.bind("ActiveGroups", batch.active_groups);
-    groups_.bind("OldGroups", batch.old_groups);
     groups_.set("group_count", static_cast<uint32_t>(batch.group_count()));
     groups_.set("all_groups", all ? 1 : 0);
     groups_.dispatch(gpu::group_count(batch.group_count(), 64));
@@ -36,7 +27,7 @@ void TexelGroupsPass::run(SceneBuffers& scene, const gpu::Buffer& fall,
 void TexelGroupsPass::forget(SceneBuffers& scene) {
   for (TexelBatch& batch : scene.batches) {
     const std::vector<uint32_t> states(static_cast<size_t>(batch.group_count()),
-                                       shared::kHoldsSnow | shared::kSurfaceIsOld);
+                                       shared::kHoldsSnow);
     batch.group_states.write(0, static_cast<int64_t>(states.size()) * 4, states.data());
   }
 }

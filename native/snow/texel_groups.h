@@ -1,7 +1,5 @@
 #pragma once
 
-#include <vector>
-
 #include "gpu/program.h"
 #include "snow/scene_buffers.h"
 
@@ -17,11 +15,9 @@ inline constexpr int64_t kWholeGroups = 16;
 /// nothing on the others.
 class TexelGroupsPass {
  public:
-  /// Fills the batches' `active_groups`, and `old_groups` with those of them whose surface is not
-  /// that of the current vertices. `moved`: indices in drawing order; their triangles are
-  /// evaluated. `all` takes every group. GPU thread.
-  void run(SceneBuffers& scene, const gpu::Buffer& fall, const std::vector<int32_t>& moved,
-           bool all);
+  /// Fills the batches' `active_groups`, by the triangles of this step's TriangleFallPass. `all`
+  /// takes every group. GPU thread.
+  void run(SceneBuffers& scene, bool all);
 
   /// Snow may lie anywhere: for maps that were written from outside. GPU thread.
   static void forget(SceneBuffers& scene);

@@ -1,25 +1,19 @@
 #pragma once
 
-#include <vector>
-
 #include "gpu/program.h"
-#include "snow/occlusion.h"
 #include "snow/scene_buffers.h"
 
 namespace snowbough::snow {
 
-/// Evaluates triangles and texels on the current vertices: normals, areas, positions, covered
-/// areas. GPU thread.
+/// Evaluates texels on the current triangles: covered area and upward part. Only for steps without
+/// DepositComputePass, which does so on its way.
 class TexelSurfacePass {
  public:
-  /// The triangles of the objects in `moved` (indices in drawing order, ascending).
-  void run_triangles(SceneBuffers& scene, const std::vector<int32_t>& moved);
-  /// The texels of the batches' `old_groups`.
-  void run_texels(SceneBuffers& scene);
+  /// Fills in `area` and `up` of the batches' `steps`, in their `active_groups`. GPU thread.
+  void run(SceneBuffers& scene);
 
  private:
-  gpu::Program triangles_{{"triangle_surface.comp.glsl"}};
-  gpu::Program texels_{{"texel_surface.comp.glsl"}};
+  gpu::Program program_{{"texel_surface.comp.glsl"}};
 };
 
 }  // namespace snowbough::snow

@@ -8,7 +8,7 @@
 #include "snow/memory_estimate.h"
 #include "snow/occlusion.h"
 #include "snow/scene_buffers.h"
-#include "snow/texel_surface.h"
+#include "snow/triangle_fall.h"
 
 namespace snowbough::snow {
 namespace {
@@ -55,30 +55,26 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
       bounds.include(object.bounds);
     }
     SceneBuffers scene = build_scene_buffers(pointers, gpu::GpuThread::shared()->info());
-    std::vector<int32_t> moved;
     std::vector<TriangleRange> ranges;
     for (size_t i = 0; i < objects.size(); ++i) {
       scene.positions.write(int64_t{12} * scene.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
                             objects[i].positions.data());
-      moved.push_back(static_cast<int32_t>(i));
       const int32_t first = scene.first_triangle[i];
       ranges.push_back({first, 2, scene.first_alpha[i] >= 0, scene.first_alpha[i] - first});
     }
-    TexelSurfacePass surface;
-    surface.run_triangles(scene, moved);
-    surface.run_texels(scene);
     FallSettings settings;
     settings.pixel_size = 1.0 / 16.0;
     settings.depth = 0.01;
     const shared::FallFrame frame = make_fall_frame(settings, bounds);
     const gpu::Buffer fall(sizeof frame, &frame);
     const std::vector<Tile> tiles = make_tiles({pixels_of(bounds, frame)}, 2048);
+    TriangleFallPass().run(scene, fall);
     OcclusionTarget target;
     OcclusionPass().run(scene, fall, tiles.front(), ranges, target);
-    std::vector<glm::uvec4> all(static_cast<size_t>(target.visible.width()) *
-                                static_cast<size_t>(target.visible.height()));
-    target.visible.read(0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(all.size()) * 16,
+    std::vector<uint32_t> all(static_cast<size_t>(target.visible.width()) *
+                              static_cast<size_t>(target.visible.height()));
+    target.visible.read(0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(all.size()) * 4,
                         all.data());
     const glm::ivec2 size = tiles.front().pixels.size();
     if (width != nullptr) {
@@ -88,7 +84,7 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
     for (int32_t y = 0; y < size.y; ++y) {
       for (int32_t x = 0; x < size.x; ++x) {
         const uint32_t triangle =
-            all[static_cast<size_t>(y * target.visible.width() + x)].x & ~shared::kBackFace;
+            all[static_cast<size_t>(y * target.visible.width() + x)] & ~shared::kBackFace;
         shown.push_back(triangle == 0 ? 0 : 1 + static_cast<int32_t>(triangle - 1) / 2);
       }
     }

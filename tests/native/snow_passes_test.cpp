@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <glm/geometric.hpp>
 #include <numbers>
 
@@ -49,18 +48,15 @@ struct Bench {
       bounds.include(object.bounds);
     }
     scene = build_scene_buffers(pointers, info);
-    std::vector<int32_t> moved;
     for (size_t i = 0; i < objects.size(); ++i) {
       scene.positions.write(int64_t{12} * scene.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
                             objects[i].positions.data());
-      moved.push_back(static_cast<int32_t>(i));
     }
-    TexelSurfacePass surface;
-    surface.run_triangles(scene, moved);
-    surface.run_texels(scene);
     frame = make_fall_frame(settings, bounds);
     fall = gpu::Buffer(sizeof frame, &frame);
+    TriangleFallPass().run(scene, fall);
+    TexelSurfacePass().run(scene);
     std::vector<PixelRect> rects;
     for (const SceneObject& object : objects) {
       rects.push_back(pixels_of(object.bounds, frame));
@@ -69,25 +65,31 @@ struct Bench {
     OcclusionPass().run(scene, fall, tiles.front(), {{0, scene.triangle_count}}, target);
   }
 
-  std::vector<glm::uvec4> visible() const {
-    const Buffer4 all = read();
-    std::vector<glm::uvec4> shown;
+  /// What the tile's pixels show, and their depths in metres.
+  std::vector<uint32_t> visible() const {
+    return shown<uint32_t>(target.visible, GL_RED_INTEGER, GL_UNSIGNED_INT);
+  }
+  std::vector<float> depth() const {
+    std::vector<float> depths = shown<float>(target.depth, GL_DEPTH_COMPONENT, GL_FLOAT);
+    for (float& depth : depths) {
+      depth = depth / frame.range.y + frame.range.x;
+    }
+    return depths;
+  }
+
+  template <typename T>
+  std::vector<T> shown(const gpu::Texture& texture, GLenum format, GLenum type) const {
+    std::vector<T> all(static_cast<size_t>(texture.width()) *
+                       static_cast<size_t>(texture.height()));
+    texture.read(0, format, type, static_cast<int64_t>(all.size() * sizeof(T)), all.data());
+    std::vector<T> of_tile;
     const glm::ivec2 size = tiles.front().pixels.size();
     for (int32_t y = 0; y < size.y; ++y) {
       for (int32_t x = 0; x < size.x; ++x) {
-        shown.push_back(all[static_cast<size_t>(y * target.visible.width() + x)]);
+        of_tile.push_back(all[static_cast<size_t>(y * texture.width() + x)]);
       }
     }
-    return shown;
-  }
-
-  using Buffer4 = std::vector<glm::uvec4>;
-  Buffer4 read() const {
-    Buffer4 all(static_cast<size_t>(target.visible.width()) *
-                static_cast<size_t>(target.visible.height()));
-    target.visible.read(0, GL_RGBA_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(all.size()) * 16,
-                        all.data());
-    return all;
+    return of_tile;
   }
 
   gpu::GpuInfo info = gpu::GpuThread::shared()->info();
@@ -186,23 +188,34 @@ TEST(FallGrid, TilesCoverEveryReceiverOnceAndLeaveOutEmptySky) {
   EXPECT_THROW(make_tiles({{{0, 0}, {70000, 10}}}, 64), std::invalid_argument);
 }
 
-TEST(TexelSurface, HoldsPositionAndArea) {
+TEST(TriangleFall, HoldsCornersOnTheGridSlopesAndArea) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(square("a", 2.0f, 3.0f)), falling({0.75, 0, -1}, 0.1));
+    const auto corners = bench.scene.triangle_corners.read_all<glm::vec4>();
+    const auto surface = bench.scene.triangle_surface.read_all<glm::vec4>();
+    // The fall leans along x: the square's first side is foreshortened and gains depth.
+    EXPECT_NEAR(corners[1].x - corners[0].x, 20.0f * 0.8f, 1e-4f);
+    EXPECT_NEAR(corners[1].y - corners[0].y, 0.0f, 1e-4f);
+    EXPECT_NEAR(corners[1].z - corners[0].z, 2.0f * 0.6f, 1e-5f);
+    EXPECT_NEAR(corners[2].y - corners[1].y, 20.0f, 1e-4f);
+    EXPECT_NEAR(corners[0].w, 0.1f * 0.6f / 0.8f, 1e-5f);
+    EXPECT_NEAR(corners[1].w, 0.0f, 1e-5f);
+    EXPECT_NEAR(corners[2].w, 0.8f, 1e-5f);
+    EXPECT_NEAR(surface[0].x, 0.8f, 1e-5f);
+    EXPECT_NEAR(surface[0].y, 2.0f, 1e-5f);
+    EXPECT_NEAR(surface[0].z, 1.0f, 1e-5f);
+  });
+}
+
+TEST(TexelSurface, HoldsAreaAndUpwardPart) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(square("a", 2.0f, 3.0f)), falling({0, 0, -1}, 0.1));
-    const auto surface = bench.scene.batches[0].surface.read_all<glm::vec4>();
     double area = 0.0;
-    for (const glm::vec4& texel : surface) {
-      area += texel.w;
+    for (const auto& texel : bench.scene.batches[0].steps.read_all<shared::TexelStep>()) {
+      area += texel.area;
+      EXPECT_FLOAT_EQ(texel.up, 1.0f);
     }
     EXPECT_NEAR(area, 4.0, 1e-4);
-    const auto texels = bench.scene.batches[0].texels.read_all<shared::Texel>();
-    for (size_t i = 0; i < surface.size(); ++i) {
-      const uint32_t column = texels[i].place % 64;
-      const uint32_t row = texels[i].place / 64;
-      EXPECT_NEAR(surface[i].x, -1.0f + (static_cast<float>(column) + 0.5f) / 32.0f, 1e-5f);
-      EXPECT_NEAR(surface[i].y, -1.0f + (static_cast<float>(row) + 0.5f) / 32.0f, 1e-5f);
-      EXPECT_EQ(surface[i].z, 3.0f);
-    }
   });
 }
 
@@ -212,14 +225,14 @@ TEST(Occlusion, ShowsTheNearerSurfaceWithItsDepth) {
                 falling({0, 0, -1}, 0.01));
     int roof = 0;
     int ground = 0;
-    for (const glm::uvec4& pixel : bench.visible()) {
-      if (pixel.x == 0) {
+    const std::vector<uint32_t> visible = bench.visible();
+    const std::vector<float> depth = bench.depth();
+    for (size_t i = 0; i < visible.size(); ++i) {
+      if (visible[i] == 0) {
         continue;
       }
-      const bool is_roof = pixel.x > 2;
-      float depth = 0.0f;
-      std::memcpy(&depth, &pixel.y, 4);
-      EXPECT_NEAR(depth, is_roof ? -1.0f : 1.0f, 1e-5f);
+      const bool is_roof = visible[i] > 2;
+      EXPECT_NEAR(depth[i], is_roof ? -1.0f : 1.0f, 1e-5f);
       (is_roof ? roof : ground) += 1;
     }
     EXPECT_EQ(roof, 2500);
@@ -234,9 +247,9 @@ TEST(Occlusion, MarksBackFaces) {
     std::swap(flipped.description.topology.triangles[4], flipped.description.topology.triangles[5]);
     Bench bench(objects_of(std::move(flipped)), falling({0, 0, -1}, 0.05));
     int shown = 0;
-    for (const glm::uvec4& pixel : bench.visible()) {
-      if (pixel.x != 0) {
-        EXPECT_NE(pixel.x & shared::kBackFace, 0u);
+    for (const uint32_t pixel : bench.visible()) {
+      if (pixel != 0) {
+        EXPECT_NE(pixel & shared::kBackFace, 0u);
         ++shown;
       }
     }
@@ -263,11 +276,11 @@ TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
       }
     }
     double volume = 0.0;
-    const auto surface = bench.scene.batches[0].surface.read_all<glm::vec4>();
+    const auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
     const auto share = bench.scene.batches[0].share.read_all<float>();
     const auto units = bench.scene.batches[0].units.read_all<uint32_t>();
-    for (size_t i = 0; i < surface.size(); ++i) {
-      volume += surface[i].w * (share[i] + units[i] * (0.01 / shared::kDepthUnits));
+    for (size_t i = 0; i < steps.size(); ++i) {
+      volume += steps[i].area * (share[i] + units[i] * (0.01 / shared::kDepthUnits));
     }
     EXPECT_NEAR(volume, 0.01, 0.01 * 0.13);  // the square's outline is cut by whole pixels
   });
@@ -364,19 +377,14 @@ TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
     TexelBatch& batch = bench.scene.batches[0];
     ASSERT_EQ(batch.group_count(), 4);
     TexelGroupsPass groups;
-    groups.run(bench.scene, bench.fall, {0}, false);
+    groups.run(bench.scene, false);
     // Nobody has looked yet whether snow lies there.
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
     StabilityPass().run(bench.scene, {}, {}, {0.01f}, 1.0f);
-    groups.run(bench.scene, bench.fall, {}, false);
+    groups.run(bench.scene, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
-    EXPECT_TRUE(listed(batch.old_groups).empty());
-    groups.run(bench.scene, bench.fall, {0}, false);
-    EXPECT_EQ(listed(batch.old_groups), (std::vector<uint32_t>{0, 1}));
-    groups.run(bench.scene, bench.fall, {}, true);
+    groups.run(bench.scene, true);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
-    // Left out when they moved: evaluated when they take part again.
-    EXPECT_EQ(listed(batch.old_groups), (std::vector<uint32_t>{2, 3}));
   });
 }
 
@@ -388,20 +396,20 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
     heights[10 * 64 + 40] = 0.1f;  // on the lower side, in the lower half of the map
     bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
     TexelGroupsPass groups;
-    groups.run(bench.scene, bench.fall, {0}, false);
+    groups.run(bench.scene, false);
     StabilityPass().run(bench.scene, {}, {}, {0.01f}, 0.01f);
-    groups.run(bench.scene, bench.fall, {}, false);
+    groups.run(bench.scene, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2}));
     // It slides off within a thousand half-lives.
     StabilityPass().run(bench.scene, {}, {}, {0.01f}, 2000.0f);
-    groups.run(bench.scene, bench.fall, {}, false);
+    groups.run(bench.scene, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
   });
 }
 
 TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
   gpu::GpuThread::shared()->run([] {
-    gpu::Program program({"triangle_surface.comp.glsl"});
+    gpu::Program program({"triangle_fall.comp.glsl"});
     program.use();
     EXPECT_THROW(program.set("no_such_uniform", 1.0f), std::invalid_argument);
     EXPECT_THROW(program.bind("NoSuchBlock", gpu::Buffer(16)), std::invalid_argument);
@@ -410,7 +418,7 @@ TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
       program.dispatch(1);
       FAIL() << "must throw";
     } catch (const std::logic_error& error) {
-      EXPECT_NE(std::string(error.what()).find("'Positions'"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("'Fall'"), std::string::npos) << error.what();
     }
   });
 }

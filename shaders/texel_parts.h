@@ -1,0 +1,36 @@
+// GLSL only: a texel's surface, as the sum of its parts on the current vertices.
+#include "snow_shared.h"
+
+uniform samplerBuffer triangle_surface;
+uniform usamplerBuffer fragment_begin;
+/// Triangle, and bits of the share.
+uniform usamplerBuffer fragments;
+
+struct TexelParts {
+  /// In m2.
+  float area;
+  /// Of the parts that face the fall: area perpendicular to it, in m2.
+  float facing_area;
+  /// Upward part of the normal, 1 on level ground, for the capacity. A texel that goes round a twig holds
+  /// snow by those of its parts that face up; one without any is past vertical by the mean of its parts.
+  float up;
+};
+
+TexelParts parts_of(int index) {
+  TexelParts sum = TexelParts(0.0, 0.0, 0.0);
+  float upper = 0.0;
+  int i = int(texelFetch(fragment_begin, index).x);
+  const int end = int(texelFetch(fragment_begin, index + 1).x);
+  // The end is asked for at the end: llvmpipe runs a loop's body once more for a test at its head.
+  do {
+    const uvec2 fragment = texelFetch(fragments, i).xy;
+    const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
+    const float own = i < end ? uintBitsToFloat(fragment.y) * surface.y : 0.0;
+    sum.area += own;
+    sum.facing_area += own * max(surface.x, 0.0);
+    sum.up += own * surface.z;
+    upper += own * max(surface.z, 0.0);
+  } while (++i < end);
+  sum.up = sum.area > 0.0 ? (upper > 0.0 ? upper : sum.up) / sum.area : 0.0;
+  return sum;
+}
