@@ -128,6 +128,8 @@ std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
   for (size_t b = 0; b < paths.size(); ++b) {
     const Branch& branch = skeleton.branches[b];
     LimbPath& path = paths[b];
+    path.points.reserve(branch.points.size());
+    path.corners.reserve(branch.points.size());
     for (size_t i = 0; i < branch.points.size(); ++i) {
       const glm::dvec3 point(branch.points[i]);
       const double corner =

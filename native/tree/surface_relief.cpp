@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "tree/surface_builder.h"
 #include "tree/surface_crossings.h"
 
 namespace snowbough::tree {
@@ -63,9 +64,8 @@ void add_ancestors(const Skeleton& skeleton, std::vector<uint8_t>& only) {
 }
 
 /// The part of the surface that has all faces near the junctions affected.
-Surface build_around(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
-                     const SurfaceScale& scale, const SurfaceOptions& options,
-                     const std::vector<uint8_t>& relief, const std::vector<uint8_t>& moved) {
+Surface surface_around(const SurfaceBuilder& builder, const Skeleton& skeleton,
+                       const std::vector<uint8_t>& moved) {
   // Their children, the children of those, and those beside them on their parents: seldom does a
   // junction's neighbourhood reach further.
   std::vector<uint8_t> only(moved);
@@ -83,7 +83,7 @@ Surface build_around(const Skeleton& skeleton, const std::vector<LimbPath>& path
   }
   while (true) {
     add_ancestors(skeleton, only);
-    Surface surface = build_surface(skeleton, paths, scale, options, relief, only);
+    Surface surface = builder.surface(only);
     const std::vector<int32_t> missing = missing_limbs(surface, affected(surface, moved));
     if (missing.empty()) {
       return surface;
@@ -112,7 +112,9 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const Execution& execution) {
   std::vector<uint8_t> relief(paths.size(), 0);
   UncrossedSurface best;
-  best.surface = build_surface(skeleton, paths, scale, options, relief);
+  SurfaceBuilder builder(skeleton, paths, scale, options, execution.threads);
+  builder.build(relief);
+  best.surface = builder.surface();
   report_progress(execution.progress, 0.3f);
   JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f));
   best.crossing = crossing_children(best.surface, crossings);
@@ -126,7 +128,8 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     std::vector<uint8_t> changed(relief.size(), 0);
     relieve(round == 0 ? best.surface : around, crossings, round, relief, changed);
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
-    around = build_around(skeleton, paths, scale, options, relief, moved);
+    builder.build(relief);
+    around = surface_around(builder, skeleton, moved);
     crossings = find_crossings(around, affected(around, moved), execution.part(share, share));
     std::vector<int32_t> still = crossing_children(around, crossings);
     ++idle;
@@ -143,7 +146,8 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
   }
   if (!best.narrowed.empty()) {
     report_progress(execution.progress, 0.9f);
-    best.surface = build_surface(skeleton, paths, scale, options, best_relief);
+    builder.build(best_relief);
+    best.surface = builder.surface();
   }
   return best;
 }

@@ -1,6 +1,7 @@
 #include "tree/surface_stations.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -43,8 +44,8 @@ bool cut_each_other(const Station& a, const Station& b, double margin) {
          glm::dot(step, b.normal) - a.corner * sine < margin;
 }
 
-std::vector<Station> knuckle_stations(const LimbPath& path, const Knuckle& knuckle, int index,
-                                      const SurfaceScale& scale) {
+std::array<Station, 2> knuckle_stations(const LimbPath& path, const Knuckle& knuckle, int index,
+                                        const SurfaceScale& scale) {
   const double length = knuckle.end - knuckle.begin;
   Station begin, end;
   begin.kind = Kind::kKnuckleBegin;
@@ -71,6 +72,7 @@ std::vector<Station> knuckle_stations(const LimbPath& path, const Knuckle& knuck
 /// Joint rings that cut a knuckle's ring are left out; the limb then runs straight past the joint.
 void drop_cutting_joints(std::vector<Station>& stations, bool drop_all) {
   std::vector<Station> kept;
+  kept.reserve(stations.size());
   for (size_t i = 0; i < stations.size(); ++i) {
     const Station& station = stations[i];
     if (station.kind == Kind::kJoint && !station.sharp) {
@@ -158,6 +160,7 @@ glm::dvec3 joint_normal(const LimbPath& path, size_t point) {
 std::vector<Station> ring_stations(const LimbPath& path, const std::vector<Knuckle>& knuckles,
                                    const SurfaceScale& scale, const StationOptions& options) {
   std::vector<Station> stations;
+  stations.reserve(path.points.size() + 2 * knuckles.size());
   Station first;
   first.kind = Kind::kFirst;
   first.centre = path.points.front();
