@@ -1,6 +1,7 @@
 #include "tree/weights.h"
 
 #include <algorithm>
+#include <numeric>
 
 namespace snowbough::tree {
 namespace {
@@ -27,6 +28,30 @@ void add_hold(const Hold& hold, InfluenceSum& sum) {
   } else {
     sum.add(hold.first, 0.5);
     sum.add(hold.second, 0.5);
+  }
+}
+
+/// Calls visit(vertex, hold) for every place by which a vertex is held.
+template <typename Visit>
+void for_each_hold(const Surface& surface, const std::vector<LimbPath>& paths,
+                   const Armature& armature, const Visit& visit) {
+  for (size_t b = 0; b < surface.limbs.size(); ++b) {
+    for (const Ring& ring : surface.limbs[b].rings) {
+      const Hold hold = bones_at(paths[b], armature.first_bone[b], ring.bone_length);
+      for (const int32_t vertex : ring.vertices) {
+        visit(vertex, hold);
+      }
+    }
+  }
+  for (const Junction& junction : surface.junctions) {
+    if (!junction.inset) {
+      continue;
+    }
+    const Hold hold = bones_at(paths[junction.parent], armature.first_bone[junction.parent],
+                               junction.parent_bone_length);
+    for (const int32_t vertex : surface.limbs[junction.child].rings.front().vertices) {
+      visit(vertex, hold);
+    }
   }
 }
 
@@ -65,30 +90,24 @@ void InfluenceSum::finish(int most, std::array<int32_t, 4>& indices,
 
 VertexWeights make_weights(const Surface& surface, const std::vector<LimbPath>& paths,
                            const Armature& armature, int max_influences) {
-  std::vector<InfluenceSum> sums(surface.vertices.size());
-  for (size_t b = 0; b < surface.limbs.size(); ++b) {
-    for (const Ring& ring : surface.limbs[b].rings) {
-      const Hold hold = bones_at(paths[b], armature.first_bone[b], ring.bone_length);
-      for (int32_t vertex : ring.vertices) {
-        add_hold(hold, sums[vertex]);
-      }
-    }
-  }
-  for (const Junction& junction : surface.junctions) {
-    if (!junction.inset) {
-      continue;
-    }
-    const Hold hold = bones_at(paths[junction.parent], armature.first_bone[junction.parent],
-                               junction.parent_bone_length);
-    for (int32_t vertex : surface.limbs[junction.child].rings.front().vertices) {
-      add_hold(hold, sums[vertex]);
-    }
-  }
+  // Every place by which a vertex is held, vertex by vertex: most have one.
+  std::vector<int32_t> first_hold(surface.vertices.size() + 1, 0);
+  for_each_hold(surface, paths, armature,
+                [&](int32_t vertex, const Hold&) { ++first_hold[vertex + 1]; });
+  std::partial_sum(first_hold.begin(), first_hold.end(), first_hold.begin());
+  std::vector<Hold> holds(first_hold.back());
+  std::vector<int32_t> next(first_hold.begin(), first_hold.end() - 1);
+  for_each_hold(surface, paths, armature,
+                [&](int32_t vertex, const Hold& hold) { holds[next[vertex]++] = hold; });
   VertexWeights result;
-  result.indices.resize(sums.size());
-  result.weights.resize(sums.size());
-  for (size_t vertex = 0; vertex < sums.size(); ++vertex) {
-    sums[vertex].finish(max_influences, result.indices[vertex], result.weights[vertex]);
+  result.indices.resize(surface.vertices.size());
+  result.weights.resize(surface.vertices.size());
+  for (size_t vertex = 0; vertex < surface.vertices.size(); ++vertex) {
+    InfluenceSum sum;
+    for (int32_t i = first_hold[vertex]; i < first_hold[vertex + 1]; ++i) {
+      add_hold(holds[i], sum);
+    }
+    sum.finish(max_influences, result.indices[vertex], result.weights[vertex]);
   }
   return result;
 }
