@@ -18,9 +18,21 @@
 namespace snowbough::tree {
 namespace {
 
-/// Share of the time until the surface stands and until its charts are laid out.
+/// Share of the base's time until its surface stands and until its charts are laid out.
 constexpr float kSurfaceDone = 0.5f;
 constexpr float kChartsDone = 0.9f;
+/// Time that the first level of the subdivision takes of the base's; each takes four times the one
+/// before.
+constexpr float kFirstLevel = 0.3f;
+
+/// Share of the time that the base takes.
+float base_share(int lod) {
+  float levels = 0.0f;
+  for (int level = 0; level < lod; ++level) {
+    levels = 4.0f * levels + kFirstLevel;
+  }
+  return 1.0f / (1.0f + levels);
+}
 
 /// What follows from the surface, whatever its charts.
 struct FromSurface {
@@ -99,7 +111,9 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options,
                          BuildReport* report) {
   check_options(options);
-  const Execution execution{options.threads, options.progress};
+  const Execution whole{options.threads, options.progress};
+  const float base_done = base_share(options.lod);
+  const Execution execution = whole.part(0.0f, base_done);
   report_progress(execution.progress, 0.0f);
   const SurfaceScale scale = surface_scale(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
@@ -133,8 +147,8 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   mesh.bones = std::move(rest.bones);
   mesh.uv_bark = std::move(rest.uv_bark);
   report_progress(execution.progress, kChartsDone);
-  subdivide(mesh, surface, options.lod, options.max_influences);
-  report_progress(execution.progress, 1.0f);
+  subdivide(mesh, surface, options.lod, options.max_influences, whole.part(base_done, 1.0f));
+  report_progress(whole.progress, 1.0f);
   if (report != nullptr) {
     report->check = std::move(rest.check);
     report->junctions = static_cast<int32_t>(surface.junctions.size());

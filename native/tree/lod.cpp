@@ -4,6 +4,9 @@
 #include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <limits>
+#include <span>
+#include <utility>
 
 #include "tree/weights.h"
 
@@ -13,6 +16,8 @@ namespace {
 /// How far a vertex on the rim of a child's hole moves towards its neighbours, in distances to the
 /// nearest.
 constexpr double kRimSmoothing = 0.4;
+/// Edges or faces that a thread takes at a time.
+constexpr size_t kBlock = 4096;
 
 /// The stretch of a limb between two rings, as a round cone on an infinite line.
 struct Section {
@@ -185,7 +190,7 @@ class Subdivider {
     }
   }
 
-  void split() {
+  void split(const Execution& execution) {
     const Edges edges(mesh_.quads, points_.size());
     const auto old_count = static_cast<int32_t>(points_.size());
     const auto edge_count = static_cast<int32_t>(edges.all.size());
@@ -194,131 +199,160 @@ class Subdivider {
     rim_.resize(points_.size(), 0);
     mesh_.bone_indices.resize(points_.size());
     mesh_.bone_weights.resize(points_.size());
-
-    for (int32_t e = 0; e < edge_count; ++e) {
-      const Edges::Edge& edge = edges.all[e];
-      const int32_t v = old_count + e;
-      const glm::dvec3 middle = 0.5 * (points_[edge.a] + points_[edge.b]);
-      const FaceOrigin& left = mesh_.origins[edge.left];
-      const FaceOrigin& right = mesh_.origins[edge.right >= 0 ? edge.right : edge.left];
-      SectionSet around;
-      around.add(sections_.of(left));
-      around.add(sections_.of(right));
-      rim_[v] = around.joins_limbs(sections_) ? 1 : 0;
-      const bool inset = left.part == FacePart::kInset || right.part == FacePart::kInset;
-      if (inset && left.branch != right.branch) {
-        const int32_t parent = sections_.of(left.part == FacePart::kInset ? left : right);
-        points_[v] = sections_.all[parent].rounded(middle);
-      } else {
-        points_[v] = around.rounded(sections_, middle);
+    // Every new vertex depends on older ones alone, a face's on its edges' too.
+    parallel_blocks(edges.all.size(), kBlock, execution.part(0.0f, 0.4f),
+                    [&](size_t begin, size_t end) {
+                      for (size_t e = begin; e < end; ++e) {
+                        split_edge(edges.all[e], old_count + static_cast<int32_t>(e));
+                      }
+                    });
+    parallel_blocks(face_count, kBlock, execution.part(0.4f, 0.7f), [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f) {
+        place_centre(f, edges, old_count, old_count + edge_count + static_cast<int32_t>(f));
       }
-      const std::array<int32_t, 2> ends = {edge.a, edge.b};
-      mean_weights(v, ends.data(), 2);
-    }
-    for (size_t f = 0; f < face_count; ++f) {
-      const Quad& quad = mesh_.quads[f];
-      SectionSet around;
-      around.add(sections_.of(mesh_.origins[f]));
-      const int32_t v = old_count + edge_count + static_cast<int32_t>(f);
-      // The middle of the edge points, already on the limb's radius, is nearer to it than the
-      // corners'.
-      glm::dvec3 middle(0.0);
-      for (int k = 0; k < 4; ++k) {
-        middle += 0.25 * points_[old_count + edges.of_face[f][k]];
-      }
-      points_[v] = around.rounded(sections_, middle);
-      mean_weights(v, quad.data(), 4);
-    }
-    split_faces(edges, old_count, edge_count);
+    });
+    split_faces(edges, old_count, edge_count, execution.part(0.7f, 1.0f));
     smooth_rims();
   }
 
   void finish() { mesh_.vertices.assign(points_.begin(), points_.end()); }
 
  private:
-  void mean_weights(int32_t vertex, const int32_t* from, int count) {
+  /// Puts vertex v into the middle of an edge.
+  void split_edge(const Edges::Edge& edge, int32_t v) {
+    const glm::dvec3 middle = 0.5 * (points_[edge.a] + points_[edge.b]);
+    const FaceOrigin& left = mesh_.origins[edge.left];
+    const FaceOrigin& right = mesh_.origins[edge.right >= 0 ? edge.right : edge.left];
+    SectionSet around;
+    around.add(sections_.of(left));
+    around.add(sections_.of(right));
+    rim_[v] = around.joins_limbs(sections_) ? 1 : 0;
+    const bool inset = left.part == FacePart::kInset || right.part == FacePart::kInset;
+    if (inset && left.branch != right.branch) {
+      const int32_t parent = sections_.of(left.part == FacePart::kInset ? left : right);
+      points_[v] = sections_.all[parent].rounded(middle);
+    } else {
+      points_[v] = around.rounded(sections_, middle);
+    }
+    const std::array<int32_t, 2> ends = {edge.a, edge.b};
+    mean_weights(v, ends);
+  }
+
+  /// Puts vertex v into the middle of face f, whose edges have theirs from `first_edge` on.
+  void place_centre(size_t f, const Edges& edges, int32_t first_edge, int32_t v) {
+    SectionSet around;
+    around.add(sections_.of(mesh_.origins[f]));
+    // The middle of the edge points, already on the limb's radius, is nearer to it than the
+    // corners'.
+    glm::dvec3 middle(0.0);
+    for (int k = 0; k < 4; ++k) {
+      middle += 0.25 * points_[first_edge + edges.of_face[f][k]];
+    }
+    points_[v] = around.rounded(sections_, middle);
+    mean_weights(v, mesh_.quads[f]);
+  }
+
+  void mean_weights(int32_t vertex, std::span<const int32_t> from) {
+    const auto same = [&](int32_t v) {
+      return mesh_.bone_indices[v] == mesh_.bone_indices[from[0]] &&
+             mesh_.bone_weights[v] == mesh_.bone_weights[from[0]];
+    };
+    if (std::all_of(from.begin() + 1, from.end(), same)) {
+      mesh_.bone_indices[vertex] = mesh_.bone_indices[from[0]];
+      mesh_.bone_weights[vertex] = mesh_.bone_weights[from[0]];
+      return;
+    }
     InfluenceSum sum;
-    for (int i = 0; i < count; ++i) {
+    for (const int32_t v : from) {
       for (int k = 0; k < 4; ++k) {
-        const float weight = mesh_.bone_weights[from[i]][k];
+        const float weight = mesh_.bone_weights[v][k];
         if (weight > 0.0f) {
-          sum.add(mesh_.bone_indices[from[i]][k], weight);
+          sum.add(mesh_.bone_indices[v][k], weight);
         }
       }
     }
     sum.finish(max_influences_, mesh_.bone_indices[vertex], mesh_.bone_weights[vertex]);
   }
 
-  static void split_uvs(const std::vector<QuadUv>& from, std::vector<QuadUv>& to) {
-    to.clear();
-    to.reserve(from.size() * 4);
-    for (const QuadUv& uv : from) {
-      const glm::vec2 centre = 0.25f * (uv[0] + uv[1] + uv[2] + uv[3]);
-      for (int k = 0; k < 4; ++k) {
-        QuadUv part;
-        part[k] = uv[k];
-        part[(k + 1) % 4] = 0.5f * (uv[k] + uv[(k + 1) % 4]);
-        part[(k + 2) % 4] = centre;
-        part[(k + 3) % 4] = 0.5f * (uv[k] + uv[(k + 3) % 4]);
-        to.push_back(part);
-      }
+  static void split_uv(const QuadUv& uv, QuadUv* parts) {
+    const glm::vec2 centre = 0.25f * (uv[0] + uv[1] + uv[2] + uv[3]);
+    for (int k = 0; k < 4; ++k) {
+      parts[k][k] = uv[k];
+      parts[k][(k + 1) % 4] = 0.5f * (uv[k] + uv[(k + 1) % 4]);
+      parts[k][(k + 2) % 4] = centre;
+      parts[k][(k + 3) % 4] = 0.5f * (uv[k] + uv[(k + 3) % 4]);
     }
   }
 
-  void split_faces(const Edges& edges, int32_t old_count, int32_t edge_count) {
-    std::vector<Quad> quads;
-    std::vector<FaceOrigin> origins;
-    std::vector<int32_t> levels;
-    quads.reserve(mesh_.quads.size() * 4);
-    origins.reserve(mesh_.quads.size() * 4);
-    levels.reserve(mesh_.quads.size() * 4);
-    for (size_t f = 0; f < mesh_.quads.size(); ++f) {
-      const int32_t centre = old_count + edge_count + static_cast<int32_t>(f);
-      for (int k = 0; k < 4; ++k) {
-        Quad part{};
-        part[k] = mesh_.quads[f][k];
-        part[(k + 1) % 4] = old_count + edges.of_face[f][k];
-        part[(k + 2) % 4] = centre;
-        part[(k + 3) % 4] = old_count + edges.of_face[f][(k + 3) % 4];
-        quads.push_back(part);
-        origins.push_back(mesh_.origins[f]);
-        levels.push_back(mesh_.branch_level[f]);
+  void split_faces(const Edges& edges, int32_t old_count, int32_t edge_count,
+                   const Execution& execution) {
+    const size_t face_count = mesh_.quads.size();
+    std::vector<Quad> quads(face_count * 4);
+    std::vector<FaceOrigin> origins(face_count * 4);
+    std::vector<int32_t> levels(face_count * 4);
+    std::vector<QuadUv> uv_bark(face_count * 4);
+    std::vector<QuadUv> uv_snow(mesh_.uv_snow.empty() ? 0 : face_count * 4);
+    parallel_blocks(face_count, kBlock, execution, [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f) {
+        const int32_t centre = old_count + edge_count + static_cast<int32_t>(f);
+        for (int k = 0; k < 4; ++k) {
+          Quad& part = quads[4 * f + k];
+          part[k] = mesh_.quads[f][k];
+          part[(k + 1) % 4] = old_count + edges.of_face[f][k];
+          part[(k + 2) % 4] = centre;
+          part[(k + 3) % 4] = old_count + edges.of_face[f][(k + 3) % 4];
+          origins[4 * f + k] = mesh_.origins[f];
+          levels[4 * f + k] = mesh_.branch_level[f];
+        }
+        split_uv(mesh_.uv_bark[f], &uv_bark[4 * f]);
+        if (!uv_snow.empty()) {
+          split_uv(mesh_.uv_snow[f], &uv_snow[4 * f]);
+        }
       }
-    }
+    });
     mesh_.quads = std::move(quads);
     mesh_.origins = std::move(origins);
     mesh_.branch_level = std::move(levels);
-    std::vector<QuadUv> uvs;
-    split_uvs(mesh_.uv_bark, uvs);
-    mesh_.uv_bark.swap(uvs);
-    if (!mesh_.uv_snow.empty()) {
-      split_uvs(mesh_.uv_snow, uvs);
-      mesh_.uv_snow.swap(uvs);
-    }
+    mesh_.uv_bark = std::move(uv_bark);
+    mesh_.uv_snow = std::move(uv_snow);
   }
 
   /// Moves every rim vertex along the mean direction to its neighbours, by a share of the distance
   /// to the nearest one: the first row of a long branch must not pull its rim out of the parent.
   void smooth_rims() {
-    std::vector<glm::dvec3> sum(points_.size(), glm::dvec3(0.0));
-    std::vector<double> nearest(points_.size(), 1e300);
-    std::vector<int32_t> count(points_.size(), 0);
+    struct Around {
+      glm::dvec3 sum{0.0};
+      double nearest = std::numeric_limits<double>::max();
+      int32_t count = 0;
+    };
+    // Few vertices are on a rim: only these get a place of their own.
+    std::vector<int32_t> rim_vertices;
+    std::vector<int32_t> place(points_.size(), -1);
+    for (size_t v = 0; v < points_.size(); ++v) {
+      if (rim_[v] != 0) {
+        place[v] = static_cast<int32_t>(rim_vertices.size());
+        rim_vertices.push_back(static_cast<int32_t>(v));
+      }
+    }
+    std::vector<Around> rim(rim_vertices.size());
     for (const Quad& quad : mesh_.quads) {
       for (int k = 0; k < 4; ++k) {
         // Every edge is met from both its faces, once in either direction.
         const int32_t v = quad[k];
-        if (rim_[v] != 0) {
+        if (place[v] >= 0) {
+          Around& around = rim[place[v]];
           const glm::dvec3 offset = points_[quad[(k + 1) % 4]] - points_[v];
           const double length = std::max(glm::length(offset), 1e-30);
-          sum[v] += offset / length;
-          nearest[v] = std::min(nearest[v], length);
-          ++count[v];
+          around.sum += offset / length;
+          around.nearest = std::min(around.nearest, length);
+          ++around.count;
         }
       }
     }
-    for (size_t v = 0; v < points_.size(); ++v) {
-      if (count[v] > 0) {
-        points_[v] += sum[v] * (kRimSmoothing * nearest[v] / static_cast<double>(count[v]));
+    for (size_t i = 0; i < rim.size(); ++i) {
+      if (rim[i].count > 0) {
+        points_[rim_vertices[i]] +=
+            rim[i].sum * (kRimSmoothing * rim[i].nearest / static_cast<double>(rim[i].count));
       }
     }
   }
@@ -333,14 +367,20 @@ class Subdivider {
 
 }  // namespace
 
-void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences) {
+void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences,
+               const Execution& execution) {
   if (levels <= 0) {
     return;
   }
   Subdivider subdivider(mesh, surface, max_influences);
   subdivider.round_base();
+  // Each level takes four times as long as the one before.
+  float done = 0.0f;
   for (int level = 0; level < levels; ++level) {
-    subdivider.split();
+    const float share = 0.75f * std::pow(0.25f, static_cast<float>(levels - 1 - level));
+    const float after = level + 1 < levels ? done + share : 1.0f;
+    subdivider.split(execution.part(done, after));
+    done = after;
   }
   subdivider.finish();
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tree/parallel.h"
 #include "tree/surface.h"
 #include "tree/tree_mesh.h"
 
@@ -17,8 +18,10 @@ namespace snowbough::tree {
 ///
 /// @param mesh the mesh of `surface`, at level 0.
 /// @param max_influences most bones a vertex keeps, 1 to 4.
+/// @throws Cancelled when execution's progress says stop; the mesh is of no use then.
 ///
 /// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, eq. 3.4.2.
-void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences);
+void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences,
+               const Execution& execution = {});
 
 }  // namespace snowbough::tree

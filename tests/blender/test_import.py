@@ -276,14 +276,14 @@ def test_an_error_while_objects_are_made_leaves_nothing(addon, monkeypatch):
     assert "no room" in _refused(MAPLE)
 
 
-@pytest.mark.parametrize("chain", [False, True])
+@pytest.mark.parametrize("lod, chain", [(0, False), (3, False), (0, True)])
 @pytest.mark.parametrize(
     "until", [0.3, 0.5, 0.6, 0.8]
-)  # while it reads, builds the surface, packs the charts
-def test_stopping_the_native_part_makes_nothing(addon, until, chain):
+)  # while it reads, builds the surface, packs the charts, at lod 3 mostly while it subdivides
+def test_stopping_the_native_part_makes_nothing(addon, until, lod, chain):
     import_tree = addon("import_tree")
     before = _data_names()
-    options = import_tree.ImportOptions(lod_chain=chain)
+    options = import_tree.ImportOptions(lod=lod, lod_chain=chain)
     shares = []
 
     def go_on(share):
