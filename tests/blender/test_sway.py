@@ -128,6 +128,74 @@ def test_long_thin_limbs_swing_slower_and_wider(addon):
     assert math.isclose(frequency[1], 15.606, rel_tol=1e-3)
 
 
+def _upright_limbs(wind, limbs_a_level, levels=3):
+    """Chains of single upright bones, `limbs_a_level` on each level, and their sway in a wind along X.
+
+    Returns (chains, sway) with sway(**settings) -> (downwind, crosswind), each (limbs, keys): upright bones
+    turn about Y where the wind pushes them along X, and about X where they swing across it.
+    """
+    count = limbs_a_level * levels
+    parents = [bone - limbs_a_level if bone >= limbs_a_level else -1 for bone in range(count)]
+    lengths, radii = np.full(count, 1.0), np.full(count, 0.02)
+    chains = wind.find_chains(parents, [False] * count, lengths, radii)
+    shares = wind.bone_shares(chains, lengths, radii)
+    up = np.tile((0.0, 0.0, 1.0), (count, 1))
+
+    def sway(roots=None, strength=1.0, gusts=0.0, keys=16, seconds=4.0):
+        roots = np.zeros((count, 3)) if roots is None else roots
+        along = np.array((1.0, 0.0, 0.0))
+        vectors = wind.sway_vectors(chains, shares, up, roots, along, strength, gusts, 5, keys, seconds)
+        return vectors[:, :, 1], vectors[:, :, 0]
+
+    return chains, sway
+
+
+def test_each_level_swings_a_third_of_a_cycle_after_the_one_before(addon):
+    chains, sway = _upright_limbs(addon("wind"), limbs_a_level=400)
+    downwind, _crosswind = sway()
+    spectrum = np.fft.rfft(downwind, axis=1)
+    cycle = 1 + np.abs(spectrum[:, 1:]).argmax(axis=1)
+    assert len(set(cycle)) == 1, "limbs that are alike swing alike"
+    swing = spectrum[:, cycle[0]] / np.abs(spectrum[:, cycle[0]])
+    phase = [np.angle(swing[chains.limb_level == level].mean()) / (2 * np.pi) for level in range(3)]
+    for before, after in ((0, 1), (1, 2)):
+        assert abs((phase[before] - phase[after]) % 1.0 - 1 / 3) < 0.03
+
+
+def test_without_gusts_each_limb_swings_evenly_and_gusts_change_how_far(addon):
+    _chains, sway = _upright_limbs(addon("wind"), limbs_a_level=4)
+
+    def waves(gusts):
+        downwind, _crosswind = sway(gusts=gusts)
+        spectrum = np.abs(np.fft.rfft(downwind, axis=1))
+        return (spectrum > 1e-6 * spectrum.max(axis=1, keepdims=True)).sum(axis=1)
+
+    assert set(waves(0.0)) == {2}, "a steady lean and one wave"
+    assert waves(0.5).min() > 2
+
+
+def test_gusts_reach_what_stands_downwind_later(addon):
+    wind = addon("wind")
+    _chains, sway = _upright_limbs(wind, limbs_a_level=2, levels=1)
+    # A quarter of the loop's four seconds further down the wind.
+    roots = np.array([(0.0, 0.0, 0.0), (wind.WIND_SPEED, 0.0, 0.0)])
+    steady, gusty = sway(roots)[0], sway(roots, gusts=0.6)[0]
+    here, there = gusty / steady
+    assert np.ptp(here) > 0.3
+    assert np.allclose(there, np.roll(here, 4))
+
+
+def test_more_wind_bends_further(addon):
+    rig, bark = build_synthetic(addon)
+    rest = evaluated_vertices(bark)
+    _activate(rig)
+    furthest = []
+    for strength in (0.5, 1.0, 2.0):
+        bpy.ops.snowbough.add_sway(strength=strength)
+        furthest.append(max(np.abs(_positions(bark, frame) - rest).max() for frame in range(1, 97, 6)))
+    assert furthest[0] < furthest[1] < furthest[2]
+
+
 def test_cycles_are_whole_and_keep_their_order(addon):
     cycles = addon("wind").loop_cycles(np.array([0.3, 1.0, 5.0, 40.0]), 4.0, 16)
     assert cycles.tolist() == sorted(cycles.tolist())

@@ -3,6 +3,7 @@
 
 #include <glm/geometric.hpp>
 #include <limits>
+#include <random>
 #include <string>
 #include <utility>
 #include <vector>
@@ -56,6 +57,26 @@ TEST(Attach, AReversibleLimbIsTurnedRoundWhereItsTipTouches) {
   attach_branches(branches, reversible, 10.0f);
   EXPECT_EQ(branches[1].points[0], glm::vec3(0.2f, 0, 5));
   EXPECT_EQ(branches[1].parent, 0);
+}
+
+TEST(Attach, HoweverLimbsLieNoCycleArises) {
+  // Equal limbs that all start, end and cross in the same few places, with and without levels.
+  for (uint32_t seed = 0; seed < 50; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937 random(seed);
+    const auto place = [&] { return glm::vec3(random() % 3, random() % 3, random() % 3); };
+    std::vector<Branch> branches;
+    for (int i = 0; i < 40; ++i) {
+      branches.push_back(tapering("limb" + std::to_string(i), {place(), place(), place()},
+                                  0.1f * static_cast<float>(1 + random() % 2)));
+      branches.back().level = seed % 2 == 0 ? -1 : static_cast<int32_t>(random() % 3);
+    }
+    std::vector<char> reversible(branches.size(), 1);
+    attach_branches(branches, reversible, 3.0f);
+    for (size_t b = 0; b < branches.size(); ++b) {
+      EXPECT_LT(branches[b].parent, static_cast<int32_t>(b));
+    }
+  }
 }
 
 TEST(Attach, AThickStubOnAThinLimbStillFindsIt) {

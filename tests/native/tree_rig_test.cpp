@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 
 #include "tree/bones.h"
 #include "tree/bones_reduce.h"
@@ -96,6 +97,28 @@ TEST(Lod, EachLevelDoublesTheSidesAndPutsThemOnTheRadius) {
     }
     EXPECT_EQ(around, 4 << lod);
   }
+}
+
+TEST(Lod, AVertexBetweenTwoRingsTakesTheMeanOfTheirWeights) {
+  TreeMeshOptions options;
+  options.lod = 1;
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}), options);
+  int found = 0;
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (std::abs(mesh.vertices[v].z - 4.5f) < 1e-4f) {
+      // Ring 4 follows bones 3 and 4 by halves, ring 5 bones 4 and 5.
+      std::map<int32_t, float> weights;
+      for (int k = 0; k < 4; ++k) {
+        if (mesh.bone_weights[v][k] > 0.0f) {
+          weights[mesh.bone_indices[v][k]] = mesh.bone_weights[v][k];
+        }
+      }
+      EXPECT_THAT(weights, ElementsAre(testing::Pair(3, 0.25f), testing::Pair(4, 0.5f),
+                                       testing::Pair(5, 0.25f)));
+      ++found;
+    }
+  }
+  EXPECT_EQ(found, 8);
 }
 
 TEST(Lod, FinerLevelsStayClosedAndWeighted) {

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <set>
 
+#include "tree/mesh_check.h"
 #include "tree/surface_crossings.h"
 #include "tree/surface_path.h"
 #include "tree/surface_relief.h"
@@ -164,14 +165,20 @@ TEST(Surface, TheBranchesLeftOutNearAJunctionAreNamed) {
   EXPECT_THAT(missing_limbs(plan.build({1, 1, 1, 0}), {1, 0, 0}), testing::IsEmpty());
 }
 
-TEST(Relief, WhatIsSaidToCrossCrossesInTheWholeSurface) {
+TEST(Relief, LeavesTheSurfaceClosedAndWhatIsSaidToCrossCrosses) {
   size_t narrowed = 0;
   for (uint32_t seed = 0; seed < kSeeds; ++seed) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Plan plan(RandomSkeleton(seed).make());
     const UncrossedSurface uncrossed =
         build_uncrossed_surface(plan.skeleton, plan.paths, plan.scale, {});
-    const JunctionCrossings crossings = find_crossings(uncrossed.surface);
+    const Surface& surface = uncrossed.surface;
+    const MeshCheck check =
+        check_mesh({surface.vertices.begin(), surface.vertices.end()}, surface.quads);
+    EXPECT_TRUE(check.closed());
+    EXPECT_THAT(check.euler, testing::Each(2));
+    EXPECT_EQ(check.zero_area_faces, 0);
+    const JunctionCrossings crossings = find_crossings(surface);
     for (size_t j = 0; j < crossings.size(); ++j) {
       const int32_t child = uncrossed.surface.junctions[j].child;
       const bool said = std::find(uncrossed.crossing.begin(), uncrossed.crossing.end(), child) !=
