@@ -103,8 +103,9 @@ class Shaper {
   Shaper(const std::vector<Strip>& strips, const ChartMap& map) : strips_(strips), map_(map) {}
 
   void shape(double scale, ChartLayout& layout) {
-    const double max_height =
-        (static_cast<double>(map_.resolution / map_.cell_size) - 2.0) * map_.cell_size;
+    // In whole cells.
+    const int32_t rows = map_.resolution / map_.cell_size;
+    const double max_height = static_cast<double>(rows - 2) * map_.cell_size;
     layout.map = map_;
     layout.shapes.charts.clear();
     layout.shapes.rings.clear();
