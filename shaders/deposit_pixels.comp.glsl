@@ -6,8 +6,7 @@
 #include "triangle_object.h"
 
 layout(local_size_x = 64) in;
-/// Work groups of the next part (x, 1, 1) and the number of listed pixels.
-layout(std430) buffer ListSize { uint list_groups; uint list_groups_y; uint list_groups_z; uint list_count; };
+layout(std430) buffer PixelListSize { ListSize pixel_list_size; };
 /// Packed pixels.
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
 uniform usampler2D occlusion;
@@ -17,12 +16,24 @@ uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
 uniform ivec2 tile_size;
 
-void list(ivec2 pixel) {
-  const uint at = atomicAdd(list_count, 1u);
-  pixel_list[at] = packed_pixel(pixel);
-  // A list that needs more groups than a dispatch may have is walked in strides.
-  if (at % 64u == 0u && at / 64u < kMostGroups) {
-    atomicAdd(list_groups, 1u);
+/// Lists the pixels of a walk from `pixel` whose bits are set, in one go: a counter that all invocations
+/// share is slow.
+void list(ivec2 pixel, uint bits) {
+  const uint count = uint(bitCount(bits));
+  uint at = 0u;
+  if (count > 0u) {
+    at = atomicAdd(pixel_list_size.count, count);
+    const uint groups = min((at + count + kBlock - 1u) / kBlock, kMostGroups) -
+                        min((at + kBlock - 1u) / kBlock, kMostGroups);
+    if (groups > 0u) {
+      atomicAdd(pixel_list_size.groups_x, groups);
+    }
+  }
+  while (bits != 0u) {
+    const int i = findLSB(bits);
+    pixel_list[at] = packed_pixel(pixel + ivec2(64 * i, 0));
+    ++at;
+    bits &= bits - 1u;
   }
 }
 
@@ -37,6 +48,8 @@ void main() {
     uint next = group_objects.y;
     PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
     ivec2 pixel = ivec2(begin, y);
+    uint bit = 1u;
+    uint bare = 0u;
     do {
       const uint seen = texelFetch(occlusion, pixel, 0).x;
       const uint own = seen == 0u || pixel.x >= end ? 0u : object_of((seen & ~kBackFace) - 1u);
@@ -46,11 +59,11 @@ void main() {
       count.back_facing += mine && !front ? 1u : 0u;
       count.visible += front ? 1u : 0u;
       count.snowed += front && snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
-      if (front && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u) {
-        list(pixel);
-      }
+      bare |= front && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u ? bit : 0u;
       pixel.x += 64;
+      bit <<= 1u;
     } while (pixel.x < end);
+    list(ivec2(begin, y), bare);
     flush(slot, count);
     slot = next;
   } while (slot < group_objects.y);

@@ -5,13 +5,15 @@
 #include "texel_target.h"
 
 layout(local_size_x = 64) in;
-layout(std430) writeonly buffer TexelSteps { TexelStep texel_steps[]; };
+/// A TexelStep each, as one vector: llvmpipe stores it in one go.
+layout(std430) writeonly buffer TexelSteps { uvec4 texel_steps[]; };
 layout(r32ui) uniform uimage2D weight_sum;
 
 void main() {
   const int index = listed_texel();
   const TexelStep step = step_of(index);
-  texel_steps[index] = step;
+  texel_steps[index] =
+      uvec4(step.pixel, step.weight, floatBitsToUint(step.area), floatBitsToUint(step.up));
   if (step.weight != 0u) {
     imageAtomicAdd(weight_sum, unpacked_pixel(step.pixel), step.weight);
   }

@@ -2,10 +2,12 @@
 #extension GL_ARB_shading_language_420pack : require
 // GEOMETRY's second part, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the
 // snow that the pixel's texels do not take, for the texel under the pixel's centre.
-#include "texel_spread.h"
+#include "texel_under.h"
 #include "triangle_object.h"
 
 uniform sampler2D weight_map;
+/// Texels of the group in this batch: [first, end).
+uniform uvec2 batch_texels;
 uniform ivec2 tile_size;
 
 flat out float volume;

@@ -113,6 +113,23 @@ struct PixelCounts {
 };
 SNOWBOUGH_SHARED_SIZE(PixelCounts, 16);
 
+/// How long a list is: the arguments of the dispatch that works on it, in work groups of kBlock, and the
+/// number of its entries. A list that needs more groups than kMostGroups is walked in strides.
+struct ListSize {
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
+  uint count;
+};
+SNOWBOUGH_SHARED_SIZE(ListSize, 16);
+
+/// Snow for a texel of the batch and its neighbours, in m3.
+struct SpreadSnow {
+  uint texel;
+  float volume;
+};
+SNOWBOUGH_SHARED_SIZE(SpreadSnow, 8);
+
 /// Work groups of texels that a pass works on: the arguments of its dispatch, in blocks of 64 invocations
 /// and whole, and behind them the groups' numbers.
 struct GroupListHeader {

@@ -1,10 +1,12 @@
 // GLSL only: which texels share a pixel's snow when the texel under its centre is much smaller than the
 // pixel. On a twig a hundredth of a pixel thick a rare hit brings a whole pixel's snow; laid on one
 // texel it would stand there as a spike. Both formulations of the deposit include it.
+#include "small_texel.h"
 #include "texel_place.h"
-#include "texel_under.h"
 
 uniform usamplerBuffer texels;
+/// See map_store.h.
+uniform usampler2DArray owners;
 /// A TexelStep each; z: area in m2.
 uniform samplerBuffer texel_steps;
 /// See triangle_fall.h.
@@ -15,8 +17,6 @@ uniform uvec2 batch_texels;
 
 /// Texels in each direction that may share.
 const int kSpreadReach = 4;
-/// Part of a pixel's area that the sharing texels should have together.
-const float kSpreadArea = 0.25;
 
 /// Column, row and layer of a texel of this batch.
 ivec3 place_of(int texel) {
@@ -40,10 +40,9 @@ int sharing_texel(ivec3 at, uint chart) {
 
 /// How many texels in each direction from `texel` share, 0 = it alone; `area`: what they have together.
 int spread_reach(int texel, ivec3 place, uint chart, out float area) {
-  const float enough = kSpreadArea * fall.direction.w * fall.direction.w;
   area = texelFetch(texel_steps, texel).z;
   int reach = 0;
-  while (area < enough && reach < kSpreadReach) {
+  while (is_small(area) && reach < kSpreadReach) {
     ++reach;
     for (int y = -reach; y <= reach; ++y) {
       // Only the ring that this reach adds.

@@ -40,22 +40,25 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
 
   const int resolution = textureSize(owners, 0).x;
   const int layer = int(slot - group_objects.x);
-  const ivec3 place = ivec3(clamp(ivec2(uv * float(resolution)), ivec2(0), ivec2(resolution - 1)), layer);
-  const uvec2 own = texelFetch(owners, place, 0).xy;
-  const bool good = own.x != 0u && own.y >> 8u == chart;
-  uint best = good ? own.x : home;
+  const ivec2 centre = clamp(ivec2(uv * float(resolution)), ivec2(0), ivec2(resolution - 1));
+  uint best = home;
   float least = 1e30;
-  const ivec2 centre = place.xy;
-  // A trip count that the compiler cannot know keeps the loop a loop: llvmpipe runs every branch, but
-  // ends a loop that no lane needs.
-  for (int i = good ? 9 : 0; i < 9; ++i) {
-    const ivec2 at = clamp(centre + ivec2(i % 3, i / 3) - 1, ivec2(0), ivec2(resolution - 1));
+  ivec2 at = centre;
+  // The texel itself first, and only where it is not good the nine with it: llvmpipe runs every branch,
+  // but ends a loop that no lane needs.
+  int i = -1;
+  bool good;
+  do {
     const uvec2 owner = texelFetch(owners, ivec3(at, layer), 0).xy;
     const vec2 away = vec2(at) + 0.5 - uv * float(resolution);
-    if (owner.x != 0u && owner.y >> 8u == chart && dot(away, away) < least) {
+    good = owner.x != 0u && owner.y >> 8u == chart;
+    if (good && dot(away, away) < least) {
       best = owner.x;
       least = dot(away, away);
     }
-  }
+    good = good && i < 0;
+    ++i;
+    at = clamp(centre + ivec2(i % 3, i / 3) - 1, ivec2(0), ivec2(resolution - 1));
+  } while (!good && i < 9);
   return best;
 }

@@ -7,6 +7,10 @@ namespace {
 
 constexpr GLbitfield kBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
                                  GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
+/// Behind what wrote a list that a dispatch takes its size from.
+constexpr GLbitfield kListBarriers =
+    kBarriers | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
+constexpr shared::ListSize kEmptyList{0, 1, 1, 0};
 
 }  // namespace
 
@@ -46,8 +50,7 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
                                      const OcclusionTarget& occlusion, const MapGroup& group,
                                      const StepSnow& snow) {
   const glm::ivec2 size = tile.pixels.size();
-  const uint32_t empty[4] = {0, 1, 1, 0};
-  list_size_.write(0, sizeof empty, empty);
+  pixel_list_size_.write(0, sizeof kEmptyList, &kEmptyList);
   gpu::Program& program = pixels_.with(snow.defines());
   program.use();
   program.bind("Fall", fall);
@@ -55,7 +58,7 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
     program.set("tile_origin", tile.pixels.low);
   }
   program.bind("Counts", scene.pixel_counts);
-  program.bind("ListSize", list_size_);
+  program.bind("PixelListSize", pixel_list_size_);
   program.bind("PixelList", pixel_list_);
   program.bind_texture("occlusion", occlusion.visible);
   program.bind_texture("triangle_words", scene.views.triangle_words);
@@ -63,7 +66,7 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
   program.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
   program.set("tile_size", size);
   program.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
-  glMemoryBarrier(kBarriers | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
+  glMemoryBarrier(kListBarriers);
 }
 
 void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
@@ -73,15 +76,16 @@ void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const
   lay_.use();
   lay_.bind("Fall", fall);
   lay_.bind("Counts", scene.pixel_counts);
-  lay_.bind("ListSize", list_size_);
+  lay_.bind("PixelListSize", pixel_list_size_);
   lay_.bind("PixelList", pixel_list_);
+  spread_list_size_.write(0, sizeof kEmptyList, &kEmptyList);
+  lay_.bind("SpreadListSize", spread_list_size_);
+  lay_.bind("SpreadList", spread_list_);
   lay_.bind("DepositUnits", batch.units);
   lay_.bind_texture("triangle_corners", scene.views.triangle_corners);
   lay_.bind_texture("triangle_words", scene.views.triangle_words);
-  lay_.bind_texture("triangle_surface", scene.views.triangle_surface);
   lay_.bind_texture("map_triangles", scene.views.map_triangles);
   lay_.bind_texture("map_offsets", scene.views.map_offsets);
-  lay_.bind_texture("texels", batch.views.texels);
   lay_.bind_texture("texel_steps", batch.views.step_floats);
   lay_.bind_texture("occlusion", occlusion.visible);
   lay_.bind_texture("weight_sum", weight_sum_);
@@ -91,7 +95,25 @@ void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const
   lay_.set("counting", counting ? 1 : 0);
   lay_.set("tile_origin", tile.pixels.low);
   lay_.set("step_depth", step_depth);
-  lay_.dispatch_indirect(list_size_);
+  lay_.dispatch_indirect(pixel_list_size_);
+  glMemoryBarrier(kListBarriers);
+}
+
+void DepositComputePass::spread(SceneBuffers& scene, const gpu::Buffer& fall, float step_depth,
+                                TexelBatch& batch) {
+  spread_.use();
+  spread_.bind("Fall", fall);
+  spread_.bind("SpreadListSize", spread_list_size_);
+  spread_.bind("SpreadList", spread_list_);
+  spread_.bind("DepositUnits", batch.units);
+  spread_.bind_texture("triangle_surface", scene.views.triangle_surface);
+  spread_.bind_texture("texels", batch.views.texels);
+  spread_.bind_texture("texel_steps", batch.views.step_floats);
+  spread_.bind_texture("owners", scene.groups[static_cast<size_t>(batch.group)].owners);
+  spread_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
+  spread_.set("step_depth", step_depth);
+  spread_.dispatch_indirect(spread_list_size_);
+  glMemoryBarrier(kListBarriers);
 }
 
 void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
@@ -118,8 +140,10 @@ void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const
   const glm::ivec2 size = tile.pixels.size();
   const int64_t pixels = int64_t{size.x} * size.y;
   if (pixel_list_.bytes() < pixels * 4) {
-    list_size_ = gpu::Buffer(16);
+    pixel_list_size_ = gpu::Buffer(sizeof(shared::ListSize));
     pixel_list_ = gpu::Buffer(pixels * 4);
+    spread_list_size_ = gpu::Buffer(sizeof(shared::ListSize));
+    spread_list_ = gpu::Buffer(pixels * static_cast<int64_t>(sizeof(shared::SpreadSnow)));
   }
   int32_t listed_group = -1;
   for (TexelBatch& batch : scene.batches) {
@@ -130,6 +154,7 @@ void DepositComputePass::run(SceneBuffers& scene, const gpu::Buffer& fall, const
       listed_group = batch.group;
     }
     lay(scene, fall, tile, occlusion, snow.depth, batch, is_new);
+    spread(scene, fall, snow.depth, batch);
   }
   if (!is_last) {
     share_out(scene, fall, tile, snow);

@@ -48,18 +48,23 @@ class DepositComputePass {
                    const OcclusionTarget& occlusion, const MapGroup& group, const StepSnow& snow);
   void lay(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const OcclusionTarget& occlusion, float step_depth, TexelBatch& batch, bool counting);
+  void spread(SceneBuffers& scene, const gpu::Buffer& fall, float step_depth, TexelBatch& batch);
   void share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                  const StepSnow& snow);
 
   gpu::Program weigh_{{"deposit_weigh.comp.glsl"}};
   gpu::ProgramVariants pixels_{{"deposit_pixels.comp.glsl"}};
   gpu::Program lay_{{"deposit_lay.comp.glsl"}};
+  gpu::Program spread_{{"deposit_spread.comp.glsl"}};
   gpu::ProgramVariants share_{{"deposit_share.comp.glsl"}};
   gpu::Texture weight_sum_;
   /// Pixels of a tile that deposit_lay works on: arguments of its dispatch and their number, and
   /// them.
-  gpu::Buffer list_size_;
+  gpu::Buffer pixel_list_size_;
   gpu::Buffer pixel_list_;
+  /// What deposit_spread works on: the same, and shared::SpreadSnow.
+  gpu::Buffer spread_list_size_;
+  gpu::Buffer spread_list_;
 };
 
 }  // namespace snowbough::snow
