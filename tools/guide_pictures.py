@@ -91,6 +91,9 @@ result = True
 """
 
 
+# Where the levels of detail are looked at: the maple's trunk between its fourth and eighth branch.
+LOD_MIDDLE, LOD_REACH = np.array((-0.24, 0.0, 2.12)), np.array((0.36, 0.6, 0.45))
+
 # Its few red pixels are what the flag is known by.
 RARE_COLOURS = {"windy"}
 
@@ -146,17 +149,26 @@ def shot():
 
 
 def lod():
-    """A piece of the trunk with its first branches, every face drawn."""
+    """A piece of the trunk with its first branches, lit from the upper left, every face drawn."""
     skeleton = snowbough_native.read_tree(str(maple()))
+    away = np.array((0.0, np.cos(contact_sheet.PITCH), -np.sin(contact_sheet.PITCH)))
+    light = np.array((-0.65, -0.55, 0.52))
     plates = []
     for level in range(4):
         mesh = snowbough_native.build_tree_mesh(skeleton, lod=level)
         corners = mesh.vertices[mesh.quads]
-        centres = corners.mean(axis=1)
-        piece = (np.abs(centres - (-0.25, 0.0, 2.15)) < (0.75, 0.75, 0.75)).all(axis=1)
-        along = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
-        piece &= along[:, 1] < 0.3 * np.linalg.norm(along, axis=1)
-        plates.append(contact_sheet.raw_plate(list(corners[piece]), (244, 330)))
+        corners = corners[(np.abs(corners.mean(axis=1) - LOD_MIDDLE) < LOD_REACH).all(axis=1)]
+        normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
+        normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
+        corners, normals = corners[normals @ away < 0], normals[normals @ away < 0]
+        plate = contact_sheet.Plate(244, 330, LOD_MIDDLE + LOD_REACH * np.array([(-1, 0, -1), (1, 0, 1)]))
+        tones = (105 + 140 * np.maximum(normals @ light, 0)).astype(int)
+        # Far ones first. The finer the faces, the fainter their edges, or nothing else were to be seen.
+        for face in np.argsort(-(corners.mean(axis=1) @ away)):
+            tone = int(tones[face])
+            edge = int(tone * (0.55 + 0.13 * level))
+            plate.polygon(corners[face], fill=(tone,) * 3, outline=(edge,) * 3)
+        plates.append(plate.finished())
     return side_by_side(plates)
 
 
