@@ -58,15 +58,29 @@ std::vector<Leaf> leaves_of(const Foliage& foliage) {
 }
 
 /// Equal for leaves whose polygons run over their vertices in the same way.
-std::vector<int32_t> shape_key(const Foliage& foliage, const Leaf& leaf) {
-  std::vector<int32_t> key{leaf.vertex_count()};
+void shape_key(const Foliage& foliage, const Leaf& leaf, std::vector<int32_t>& key) {
+  key.assign(1, leaf.vertex_count());
   for (int32_t f = leaf.first_face; f < leaf.last_face; ++f) {
     key.push_back(-1);
     for (int32_t c = foliage.face_begin[f]; c < foliage.face_begin[f + 1]; ++c) {
       key.push_back(foliage.corner_vertex[c] - leaf.first_vertex);
     }
   }
-  return key;
+}
+
+/// The leaves by their shape; leaves ascending.
+std::map<std::vector<int32_t>, std::vector<int32_t>> leaves_by_shape(
+    const Foliage& foliage, const std::vector<Leaf>& leaves) {
+  std::map<std::vector<int32_t>, std::vector<int32_t>> shapes;
+  auto shape = shapes.end();
+  std::vector<int32_t> key;
+  for (size_t i = 0; i < leaves.size(); ++i) {
+    shape_key(foliage, leaves[i], key);
+    // Mostly as the leaf before.
+    if (shape == shapes.end() || shape->first != key) shape = shapes.try_emplace(key).first;
+    shape->second.push_back(static_cast<int32_t>(i));
+  }
+  return shapes;
 }
 
 /// Where the leaves of one shape stand on their petioles.
@@ -250,15 +264,11 @@ void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
   foliage.leaf_branch.assign(leaves.size(), -1);
   foliage.leaf_attach_point.assign(leaves.size(), glm::vec3(0.0f));
 
-  std::map<std::vector<int32_t>, std::vector<int32_t>> shapes;
-  for (size_t i = 0; i < leaves.size(); ++i) {
-    shapes[shape_key(foliage, leaves[i])].push_back(static_cast<int32_t>(i));
-  }
   const auto share = [&](size_t done) {
     return static_cast<float>(done) / static_cast<float>(std::max<size_t>(leaves.size(), 1));
   };
   size_t done = 0;
-  for (const auto& [key, members] : shapes) {
+  for (const auto& [key, members] : leaves_by_shape(foliage, leaves)) {
     report_progress(execution.progress, share(done));
     const LeafBase base = find_base(segments, foliage, leaves, members, execution.threads);
     const auto attach = [&, &of = members](size_t begin, size_t end) {

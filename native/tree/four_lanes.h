@@ -1,6 +1,7 @@
 #pragma once
 
 #include <bit>
+#include <cmath>
 #include <cstdint>
 
 namespace snowbough::tree {
@@ -9,6 +10,8 @@ namespace snowbough::tree {
 /// side by side: a vector type of GCC and Clang.
 using Float4 = float __attribute__((vector_size(16)));
 using Int4 = int32_t __attribute__((vector_size(16)));
+
+// Below, what the compiler makes of the portable form takes several times as long.
 
 /// The lanes moved round by one: b, c, d, a.
 inline Int4 rotated(const Int4& v) {
@@ -32,10 +35,20 @@ inline float smallest(const Float4& v) {
   return low < high ? low : high;
 }
 
+/// Of lanes that are not negative.
+inline Float4 square_root(const Float4& v) {
+#ifdef __SSE2__
+  return __builtin_ia32_sqrtps(v);
+#else
+  Float4 root{};
+  for (int k = 0; k < 4; ++k) root[k] = std::sqrt(v[k]);
+  return root;
+#endif
+}
+
 /// Bit k: the comparison holds in lane k.
 inline uint32_t bits(const Int4& mask) {
 #ifdef __SSE2__
-  // What the compiler makes of the line below takes four times as long.
   return static_cast<uint32_t>(__builtin_ia32_movmskps(std::bit_cast<Float4>(mask)));
 #else
   return static_cast<uint32_t>((mask[0] & 1) | (mask[1] & 2) | (mask[2] & 4) | (mask[3] & 8));

@@ -2,9 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <exception>
 #include <filesystem>
 #include <fstream>
+#include <functional>
 #include <stdexcept>
+#include <utility>
 #include <vector>
 
 #include "tree/obj_assembler.h"
@@ -46,33 +49,15 @@ std::vector<char*> cut_pieces(char* begin, char* end) {
   return cuts;
 }
 
-/// Reads whole lines, the pieces at once, and adds them to what was read before.
-void read_lines(char* begin, char* end, int threads, ObjAssembler& all) {
-  const std::vector<char*> cuts = cut_pieces(begin, end);
-  const ObjCounts known = all.counts();
-  std::vector<ObjFragment> fragments(cuts.size() - 1);
-  parallel_blocks(fragments.size(), 1, {threads, {}}, [&](size_t piece, size_t) {
-    fragments[piece] = read_obj_fragment(cuts[piece], cuts[piece + 1], known);
-  });
-  for (const ObjFragment& fragment : fragments) all.append(fragment);
-}
-
-}  // namespace
-
-ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOptions& options) {
-  ObjAssembler all(name);
-  std::vector<char> buffer(std::max<size_t>(options.buffer_size, 1));
+/// Text of the file from where the lines that were read end.
+struct Chunk {
+  std::vector<char> buffer;
   size_t held = 0;
-  size_t bytes_read = 0;
   bool at_end = false;
-  bool first = true;
-  while (!at_end) {
-    report_progress(
-        options.progress,
-        options.total_size == 0
-            ? 0.0f
-            : std::min(1.0f, static_cast<float>(static_cast<double>(bytes_read) /
-                                                static_cast<double>(options.total_size))));
+
+  /// Reads on behind what is held.
+  /// @param bytes_read  grows by what came.
+  void read(std::istream& stream, const std::string& name, size_t& bytes_read) {
     // One byte is kept free for the line break that ends the last line.
     if (held + 1 >= buffer.size()) buffer.resize(buffer.size() * 2 + 1);
     stream.read(buffer.data() + held, static_cast<std::streamsize>(buffer.size() - held - 1));
@@ -85,19 +70,75 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
     held += got;
     at_end = got == 0 || stream.eof();
     if (at_end) buffer[held++] = '\n';
+  }
+};
 
-    char* begin = buffer.data();
-    char* end = begin + held;
-    if (first && held >= 3 && std::memcmp(begin, "\xEF\xBB\xBF", 3) == 0) {
+/// Reads whole lines, the pieces at once, and adds them to what was read before.
+/// @param share  of the file that ends with them; 0 = unknown.
+/// @param beside  work that one thread does at the same time.
+void read_lines(char* begin, char* end, double share, int threads,
+                const std::function<void()>& beside, ObjAssembler& all) {
+  const std::vector<char*> cuts = cut_pieces(begin, end);
+  const ObjCounts known = all.counts();
+  std::vector<ObjFragment> fragments(cuts.size() - 1);
+  parallel_blocks(fragments.size() + 1, 1, {threads, {}}, [&](size_t block, size_t) {
+    if (block == 0) {
+      beside();
+    } else {
+      fragments[block - 1] = read_obj_fragment(cuts[block - 1], cuts[block], known);
+    }
+  });
+  all.append(std::move(fragments), share, threads);
+}
+
+}  // namespace
+
+ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOptions& options) {
+  ObjAssembler all(name);
+  size_t bytes_read = 0;
+  Chunk now, next;
+  now.buffer.resize(std::max<size_t>(options.buffer_size, 1));
+  report_progress(options.progress, 0.0f);
+  now.read(stream, name, bytes_read);
+  bool first = true;
+  while (true) {
+    const double share = options.total_size == 0
+                             ? 0.0
+                             : std::min(1.0, static_cast<double>(bytes_read) /
+                                                 static_cast<double>(options.total_size));
+    report_progress(options.progress, static_cast<float>(share));
+    char* begin = now.buffer.data();
+    char* end = begin + now.held;
+    if (first && now.held >= 3 && std::memcmp(begin, "\xEF\xBB\xBF", 3) == 0) {
       begin += 3;
     }
-    first = first && held < 3;
-    char* cut = at_end ? end : last_line_end(begin, end);
-    if (cut != begin) read_lines(begin, cut, options.threads, all);
-    held = static_cast<size_t>(end - cut);
-    std::memmove(buffer.data(), cut, held);
+    char* cut = now.at_end ? end : last_line_end(begin, end);
+    if (now.at_end) {
+      read_lines(
+          begin, cut, share, options.threads, [] {}, all);
+      return all.finish();
+    }
+    if ((first && now.held < 3) || cut == begin) {
+      now.read(stream, name, bytes_read);
+      continue;
+    }
+    // What the lines have wrong comes before what is wrong behind them.
+    std::exception_ptr error;
+    next.buffer.resize(now.buffer.size());
+    next.held = static_cast<size_t>(end - cut);
+    std::copy(cut, end, next.buffer.begin());
+    const auto read_on = [&] {
+      try {
+        next.read(stream, name, bytes_read);
+      } catch (...) {
+        error = std::current_exception();
+      }
+    };
+    read_lines(begin, cut, share, options.threads, read_on, all);
+    if (error) std::rethrow_exception(error);
+    first = false;
+    std::swap(now, next);
   }
-  return all.finish();
 }
 
 ObjScene read_obj_file(const std::string& path, ObjReadOptions options) {

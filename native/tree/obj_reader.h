@@ -10,7 +10,8 @@
 namespace snowbough::tree {
 
 struct ObjReadOptions {
-  /// Bytes read at a time, of which the threads take pieces. Grows by itself when a line is longer.
+  /// Bytes read at a time, of which the threads take pieces while the next are read. Grows by itself
+  /// when a line is longer.
   size_t buffer_size = size_t{4} << 20;
   /// Bytes the stream holds, for the progress; 0 = unknown.
   size_t total_size = 0;
@@ -20,7 +21,7 @@ struct ObjReadOptions {
   int threads = 0;
 };
 
-/// Reads a Wavefront OBJ in one pass through a small buffer; the text is never held as a whole.
+/// Reads a Wavefront OBJ in one pass through two small buffers; the text is never held as a whole.
 ///
 /// Takes what real files hold: double and trailing blanks, tabs, LF or CRLF, line continuation by
 /// `\`, bare `g`, names with blanks, `v`, `v/vt`, `v//vn` and `v/vt/vn`, negative (relative) and

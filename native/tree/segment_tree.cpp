@@ -1,11 +1,10 @@
 #include "tree/segment_tree.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <limits>
 #include <tuple>
 #include <utility>
 
@@ -15,12 +14,17 @@ namespace {
 constexpr int32_t kLeafSize = 8;
 /// Weight of the distance to the centreline beside that to the surface.
 constexpr double kInsideShare = 0.05;
+/// What is told in floats is told with this share to spare: more than their rounding takes.
+constexpr float kSpare = 1e-5f;
+/// Distances beyond this count as this, so that their squares may overflow.
+constexpr float kFar = 1e18f;
+/// Squared lengths below this are none: their inverse would overflow.
+constexpr float kNoLength = 1e-30f;
+constexpr int32_t kLastOrder = std::numeric_limits<int32_t>::max();
 
-double box_distance(const glm::vec3& low, const glm::vec3& high, const glm::vec3& point) {
-  const glm::dvec3 outside =
-      glm::max(glm::max(glm::dvec3(low) - glm::dvec3(point), glm::dvec3(point) - glm::dvec3(high)),
-               glm::dvec3(0.0));
-  return glm::length(outside);
+Float4 clamped(const Float4& v, float low, float high) {
+  const Float4 raised = v > four(low) ? v : four(low);
+  return raised < four(high) ? raised : four(high);
 }
 
 }  // namespace
@@ -38,109 +42,236 @@ SegmentTree::SegmentTree(const std::vector<Branch>& branches, std::vector<int32_
     }
   }
   if (!segments_.empty()) {
-    nodes_.reserve(segments_.size() / 2 + 1);
+    nodes_.reserve(segments_.size() / 12 + 2);
+    fours_.reserve(segments_.size() / 3 + 2);
     build(0, static_cast<int32_t>(segments_.size()));
   }
 }
 
+/// Sorts the segments [begin, end) into two halves along their longer extent.
+/// @return where the second begins; `end` if they are few enough to stay together.
+int32_t SegmentTree::split(int32_t begin, int32_t end) {
+  if (end - begin <= kLeafSize) {
+    return end;
+  }
+  glm::vec3 low(std::numeric_limits<float>::max());
+  glm::vec3 high(std::numeric_limits<float>::lowest());
+  for (int32_t i = begin; i < end; ++i) {
+    low = glm::min(low, glm::min(segments_[i].a, segments_[i].b));
+    high = glm::max(high, glm::max(segments_[i].a, segments_[i].b));
+  }
+  const glm::vec3 size = high - low;
+  int axis = size.y > size.x ? 1 : 0;
+  if (size.z > size[axis]) axis = 2;
+  const int32_t middle = begin + (end - begin) / 2;
+  std::nth_element(segments_.begin() + begin, segments_.begin() + middle, segments_.begin() + end,
+                   [axis](const Segment& s, const Segment& t) {
+                     const float ms = s.a[axis] + s.b[axis];
+                     const float mt = t.a[axis] + t.b[axis];
+                     return std::tie(ms, s.branch, s.segment) < std::tie(mt, t.branch, t.segment);
+                   });
+  return middle;
+}
+
 int32_t SegmentTree::build(int32_t begin, int32_t end) {
   const auto number = static_cast<int32_t>(nodes_.size());
+  nodes_.emplace_back();
   Node node{};
-  node.low = glm::vec3(std::numeric_limits<float>::max());
-  node.high = glm::vec3(std::numeric_limits<float>::lowest());
-  node.smallest_order = std::numeric_limits<int32_t>::max();
-  for (int32_t i = begin; i < end; ++i) {
-    const Segment& s = segments_[i];
-    node.low = glm::min(node.low, glm::min(s.a, s.b));
-    node.high = glm::max(node.high, glm::max(s.a, s.b));
-    node.largest_radius = std::max(node.largest_radius, std::max(s.radius_a, s.radius_b));
-    node.smallest_order = std::min(node.smallest_order, order_[s.branch]);
+  node.order += kLastOrder;
+  const int32_t middle = split(begin, end);
+  const std::array<int32_t, 5> bounds = {begin, split(begin, middle), middle, split(middle, end),
+                                         end};
+  for (int k = 0; k < 4; ++k) {
+    const int32_t from = bounds[k], to = bounds[k + 1];
+    if (from == to) {
+      continue;
+    }
+    glm::vec3 low(std::numeric_limits<float>::max());
+    glm::vec3 high(std::numeric_limits<float>::lowest());
+    for (int32_t i = from; i < to; ++i) {
+      const Segment& s = segments_[i];
+      low = glm::min(low, glm::min(s.a, s.b));
+      high = glm::max(high, glm::max(s.a, s.b));
+      node.radius[k] = std::max(node.radius[k], std::max(s.radius_a, s.radius_b));
+      node.order[k] = std::min(node.order[k], order_[s.branch]);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+      node.low[axis][k] = low[axis];
+      node.high[axis][k] = high[axis];
+    }
+    if (to - from <= kLeafSize) {
+      node.child[k] = static_cast<int32_t>(fours_.size());
+      add_fours(from, to);
+      node.count[k] = static_cast<int32_t>(fours_.size()) - node.child[k];
+    } else {
+      node.child[k] = build(from, to);
+    }
   }
-  node.begin = begin;
-  node.end = end;
-  node.leaf = end - begin <= kLeafSize;
-  nodes_.push_back(node);
-  if (!node.leaf) {
-    const glm::vec3 size = node.high - node.low;
-    int axis = size.y > size.x ? 1 : 0;
-    if (size.z > size[axis]) axis = 2;
-    const int32_t middle = begin + (end - begin) / 2;
-    std::nth_element(segments_.begin() + begin, segments_.begin() + middle, segments_.begin() + end,
-                     [axis](const Segment& s, const Segment& t) {
-                       const float ms = s.a[axis] + s.b[axis];
-                       const float mt = t.a[axis] + t.b[axis];
-                       return std::tie(ms, s.branch, s.segment) < std::tie(mt, t.branch, t.segment);
-                     });
-    const int32_t left = build(begin, middle);
-    const int32_t right = build(middle, end);
-    nodes_[number].begin = left;
-    nodes_[number].end = right;
-  }
+  nodes_[number] = node;
   return number;
 }
 
-NearestSegment SegmentTree::nearest(const glm::vec3& point, int32_t below_order, Measure measure,
-                                    const std::vector<char>* excluded, double limit) const {
-  NearestSegment best;
-  best.cost = limit;
-  const auto cost_of = [&](double distance, double radius) {
-    switch (measure) {
+void SegmentTree::add_fours(int32_t begin, int32_t end) {
+  for (int32_t first = begin; first < end; first += 4) {
+    Four fours{};
+    fours.order += kLastOrder;
+    fours.first = first;
+    for (int32_t k = 0; k < std::min(4, end - first); ++k) {
+      const Segment& s = segments_[first + k];
+      const glm::vec3 along = s.b - s.a;
+      for (int axis = 0; axis < 3; ++axis) {
+        fours.from[axis][k] = s.a[axis];
+        fours.along[axis][k] = along[axis];
+      }
+      const float squared = glm::dot(along, along);
+      const bool none = !(squared > kNoLength && squared < kFar);
+      fours.inverse[k] = none ? 0.0f : 1.0f / squared;
+      fours.slack[k] = std::sqrt(squared) * (none ? 2.0f : kSpare);
+      fours.radius[k] = std::max(s.radius_a, s.radius_b);
+      fours.order[k] = order_[s.branch];
+    }
+    fours_.push_back(fours);
+  }
+}
+
+/// One search through the tree.
+class SegmentTree::Search {
+ public:
+  Search(const SegmentTree& tree, const glm::vec3& point, int32_t below_order, Measure measure,
+         const std::vector<char>* excluded, double limit)
+      : tree_(tree),
+        point_(point),
+        below_order_(below_order),
+        measure_(measure),
+        excluded_(excluded) {
+    best_.cost = limit;
+  }
+
+  NearestSegment run() {
+    // The stack never holds more than three siblings a level, and the tree is balanced.
+    std::array<Waiting, 96> stack;
+    size_t depth = 0;
+    if (!tree_.nodes_.empty()) stack[depth++] = {0.0f, 0, 0};
+    while (depth > 0) {
+      const Waiting next = stack[--depth];
+      if (next.bound > best_.cost) continue;
+      if (next.count > 0) {
+        for (int32_t i = next.number; i < next.number + next.count; ++i) look_at(tree_.fours_[i]);
+        continue;
+      }
+      const Node& node = tree_.nodes_[next.number];
+      const Float4 bound = bounds(node);
+      const size_t before = depth;
+      for (uint32_t lanes = bits(node.order < below_order_ + Int4{}); lanes != 0;
+           lanes &= lanes - 1) {
+        const int k = std::countr_zero(lanes);
+        if (bound[k] > best_.cost) continue;
+        // The nearest on top.
+        size_t at = depth++;
+        for (; at > before && stack[at - 1].bound < bound[k]; --at) stack[at] = stack[at - 1];
+        stack[at] = {bound[k], node.child[k], node.count[k]};
+      }
+    }
+    return best_;
+  }
+
+ private:
+  /// A node (count 0) or some of fours_, and what they cost at least.
+  struct Waiting {
+    float bound;
+    int32_t number, count;
+  };
+
+  /// Not more than what limbs cost that are `distance` away and have `radius`.
+  Float4 least_cost(const Float4& distance, const Float4& radius) const {
+    switch (measure_) {
       case Measure::kRadii:
-        return distance / (radius + radius_floor_);
+        return distance / (radius + tree_.radius_floor_) * (1.0f - kSpare);
+      case Measure::kSurface: {
+        const Float4 outside = distance - radius * (1.0f + kSpare);
+        const Float4 none = {};
+        return (outside > none ? outside : none) +
+               distance * static_cast<float>(kInsideShare) * (1.0f - kSpare);
+      }
+      default:
+        return distance;
+    }
+  }
+
+  Float4 bounds(const Node& node) const {
+    Float4 squared = {};
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float4 below = node.low[axis] - point_[axis], above = point_[axis] - node.high[axis];
+      const Float4 larger = below > above ? below : above;
+      const Float4 outside = clamped(larger, 0.0f, kFar);
+      squared += outside * outside;
+    }
+    return least_cost(clamped(square_root(squared), 0.0f, kFar) * (1.0f - kSpare), node.radius);
+  }
+
+  void look_at(const Four& fours) {
+    std::array<Float4, 3> to{};
+    Float4 dot = {};
+    for (int axis = 0; axis < 3; ++axis) {
+      to[axis] = point_[axis] - fours.from[axis];
+      dot += to[axis] * fours.along[axis];
+    }
+    const Float4 t = clamped(dot * fours.inverse, 0.0f, 1.0f);
+    Float4 squared = {};
+    for (int axis = 0; axis < 3; ++axis) {
+      const Float4 off = to[axis] - t * fours.along[axis];
+      squared += off * off;
+    }
+    const Float4 distance = square_root(squared) * (1.0f - kSpare) - fours.slack;
+    const Float4 bound = least_cost(clamped(distance, 0.0f, kFar), fours.radius);
+    for (uint32_t lanes = bits(fours.order < below_order_ + Int4{}); lanes != 0;
+         lanes &= lanes - 1) {
+      const int k = std::countr_zero(lanes);
+      if (!(bound[k] > best_.cost)) look_at(tree_.segments_[fours.first + k]);
+    }
+  }
+
+  double cost_of(double distance, double radius) const {
+    switch (measure_) {
+      case Measure::kRadii:
+        return distance / (radius + tree_.radius_floor_);
       case Measure::kSurface:
         return std::max(distance - radius, 0.0) + kInsideShare * distance;
       default:
         return distance;
     }
-  };
-  const auto bound = [&](const Node& node) {
-    if (node.smallest_order >= below_order) return std::numeric_limits<double>::infinity();
-    // A rounding error must not hide what lies exactly as near as the best.
-    return (1.0 - 1e-9) * cost_of(box_distance(node.low, node.high, point), node.largest_radius);
-  };
-  // The stack never holds more than one sibling a level, and the tree is balanced.
-  std::array<std::pair<double, int32_t>, 128> stack;
-  size_t depth = 0;
-  if (!nodes_.empty()) stack[depth++] = {bound(nodes_[0]), 0};
-  while (depth > 0) {
-    const auto [lower, number] = stack[--depth];
-    if (lower > best.cost || std::isinf(lower)) continue;
-    const Node& node = nodes_[number];
-    if (!node.leaf) {
-      std::pair<double, int32_t> near{bound(nodes_[node.begin]), node.begin};
-      std::pair<double, int32_t> far{bound(nodes_[node.end]), node.end};
-      if (far < near) std::swap(near, far);
-      stack[depth++] = far;
-      stack[depth++] = near;
-      continue;
-    }
-    for (int32_t i = node.begin; i < node.end; ++i) {
-      const Segment& s = segments_[i];
-      if (order_[s.branch] >= below_order) continue;
-      if (excluded != nullptr && (*excluded)[s.branch]) continue;
-      const glm::dvec3 a(s.a);
-      const glm::dvec3 along = glm::dvec3(s.b) - a;
-      const double squared = glm::dot(along, along);
-      const double t = squared > 0.0
-                           ? std::clamp(glm::dot(glm::dvec3(point) - a, along) / squared, 0.0, 1.0)
-                           : 0.0;
-      const glm::dvec3 foot = a + t * along;
-      const double distance = glm::length(glm::dvec3(point) - foot);
-      const auto radius = static_cast<float>(s.radius_a + t * (s.radius_b - s.radius_a));
-      const double cost = cost_of(distance, radius);
-      if (cost < best.cost || (cost == best.cost && std::tie(s.branch, s.segment) <
-                                                        std::tie(best.branch, best.segment))) {
-        best = {s.branch,
-                s.segment,
-                static_cast<float>(t),
-                glm::vec3(foot),
-                static_cast<float>(distance),
-                radius,
-                cost};
-      }
+  }
+
+  void look_at(const Segment& s) {
+    if (excluded_ != nullptr && (*excluded_)[s.branch]) return;
+    const glm::dvec3 point(point_), a(s.a);
+    const glm::dvec3 along = glm::dvec3(s.b) - a;
+    const double squared = glm::dot(along, along);
+    const double t =
+        squared > 0.0 ? std::clamp(glm::dot(point - a, along) / squared, 0.0, 1.0) : 0.0;
+    const glm::dvec3 foot = a + t * along;
+    const double distance = glm::length(point - foot);
+    const auto radius = static_cast<float>(s.radius_a + t * (s.radius_b - s.radius_a));
+    const double cost = cost_of(distance, radius);
+    if (cost < best_.cost || (cost == best_.cost && std::tie(s.branch, s.segment) <
+                                                        std::tie(best_.branch, best_.segment))) {
+      best_ = {
+          s.branch, s.segment, static_cast<float>(t), glm::vec3(foot), static_cast<float>(distance),
+          radius,   cost};
     }
   }
-  return best;
+
+  const SegmentTree& tree_;
+  glm::vec3 point_;
+  int32_t below_order_;
+  Measure measure_;
+  const std::vector<char>* excluded_;
+  NearestSegment best_;
+};
+
+NearestSegment SegmentTree::nearest(const glm::vec3& point, int32_t below_order, Measure measure,
+                                    const std::vector<char>* excluded, double limit) const {
+  return Search(*this, point, below_order, measure, excluded, limit).run();
 }
 
 }  // namespace snowbough::tree

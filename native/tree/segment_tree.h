@@ -1,10 +1,12 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <limits>
 #include <vector>
 
+#include "tree/four_lanes.h"
 #include "tree/skeleton.h"
 
 namespace snowbough::tree {
@@ -35,7 +37,7 @@ enum class Measure {
   kSurface,
 };
 
-/// The centreline segments of all branches in a bounding volume hierarchy.
+/// The centreline segments of all branches in a bounding volume hierarchy of four children a node.
 class SegmentTree {
  public:
   /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks
@@ -58,19 +60,37 @@ class SegmentTree {
     float radius_a, radius_b;
     int32_t branch, segment;
   };
+  /// Four boxes around segments, with the largest radius and the smallest order in each. A lane
+  /// that is not used has the largest order there is.
   struct Node {
-    glm::vec3 low, high;
-    float largest_radius;
-    int32_t smallest_order;
-    /// Leaf: segments [begin, end). Inner: children `begin` and `end`.
-    int32_t begin, end;
-    bool leaf;
+    std::array<Float4, 3> low, high;
+    Float4 radius;
+    Int4 order;
+    /// The node, or the first of `count` entries of fours_, that a box is around.
+    std::array<int32_t, 4> child;
+    std::array<int32_t, 4> count;
   };
+  /// Up to four segments_ from `first` on, as floats, to tell most of those that are too far.
+  struct Four {
+    std::array<Float4, 3> from, along;
+    /// One over the squared length, 0 for a segment of none.
+    Float4 inverse;
+    /// The larger of both ends' radii.
+    Float4 radius;
+    /// By how much rounding may enlarge a distance.
+    Float4 slack;
+    Int4 order;
+    int32_t first;
+  };
+  class Search;
 
   int32_t build(int32_t begin, int32_t end);
+  int32_t split(int32_t begin, int32_t end);
+  void add_fours(int32_t begin, int32_t end);
 
   std::vector<Segment> segments_;
   std::vector<Node> nodes_;
+  std::vector<Four> fours_;
   std::vector<int32_t> order_;
   float radius_floor_;
 };

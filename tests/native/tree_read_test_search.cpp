@@ -63,6 +63,41 @@ TEST(SegmentTree, MeasuresToTheSurfaceOrInRadii) {
   EXPECT_DOUBLE_EQ(tree.nearest(origin, 1, Measure::kRadii).cost, 1.5);
 }
 
+TEST(SegmentTree, FindsTheSameAsAmongEachSegmentAlone) {
+  for (const float scale : {1e-4f, 1.0f, 1e5f}) {
+    SCOPED_TRACE(testing::Message() << "scale " << scale);
+    std::mt19937 random(11);
+    // Far from the origin, where floats are coarse.
+    const auto unit = [&] { return scale * (30.0f + static_cast<float>(random() * 0x1p-32)); };
+    const auto place = [&] { return glm::vec3(unit(), unit(), unit()); };
+    std::vector<Branch> branches;
+    std::vector<SegmentTree> alone;
+    for (int i = 0; i < 100; ++i) {
+      const glm::vec3 a = place();
+      branches.push_back(line({a, a + 0.1f * (place() - a)}, 0.1f * (unit() - 30.0f * scale)));
+      alone.emplace_back(std::vector<Branch>{branches.back()}, std::vector<int32_t>{0}, 0.0f);
+    }
+    const SegmentTree tree(branches, std::vector<int32_t>(branches.size(), 0), 0.0f);
+    for (int i = 0; i < 300; ++i) {
+      const glm::vec3 point = place();
+      for (const Measure measure : {Measure::kDistance, Measure::kRadii, Measure::kSurface}) {
+        NearestSegment best;
+        best.cost = std::numeric_limits<double>::infinity();
+        for (size_t b = 0; b < alone.size(); ++b) {
+          const NearestSegment found = alone[b].nearest(point, 1, measure);
+          if (found.cost < best.cost) {
+            best = found;
+            best.branch = static_cast<int32_t>(b);
+          }
+        }
+        const NearestSegment found = tree.nearest(point, 1, measure);
+        ASSERT_EQ(found.branch, best.branch);
+        ASSERT_EQ(found.cost, best.cost);
+      }
+    }
+  }
+}
+
 TEST(SegmentTree, SeesOnlyWhatMayBeFound) {
   const std::vector<Branch> branches = {line({{1, 0, 0}, {1, 0, 1}}, 0.1f),
                                         line({{2, 0, 0}, {2, 0, 1}}, 0.1f),
