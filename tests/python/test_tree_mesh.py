@@ -217,6 +217,20 @@ def test_a_finer_level_of_a_real_tree_has_the_same_seams_and_weights():
     assert check["closed"] and check["zero_area_faces"] == 0
 
 
+@pytest.mark.parametrize("lod", [1, 2])
+def test_finer_levels_of_a_real_tree_lie_on_the_limbs_radii(lod):
+    skeleton = real_tree("tubes/AL06a.obj")
+    mesh = native.build_tree_mesh(skeleton, lod=lod)
+    # The trunk's walls, where no branch has a say: its bones alone hold the vertex.
+    trunk = skeleton.branches[0]
+    own = (mesh.bone_weights * (mesh.bone_branches[mesh.bone_indices] == 0)).sum(1) > 1 - 1e-6
+    own &= np.isin(np.arange(len(own)), mesh.quads[mesh.face_part == 0])
+    radii = np.sqrt(trunk.areas.astype(float) / np.pi)
+    off = np.abs(centreline_distance(trunk, mesh.vertices[own].astype(float), radii)) / radii[0]
+    assert len(off) > 200
+    assert np.median(off) < 0.001 and np.percentile(off, 95) < 0.01 and off.max() < 0.05
+
+
 def test_progress_of_the_mesh_runs_from_0_to_1():
     shares = []
     native.build_tree_mesh(small_tree(), progress=shares.append)
