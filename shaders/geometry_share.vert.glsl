@@ -20,5 +20,5 @@ void main() {
   const float sum = max(texelFetch(weight_map, pixel, 0).x, 0.5);
   const float volume = snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
   thickness = volume * (float(step.weight) / float(kPixelWeight) / sum) / step.area;
-  map_place = decoded_place(texelFetch(texels, gl_VertexID).y, resolution);
+  map_place = decoded_place(texelFetch(texels, gl_VertexID).y, resolution, 1.0 / float(resolution));
 }

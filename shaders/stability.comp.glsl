@@ -29,7 +29,8 @@ layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 /// Per group of texels; kHoldsSnow is set where some lies after the step.
 layout(std430) buffer GroupStates { uint group_states[]; };
-uniform usamplerBuffer texels;
+/// Texels, word by word.
+uniform usamplerBuffer texel_words;
 /// A TexelStep each.
 uniform usamplerBuffer texel_steps;
 uniform float max_depth;
@@ -43,12 +44,17 @@ float staying_part(float t) {
   return x < 1e-2 ? 1.0 - x * (0.5 - x * (1.0 / 6.0 - x / 24.0)) : (1.0 - exp(-x)) / x;
 }
 
-float settle(float height, float deposit, float capacity) {
+/// Parts of the whole step: of what is too much, that slides off; of a steady deposit, that stays.
+struct WholeStep {
+  float slides;
+  float stays;
+};
+
+float settle(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
     // What goes is taken from the height, not what stays added to the capacity: beside a capacity of
     // metres past vertical a float would round the height away.
-    return max(0.0, height - (height - capacity) * (1.0 - exp2(-dt / half_life)) +
-                        deposit * staying_part(dt));
+    return max(0.0, height - (height - capacity) * whole.slides + deposit * whole.stays);
   }
   if (height + deposit <= capacity) {
     return height + deposit;
@@ -87,18 +93,20 @@ void main() {
   const int group = listed_group();
   const int begin = group * int(kTexelGroup) + int(gl_LocalInvocationID.x);
   const int resolution = imageSize(height_map).x;
+  const float one_over_resolution = 1.0 / float(resolution);
+  const WholeStep whole = WholeStep(1.0 - exp2(-dt / half_life), staying_part(dt));
   vec4 sum = vec4(0.0);
   float highest = 0.0;
   for (uint i = 0u; i < kTexelGroup; i += gl_WorkGroupSize.x) {
     const int index = begin + int(i);
-    const uvec2 texel = texelFetch(texels, index).xy;
-    if (texel.y == kNowhere) {
+    const uint place = texelFetch(texel_words, 4 * index + 1).x;
+    if (place == kNowhere) {
       break;
     }
     const uvec4 step = texelFetch(texel_steps, index);
     const float area = uintBitsToFloat(step.z);
     const float capacity = max_depth * uintBitsToFloat(step.w);
-    const ivec3 at = decoded_place(texel.y, resolution);
+    const ivec3 at = decoded_place(place, resolution, one_over_resolution);
 #ifdef DEPOSIT_MAP
     const bool saturated = false;
     const float deposit = texelFetch(deposit_map, at, 0).x;
@@ -107,7 +115,7 @@ void main() {
     const float deposit = take_deposit(index, step.xy, area, saturated);
 #endif
     const float height = imageLoad(height_map, at).x;
-    const float settled = settle(height, deposit, capacity);
+    const float settled = settle(height, deposit, capacity, whole);
     if (settled != height) {
       imageStore(height_map, at, vec4(settled));
     }

@@ -2,12 +2,12 @@
 
 /// Column, row and layer of a texel's `place` on maps of `resolution`. By floats, since vectors of
 /// integers are divided one by one: a row is at most one off, which the column tells.
-ivec3 decoded_place(uint place, int resolution) {
-  int row = int(float(place) / float(resolution));
+ivec3 decoded_place(uint place, int resolution, float one_over_resolution) {
+  int row = int(float(place) * one_over_resolution);
   int column = int(place) - row * resolution;
   const int off = column < 0 ? -1 : column >= resolution ? 1 : 0;
   row += off;
   column -= off * resolution;
-  const int layer = int((float(row) + 0.5) / float(resolution));
+  const int layer = int((float(row) + 0.5) * one_over_resolution);
   return ivec3(column, row - layer * resolution, layer);
 }

@@ -20,7 +20,8 @@ const int kSpreadReach = 4;
 
 /// Column, row and layer of a texel of this batch.
 ivec3 place_of(int texel) {
-  return decoded_place(texelFetch(texels, texel).y, textureSize(owners, 0).x);
+  const int resolution = textureSize(owners, 0).x;
+  return decoded_place(texelFetch(texels, texel).y, resolution, 1.0 / float(resolution));
 }
 
 /// The texel at `at` as index in this batch if it belongs to the chart and faces the fall, else -1.

@@ -71,6 +71,7 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.active_groups = gpu::Buffer(list_of_all_groups(batch.group_count()));
   batch.views.active_groups = gpu::BufferTexture(batch.active_groups, GL_R32UI);
   batch.views.texels = gpu::BufferTexture(batch.texels, GL_RGBA32UI);
+  batch.views.texel_words = gpu::BufferTexture(batch.texels, GL_R32UI);
   batch.views.fragment_begin = gpu::BufferTexture(batch.fragment_begin, GL_R32UI);
   batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RG32UI);
   batch.views.steps = gpu::BufferTexture(batch.steps, GL_RGBA32UI);

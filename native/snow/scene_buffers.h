@@ -47,6 +47,8 @@ struct TexelBatch {
   /// The buffers above as buffer textures, which llvmpipe reads a whole vector at a time.
   struct Views {
     gpu::BufferTexture texels;
+    /// The same, number by number.
+    gpu::BufferTexture texel_words;
     gpu::BufferTexture fragment_begin;
     gpu::BufferTexture fragments;
     gpu::BufferTexture steps;

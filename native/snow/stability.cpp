@@ -27,7 +27,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     program.use();
     program.bind_texture("groups", batch.views.active_groups);
     program.bind("GroupStates", batch.group_states);
-    program.bind_texture("texels", batch.views.texels);
+    program.bind_texture("texel_words", batch.views.texel_words);
     program.bind_texture("texel_steps", batch.views.steps);
     if (has_tile) {
       program.bind("Fall", *pending.fall);

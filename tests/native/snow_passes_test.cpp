@@ -286,6 +286,20 @@ TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
   });
 }
 
+TEST(DepositCompute, LeavesTexelsFullThatRunOver) {
+  gpu::GpuThread::shared()->run([] {
+    // Some twenty pixels a texel, each of which gives more than there is room for.
+    Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 300.0));
+    TexelBatch& batch = bench.scene.batches[0];
+    const std::vector<uint32_t> nearly_full(static_cast<size_t>(batch.count), ~0u - 100u);
+    batch.units.write(0, int64_t{4} * batch.count, nearly_full.data());
+    DepositComputePass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, true);
+    for (const uint32_t units : batch.units.read_all<uint32_t>()) {
+      EXPECT_EQ(units, ~0u);
+    }
+  });
+}
+
 TEST(DepositGeometry, LaysWhatComputeLays) {
   gpu::GpuThread::shared()->run([] {
     // Pixels smaller than texels, as large, and larger: by the texel under them, and by sharing.
