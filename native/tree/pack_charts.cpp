@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstdint>
 #include <limits>
 #include <numeric>
@@ -120,8 +121,7 @@ class FreeCells {
   std::vector<Cells> longest_;
 };
 
-/// A shape in one of its orientations. Both of its sides, rows reversed or not, have the same
-/// lengths.
+/// A shape in one of its orientations.
 class Orientation {
  public:
   /// Turns the shape's columns; the vectors are kept from one shape to the next.
@@ -144,10 +144,14 @@ class Orientation {
 
   /// Lowest height at which the shape fits with its left column at x; -1 if there is none.
   int lowest(const FreeCells& free, int x) const {
-    // Each column in turn raises the height to where it fits; done once all agree.
+    // Each column in turn raises the height to where it fits; done once all agree. The straight
+    // edge comes first: there charts are longest.
+    const int first = placement.columns_reversed ? width() - 1 : 0;
+    const int step = placement.columns_reversed ? -1 : 1;
     int height = 0;
     int agreed = 0;
-    for (int j = 0; agreed < width(); j = j + 1 < width() ? j + 1 : 0) {
+    for (int j = first; agreed < width(); j += step) {
+      j = j < 0 || j == width() ? first : j;
       const auto [begin, end] = columns_[j];
       int fits = -1;
       for (const FreeRun& run : free.column(x + j)) {
@@ -172,39 +176,40 @@ class Orientation {
   std::vector<CellRun> columns_;
 };
 
-/// A block of places where a shape may lie as far as the longest run of every column goes.
-class RoomyPlaces {
- public:
-  /// Looks at kBlock places from x on. True if any is left.
-  bool look(const FreeCells& free, const Orientation& shape, int x) {
-    slack_.fill(std::numeric_limits<Cells>::max());
-    for (int j = 0; j < shape.width(); ++j) {
-      const CellRun& run = shape.columns()[j];
-      const auto length = static_cast<Cells>(run.end - run.begin);
-      const Cells* const longest = free.longest(x + j);
+/// Of kBlock places from x on those where a shape may lie as far as the longest run of every column
+/// goes: one bit a place, the lowest for x.
+uint64_t roomy_places(const FreeCells& free, const Orientation& shape, int x) {
+  // By how much the longest run of a column exceeds what the shape takes of it, the least of all
+  // its columns.
+  std::array<Cells, kBlock> slack;
+  slack.fill(std::numeric_limits<Cells>::max());
+  for (int j = 0; j < shape.width(); ++j) {
+    const CellRun& run = shape.columns()[j];
+    const auto length = static_cast<Cells>(run.end - run.begin);
+    const Cells* const longest = free.longest(x + j);
+    for (int i = 0; i < kBlock; ++i) {
+      slack[i] = std::min(slack[i], static_cast<Cells>(longest[i] - length));
+    }
+    if (j % kColumnsAtOnce == 0 || j + 1 == shape.width()) {
+      Cells most = -1;
       for (int i = 0; i < kBlock; ++i) {
-        slack_[i] = std::min(slack_[i], static_cast<Cells>(longest[i] - length));
+        most = std::max(most, slack[i]);
       }
-      if (j % kColumnsAtOnce == 0 || j + 1 == shape.width()) {
-        Cells most = -1;
-        for (int i = 0; i < kBlock; ++i) {
-          most = std::max(most, slack_[i]);
-        }
-        if (most < 0) {
-          return false;
-        }
+      if (most < 0) {
+        return 0;
       }
     }
-    return true;
   }
-
-  bool operator[](int i) const { return slack_[i] >= 0; }
-
- private:
-  /// By how much the longest run of a column exceeds what the shape takes of it, the least of all
-  /// its columns.
-  std::array<Cells, kBlock> slack_;
-};
+  std::array<uint8_t, kBlock> roomy;
+  for (int i = 0; i < kBlock; ++i) {
+    roomy[i] = slack[i] >= 0 ? 1 : 0;
+  }
+  uint64_t places = 0;
+  for (int i = 0; i < kBlock; ++i) {
+    places |= uint64_t{roomy[i]} << static_cast<unsigned>(i);
+  }
+  return places;
+}
 
 void take_with_gutter(FreeCells& free, const Orientation& shape, int gutter) {
   const int width = shape.width();
@@ -241,27 +246,21 @@ class Orientations {
   /// @return the orientation in which it lies there; null if it does not fit.
   const Orientation* place(const FreeCells& free, int first_x, int last_x) {
     for (int block = first_x; block <= last_x; block += kBlock) {
-      bool any = false;
+      std::array<uint64_t, 4> room{};
+      uint64_t places = 0;
       for (int i = 0; i < count_; ++i) {
-        // Reversed rows leave the lengths as they are.
-        any_room_[i] = room_[i].look(free, all_[i], block);
-        any = any || any_room_[i];
+        // Reversed rows leave the columns as long as they are.
+        const bool known =
+            i >= 2 && all_[i].placement.columns_reversed == all_[i - 2].placement.columns_reversed;
+        room[i] = known ? room[i - 2] : roomy_places(free, all_[i], block);
+        places |= room[i];
       }
-      const int places = any ? std::min(kBlock, last_x - block + 1) : 0;
-      for (int place = 0; place < places; ++place) {
-        Orientation* found = nullptr;
-        for (int i = 0; i < count_; ++i) {
-          if (!any_room_[i] || !room_[i][place]) {
-            continue;
-          }
-          const int y = all_[i].lowest(free, block + place);
-          if (y >= 0 && (found == nullptr || y < found->placement.y)) {
-            found = &all_[i];
-            found->placement.y = y;
-          }
+      for (; places != 0; places &= places - 1) {
+        const int place = std::countr_zero(places);
+        if (block + place > last_x) {
+          break;
         }
-        if (found != nullptr) {
-          found->placement.x = block + place;
+        if (const Orientation* found = lay(free, room, place, block + place)) {
           return found;
         }
       }
@@ -270,9 +269,26 @@ class Orientations {
   }
 
  private:
+  /// Puts the shape as far down as it goes with its left column at x; null if it does not fit.
+  /// @param room  the places where each orientation may fit; x is number `place` of them.
+  const Orientation* lay(const FreeCells& free, const std::array<uint64_t, 4>& room, int place,
+                         int x) {
+    Orientation* found = nullptr;
+    for (int i = 0; i < count_; ++i) {
+      if ((room[i] >> static_cast<unsigned>(place) & 1U) == 0) {
+        continue;
+      }
+      const int y = all_[i].lowest(free, x);
+      if (y >= 0 && (found == nullptr || y < found->placement.y)) {
+        found = &all_[i];
+        found->placement.x = x;
+        found->placement.y = y;
+      }
+    }
+    return found;
+  }
+
   std::array<Orientation, 4> all_;
-  std::array<RoomyPlaces, 4> room_;
-  std::array<bool, 4> any_room_{};
   int count_ = 0;
 };
 
@@ -313,6 +329,11 @@ std::optional<Packing> pack_charts(const PackShapes& shapes, int rows, int colum
   packing.placements.resize(shapes.shapes.size());
   packing.used_columns = std::min(columns, 2);
   Orientations orientations;
+  // Whichever of the two no chart to come looks at needs no more be kept.
+  std::array<size_t, 2> charts_to_come{};
+  for (const PackShape& shape : shapes.shapes) {
+    ++charts_to_come[shape.gutter < kMaxGutter ? 0 : 1];
+  }
   const PackShape* before = nullptr;
   int first_x = 1;
   for (const size_t i : packing_order(shapes)) {
@@ -322,17 +343,22 @@ std::optional<Packing> pack_charts(const PackShapes& shapes, int rows, int colum
       orientations.set(shapes.columns_of(shape), shape.height);
       first_x = 1;
     }
-    const Orientation* found =
-        orientations.place(shape.gutter < kMaxGutter ? clear_of_own : clear_of_widest, first_x,
-                           columns - 1 - shape.width);
+    const bool thin = shape.gutter < kMaxGutter;
+    const Orientation* found = orientations.place(thin ? clear_of_own : clear_of_widest, first_x,
+                                                  columns - 1 - shape.width);
     if (found == nullptr) {
       return std::nullopt;
     }
     packing.placements[i] = found->placement;
     first_x = found->placement.x;
     packing.used_columns = std::max(packing.used_columns, first_x + shape.width + 1);
-    take_with_gutter(clear_of_own, *found, shape.gutter);
-    take_with_gutter(clear_of_widest, *found, kMaxGutter);
+    --charts_to_come[thin ? 0 : 1];
+    if (charts_to_come[0] > 0) {
+      take_with_gutter(clear_of_own, *found, shape.gutter);
+    }
+    if (charts_to_come[1] > 0) {
+      take_with_gutter(clear_of_widest, *found, kMaxGutter);
+    }
     before = &shape;
   }
   return packing;
