@@ -33,6 +33,11 @@ constexpr double kNeighbourShare = 0.3;
 /// A closed tube shorter than this many of its radii, unnamed, is a fruit.
 constexpr float kRoundest = 3.0f;
 
+/// Parts that a thread traces at least before it takes the next ones, and the most times that it is
+/// asked whether to go on.
+constexpr size_t kTraceBlock = 32;
+constexpr size_t kMostBlocks = 1024;
+
 enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
 
 struct Shapes {
@@ -42,27 +47,36 @@ struct Shapes {
 
 /// Traces everything that no name calls foliage.
 Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                   ClassifiedParts& result, const Progress& progress) {
+                   ClassifiedParts& result, const Execution& execution) {
+  const auto count = static_cast<size_t>(parts.count());
   Shapes shapes;
-  shapes.shape.assign(parts.count(), Shape::kUnknown);
-  shapes.why.assign(parts.count(), NotATube::kNone);
-  result.limb.assign(parts.count(), -1);
-  for (int32_t p = 0; p < parts.count(); ++p) {
-    if ((p & 0xfff) == 0) {
-      report_progress(progress, static_cast<float>(p) / static_cast<float>(parts.count()));
+  shapes.shape.assign(count, Shape::kUnknown);
+  shapes.why.assign(count, NotATube::kNone);
+  const size_t block = std::max(kTraceBlock, count / kMostBlocks);
+  // The limbs of each block, by their parts.
+  std::vector<std::vector<std::pair<int32_t, Limb>>> traced(count / block + 1);
+  const auto trace = [&](size_t begin, size_t end) {
+    for (auto p = static_cast<int32_t>(begin); p < static_cast<int32_t>(end); ++p) {
+      if (labels.meaning[p] == NameMeaning::kFoliage) continue;
+      if (read_cross_section(scene, parts, p)) {
+        shapes.shape[p] = Shape::kPlane;
+      } else if (parts.part_faces(p).size() == 1) {
+        shapes.shape[p] = Shape::kTriangle;
+      } else if (std::optional<Limb> limb = trace_tube(scene, parts.part_faces(p),
+                                                       parts.part_vertices(p), shapes.why[p])) {
+        shapes.shape[p] = Shape::kTube;
+        traced[begin / block].emplace_back(p, std::move(*limb));
+      } else {
+        shapes.shape[p] = Shape::kOther;
+      }
     }
-    if (labels.meaning[p] == NameMeaning::kFoliage) continue;
-    if (read_cross_section(scene, parts, p)) {
-      shapes.shape[p] = Shape::kPlane;
-    } else if (parts.part_faces(p).size() == 1) {
-      shapes.shape[p] = Shape::kTriangle;
-    } else if (std::optional<Limb> limb =
-                   trace_tube(scene, parts.part_faces(p), parts.part_vertices(p), shapes.why[p])) {
-      shapes.shape[p] = Shape::kTube;
-      result.limb[p] = static_cast<int32_t>(result.limbs.size());
-      result.limbs.push_back(std::move(*limb));
-    } else {
-      shapes.shape[p] = Shape::kOther;
+  };
+  parallel_blocks(count, block, execution, trace);
+  result.limb.assign(count, -1);
+  for (auto& limbs : traced) {
+    for (auto& [part, limb] : limbs) {
+      result.limb[part] = static_cast<int32_t>(result.limbs.size());
+      result.limbs.push_back(std::move(limb));
     }
   }
   return shapes;
@@ -228,10 +242,10 @@ std::string form_name(TreeForm form) {
 }
 
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                               const Progress& progress) {
+                               const Execution& execution) {
   ClassifiedParts result;
   result.role.assign(parts.count(), PartRole::kFoliage);
-  const Shapes shapes = find_shapes(scene, parts, labels, result, progress);
+  const Shapes shapes = find_shapes(scene, parts, labels, result, execution);
 
   std::vector<int32_t> tubes;
   for (int32_t p = 0; p < parts.count(); ++p) {
@@ -274,7 +288,7 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
       tubes.size() * 2 < static_cast<size_t>(std::count(result.role.begin(), result.role.end(),
                                                         PartRole::kCrossSection));
   result.form = squares_lead ? *squares : form_of_tubes(scene, parts, labels, result);
-  report_progress(progress, 1.0f);
+  report_progress(execution.progress, 1.0f);
   return result;
 }
 

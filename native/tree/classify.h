@@ -6,9 +6,9 @@
 #include <vector>
 
 #include "tree/obj_scene.h"
+#include "tree/parallel.h"
 #include "tree/part_names.h"
 #include "tree/parts.h"
-#include "tree/progress.h"
 #include "tree/rings.h"
 
 namespace snowbough::tree {
@@ -51,8 +51,7 @@ struct ClassifiedParts {
 
 /// Decides what each part is - by what its names say, then by its shape - and which form the file
 /// has. Planes count as cross-sections where they stand in rows across limbs, otherwise as leaves.
-/// @param progress receives 0..1.
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                               const Progress& progress = {});
+                               const Execution& execution = {});
 
 }  // namespace snowbough::tree

@@ -10,8 +10,8 @@
 namespace snowbough::tree {
 
 struct ObjReadOptions {
-  /// Bytes read at a time, of which the threads take pieces while the next are read. Grows by itself
-  /// when a line is longer.
+  /// Bytes read at a time, of which the threads take pieces while the next are read. Grows by
+  /// itself when a line is longer.
   size_t buffer_size = size_t{4} << 20;
   /// Bytes the stream holds, for the progress; 0 = unknown.
   size_t total_size = 0;

@@ -149,8 +149,8 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
     parts =
         join_loose_faces(scene, std::move(parts), labels, part_of(options.progress, 0.55f, 0.6f));
     if (parts.count() < split_count) labels = label_parts(scene, parts, options.foliage_names);
-    ClassifiedParts classified =
-        classify_parts(scene, parts, labels, part_of(options.progress, 0.6f, 0.8f));
+    ClassifiedParts classified = classify_parts(
+        scene, parts, labels, Execution{options.threads, options.progress}.part(0.6f, 0.8f));
     report.form = form_name(classified.form);
     report.foliage_parts = classified.foliage_count;
     report_scene(scene, report);
