@@ -9,9 +9,10 @@
 #include <glm/vec3.hpp>
 #include <limits>
 #include <numbers>
-#include <numeric>
 #include <span>
 #include <utility>
+
+#include "tree/leaf_sheets.h"
 
 namespace snowbough::tree {
 namespace {
@@ -27,34 +28,9 @@ constexpr double kNoSize = 1e-12;
 
 using Point = glm::dvec2;
 
-/// An edge of a face, and the two points where it starts and ends.
-struct Edge {
-  /// Its vertices, the lower one first.
-  uint64_t vertices;
-  bool forward;
-  /// Counted from the sheet's first one.
-  int32_t face;
-  int32_t point, next_point;
-};
-
-Edge edge_between(int32_t from, int32_t to, int32_t face, int32_t point, int32_t next_point) {
-  const auto low = static_cast<uint32_t>(std::min(from, to));
-  const auto high = static_cast<uint32_t>(std::max(from, to));
-  return {uint64_t{low} << 32U | high, from < to, face, point, next_point};
-}
-
-/// An edge of the outline, with the sheet on its left.
+/// An edge of the outline laid flat, with the sheet on its left.
 struct Segment {
-  uint64_t vertices;
   Point a, b;
-
-  bool shares_vertex(const Segment& other) const {
-    const auto low = static_cast<uint32_t>(vertices >> 32U);
-    const auto high = static_cast<uint32_t>(vertices);
-    const auto other_low = static_cast<uint32_t>(other.vertices >> 32U);
-    const auto other_high = static_cast<uint32_t>(other.vertices);
-    return low == other_low || low == other_high || high == other_low || high == other_high;
-  }
 };
 
 /// Twice the signed area of a triangle.
@@ -135,30 +111,31 @@ class LeafFlattener {
 
   /// Adds the charts of the leaf that has faces [first, last) of the result's.
   void add_leaf(int32_t first, int32_t last) {
-    sort_edges(first, last);
-    if (group_sheets(last - first) == 1) {
+    if (last - first == 1) {
+      add_sheet(first, last);
+      return;
+    }
+    connections_.find(foliage_, faces(first, last));
+    if (connections_.sheet_count() == 1) {
       add_sheet(first, last);
       return;
     }
     // One sheet's faces after another's, each in their order.
-    std::vector<int32_t> faces(result_.faces.begin() + first, result_.faces.begin() + last);
-    std::vector<int32_t> order(faces.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [this](int32_t a, int32_t b) { return group_[a] < group_[b]; });
-    const std::vector<int32_t> group = group_;
-    for (size_t i = 0; i < order.size(); ++i) {
-      result_.faces[first + i] = faces[order[i]];
+    std::vector<std::pair<int32_t, int32_t>> by_sheet;
+    for (int32_t at = first; at < last; ++at) {
+      by_sheet.emplace_back(connections_.sheet_of()[at - first], result_.faces[at]);
     }
-    for (size_t begin = 0; begin < order.size();) {
-      size_t end = begin + 1;
-      while (end < order.size() && group[order[end]] == group[order[begin]]) {
+    std::sort(by_sheet.begin(), by_sheet.end());
+    for (int32_t at = first; at < last; ++at) {
+      result_.faces[at] = by_sheet[at - first].second;
+    }
+    for (int32_t begin = first; begin < last;) {
+      int32_t end = begin + 1;
+      while (end < last && by_sheet[end - first].first == by_sheet[begin - first].first) {
         ++end;
       }
-      const auto sheet_first = static_cast<int32_t>(first + begin);
-      const auto sheet_last = static_cast<int32_t>(first + end);
-      sort_edges(sheet_first, sheet_last);
-      add_sheet(sheet_first, sheet_last);
+      connections_.find(foliage_, faces(begin, end));
+      add_sheet(begin, end);
       begin = end;
     }
   }
@@ -167,56 +144,12 @@ class LeafFlattener {
   int32_t corner_begin(int32_t at) const { return foliage_.face_begin[result_.faces[at]]; }
   int32_t corner_end(int32_t at) const { return foliage_.face_begin[result_.faces[at] + 1]; }
 
-  /// The edges of some faces, equal ones side by side.
-  void sort_edges(int32_t first, int32_t last) {
-    edges_.clear();
-    if (last - first == 1) {
-      return;
-    }
-    int32_t point = 0;
-    for (int32_t at = first; at < last; ++at) {
-      const int32_t* const vertex = foliage_.corner_vertex.data() + corner_begin(at);
-      const int32_t count = corner_end(at) - corner_begin(at);
-      for (int32_t k = 0; k + 1 < count; ++k) {
-        edges_.push_back(
-            edge_between(vertex[k], vertex[k + 1], at - first, point + k, point + k + 1));
-      }
-      edges_.push_back(
-          edge_between(vertex[count - 1], vertex[0], at - first, point + count - 1, point));
-      point += count;
-    }
-    std::sort(edges_.begin(), edges_.end(), [](const Edge& a, const Edge& b) {
-      return a.vertices != b.vertices ? a.vertices < b.vertices : a.point < b.point;
-    });
+  std::span<const int32_t> faces(int32_t first, int32_t last) const {
+    return std::span(result_.faces).subspan(first, last - first);
   }
 
-  /// Groups faces that hang together by edges: group_ has the first face of each one's sheet.
-  /// @return number of sheets.
-  int group_sheets(int32_t face_count) {
-    group_.resize(face_count);
-    std::iota(group_.begin(), group_.end(), 0);
-    const auto find = [this](int32_t i) {
-      while (group_[i] != i) {
-        i = group_[i] = group_[group_[i]];
-      }
-      return i;
-    };
-    int sheets = face_count;
-    for (size_t i = 1; i < edges_.size(); ++i) {
-      if (edges_[i].vertices == edges_[i - 1].vertices) {
-        const int32_t a = find(edges_[i].face);
-        const int32_t b = find(edges_[i - 1].face);
-        sheets -= a != b ? 1 : 0;
-        group_[std::max(a, b)] = std::min(a, b);
-      }
-    }
-    for (int32_t face = 0; face < face_count; ++face) {
-      group_[face] = group_[group_[face]];
-    }
-    return sheets;
-  }
-
-  /// Adds a sheet, whose edges are sorted, as one chart, or else each of its faces as one.
+  /// Adds a sheet, of which is known how it hangs together, as one chart, or else each of its faces
+  /// as one.
   void add_sheet(int32_t first, int32_t last) {
     if (project(first, last) && (last - first == 1 || lies_flat())) {
       add_chart(first, last, straighten(points_));
@@ -275,23 +208,13 @@ class LeafFlattener {
   /// Whether the sheet lies flat without covering itself: every face shows its front, every inner
   /// edge has a face on either side, and the outline does not cross itself.
   bool lies_flat() {
-    if (!faces_front_) {
+    if (!faces_front_ || !connections_.two_sided()) {
       return false;
     }
+    const std::vector<FaceEdge>& edges = connections_.outline();
     outline_.clear();
-    for (size_t i = 0; i < edges_.size();) {
-      size_t end = i + 1;
-      while (end < edges_.size() && edges_[end].vertices == edges_[i].vertices) {
-        ++end;
-      }
-      if (end - i > 2 || (end - i == 2 && edges_[i].forward == edges_[i + 1].forward)) {
-        return false;
-      }
-      if (end - i == 1) {
-        outline_.push_back(
-            {edges_[i].vertices, points_[edges_[i].point], points_[edges_[i].next_point]});
-      }
-      i = end;
+    for (const FaceEdge& edge : edges) {
+      outline_.push_back({points_[edge.point], points_[edge.next_point]});
     }
     if (is_star(outline_, mean(points_))) {
       return true;
@@ -301,7 +224,7 @@ class LeafFlattener {
     }
     for (size_t i = 0; i < outline_.size(); ++i) {
       for (size_t j = i + 1; j < outline_.size(); ++j) {
-        if (!outline_[i].shares_vertex(outline_[j]) && touch(outline_[i], outline_[j])) {
+        if (!edges[i].shares_vertex(edges[j]) && touch(outline_[i], outline_[j])) {
           return false;
         }
       }
@@ -331,9 +254,7 @@ class LeafFlattener {
   const Foliage& foliage_;
   LeafCharts& result_;
   std::vector<LeafChart>& charts_;
-  std::vector<Edge> edges_;
-  /// A parent in the faces' sheets; once they are known the first face of each one's.
-  std::vector<int32_t> group_;
+  FaceConnections connections_;
   /// The sheet's corners, face by face, and its faces' normals.
   std::vector<glm::dvec3> corners_;
   std::vector<glm::dvec3> normals_;

@@ -150,6 +150,25 @@ TEST(LeafUvs, TheFacesOfALeafMayLieApart) {
   EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
 }
 
+TEST(LeafUvs, LeavesNumberedAlikeMayFoldDifferently) {
+  // Two quads each: flat, shut like a book, flat.
+  Foliage foliage;
+  for (int32_t leaf = 0; leaf < 3; ++leaf) {
+    const auto first = static_cast<int32_t>(foliage.vertices.size());
+    const float x = leaf == 1 ? 0.1f : 2.0f;
+    const float z = leaf == 1 ? 0.9f : 0.0f;
+    for (const glm::vec3& p : {glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(1, 2, 0),
+                               glm::vec3(0, 2, 0), glm::vec3(x, 0, z), glm::vec3(x, 2, z)}) {
+      foliage.vertices.push_back(p);
+    }
+    add_indexed_face(foliage, leaf, {first, first + 1, first + 2, first + 3});
+    add_indexed_face(foliage, leaf, {first + 1, first + 4, first + 5, first + 2});
+  }
+  const LeafUvs layout = layout_leaf_uvs(foliage, 64);
+  EXPECT_EQ(layout.chart_count, 4);
+  EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
+}
+
 TEST(LeafUvs, TheScaleIsNearlyTheLargest) {
   // Seven squares of a metre in a row: at 7 texels each they take 61 with their gutters of two,
   // of 62.
