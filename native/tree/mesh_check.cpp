@@ -6,6 +6,9 @@
 #include <numeric>
 #include <stdexcept>
 #include <string>
+#include <utility>
+
+#include "tree/smallest_representative.h"
 
 namespace snowbough::tree {
 namespace {
@@ -116,27 +119,16 @@ double quad_volume(const std::vector<glm::vec3>& vertices, const Quad& quad,
   return (glm::dot(p[0], glm::cross(p[1], p[2])) + glm::dot(p[0], glm::cross(p[2], p[3]))) / 6.0;
 }
 
-/// Root of each vertex's piece.
+/// The smallest vertex of each vertex's piece.
 std::vector<int32_t> pieces(size_t vertex_count, const std::vector<Quad>& quads) {
-  std::vector<int32_t> root(vertex_count);
-  std::iota(root.begin(), root.end(), 0);
-  const auto find = [&](int32_t v) {
-    while (root[v] != v) {
-      root[v] = root[root[v]];
-      v = root[v];
-    }
-    return v;
-  };
+  SmallestRepresentative sets(vertex_count);
   for (const Quad& quad : quads) {
+    int32_t first = quad[0];
     for (int k = 1; k < 4; ++k) {
-      const int32_t a = find(quad[0]), b = find(quad[k]);
-      root[std::max(a, b)] = std::min(a, b);
+      first = sets.join(first, quad[k]);
     }
   }
-  for (int32_t v = 0; v < static_cast<int32_t>(vertex_count); ++v) {
-    root[v] = find(v);
-  }
-  return root;
+  return std::move(sets).all();
 }
 
 bool has_repeated_corner(const Quad& quad) {

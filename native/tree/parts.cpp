@@ -1,6 +1,7 @@
 #include "tree/parts.h"
 
 #include <numeric>
+#include <utility>
 
 #include "tree/smallest_representative.h"
 
@@ -41,11 +42,12 @@ Parts split_parts(const ObjScene& scene, const Progress& progress) {
   SmallestRepresentative sets(scene.positions.size());
   for (int32_t f = 0; f < face_count; ++f) {
     report_step(progress, f, face_count, 0.0f, 0.4f);
-    const int32_t first = scene.corner_vertex[scene.face_begin[f]];
+    int32_t first = scene.corner_vertex[scene.face_begin[f]];
     for (int32_t c = scene.face_begin[f] + 1; c < scene.face_begin[f + 1]; ++c) {
-      sets.join(first, scene.corner_vertex[c]);
+      first = sets.join(first, scene.corner_vertex[c]);
     }
   }
+  const std::vector<int32_t> representative = std::move(sets).all();
 
   Parts parts;
   // Number the parts by their first face; the number is kept at the representative.
@@ -57,7 +59,7 @@ Parts split_parts(const ObjScene& scene, const Progress& progress) {
            scene.runs[run + 1].first_face <= f) {
       ++run;
     }
-    int32_t& part = part_of[sets.find(scene.corner_vertex[scene.face_begin[f]])];
+    int32_t& part = part_of[representative[scene.corner_vertex[scene.face_begin[f]]]];
     if (part < 0) {
       part = parts.count();
       parts.run.push_back(run);
@@ -65,7 +67,7 @@ Parts split_parts(const ObjScene& scene, const Progress& progress) {
   }
   // Every vertex of a used set learns the number: representatives are the smallest, hence come
   // first.
-  for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[sets.find(v)];
+  for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[representative[v]];
   report_progress(progress, 0.7f);
 
   bucket_sort(

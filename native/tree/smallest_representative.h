@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <numeric>
+#include <utility>
 #include <vector>
 
 namespace snowbough::tree {
@@ -22,14 +23,23 @@ class SmallestRepresentative {
     return x;
   }
 
-  void join(int32_t a, int32_t b) {
+  /// @return the representative of both.
+  int32_t join(int32_t a, int32_t b) {
     a = find(a);
     b = find(b);
     if (a < b) {
       parent_[b] = a;
-    } else {
-      parent_[a] = b;
+      return a;
     }
+    parent_[a] = b;
+    return b;
+  }
+
+  /// All representatives.
+  std::vector<int32_t> all() && {
+    // A parent is smaller than its children, hence done before them.
+    for (int32_t& parent : parent_) parent = parent_[parent];
+    return std::move(parent_);
   }
 
  private:
