@@ -1,6 +1,6 @@
-// Second part of the deposit: lists the pixels whose texels cover less than half of them, for the next
-// part, and counts what the sky sees of every object. Kept apart from that part because software renderers
-// run every branch for every pixel.
+// Second part of the deposit: lists the pixels that give snow and whose texels cover less than half of
+// them, for the next part, and counts what the sky sees of every object. Kept apart from that part because
+// software renderers run every branch for every pixel.
 #include "packed_pixel.h"
 #include "pixel_counts.h"
 #include "triangle_object.h"
@@ -58,8 +58,9 @@ void main() {
       next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
       count.back_facing += mine && !front ? 1u : 0u;
       count.visible += front ? 1u : 0u;
-      count.snowed += front && snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
-      bare |= front && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u ? bit : 0u;
+      const bool snows = front && snow_of_pixel(pixel + tile_origin) > 0.0;
+      count.snowed += snows ? 1u : 0u;
+      bare |= snows && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u ? bit : 0u;
       pixel.x += 64;
       bit <<= 1u;
     } while (pixel.x < end);

@@ -106,7 +106,7 @@ SNOWBOUGH_SHARED_SIZE(FallFrame, 96);
 struct PixelCounts {
   uint visible;
   uint back_facing;
-  /// Visible, but on a triangle without room on the map.
+  /// Of `snowed`, those on a triangle without room on the map.
   uint homeless;
   /// Visible, and snow fell through the pixel: all of them at a noise density of 1.
   uint snowed;

@@ -26,7 +26,8 @@ struct SnowBalance {
   /// which gather nothing.
   double visible_area = 0.0;
   double back_face_area = 0.0;
-  /// Number of texels whose fixed-point sum was full; of pixels on triangles without UV area.
+  /// Number of texels whose fixed-point sum was full; of pixels that give snow, but to triangles
+  /// without UV area.
   double saturated_texels = 0.0;
   double homeless_pixels = 0.0;
 

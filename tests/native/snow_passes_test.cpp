@@ -300,6 +300,25 @@ TEST(DepositCompute, LeavesTexelsFullThatRunOver) {
   });
 }
 
+TEST(DepositCompute, CountsAsHomelessOnlyPixelsThatGiveSnow) {
+  SimulationSettings settings;
+  settings.pixel_size = 1.0 / 128.0;
+  settings.noise_density = 0.25;
+  SnowSimulation simulation(settings);
+  const SceneObject object = square("a", 1.0f, 0.0f);
+  ObjectDescription description = object.description;
+  // The second triangle is a point where the map shows nothing.
+  for (size_t corner = 3; corner < 6; ++corner) {
+    description.topology.corner_uv[corner] = {0.1f, 0.9f};
+  }
+  simulation.add_object(description);
+  simulation.step({{"a", object.positions}}, 0.01, {0.0, 0.0, -1.0}, 0.0);
+  const SnowBalance step = simulation.statistics().all.step;
+  EXPECT_NEAR(step.visible_area, 1.0, 0.02);
+  EXPECT_NEAR(step.homeless_pixels, 0.25 * 128 * 128 / 2, 150);
+  EXPECT_NEAR(step.fallen_volume, 0.01, 0.0005);
+}
+
 TEST(DepositGeometry, LaysWhatComputeLays) {
   gpu::GpuThread::shared()->run([] {
     // Pixels smaller than texels, as large, and larger: by the texel under them, and by sharing.
