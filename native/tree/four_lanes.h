@@ -23,6 +23,23 @@ inline Float4 four(float value) {
   return Float4{} + value;
 }
 
+/// Lane by lane; the second where either is no number.
+inline Float4 larger(const Float4& a, const Float4& b) {
+#ifdef __SSE2__
+  return __builtin_ia32_maxps(a, b);
+#else
+  return a > b ? a : b;
+#endif
+}
+
+inline Float4 smaller(const Float4& a, const Float4& b) {
+#ifdef __SSE2__
+  return __builtin_ia32_minps(a, b);
+#else
+  return a < b ? a : b;
+#endif
+}
+
 inline float largest(const Float4& v) {
   const float low = v[0] > v[1] ? v[0] : v[1];
   const float high = v[2] > v[3] ? v[2] : v[3];

@@ -23,8 +23,7 @@ constexpr float kNoLength = 1e-30f;
 constexpr int32_t kLastOrder = std::numeric_limits<int32_t>::max();
 
 Float4 clamped(const Float4& v, float low, float high) {
-  const Float4 raised = v > four(low) ? v : four(low);
-  return raised < four(high) ? raised : four(high);
+  return smaller(larger(v, four(low)), four(high));
 }
 
 }  // namespace
@@ -141,7 +140,8 @@ class SegmentTree::Search {
          const std::vector<char>* excluded, double limit)
       : tree_(tree),
         point_(point),
-        below_order_(below_order),
+        lanes_{four(point.x), four(point.y), four(point.z)},
+        below_order_(Int4{} + below_order),
         measure_(measure),
         excluded_(excluded) {
     best_.cost = limit;
@@ -162,8 +162,7 @@ class SegmentTree::Search {
       const Node& node = tree_.nodes_[next.number];
       const Float4 bound = bounds(node);
       const size_t before = depth;
-      for (uint32_t lanes = bits(node.order < below_order_ + Int4{}); lanes != 0;
-           lanes &= lanes - 1) {
+      for (uint32_t lanes = bits(node.order < below_order_); lanes != 0; lanes &= lanes - 1) {
         const int k = std::countr_zero(lanes);
         if (bound[k] > best_.cost) continue;
         // The nearest on top.
@@ -189,8 +188,7 @@ class SegmentTree::Search {
         return distance / (radius + tree_.radius_floor_) * (1.0f - kSpare);
       case Measure::kSurface: {
         const Float4 outside = distance - radius * (1.0f + kSpare);
-        const Float4 none = {};
-        return (outside > none ? outside : none) +
+        return larger(outside, Float4{}) +
                distance * static_cast<float>(kInsideShare) * (1.0f - kSpare);
       }
       default:
@@ -201,19 +199,18 @@ class SegmentTree::Search {
   Float4 bounds(const Node& node) const {
     Float4 squared = {};
     for (int axis = 0; axis < 3; ++axis) {
-      const Float4 below = node.low[axis] - point_[axis], above = point_[axis] - node.high[axis];
-      const Float4 larger = below > above ? below : above;
-      const Float4 outside = clamped(larger, 0.0f, kFar);
+      const Float4 outside =
+          larger(larger(node.low[axis] - lanes_[axis], lanes_[axis] - node.high[axis]), Float4{});
       squared += outside * outside;
     }
-    return least_cost(clamped(square_root(squared), 0.0f, kFar) * (1.0f - kSpare), node.radius);
+    return least_cost(smaller(square_root(squared), four(kFar)) * (1.0f - kSpare), node.radius);
   }
 
   void look_at(const Four& fours) {
     std::array<Float4, 3> to{};
     Float4 dot = {};
     for (int axis = 0; axis < 3; ++axis) {
-      to[axis] = point_[axis] - fours.from[axis];
+      to[axis] = lanes_[axis] - fours.from[axis];
       dot += to[axis] * fours.along[axis];
     }
     const Float4 t = clamped(dot * fours.inverse, 0.0f, 1.0f);
@@ -224,8 +221,7 @@ class SegmentTree::Search {
     }
     const Float4 distance = square_root(squared) * (1.0f - kSpare) - fours.slack;
     const Float4 bound = least_cost(clamped(distance, 0.0f, kFar), fours.radius);
-    for (uint32_t lanes = bits(fours.order < below_order_ + Int4{}); lanes != 0;
-         lanes &= lanes - 1) {
+    for (uint32_t lanes = bits(fours.order < below_order_); lanes != 0; lanes &= lanes - 1) {
       const int k = std::countr_zero(lanes);
       if (!(bound[k] > best_.cost)) look_at(tree_.segments_[fours.first + k]);
     }
@@ -263,7 +259,9 @@ class SegmentTree::Search {
 
   const SegmentTree& tree_;
   glm::vec3 point_;
-  int32_t below_order_;
+  /// The point's coordinates in all lanes.
+  std::array<Float4, 3> lanes_;
+  Int4 below_order_;
   Measure measure_;
   const std::vector<char>* excluded_;
   NearestSegment best_;
