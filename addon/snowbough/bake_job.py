@@ -3,8 +3,9 @@
 
 The hidden render engine (bake_engine) calls BakeJob.run in Blender's render thread and hands in a way to
 get poses. Three things run beside each other: Blender evaluates the next pose in this thread, the
-simulation works on the pose before in a second one, and finished maps are packed and written in a third
-(map_writer). Order and results do not depend on how the threads are scheduled.
+simulation works on the pose before in a second one, and a third (map_writer) makes maps of what the
+simulation left of the poses before that, packs them and writes them. Order and results do not depend on
+how the threads are scheduled.
 
 What a job does, in order: looks at the shot's first pose (it fixes resolutions and the occlusion grid,
 whichever part of the shot is baked); picks and locks the version; starts, or walks the frames up to a
@@ -268,7 +269,7 @@ class BakeJob:
     def _bake(self, begin, evaluate, snowfall, settings, report, cancelled, log):
         request = self.request
         clock = time.perf_counter
-        with MapWriter(self.native) as writer, ThreadPoolExecutor(1, "snowbough-step") as worker:
+        with MapWriter() as writer, ThreadPoolExecutor(1, "snowbough-step") as worker:
             pending = None
             started = clock()
 
@@ -329,7 +330,8 @@ class BakeJob:
                 self._stop(settings, writer)
 
     def _frame(self, frame, work, inputs, snowfall, settings, writer, evaluating):
-        """Steps, maps and, where due, the checkpoint of one frame; in the worker's thread."""
+        """The steps of one frame, in the worker's thread; the files' thread makes its maps and, where due, the
+        checkpoint."""
         request, clock = self.request, time.perf_counter
         begun = clock()
         self._between_frames = False
@@ -340,28 +342,22 @@ class BakeJob:
                 self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
                 self._positions = {}
         snowing = clock() - begun
-        volume = slid = reading = 0.0
+        volume = slid = 0.0
+        reading = -clock()
         balance = self._simulation.statistics()["objects"]
         for receiver in self.receivers:
-            reading -= clock()
-            output = self._simulation.output(receiver.key, normal=self.request.write_normals)
-            reading += clock()
-            receiver.covered.add(output["height"])
-            writer.write(receiver.folder / cache.frame_file("height", frame), output["height"])
-            if request.write_normals:
-                writer.write(receiver.folder / cache.frame_file("normal", frame), output["normal"])
+            snapshot = self._simulation.snapshot(receiver.key, normal=request.write_normals)
             total = balance[receiver.key]["total"]
             lying, gone = float(total["held_volume"]), float(total["slid_volume"])
             volume, slid = volume + lying, slid + gone
-            receiver.frames.append(
-                {
-                    "frame": frame,
-                    "depth": snowfall.totals[frame - request.frame_start],
-                    "volume": lying,
-                    "slid": gone,
-                    "highest": float(output["height"].max()),
-                }
+            depth = snowfall.totals[frame - request.frame_start]
+            noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
+            writer.call(
+                lambda receiver=receiver, snapshot=snapshot, noted=noted: receiver.write_maps(
+                    self.native, snapshot, noted
+                )
             )
+        reading += clock()
         self._inputs_at = inputs
         saving = clock()
         regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
@@ -386,18 +382,15 @@ class BakeJob:
         state = self.native.simulation_state(self._simulation)
         inputs, driver = self._inputs_at, self._driver
         for receiver in self.receivers:
-            noted = receiver.noted()
             writer.call(
-                lambda receiver=receiver, noted=noted: receiver.write_checkpoint(
-                    frame, settings, state, driver, inputs, noted
-                )
+                lambda receiver=receiver: receiver.write_checkpoint(frame, settings, state, driver, inputs)
             )
 
     def _stop(self, settings, writer):
         """Leaves a checkpoint at the last frame that is whole. Where the simulation broke off in the middle of
         a frame its state belongs to none, and the last regular checkpoint must do."""
-        done = self.receivers[0].frames
         writer.flush()
+        done = self.receivers[0].frames
         if (
             self._between_frames
             and done

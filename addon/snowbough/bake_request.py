@@ -78,7 +78,7 @@ class FrameResult:
     slid: float
     """m3 that slid off them since the first frame."""
     seconds: dict = field(default_factory=dict)
-    """evaluate: Blender's evaluation of the poses; snow and maps: steps, and maps made and read back; gpu:
-    both, and the simulation's state where a checkpoint is due; files: what the thread that packs and writes
-    was busy with since the frame before; total: from the frame before to this one. The first three run
-    beside each other, so total is less than their sum."""
+    """evaluate: Blender's evaluation of the poses; snow and maps: steps, and reading back what they leave for
+    the maps; gpu: both, and the simulation's state where a checkpoint is due; files: what the thread that
+    makes, packs and writes maps was busy with since the frame before; total: from the frame before to this
+    one. evaluate, gpu and files run beside each other, so total is less than their sum."""

@@ -51,11 +51,19 @@ class BakedReceiver:
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
-    def noted(self):
-        """What belongs to a checkpoint of this moment: (coverage, statistics), as they are now."""
-        return Coverage(self.resolution, self.covered.mask.copy()), list(self.frames)
+    def write_maps(self, native, snapshot, noted):
+        """Makes the maps of a native OutputSnapshot and writes them. noted: what the manifest is to say of
+        the frame, a dict with its number as ``frame``; the greatest height is added."""
+        output, frame = snapshot.output(), noted["frame"]
+        height = output["height"]
+        native.write_exr(str(self.folder / cache.frame_file("height", frame)), height)
+        if "normal" in output:
+            path = self.folder / cache.frame_file("normal", frame)
+            native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
+        self.covered.add(height)
+        self.frames.append({**noted, "highest": float(height.max())})
 
-    def write_manifest(self, shot, complete, frames=None):
+    def write_manifest(self, shot, complete):
         own = self.settings(shot)
         cache.write_manifest(
             self.folder,
@@ -66,17 +74,16 @@ class BakedReceiver:
                 "complete": complete,
                 "hash": cache.digest(own),
                 "settings": own,
-                "frames": self.frames if frames is None else frames,
+                "frames": self.frames,
             },
         )
 
-    def write_checkpoint(self, frame, shot, state, driver, inputs, noted):
-        """Writes the checkpoint of ``frame``: state as simulation_state gives it, the driver's name, the
-        poses so far (scene_inputs), and what noted() gave then. All maps up to the frame must be on disk."""
-        covered, frames = noted
-        sidecar = {"covered": covered.pack(), "driver": driver, "frames": frames, "inputs": inputs}
+    def write_checkpoint(self, frame, shot, state, driver, inputs):
+        """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
+        simulation_state gives it, the driver's name, the poses so far (scene_inputs)."""
+        sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
         cache.write_sidecar(self.folder, frame, sidecar)
-        self.write_manifest(shot, False, frames)
+        self.write_manifest(shot, False)
         checkpoint.write(
             self.folder / cache.state_file(frame), state["step_number"], state["objects"][self.key]
         )

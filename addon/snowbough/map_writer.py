@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Packs and writes maps and checkpoints beside the simulation, in a thread of its own. No ``bpy``."""
+"""Makes, packs and writes maps and checkpoints beside the simulation, in a thread of its own. No ``bpy``."""
 
 import queue
 import threading
@@ -14,14 +14,13 @@ class WriteFailed(RuntimeError):
 
 
 class MapWriter:
-    """``with MapWriter(native) as writer: writer.write(path, map)``.
+    """``with MapWriter() as writer: writer.call(work)``.
 
-    write() and flush() raise what went wrong with an earlier file (disk full, folder gone) as
-    WriteFailed; after that nothing more is written. Leaving the block waits for the files.
+    call() and flush() raise what went wrong with earlier work: that a file could not be written (disk full,
+    folder gone) as WriteFailed; after that nothing more is done. Leaving the block waits for all work.
     """
 
-    def __init__(self, native):
-        self._native = native
+    def __init__(self):
         self._queue = queue.Queue(MAX_WAITING)
         self._error = None
         self._busy = 0.0
@@ -38,14 +37,8 @@ class MapWriter:
         if error is None:
             self._raise()
 
-    def write(self, path, pixels):
-        """Queues an EXR: (H, W) metres as float32, or (H, W, 3) normals -1..1 as half, encoded 0..1.
-        The array must not be changed afterwards."""
-        self._raise()
-        self._queue.put((str(path), pixels))
-
     def call(self, work):
-        """Queues work(), which writes files of its own; all maps queued before are on disk by then."""
+        """Queues work(), which makes and writes files; what was queued before is on disk by then."""
         self._raise()
         self._queue.put(work)
 
@@ -64,27 +57,20 @@ class MapWriter:
         if self._error is not None:
             raise self._error
 
-    def _do(self, item):
-        if callable(item):
-            item()
-            return
-        path, pixels = item
-        if pixels.ndim == 3:
-            self._native.write_exr(path, pixels * 0.5 + 0.5, half=True)
-        else:
-            self._native.write_exr(path, pixels)
-
     def _work(self):
         while True:
-            item = self._queue.get()
+            work = self._queue.get()
             try:
-                if item is None:
+                if work is None:
                     return
                 if self._error is None:
                     begun = time.perf_counter()
-                    self._do(item)
+                    work()
                     self._busy += time.perf_counter() - begun
-            except Exception as error:  # handed to the thread that bakes
+            except (OSError, RuntimeError) as error:  # both are handed to the thread that bakes
                 self._error = WriteFailed(f"{error}. What is done is kept: make room, then resume")
+            except Exception as error:
+                self._error = error
             finally:
+                del work  # and the map with it: the next one may be long in coming
                 self._queue.task_done()

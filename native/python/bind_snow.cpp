@@ -136,20 +136,29 @@ py::array_t<float> height(SnowSimulation& simulation, const std::string& name) {
   return square(std::move(values), resolution);
 }
 
-py::dict output(SnowSimulation& simulation, const std::string& name, bool normal) {
+snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& name, bool normal) {
+  const py::gil_scoped_release release;
+  return simulation.snapshot(name, normal);
+}
+
+py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
   snow::MapOutput result;
-  int32_t resolution = 0;
   {
     const py::gil_scoped_release release;
-    result = simulation.output(name, normal);
-    resolution = simulation.resolution(name);
+    result = snapshot.output();
   }
+  const int32_t resolution = snapshot.resolution();
   py::dict dict;
   dict["height"] = square(std::move(result.height), resolution);
-  if (normal) {
+  if (!result.normal.empty()) {
     dict["normal"] = to_numpy<float>(std::move(result.normal), {resolution, resolution, 3});
   }
   return dict;
+}
+
+py::dict output(SnowSimulation& simulation, const std::string& name, bool normal) {
+  snow::OutputSnapshot now = snapshot(simulation, name, normal);
+  return snapshot_output(now);
 }
 
 py::array_t<float> texel_area(SnowSimulation& simulation, const std::string& name) {
@@ -250,6 +259,10 @@ void bind_snow(py::module_& module) {
       "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises\n"
       "RuntimeError, saying what to do, where no OpenGL 4.5 context can be made.");
 
+  py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
+                                   "A receiver's map at one moment; see SnowSimulation.snapshot.")
+      .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");
+
   using Holder = std::unique_ptr<SnowSimulation, ReleaseGil>;
   py::class_<SnowSimulation, Holder>(
       module, "SnowSimulation",
@@ -307,6 +320,9 @@ void bind_snow(py::module_& module) {
           "output", &output, "name"_a, "normal"_a = true,
           "{'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both\n"
           "continued beyond the charts and level at seams. normal=False leaves the normals out.")
+      .def("snapshot", &snapshot, "name"_a, "normal"_a = true,
+           "What output would give now, as an object whose output() works it out: once, on any\n"
+           "thread, also while the simulation goes on or when it is closed.")
       .def(
           "prepare_output", &SnowSimulation::prepare_output, "name"_a,
           py::call_guard<py::gil_scoped_release>(),

@@ -5,18 +5,45 @@
 
 namespace snowbough::snow {
 
-void OutputTableStore::Entry::build() {
-  std::call_once(once, [this] {
-    const MapTopology& topology = receiver->description.topology;
-    const std::vector<glm::vec3>& rest = receiver->description.rest;
-    const TexelTable& table = receiver->table;
-    tables.seams =
-        build_seam_table(topology, table, {rest.begin(), rest.begin() + topology.vertex_count});
-    tables.plan = plan_smoothing(table, tables.seams, static_cast<float>(blur_radius));
-    if (on_processor) {
-      tables.processor = std::make_unique<CpuOutput>(table, tables.seams, tables.plan);
+OutputTables::OutputTables(std::shared_ptr<const SceneObject> receiver, double blur_radius,
+                           bool on_processor)
+    : receiver_(std::move(receiver)), blur_radius_(blur_radius), on_processor_(on_processor) {}
+
+void OutputTables::build() {
+  std::call_once(built_, [this] {
+    const MapTopology& topology = receiver_->description.topology;
+    const std::vector<glm::vec3>& rest = receiver_->description.rest;
+    seams_ = build_seam_table(topology, receiver_->table,
+                              {rest.begin(), rest.begin() + topology.vertex_count});
+    plan_ = plan_smoothing(receiver_->table, seams_, static_cast<float>(blur_radius_));
+    if (on_processor_) {
+      make_processor();
     }
   });
+}
+
+void OutputTables::make_processor() {
+  processor_ = std::make_unique<CpuOutput>(receiver_->table, seams_, plan_);
+}
+
+const SeamTable& OutputTables::seams() {
+  build();
+  return seams_;
+}
+
+const SmoothingPlan& OutputTables::plan() {
+  build();
+  return plan_;
+}
+
+MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
+                                            const std::vector<SurfaceMetric>& metrics) {
+  build();
+  const std::scoped_lock lock(processor_mutex_);
+  if (processor_ == nullptr) {
+    make_processor();
+  }
+  return processor_->run(stored, metrics);
 }
 
 OutputTableStore::~OutputTableStore() {
@@ -31,28 +58,24 @@ OutputTableStore::~OutputTableStore() {
   }
 }
 
-std::shared_ptr<OutputTableStore::Entry> OutputTableStore::entry(const SceneObject& receiver,
-                                                                 double blur_radius,
-                                                                 bool on_processor) {
-  std::shared_ptr<Entry>& known = entries_[receiver.description.name];
+std::shared_ptr<OutputTables> OutputTableStore::get(
+    const std::shared_ptr<const SceneObject>& receiver, double blur_radius, bool on_processor) {
+  std::shared_ptr<OutputTables>& known = tables_[receiver->description.name];
   if (known == nullptr) {
-    known = std::make_shared<Entry>();
-    known->receiver = &receiver;
-    known->blur_radius = blur_radius;
-    known->on_processor = on_processor;
+    known = std::make_shared<OutputTables>(receiver, blur_radius, on_processor);
   }
   return known;
 }
 
-void OutputTableStore::begin(const SceneObject& receiver, double blur_radius, bool on_processor) {
-  if (entries_.contains(receiver.description.name)) {
+void OutputTableStore::begin(const std::shared_ptr<const SceneObject>& receiver, double blur_radius,
+                             bool on_processor) {
+  if (tables_.contains(receiver->description.name)) {
     return;
   }
-  const std::shared_ptr<Entry> added = entry(receiver, blur_radius, on_processor);
   const size_t most_workers = std::max(std::thread::hardware_concurrency(), 1u);
   {
     const std::scoped_lock lock(mutex_);
-    waiting_.push_back(added);
+    waiting_.push_back(get(receiver, blur_radius, on_processor));
     if (idle_ < waiting_.size() && workers_.size() < most_workers) {
       workers_.emplace_back([this] { work(); });
     }
@@ -60,32 +83,20 @@ void OutputTableStore::begin(const SceneObject& receiver, double blur_radius, bo
   wake_.notify_one();
 }
 
-OutputTables& OutputTableStore::get(const SceneObject& receiver, double blur_radius,
-                                    bool on_processor) {
-  const std::shared_ptr<Entry> wanted = entry(receiver, blur_radius, on_processor);
-  wanted->build();
-  return wanted->tables;
-}
-
 void OutputTableStore::forget(const std::string& name) {
-  const auto found = entries_.find(name);
-  if (found == entries_.end()) {
+  const auto found = tables_.find(name);
+  if (found == tables_.end()) {
     return;
   }
-  std::unique_lock lock(mutex_);
-  const auto queued = std::find(waiting_.begin(), waiting_.end(), found->second);
-  if (queued != waiting_.end()) {
-    waiting_.erase(queued);
-  } else if (found->second->taken) {
-    finished_.wait(lock, [&] { return found->second->finished; });
-  }
-  entries_.erase(found);
+  const std::scoped_lock lock(mutex_);
+  std::erase(waiting_, found->second);
+  tables_.erase(found);
 }
 
 void OutputTableStore::clear() {
-  while (!entries_.empty()) {
-    forget(entries_.begin()->first);
-  }
+  const std::scoped_lock lock(mutex_);
+  waiting_.clear();
+  tables_.clear();
 }
 
 void OutputTableStore::work() {
@@ -97,9 +108,8 @@ void OutputTableStore::work() {
     if (stopping_) {
       return;
     }
-    const std::shared_ptr<Entry> next = waiting_.front();
+    const std::shared_ptr<OutputTables> next = waiting_.front();
     waiting_.pop_front();
-    next->taken = true;
     lock.unlock();
     try {
       next->build();
@@ -107,8 +117,6 @@ void OutputTableStore::work() {
       // Whoever asks for the tables tries again and gets the exception.
     }
     lock.lock();
-    next->finished = true;
-    finished_.notify_all();
   }
 }
 

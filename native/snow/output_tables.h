@@ -17,60 +17,66 @@
 namespace snowbough::snow {
 
 /// What a receiver's output needs besides its texels: how they hang together and how far each is
-/// smoothed. The same from frame to frame.
-struct OutputTables {
-  SeamTable seams;
-  SmoothingPlan plan;
-  /// On software renderers, and for maps that are too large for the driver's buffers; else empty.
-  std::unique_ptr<CpuOutput> processor;
+/// smoothed. The same from frame to frame. All functions are for any thread.
+class OutputTables {
+ public:
+  /// `receiver` has its rest pose; its description and texel table must not change any more.
+  /// `blur_radius` in metres; `on_processor`: build also what output_on_processor needs.
+  OutputTables(std::shared_ptr<const SceneObject> receiver, double blur_radius, bool on_processor);
+
+  /// Builds unless that is done, or waits for the thread that is at it. The functions below build
+  /// first. @throws std::invalid_argument as build_seam_table and plan_smoothing.
+  void build();
+
+  const SceneObject& receiver() const { return *receiver_; }
+  const SeamTable& seams();
+  const SmoothingPlan& plan();
+  /// See CpuOutput::run. Callers take turns.
+  MapOutput output_on_processor(const std::vector<float>& stored,
+                                const std::vector<SurfaceMetric>& metrics);
+
+ private:
+  void make_processor();
+
+  const std::shared_ptr<const SceneObject> receiver_;
+  const double blur_radius_;
+  const bool on_processor_;
+  std::once_flag built_;
+  SeamTable seams_;
+  SmoothingPlan plan_;
+  std::mutex processor_mutex_;
+  std::unique_ptr<CpuOutput> processor_;
 };
 
-/// The tables of a simulation's receivers. They are built once, in threads of their own for whom
-/// begin() names, so that the first steps run meanwhile. What they hold does not depend on that.
-///
-/// Receivers are kept by reference until they are forgotten; their description and texel table must
-/// not change meanwhile. All functions are for one thread.
+/// The tables of a simulation's receivers, built once: in threads of its own for whom begin()
+/// names, so that the first steps run meanwhile. What they hold does not depend on that. All
+/// functions are for one thread.
 class OutputTableStore {
  public:
   OutputTableStore() = default;
   OutputTableStore(const OutputTableStore&) = delete;
   OutputTableStore& operator=(const OutputTableStore&) = delete;
+  /// Waits for what the threads have begun.
   ~OutputTableStore();
 
-  /// Starts building for a receiver that has its rest pose, unless that is done or under way;
-  /// returns at once. `blur_radius` in metres; `on_processor`: with OutputTables::processor.
-  void begin(const SceneObject& receiver, double blur_radius, bool on_processor);
-  /// The tables, when they are built. @throws std::invalid_argument as build_seam_table and
-  /// plan_smoothing.
-  OutputTables& get(const SceneObject& receiver, double blur_radius, bool on_processor);
+  /// Starts building unless that was begun before; returns at once. Arguments as OutputTables.
+  void begin(const std::shared_ptr<const SceneObject>& receiver, double blur_radius,
+             bool on_processor);
+  /// The receiver's tables, maybe not built yet.
+  std::shared_ptr<OutputTables> get(const std::shared_ptr<const SceneObject>& receiver,
+                                    double blur_radius, bool on_processor);
   void forget(const std::string& name);
   /// Forgets all.
   void clear();
 
  private:
-  /// The tables of one receiver, built by whoever comes first.
-  struct Entry {
-    const SceneObject* receiver = nullptr;
-    double blur_radius = 0.0;
-    bool on_processor = false;
-    std::once_flag once;
-    OutputTables tables;
-    /// A worker has begun with it, and has ended. Guarded by mutex_.
-    bool taken = false;
-    bool finished = false;
-
-    void build();
-  };
-
-  std::shared_ptr<Entry> entry(const SceneObject& receiver, double blur_radius, bool on_processor);
   void work();
 
-  std::map<std::string, std::shared_ptr<Entry>> entries_;
+  std::map<std::string, std::shared_ptr<OutputTables>> tables_;
   /// Guards what follows.
   std::mutex mutex_;
   std::condition_variable wake_;
-  std::condition_variable finished_;
-  std::deque<std::shared_ptr<Entry>> waiting_;
+  std::deque<std::shared_ptr<OutputTables>> waiting_;
   size_t idle_ = 0;
   bool stopping_ = false;
   std::vector<std::thread> workers_;

@@ -48,22 +48,6 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
   return unit;
 }
 
-std::vector<SceneObject*> pointers(std::map<std::string, SceneObject>& objects) {
-  std::vector<SceneObject*> result;
-  for (auto& [name, object] : objects) {
-    result.push_back(&object);
-  }
-  return result;
-}
-
-std::vector<const SceneObject*> pointers(const std::map<std::string, SceneObject>& objects) {
-  std::vector<const SceneObject*> result;
-  for (const auto& [name, object] : objects) {
-    result.push_back(&object);
-  }
-  return result;
-}
-
 }  // namespace
 
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
@@ -91,16 +75,24 @@ void SnowSimulation::require_open() const {
   }
 }
 
+std::vector<const SceneObject*> SnowSimulation::all_objects() const {
+  std::vector<const SceneObject*> result;
+  for (const auto& [name, object] : objects_) {
+    result.push_back(object.get());
+  }
+  return result;
+}
+
 void SnowSimulation::build_scene() {
-  require_memory(estimate_memory(pointers(std::as_const(objects_)), settings_.tile_size),
+  require_memory(estimate_memory(all_objects(), settings_.tile_size),
                  available_memory(thread_->info()));
   if (gpu_ == nullptr) {
     gpu_ = std::make_unique<Gpu>();
   }
   gpu_->scene = SceneBuffers{};
-  gpu_->scene = build_scene_buffers(pointers(std::as_const(objects_)), thread_->info());
+  gpu_->scene = build_scene_buffers(all_objects(), thread_->info());
   for (auto& [name, object] : objects_) {
-    object.moved = true;
+    object->moved = true;
   }
   scene_is_current_ = true;
   write_state(pending_state_);
@@ -135,17 +127,21 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
     if (!scene_is_current_) {
       build_scene();
     }
-    gpu_->frame_step.run(pointers(objects_), gpu_->scene, input);
+    std::vector<SceneObject*> objects;
+    for (auto& [name, object] : objects_) {
+      objects.push_back(object.get());
+    }
+    gpu_->frame_step.run(objects, gpu_->scene, input);
   });
   ++step_number_;
 }
 
-const SceneObject& SnowSimulation::find_receiver(const std::string& name) const {
+const std::shared_ptr<SceneObject>& SnowSimulation::find_receiver(const std::string& name) const {
   const auto found = objects_.find(name);
   if (found == objects_.end()) {
     refuse("there is no object named '" + name + "'");
   }
-  if (!found->second.description.receive) {
+  if (!found->second->description.receive) {
     refuse("object '" + name + "' does not receive snow, so it has no map");
   }
   return found->second;
@@ -157,14 +153,14 @@ size_t SnowSimulation::index_of(const std::string& name) const {
 
 int32_t SnowSimulation::resolution(const std::string& name) const {
   const std::scoped_lock lock(mutex_);
-  return find_receiver(name).description.topology.resolution;
+  return find_receiver(name)->description.topology.resolution;
 }
 
 std::vector<std::string> SnowSimulation::receivers() const {
   const std::scoped_lock lock(mutex_);
   std::vector<std::string> names;
   for (const auto& [name, object] : objects_) {
-    if (object.description.receive) {
+    if (object->description.receive) {
       names.push_back(name);
     }
   }
@@ -174,7 +170,11 @@ std::vector<std::string> SnowSimulation::receivers() const {
 std::vector<float> SnowSimulation::height(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   require_open();
-  const int32_t resolution = find_receiver(name).description.topology.resolution;
+  return stored_height(name);
+}
+
+std::vector<float> SnowSimulation::stored_height(const std::string& name) {
+  const int32_t resolution = find_receiver(name)->description.topology.resolution;
   std::vector<float> heights(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
   if (scene_is_current_) {
     const size_t object = index_of(name);
@@ -197,7 +197,7 @@ std::vector<float> SnowSimulation::height(const std::string& name) {
 std::vector<float> SnowSimulation::texel_area(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   require_open();
-  const SceneObject& object = find_receiver(name);
+  const SceneObject& object = *find_receiver(name);
   if (object.positions.empty()) {
     refuse("object '" + name + "' has no positions yet: texel_area is known after its first step");
   }
@@ -238,7 +238,7 @@ SnowStatistics SnowSimulation::statistics() {
   size_t index = 0;
   for (const auto& [name, object] : objects_) {
     const size_t at = index++;
-    if (!object.description.receive) {
+    if (!object->description.receive) {
       continue;
     }
     shared::ObjectSums own{};
@@ -259,7 +259,7 @@ SnowStatistics SnowSimulation::statistics() {
 
 MemoryEstimate SnowSimulation::memory_estimate() const {
   const std::scoped_lock lock(mutex_);
-  return estimate_memory(pointers(objects_), settings_.tile_size);
+  return estimate_memory(all_objects(), settings_.tile_size);
 }
 
 const gpu::GpuInfo& SnowSimulation::gpu_info() const {
@@ -276,12 +276,12 @@ SimulationState SnowSimulation::read_state() {
     size_t index = 0;
     for (const auto& [name, object] : objects_) {
       const size_t at = index++;
-      if (!object.description.receive) {
+      if (!object->description.receive) {
         continue;
       }
       ObjectState saved;
       saved.name = name;
-      saved.resolution = object.description.topology.resolution;
+      saved.resolution = object->description.topology.resolution;
       saved.height.resize(static_cast<size_t>(saved.resolution) *
                           static_cast<size_t>(saved.resolution));
       const MapGroup& group = scene.groups[static_cast<size_t>(scene.group[at])];
@@ -321,10 +321,10 @@ void SnowSimulation::set_state(const SimulationState& state) {
   require_open();
   size_t receivers = 0;
   for (const auto& [name, object] : objects_) {
-    receivers += object.description.receive ? 1 : 0;
+    receivers += object->description.receive ? 1 : 0;
   }
   for (const ObjectState& saved : state.objects) {
-    const int32_t resolution = find_receiver(saved.name).description.topology.resolution;
+    const int32_t resolution = find_receiver(saved.name)->description.topology.resolution;
     if (saved.resolution != resolution) {
       refuse("the checkpoint's map of '" + saved.name + "' has " +
              std::to_string(saved.resolution) + " texels a side, the object has " +

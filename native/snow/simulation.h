@@ -47,6 +47,25 @@ struct SimulationSettings {
 /// Positions of one object, N of them, in metres.
 using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
 
+/// A receiver's map at one moment. What the outside sees of it may be worked out on any thread
+/// while the simulation goes on, and also when it is closed.
+class OutputSnapshot {
+ public:
+  int32_t resolution() const { return resolution_; }
+  /// See SnowSimulation::output. To be called once.
+  MapOutput output();
+
+ private:
+  friend class SnowSimulation;
+  int32_t resolution_ = 0;
+  /// Stored heights and, where normals are wanted, surface_metrics.
+  std::vector<float> stored_;
+  std::vector<SurfaceMetric> metrics_;
+  std::shared_ptr<OutputTables> tables_;
+  /// Where the GPU did it, tables_ being empty.
+  MapOutput done_;
+};
+
 /// Snow that accumulates on moving objects. All GL work happens on the GPU thread; calls from
 /// several threads are taken one at a time.
 class SnowSimulation {
@@ -83,6 +102,9 @@ class SnowSimulation {
   /// at seams; with normals in tangent space on request. Before the object's first step
   /// std::invalid_argument.
   MapOutput output(const std::string& name, bool with_normals);
+  /// What `output` would give now, to be worked out later. Before the object's first step
+  /// std::invalid_argument.
+  OutputSnapshot snapshot(const std::string& name, bool with_normals);
   /// Begins with what `output` of a receiver needs to build first, in threads beside the next
   /// steps, and returns at once. Changes no result. @throws std::invalid_argument for a receiver
   /// that was added without its rest pose and has had no step yet.
@@ -115,7 +137,9 @@ class SnowSimulation {
  private:
   struct Gpu;
 
-  const SceneObject& find_receiver(const std::string& name) const;
+  const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
+  std::vector<float> stored_height(const std::string& name);
+  std::vector<const SceneObject*> all_objects() const;
   void require_open() const;
   SceneObject make_object(ObjectDescription description);
   /// Takes the maps and sums off the GPU, before the set of objects changes.
@@ -134,7 +158,7 @@ class SnowSimulation {
   std::shared_ptr<gpu::GpuThread> thread_;
   std::unique_ptr<Gpu> gpu_;
   /// By name: the drawing order.
-  std::map<std::string, SceneObject> objects_;
+  std::map<std::string, std::shared_ptr<SceneObject>> objects_;
   /// Alpha masks of all objects so far, so that equal ones are held once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
   OutputTableStore outputs_;

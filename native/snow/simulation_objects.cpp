@@ -88,7 +88,7 @@ void SnowSimulation::add_object(ObjectDescription description) {
   std::string name = description.name;
   SceneObject object = make_object(std::move(description));
   set_state_aside();
-  objects_.emplace(std::move(name), std::move(object));
+  objects_.emplace(std::move(name), std::make_shared<SceneObject>(std::move(object)));
 }
 
 void SnowSimulation::replace_object(ObjectDescription description) {
@@ -98,7 +98,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   if (found == objects_.end()) {
     refuse("there is no object named '" + description.name + "' to replace: add_object it first");
   }
-  const ObjectDescription& before = found->second.description;
+  const ObjectDescription& before = found->second->description;
   if (before.receive != description.receive) {
     refuse("object '" + description.name + "' must go on " +
            (before.receive ? "as a receiver" : "without a map") + " when it is replaced");
@@ -115,7 +115,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
     }
   }
   outputs_.forget(found->first);
-  found->second = std::move(object);
+  found->second = std::make_shared<SceneObject>(std::move(object));
 }
 
 void SnowSimulation::take_positions(const PositionMap& positions) {
@@ -125,7 +125,7 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     if (found == objects_.end()) {
       refuse("step: there is no object named '" + name + "': add_object it first");
     }
-    const SceneObject& object = found->second;
+    const SceneObject& object = *found->second;
     const auto needed = static_cast<size_t>(object.description.topology.vertex_count);
     if (object.positions.empty() ? points.size() < needed
                                  : points.size() != object.positions.size()) {
@@ -141,13 +141,13 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     }
   }
   for (const auto& [name, object] : objects_) {
-    if (object.positions.empty() && !positions.contains(name) &&
-        object.description.topology.vertex_count > 0) {
+    if (object->positions.empty() && !positions.contains(name) &&
+        object->description.topology.vertex_count > 0) {
       refuse("step: object '" + name + "' has no positions yet: name it in its first step");
     }
   }
   for (const auto& [name, points] : positions) {
-    SceneObject& object = objects_.at(name);
+    SceneObject& object = *objects_.at(name);
     if (object.positions.size() == points.size() &&
         std::memcmp(object.positions.data(), points.data(), points.size_bytes()) == 0) {
       continue;

@@ -35,7 +35,8 @@ std::string number(double value) {
 }
 
 /// Lines "name=value" of all that decides about the bits of the result.
-std::string describe(const SimulationSettings& s, const std::map<std::string, SceneObject>& objects,
+std::string describe(const SimulationSettings& s,
+                     const std::map<std::string, std::shared_ptr<SceneObject>>& objects,
                      const gpu::GpuInfo& gpu) {
   std::string text;
   text += "pixel_size=" + number(s.pixel_size) + "\n";
@@ -48,12 +49,12 @@ std::string describe(const SimulationSettings& s, const std::map<std::string, Sc
           (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
   text += "driver=" + gpu.renderer + ", " + gpu.version + "\n";
   for (const auto& [name, object] : objects) {
-    const MapTopology& topology = object.description.topology;
+    const MapTopology& topology = object->description.topology;
     uint64_t hash = digest(topology.triangles.data(), topology.triangles.size() * 4);
-    if (object.description.receive) {
+    if (object->description.receive) {
       hash = digest(topology.corner_uv.data(), topology.corner_uv.size() * 8, hash);
     }
-    const ObjectAlpha& alpha = object.description.alpha;
+    const ObjectAlpha& alpha = object->description.alpha;
     if (!alpha.empty()) {
       hash = digest(alpha.corner_uv.data(), alpha.corner_uv.size() * 8, hash);
       hash = digest(alpha.mask.data(), alpha.mask.size() * 4, hash);
@@ -64,9 +65,9 @@ std::string describe(const SimulationSettings& s, const std::map<std::string, Sc
         hash = digest(mask->bits.data(), mask->bits.size() * 4, hash);
       }
     }
-    text += "object '" + name +
-            "'=" + (object.description.receive ? std::to_string(topology.resolution) : "occludes") +
-            " " + hexadecimal(hash) + "\n";
+    text += "object '" + name + "'=" +
+            (object->description.receive ? std::to_string(topology.resolution) : "occludes") + " " +
+            hexadecimal(hash) + "\n";
   }
   return text;
 }
@@ -136,55 +137,66 @@ bool SnowSimulation::outputs_on_processor() const {
 void SnowSimulation::prepare_output(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   require_open();
-  const SceneObject& object = find_receiver(name);
-  if (object.description.rest.empty()) {
+  const std::shared_ptr<SceneObject>& object = find_receiver(name);
+  if (object->description.rest.empty()) {
     throw std::invalid_argument(
         "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
   }
-  outputs_.begin(object, blur_radius_of(object), outputs_on_processor());
+  outputs_.begin(object, blur_radius_of(*object), outputs_on_processor());
+}
+
+MapOutput OutputSnapshot::output() {
+  return tables_ == nullptr ? std::move(done_) : tables_->output_on_processor(stored_, metrics_);
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
-  const std::vector<float> stored = height(name);
+  return snapshot(name, with_normals).output();
+}
+
+OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_normals) {
   const std::scoped_lock lock(mutex_);
   require_open();
-  const SceneObject& object = find_receiver(name);
-  if (object.positions.empty()) {
+  const std::shared_ptr<SceneObject>& object = find_receiver(name);
+  if (object->positions.empty()) {
     throw std::invalid_argument("object '" + name +
                                 "' has no positions yet: output is known after its first step");
   }
-  OutputTables& tables = outputs_.get(object, blur_radius_of(object), outputs_on_processor());
-  const MapTopology& topology = object.description.topology;
-  std::vector<SurfaceMetric> metrics;
+  const std::shared_ptr<OutputTables> tables =
+      outputs_.get(object, blur_radius_of(*object), outputs_on_processor());
+  const MapTopology& topology = object->description.topology;
+  OutputSnapshot snapshot;
+  snapshot.resolution_ = topology.resolution;
   if (with_normals) {
-    const std::vector<glm::vec3> positions(object.positions.begin(),
-                                           object.positions.begin() + topology.vertex_count);
-    metrics = surface_metrics(topology, positions);
+    const std::vector<glm::vec3> positions(object->positions.begin(),
+                                           object->positions.begin() + topology.vertex_count);
+    snapshot.metrics_ = surface_metrics(topology, positions);
   }
-  const bool fits =
-      largest_output_buffer(object.table, tables.seams) <= thread_->info().max_storage_buffer_bytes;
-  if (outputs_on_processor() || !fits || !scene_is_current_) {
-    if (tables.processor == nullptr) {
-      tables.processor = std::make_unique<CpuOutput>(object.table, tables.seams, tables.plan);
-    }
-    return tables.processor->run(stored, metrics);
+  const auto fits = [&] {
+    return largest_output_buffer(object->table, tables->seams()) <=
+           thread_->info().max_storage_buffer_bytes;
+  };
+  if (outputs_on_processor() || !scene_is_current_ || !fits()) {
+    snapshot.stored_ = stored_height(name);
+    snapshot.tables_ = tables;
+    return snapshot;
   }
   const size_t at = index_of(name);
-  return thread_->run([&] {
+  snapshot.done_ = thread_->run([&] {
     MapOutput result;
-    OutputBuffers buffers = make_output_buffers(object.table, tables.seams, tables.plan);
+    OutputBuffers buffers = make_output_buffers(object->table, tables->seams(), tables->plan());
     MapOutputPass& pass = thread_->resource<MapOutputPass>();
     const MapGroup& group = gpu_->scene.groups[static_cast<size_t>(gpu_->scene.group[at])];
     pass.run(group.height, gpu_->scene.slot[at] - group.first_slot, buffers);
     result.height = buffers.map.read_all<float>();
     if (with_normals) {
-      pass.run_normals(buffers, object.table, metrics);
+      pass.run_normals(buffers, object->table, snapshot.metrics_);
       result.normal.assign(result.height.size(), glm::vec3(0.0f, 0.0f, 1.0f));
-      scatter_normals(object.table, tables.seams, buffers.normals.read_all<glm::vec4>(),
+      scatter_normals(object->table, tables->seams(), buffers.normals.read_all<glm::vec4>(),
                       result.normal);
     }
     return result;
   });
+  return snapshot;
 }
 
 void SnowSimulation::save(const std::string& path) {
