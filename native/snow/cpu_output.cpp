@@ -1,9 +1,11 @@
 #include "snow/cpu_output.h"
 
 #include <algorithm>
-#include <array>
+#include <bit>
 #include <cmath>
+#include <numeric>
 #include <thread>
+#include <utility>
 
 #include "snow/dilate.h"
 #include "snow/normals.h"
@@ -63,15 +65,43 @@ template <bool kAdd>
   }
 }
 
-SNOWBOUGH_WIDE void replace_segment(const float* __restrict from, float* __restrict to,
-                                    const float* __restrict scale, int32_t count,
-                                    ptrdiff_t stride) {
-  filter_row<false>(from, to, scale, count, stride);
+/// 0 where all values are 0.
+[[gnu::always_inline]] inline uint32_t bits_in(const float* values, int32_t count) {
+  uint32_t bits = 0;
+  for (int32_t i = 0; i < count; ++i) bits |= std::bit_cast<uint32_t>(values[i]);
+  return bits;
 }
 
-SNOWBOUGH_WIDE void add_segment(const float* __restrict from, float* __restrict to,
-                                const float* __restrict scale, int32_t count, ptrdiff_t stride) {
+SNOWBOUGH_WIDE uint32_t replace_segment(const float* __restrict from, float* __restrict to,
+                                        const float* __restrict scale, int32_t count,
+                                        ptrdiff_t stride) {
+  filter_row<false>(from, to, scale, count, stride);
+  return bits_in(to, count);
+}
+
+SNOWBOUGH_WIDE uint32_t add_segment(const float* __restrict from, float* __restrict to,
+                                    const float* __restrict scale, int32_t count,
+                                    ptrdiff_t stride) {
   filter_row<true>(from, to, scale, count, stride);
+  return bits_in(to, count);
+}
+
+SNOWBOUGH_WIDE uint32_t bits_of(const float* values, int32_t count) {
+  return bits_in(values, count);
+}
+
+/// `items` with tiles `tile_of(item)`, sorted by tile, equal ones left in their order; fills in
+/// where each tile begins.
+template <typename Item, typename TileOf>
+std::vector<Item> sorted_by_tile(const std::vector<Item>& items, int32_t tile_count,
+                                 const TileOf& tile_of, std::vector<int32_t>& begin) {
+  begin.assign(static_cast<size_t>(tile_count) + 1, 0);
+  for (const Item& item : items) ++begin[tile_of(item) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+  std::vector<Item> sorted(items.size());
+  for (const Item& item : items) sorted[next[tile_of(item)]++] = item;
+  return sorted;
 }
 
 }  // namespace
@@ -83,103 +113,193 @@ CpuOutput::CpuOutput(const TexelTable& table, const SeamTable& seams, const Smoo
       passes_(plan.passes),
       closing_passes_(plan.closing_passes),
       threads_(std::max(1, threads)),
-      leveller_(closing_passes_ > 0 ? seams.levelling : SeamLevelling()) {
+      leveller_(closing_passes_ > 0 ? seams.levelling : SeamLevelling()),
+      tiles_(table.resolution) {
   if (closing_passes_ == 0) return;
   prepare(u_, seams.u, 1, plan.level_u);
   prepare(v_, seams.v, table.resolution, plan.level_v);
   const size_t texels = static_cast<size_t>(table.resolution) * table.resolution;
-  const size_t ghosts = std::max(seams.u.ghost_place.size(), seams.v.ghost_place.size());
-  heights_.assign(texels + ghosts, 0.0f);
-  next_.assign(texels + ghosts, 0.0f);
+  const size_t ghosts = std::max(u_.ghosts.size(), v_.ghosts.size());
+  for (Heights* heights : {&heights_, &next_}) {
+    heights->values.assign(texels + 1 + ghosts, 0.0f);
+    heights->filled.assign(static_cast<size_t>(tiles_.count()), 0);
+  }
 }
 
 void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                         const std::vector<uint8_t>& level) {
   const auto texels = static_cast<int32_t>(table_.resolution) * table_.resolution;
-  axis.lines = &lines;
   axis.stride = stride;
   axis.scale.assign(static_cast<size_t>(texels), 0.0f);
   for (size_t i = 0; i < level.size(); ++i) axis.scale[table_.texel[i]] = filter_scale(level[i]);
 
-  // Per place of the line array: where its value is found.
-  std::vector<int32_t> found(static_cast<size_t>(lines.length), -1);
+  // Per place of the line array: where its value is found; a ghost by its number.
+  std::vector<int32_t> found(static_cast<size_t>(lines.length), texels);
   for (size_t i = 0; i < table_.texel.size(); ++i) found[lines.place[i]] = table_.texel[i];
   for (size_t g = 0; g < lines.ghost_place.size(); ++g) {
-    found[lines.ghost_place[g]] = texels + static_cast<int32_t>(g);
+    const bool is_there = lines.ghosts.begin[g] != lines.ghosts.begin[g + 1];
+    if (is_there) found[lines.ghost_place[g]] = texels + 1 + static_cast<int32_t>(g);
   }
   for (size_t i = 0; i < table_.texel.size(); ++i) {
     const int32_t texel = table_.texel[i];
-    std::array<int32_t, 2 * kFilterReach> taps;
+    const FilterWeights& weights = filter_levels()[level[i]];
+    OddTexel odd{texel, level[i], weights[0], {}};
     bool plain = true;
     for (int32_t k = 1; k <= kFilterReach; ++k) {
-      taps[kFilterReach - k] = found[lines.place[i] - k];
-      taps[kFilterReach + k - 1] = found[lines.place[i] + k];
-      plain = plain && taps[kFilterReach - k] == texel - k * stride &&
-              taps[kFilterReach + k - 1] == texel + k * stride;
+      for (const int32_t side : {-1, 1}) {
+        const int32_t tap = found[lines.place[i] + side * k];
+        odd.taps[2 * (k - 1) + (side > 0)] = tap;
+        odd.present += tap == texels ? 0.0f : weights[k];
+        plain = plain && tap == texel + side * k * stride;
+      }
     }
     if (!plain) {
-      axis.odd_texel.push_back(texel);
-      axis.odd_taps.push_back(taps);
-      axis.odd_level.push_back(level[i]);
-    } else if (!axis.segments.empty() && texel % table_.resolution != 0 &&
+      axis.odd.push_back(odd);
+    } else if (!axis.segments.empty() && texel % table_.resolution % kTileWidth != 0 &&
                axis.segments.back().first_texel + axis.segments.back().count == texel) {
       ++axis.segments.back().count;
     } else {
-      axis.segments.push_back({texel, 1});
+      axis.segments.push_back({texel, 1, tiles_.of(texel)});
     }
   }
+  for (int32_t row = 0; row <= tiles_.rows; ++row) {
+    const auto first = std::partition_point(
+        axis.segments.begin(), axis.segments.end(),
+        [&](const Segment& segment) { return segment.tile < row * tiles_.columns; });
+    axis.segment_begin.push_back(static_cast<int32_t>(first - axis.segments.begin()));
+  }
+  const auto tile_of_odd = [&](const OddTexel& odd) { return tiles_.of(odd.texel); };
+  axis.odd = sorted_by_tile(axis.odd, tiles_.count(), tile_of_odd, axis.odd_begin);
+  add_ghosts(axis, lines);
 }
 
-void CpuOutput::fill_ghosts(const Axis& axis, std::vector<float>& heights) const {
-  const size_t texels = static_cast<size_t>(table_.resolution) * table_.resolution;
-  const WeightedRows& rows = axis.lines->ghosts;
-  // Few ghosts are done sooner than threads are made.
-  in_parallel(rows.size() < 20000 ? 1 : threads_, [&](size_t part, size_t parts) {
-    const size_t end = rows.size() * (part + 1) / parts;
-    for (size_t g = rows.size() * part / parts; g < end; ++g) {
-      float sum = 0.0f;
-      for (int32_t t = rows.begin[g]; t < rows.begin[g + 1]; ++t) {
-        sum += rows.weight[t] * heights[table_.texel[rows.source[t]]];
+/// Gives every tile ghosts of its own, so that tiles can be worked on side by side, and notes which
+/// tiles each one looks at.
+void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
+  const auto texels = static_cast<int32_t>(table_.resolution) * table_.resolution;
+  // Per ghost of the lines, and per tile: the last tile that it was noted for.
+  std::vector<int32_t> noted_ghost(lines.ghost_place.size(), -1);
+  std::vector<int32_t> slot(lines.ghost_place.size());
+  std::vector<int32_t> noted_tile(static_cast<size_t>(tiles_.count()), -1);
+  for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
+    axis.ghost_begin.push_back(static_cast<int32_t>(axis.ghosts.size()));
+    axis.reads_begin.push_back(static_cast<int32_t>(axis.reads.size()));
+    const auto note = [&](int32_t other) {
+      if (std::exchange(noted_tile[other], tile) != tile) axis.reads.push_back(other);
+    };
+    note(tile);
+    const int32_t step = axis.stride == 1 ? 1 : tiles_.columns;
+    const int32_t along = axis.stride == 1 ? tile % tiles_.columns : tile / tiles_.columns;
+    if (along > 0) note(tile - step);
+    if (along + 1 < (axis.stride == 1 ? tiles_.columns : tiles_.rows)) note(tile + step);
+    for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
+      for (int32_t& tap : axis.odd[i].taps) {
+        if (tap <= texels) continue;
+        const int32_t ghost = tap - texels - 1;
+        if (std::exchange(noted_ghost[ghost], tile) != tile) {
+          slot[ghost] = texels + 1 + static_cast<int32_t>(axis.ghosts.size());
+          for (int32_t t = lines.ghosts.begin[ghost]; t < lines.ghosts.begin[ghost + 1]; ++t) {
+            const int32_t source = table_.texel[lines.ghosts.source[t]];
+            axis.ghosts.source.push_back(source);
+            axis.ghosts.weight.push_back(lines.ghosts.weight[t]);
+            note(tiles_.of(source));
+          }
+          axis.ghosts.begin.push_back(static_cast<int32_t>(axis.ghosts.source.size()));
+        }
+        tap = slot[ghost];
       }
-      heights[texels + g] = rows.begin[g] == rows.begin[g + 1] ? kNothing : sum;
     }
+  }
+  axis.ghost_begin.push_back(static_cast<int32_t>(axis.ghosts.size()));
+  axis.reads_begin.push_back(static_cast<int32_t>(axis.reads.size()));
+}
+
+void CpuOutput::clear_tile(Heights& heights, int32_t tile) const {
+  if (heights.filled[tile] == 0) return;
+  heights.filled[tile] = 0;
+  tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
+    std::fill_n(heights.values.begin() + first, count, 0.0f);
   });
 }
 
-void CpuOutput::filter(const Axis& axis, std::vector<float>& from, std::vector<float>& to,
-                       bool add) const {
-  fill_ghosts(axis, from);
-  const auto work_segments = [&](size_t begin, size_t end) {
-    for (size_t s = begin; s < end; ++s) {
-      const Segment& segment = axis.segments[s];
-      const float* source = from.data() + segment.first_texel;
-      float* target = to.data() + segment.first_texel;
-      const float* scale = axis.scale.data() + segment.first_texel;
-      (add ? add_segment : replace_segment)(source, target, scale, segment.count, axis.stride);
+void CpuOutput::load(const std::vector<float>& stored) {
+  for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
+    uint32_t bits = 0;
+    tiles_.for_each_row(
+        tile, [&](int32_t first, int32_t count) { bits |= bits_of(stored.data() + first, count); });
+    if (bits == 0) {
+      clear_tile(heights_, tile);
+      continue;
     }
-  };
-  const auto work_odd = [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const int32_t texel = axis.odd_texel[i];
-      const std::array<int32_t, 2 * kFilterReach>& taps = axis.odd_taps[i];
-      const FilterWeights& w = filter_levels()[axis.odd_level[i]];
-      float sum = w[0] * from[texel];
-      float present = w[0];
-      for (int32_t k = 1; k <= kFilterReach; ++k) {
-        for (const int32_t tap : {taps[kFilterReach - k], taps[kFilterReach + k - 1]}) {
-          const float value = from[tap];
-          const float weight = value >= 0.0f ? w[k] : 0.0f;
-          sum += weight * value;
-          present += weight;
-        }
-      }
-      to[texel] = add ? 0.5f * (to[texel] + sum / present) : sum / present;
+    heights_.filled[tile] = 1;
+    tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
+      std::copy_n(stored.begin() + first, count, heights_.values.begin() + first);
+    });
+  }
+}
+
+uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, bool add,
+                               int32_t tile) const {
+  float* const source = from.values.data();
+  float* ghost = source + table_.resolution * static_cast<ptrdiff_t>(table_.resolution) + 1 +
+                 axis.ghost_begin[tile];
+  for (int32_t g = axis.ghost_begin[tile]; g < axis.ghost_begin[tile + 1]; ++g) {
+    float sum = 0.0f;
+    for (int32_t t = axis.ghosts.begin[g]; t < axis.ghosts.begin[g + 1]; ++t) {
+      sum += axis.ghosts.weight[t] * source[axis.ghosts.source[t]];
     }
-  };
+    *ghost++ = sum;
+  }
+  uint32_t bits = 0;
+  for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
+    const OddTexel& odd = axis.odd[i];
+    const FilterWeights& w = filter_levels()[odd.level];
+    float sum = w[0] * source[odd.texel];
+    for (int32_t k = 1; k <= kFilterReach; ++k) {
+      sum += w[k] * source[odd.taps[2 * k - 2]];
+      sum += w[k] * source[odd.taps[2 * k - 1]];
+    }
+    float& target = to.values[odd.texel];
+    target = add ? 0.5f * (target + sum / odd.present) : sum / odd.present;
+    bits |= std::bit_cast<uint32_t>(target);
+  }
+  return bits;
+}
+
+void CpuOutput::filter_tile_row(const Axis& axis, Heights& from, Heights& to, bool add,
+                                int32_t row) const {
+  const int32_t first_tile = row * tiles_.columns;
+  std::vector<uint32_t> bits(static_cast<size_t>(tiles_.columns), 0);
+  for (int32_t s = axis.segment_begin[row]; s < axis.segment_begin[row + 1]; ++s) {
+    const Segment& segment = axis.segments[s];
+    if (to.filled[segment.tile] == 0) continue;
+    bits[segment.tile - first_tile] |= (add ? add_segment : replace_segment)(
+        from.values.data() + segment.first_texel, to.values.data() + segment.first_texel,
+        axis.scale.data() + segment.first_texel, segment.count, axis.stride);
+  }
+  for (int32_t column = 0; column < tiles_.columns; ++column) {
+    uint8_t& filled = to.filled[first_tile + column];
+    if (filled == 0) continue;
+    filled = (bits[column] | filter_odd(axis, from, to, add, first_tile + column)) != 0;
+  }
+}
+
+void CpuOutput::filter(const Axis& axis, Heights& from, Heights& to, bool add) const {
+  for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
+    const bool sees_snow = std::any_of(axis.reads.begin() + axis.reads_begin[tile],
+                                       axis.reads.begin() + axis.reads_begin[tile + 1],
+                                       [&](int32_t other) { return from.filled[other] != 0; });
+    if (sees_snow) {
+      to.filled[tile] = 1;
+    } else if (!add) {
+      clear_tile(to, tile);
+    }
+  }
   in_parallel(threads_, [&](size_t part, size_t parts) {
-    const auto share = [&](size_t count, size_t t) { return count * t / parts; };
-    work_segments(share(axis.segments.size(), part), share(axis.segments.size(), part + 1));
-    work_odd(share(axis.odd_texel.size(), part), share(axis.odd_texel.size(), part + 1));
+    const auto rows = static_cast<size_t>(tiles_.rows);
+    for (size_t row = rows * part / parts; row < rows * (part + 1) / parts; ++row) {
+      filter_tile_row(axis, from, to, add, static_cast<int32_t>(row));
+    }
   });
 }
 
@@ -188,7 +308,7 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
   MapOutput output;
   const size_t texels = static_cast<size_t>(table_.resolution) * table_.resolution;
   if (closing_passes_ > 0) {
-    std::copy(stored.begin(), stored.end(), heights_.begin());
+    load(stored);
     for (int32_t pass = 0; pass < passes_; ++pass) {
       filter(u_, heights_, next_, false);
       filter(v_, next_, heights_, false);
@@ -198,7 +318,8 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
       filter(v_, heights_, next_, true);
       std::swap(heights_, next_);
     }
-    output.height.assign(heights_.begin(), heights_.begin() + static_cast<ptrdiff_t>(texels));
+    output.height.assign(heights_.values.begin(),
+                         heights_.values.begin() + static_cast<ptrdiff_t>(texels));
   } else {
     output.height = stored;
   }

@@ -6,6 +6,7 @@
 
 #include "snow/level_seams.h"
 #include "snow/map_output.h"
+#include "snow/map_tiles.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
 #include "snow/surface_metric.h"
@@ -18,8 +19,9 @@ namespace snowbough::snow {
 /// whose buffers the driver has no room for.
 ///
 /// Texels whose neighbours lie beside them in the map are filtered row by row, many at a time; the
-/// others take their neighbours from a list made once. Rows are shared among `threads` threads; the
-/// result does not depend on their number.
+/// others take their neighbours from a list made once. Tiles that no snow comes near are passed
+/// over: they stay at 0. The others are shared among `threads` threads; the result does not depend
+/// on their number.
 class CpuOutput {
  public:
   /// `table` and `seams` must outlive it.
@@ -32,31 +34,57 @@ class CpuOutput {
   MapOutput run(const std::vector<float>& stored, const std::vector<SurfaceMetric>& metrics = {});
 
  private:
-  /// Consecutive texels of a row, all with their neighbours beside them.
+  /// Consecutive texels of a row and of a tile, all with their neighbours beside them.
   struct Segment {
     int32_t first_texel;
     int32_t count;
+    int32_t tile;
+  };
+  /// A texel with other neighbours. Values are found in the heights and what follows them.
+  struct OddTexel {
+    int32_t texel;
+    int32_t level;
+    /// Sum of the weights of the neighbours that are there.
+    float present;
+    /// Neighbours' values at distances -1, 1, -2, 2, ..
+    std::array<int32_t, 2 * kFilterReach> taps;
   };
   /// One axis of the filter.
   struct Axis {
-    const TexelLines* lines = nullptr;
     /// How far apart neighbours are in the map: 1 or resolution.
     int32_t stride = 1;
     /// Per texel of the map: scale of the taps, 0 to 1.
     std::vector<float> scale;
+    /// In the order of texels, which is that of memory, and where each row of tiles begins.
     std::vector<Segment> segments;
-    /// Per other texel: its linear index and where its neighbours' values are, at distances -4 ..
-    /// -1, 1 .. 4 (index into the heights followed by the ghosts).
-    std::vector<int32_t> odd_texel;
-    std::vector<uint8_t> odd_level;
-    std::vector<std::array<int32_t, 2 * kFilterReach>> odd_taps;
+    std::vector<int32_t> segment_begin;
+    /// In the order of tiles, and where each tile begins; so are those that follow.
+    std::vector<int32_t> odd_begin;
+    std::vector<OddTexel> odd;
+    /// The ghosts that a tile's odd texels look at, as sums over texels (linear index).
+    std::vector<int32_t> ghost_begin;
+    WeightedRows ghosts;
+    /// The tiles that a tile's texels look at, its own included.
+    std::vector<int32_t> reads_begin;
+    std::vector<int32_t> reads;
+  };
+  /// resolution^2 heights, a zero, then the ghosts of one axis; and per tile whether it may hold
+  /// anything but 0.
+  struct Heights {
+    std::vector<float> values;
+    std::vector<uint8_t> filled;
   };
 
   void prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                const std::vector<uint8_t>& level);
-  void fill_ghosts(const Axis& axis, std::vector<float>& heights) const;
+  void add_ghosts(Axis& axis, const TexelLines& lines);
+  void load(const std::vector<float>& stored);
+  void clear_tile(Heights& heights, int32_t tile) const;
   /// Filters `from` along an axis into `to`; `add` halves and adds to what is there.
-  void filter(const Axis& axis, std::vector<float>& from, std::vector<float>& to, bool add) const;
+  void filter(const Axis& axis, Heights& from, Heights& to, bool add) const;
+  /// The same for the tiles of a row of tiles that `to.filled` names; sets that to what they hold.
+  void filter_tile_row(const Axis& axis, Heights& from, Heights& to, bool add, int32_t row) const;
+  uint32_t filter_odd(const Axis& axis, Heights& from, Heights& to, bool add, int32_t tile) const;
 
   const TexelTable& table_;
   const SeamTable& seams_;
@@ -64,11 +92,11 @@ class CpuOutput {
   int32_t closing_passes_ = 0;
   int32_t threads_ = 1;
   SeamLeveller leveller_;
+  MapTiles tiles_;
   Axis u_;
   Axis v_;
-  /// resolution^2 heights, then the ghosts of one axis.
-  std::vector<float> heights_;
-  std::vector<float> next_;
+  Heights heights_;
+  Heights next_;
 };
 
 }  // namespace snowbough::snow

@@ -291,6 +291,40 @@ TEST(CpuOutput, doesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(CpuOutput(map.table, map.seams, plan, 3).run(stored).height, one);
 }
 
+/// The map with snow on a few texels only.
+std::vector<float> patch_of(const Map& map, size_t first, size_t count) {
+  std::vector<float> stored(random_map(map, 9).size(), 0.0f);
+  for (size_t i = first; i < first + count; ++i) stored[map.table.texel[i]] = 0.1f;
+  return stored;
+}
+
+TEST(CpuOutput, patchesOfSnowSpreadLikeThePlainFilterAlsoAcrossSeams) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 320));
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.06f);
+  CpuOutput output(map.table, map.seams, plan);
+  const size_t texels = map.table.texel.size();
+  for (size_t first = 0; first + 3 < texels; first += texels / 8) {
+    const auto stored = patch_of(map, first, 3);
+    const auto expected = output_reference(map.table, map.seams, plan, stored).height;
+    const auto height = output.run(stored).height;
+    float worst = 0.0f;
+    for (size_t i = 0; i < height.size(); ++i)
+      worst = std::max(worst, std::abs(height[i] - expected[i]));
+    ASSERT_LT(worst, 1e-7f) << "patch at " << first;
+  }
+}
+
+TEST(CpuOutput, nothingStaysWhereSnowIsGone) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 512));
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.06f);
+  CpuOutput output(map.table, map.seams, plan);
+  output.run(random_map(map, 5));
+  const auto patch = patch_of(map, map.table.texel.size() / 2, 100);
+  EXPECT_EQ(output.run(patch).height, CpuOutput(map.table, map.seams, plan).run(patch).height);
+  const std::vector<float> bare(patch.size(), 0.0f);
+  EXPECT_EQ(output.run(bare).height, bare);
+}
+
 TEST(MapOutput, timeOfAFullMapOf1024) {
   const Map map = plate(1024, 10.24f, 10.24f);
   const auto stored = random_map(map, 7);
