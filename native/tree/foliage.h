@@ -6,8 +6,8 @@
 
 #include "tree/classify.h"
 #include "tree/obj_scene.h"
-#include "tree/parts.h"
 #include "tree/parallel.h"
+#include "tree/parts.h"
 #include "tree/skeleton.h"
 
 namespace snowbough::tree {
