@@ -112,8 +112,7 @@ Branch branch_from_dict(const py::dict& fields, size_t index) {
   branch.points = rows_from_numpy<glm::vec3, float, 3>(points, what + ": points");
   branch.radii = floats_from(required(fields, "radii", what), what + ": radii");
   branch.areas = floats_from(required(fields, "areas", what), what + ": areas");
-  branch.attach_point =
-      point_from(required(fields, "attach_point", what), what + ": attach_point");
+  branch.attach_point = point_from(required(fields, "attach_point", what), what + ": attach_point");
   return branch;
 }
 
@@ -138,13 +137,14 @@ py::dict report_dict(const ImportReport& report) {
   }
   return py::dict(py::arg("form") = report.form, py::arg("up_axis") = report.up_axis,
                   py::arg("branches_per_level") = report.branches_per_level,
-                  py::arg("skipped_parts") = skipped,
-                  py::arg("extra_roots") = report.extra_roots,
+                  py::arg("skipped_parts") = skipped, py::arg("extra_roots") = report.extra_roots,
                   py::arg("foliage_parts") = report.foliage_parts,
                   py::arg("warnings") = report.warnings);
 }
 
-py::ssize_t count_of(const auto& values) { return static_cast<py::ssize_t>(values.size()); }
+py::ssize_t count_of(const auto& values) {
+  return static_cast<py::ssize_t>(values.size());
+}
 
 /// A read-only (N,) or (N, Columns) view of a member vector, kept alive by the object that has it.
 template <typename Class, typename Scalar, int Columns, typename Element>
@@ -187,16 +187,19 @@ void bind_skeleton(py::module_& module) {
       .def_readonly("alpha_texture", &FoliageMaterial::alpha_texture);
 
   py::class_<Foliage>(module, "Foliage", "Leaves, needles and flowers as they stand in the file.")
-      .def_property_readonly("vertices", array_view<Foliage, float, 3>(&Foliage::vertices), "(V, 3)")
+      .def_property_readonly("vertices", array_view<Foliage, float, 3>(&Foliage::vertices),
+                             "(V, 3)")
       .def_property_readonly("face_begin", array_view<Foliage, int32_t, 1>(&Foliage::face_begin),
                              "(F + 1,): face f owns corners [face_begin[f], face_begin[f + 1]).")
       .def_property_readonly("corner_vertex",
                              array_view<Foliage, int32_t, 1>(&Foliage::corner_vertex), "(C,)")
-      .def_property_readonly("corner_uv", array_view<Foliage, float, 2>(&Foliage::corner_uv), "(C, 2)")
+      .def_property_readonly("corner_uv", array_view<Foliage, float, 2>(&Foliage::corner_uv),
+                             "(C, 2)")
       .def_property_readonly("face_material",
                              array_view<Foliage, int32_t, 1>(&Foliage::face_material),
                              "(F,): index into materials, -1 = none.")
-      .def_property_readonly("face_leaf", array_view<Foliage, int32_t, 1>(&Foliage::face_leaf), "(F,)")
+      .def_property_readonly("face_leaf", array_view<Foliage, int32_t, 1>(&Foliage::face_leaf),
+                             "(F,)")
       .def_property_readonly("leaf_branch", array_view<Foliage, int32_t, 1>(&Foliage::leaf_branch),
                              "(L,): index into the skeleton's branches.")
       .def_property_readonly("leaf_attach_point",
@@ -210,8 +213,7 @@ void bind_skeleton(py::module_& module) {
           [](const py::object& self) {
             py::list branches;
             for (const Branch& branch : self.cast<const Skeleton&>().branches) {
-              branches.append(
-                  py::cast(&branch, py::return_value_policy::reference_internal, self));
+              branches.append(py::cast(&branch, py::return_value_policy::reference_internal, self));
             }
             return branches;
           })
@@ -221,20 +223,22 @@ void bind_skeleton(py::module_& module) {
           "warnings")
       .def_readonly("height", &Skeleton::height, "Extent of the wood along Z in metres.")
       .def_readonly("foliage", &Skeleton::foliage)
-      .def_static("from_branches", &skeleton_from_branches, py::arg("branches"),
-                  "A skeleton from dicts with name, level, parent (index or -1), attach_point (3,), "
-                  "points (N, 3), radii (N,) and areas (N,); metres, Z up, parents before children. "
-                  "Raises ValueError for anything else.");
+      .def_static(
+          "from_branches", &skeleton_from_branches, py::arg("branches"),
+          "A skeleton from dicts with name, level, parent (index or -1), attach_point (3,), "
+          "points (N, 3), radii (N,) and areas (N,); metres, Z up, parents before children. "
+          "Raises ValueError for anything else.");
 
-  module.def("read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO",
-             py::arg("levels") = "", py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f,
-             py::arg("foliage") = "AUTO", py::arg("progress") = py::none(),
-             "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
-             "foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string "
-             "names what is foliage, separated by commas: parts whose group, object or material starts "
-             "with one of the names, and no others.\n\n"
-             "progress(share) is called now and then; a return of False (not None) cancels with "
-             "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
+  module.def(
+      "read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO", py::arg("levels") = "",
+      py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f, py::arg("foliage") = "AUTO",
+      py::arg("progress") = py::none(),
+      "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
+      "foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string "
+      "names what is foliage, separated by commas: parts whose group, object or material starts "
+      "with one of the names, and no others.\n\n"
+      "progress(share) is called now and then; a return of False (not None) cancels with "
+      "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
 }
 
 }  // namespace snowbough::python

@@ -13,8 +13,7 @@ namespace snowbough::python {
 
 /// C-contiguous input; other layouts and dtypes are converted once.
 template <typename Scalar>
-using InputArray =
-    pybind11::array_t<Scalar, pybind11::array::c_style | pybind11::array::forcecast>;
+using InputArray = pybind11::array_t<Scalar, pybind11::array::c_style | pybind11::array::forcecast>;
 
 /// Moves a vector into a numpy array of `shape` without copying: a capsule owns the vector.
 /// `Scalar` is the element type seen from Python; Element may be a packed struct of Scalars.
@@ -32,8 +31,7 @@ pybind11::array_t<Scalar> to_numpy(std::vector<Element>&& values,
 /// A read-only view of a vector that `owner` keeps alive.
 template <typename Scalar, typename Element>
 pybind11::array_t<Scalar> view_numpy(const std::vector<Element>& values,
-                                     std::vector<pybind11::ssize_t> shape,
-                                     pybind11::handle owner) {
+                                     std::vector<pybind11::ssize_t> shape, pybind11::handle owner) {
   static_assert(sizeof(Element) % sizeof(Scalar) == 0);
   pybind11::array_t<Scalar> view(std::move(shape), reinterpret_cast<const Scalar*>(values.data()),
                                  owner);

@@ -11,7 +11,8 @@
 
 namespace snowbough::snow {
 
-/// What add_object gets: a mesh whose topology stays the same until replace_object gives it another.
+/// What add_object gets: a mesh whose topology stays the same until replace_object gives it
+/// another.
 struct ObjectDescription {
   /// Unique; objects are drawn in the order of their names, whatever the order of adding.
   std::string name;
@@ -23,9 +24,9 @@ struct ObjectDescription {
   bool occlude = true;
   /// Where snow falls through the object.
   ObjectAlpha alpha;
-  /// Positions in metres of the pose in which output measures distances across seams and for the blur;
-  /// empty: those of the object's first step. A simulation that goes on from a checkpoint takes the pose
-  /// that the first one began with, so that it ends with the same output.
+  /// Positions in metres of the pose in which output measures distances across seams and for the
+  /// blur; empty: those of the object's first step. A simulation that goes on from a checkpoint
+  /// takes the pose that the first one began with, so that it ends with the same output.
   std::vector<glm::vec3> rest;
   /// Sigma in metres of the blur of this object's output; negative: the simulation's.
   double blur_radius = -1.0;
