@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <numeric>
 #include <utility>
+
+#include "tree/smallest_representative.h"
 
 namespace snowbough::tree {
 namespace {
@@ -67,27 +68,16 @@ void FaceConnections::find_outline() {
 }
 
 void FaceConnections::find_sheets(int32_t face_count) {
-  // Every face's parent in its sheet, and of the first one itself.
-  sheet_of_.resize(face_count);
-  std::iota(sheet_of_.begin(), sheet_of_.end(), 0);
-  const auto find = [this](int32_t i) {
-    while (sheet_of_[i] != i) {
-      i = sheet_of_[i] = sheet_of_[sheet_of_[i]];
-    }
-    return i;
-  };
-  sheet_count_ = face_count;
+  SmallestRepresentative sheets(static_cast<size_t>(face_count));
   for (size_t i = 1; i < edges_.size(); ++i) {
     if (edges_[i].vertices == edges_[i - 1].vertices) {
-      const int32_t a = find(edges_[i].face);
-      const int32_t b = find(edges_[i - 1].face);
-      sheet_count_ -= a != b ? 1 : 0;
-      sheet_of_[std::max(a, b)] = std::min(a, b);
+      sheets.join(edges_[i].face, edges_[i - 1].face);
     }
   }
-  // Parents come first.
-  for (int32_t& parent : sheet_of_) {
-    parent = sheet_of_[parent];
+  sheet_of_ = std::move(sheets).all();
+  sheet_count_ = 0;
+  for (int32_t face = 0; face < face_count; ++face) {
+    sheet_count_ += sheet_of_[face] == face ? 1 : 0;
   }
 }
 
