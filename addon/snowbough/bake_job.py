@@ -60,13 +60,14 @@ class BakeJob:
         RuntimeError (no EGL, driver).
         """
         request = self.request
-        self._driver = driver_name(self.native)  # without a GPU nothing is begun
-        first_pose = evaluate(request.frame_start, 0.0)
-        snowfall = self._plan(evaluate)
-        self._identify(first_pose)
-        settings = self._settings(snowfall)
-        cache.make_folder(self.root)
         with contextlib.ExitStack() as stack:
+            # Without a GPU nothing is begun.
+            self._driver = stack.enter_context(held_driver(self.native))
+            first_pose = evaluate(request.frame_start, 0.0)
+            snowfall = self._plan(evaluate)
+            self._identify(first_pose)
+            settings = self._settings(snowfall)
+            cache.make_folder(self.root)
             stack.callback(cache.remove_empty_folders, self.root)
             self._open_version(settings, stack)
             if not self.receivers:
@@ -405,10 +406,19 @@ class BakeJob:
             self._simulation = None
 
 
-def driver_name(native):
-    """What decides about the last bit of a map. Raises NoGpu."""
+@contextlib.contextmanager
+def held_driver(native):
+    """Holds the GPU, so that a simulation made meanwhile takes over its context; gives driver_name. Raises
+    NoGpu."""
     try:
-        info = native.gpu_info()
+        gpu = native.Gpu()
     except RuntimeError as error:
         raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
-    return f"{info['renderer']}, {info['version']}"
+    with gpu:
+        yield f"{gpu.info['renderer']}, {gpu.info['version']}"
+
+
+def driver_name(native):
+    """What decides about the last bit of a map. Raises NoGpu."""
+    with held_driver(native) as name:
+        return name

@@ -224,24 +224,6 @@ py::dict memory_estimate(const SnowSimulation& simulation) {
   return dict;
 }
 
-py::dict gpu_info(const std::string& device) {
-  gpu::GpuInfo info;
-  {
-    const py::gil_scoped_release release;
-    info = gpu::GpuThread::shared(device)->info();
-  }
-  py::dict dict;
-  dict["vendor"] = info.vendor;
-  dict["renderer"] = info.renderer;
-  dict["version"] = info.version;
-  dict["device"] = info.device;
-  dict["max_texture_size"] = info.max_texture_size;
-  dict["max_array_layers"] = info.max_array_layers;
-  dict["max_viewport"] = info.max_viewport;
-  dict["max_storage_buffer_bytes"] = info.max_storage_buffer_bytes;
-  return dict;
-}
-
 /// Waits for the GPU thread without the GIL when Python drops the last reference.
 struct ReleaseGil {
   void operator()(SnowSimulation* simulation) const {
@@ -254,11 +236,6 @@ struct ReleaseGil {
 
 void bind_snow(py::module_& module) {
   using namespace py::literals;
-  module.def(
-      "gpu_info", &gpu_info, "device"_a = "",
-      "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises\n"
-      "RuntimeError, saying what to do, where no OpenGL 4.5 context can be made.");
-
   py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
       .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");

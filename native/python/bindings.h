@@ -10,7 +10,9 @@ void bind_skeleton(pybind11::module_& module);
 void bind_tree(pybind11::module_& module);
 /// leaf_uvs, layout_leaf_uvs, measure_uv_layout.
 void bind_tree_uvs(pybind11::module_& module);
-/// SnowSimulation, gpu_info.
+/// gpu_info, Gpu.
+void bind_gpu(pybind11::module_& module);
+/// SnowSimulation.
 void bind_snow(pybind11::module_& module);
 /// simulation_state, set_simulation_state: checkpoints as plain arrays.
 void bind_snow_state(pybind11::module_& module);

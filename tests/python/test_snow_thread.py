@@ -2,6 +2,7 @@
 """The GPU thread: a caller's own GL context stays as it was, errors arrive, what is closed is released."""
 
 import ctypes
+import gc
 import os
 import subprocess
 import sys
@@ -123,6 +124,35 @@ def test_the_environment_chooses_the_device_and_an_unknown_one_is_an_error():
     chosen = {**environment, "SNOWBOUGH_EGL_DEVICE": "surfaceless"}
     again = subprocess.run([sys.executable, "-c", code], env=chosen, capture_output=True, text=True)
     assert again.returncode == 0, again.stderr
+
+
+def test_a_simulation_takes_over_the_context_of_a_gpu_that_is_held():
+    def tasks():
+        return set(os.listdir("/proc/self/task"))
+
+    positions, triangles, uv = grid()
+    gpu = native.Gpu()
+    held = tasks()
+    sim = native.SnowSimulation(pixel_size=0.05)
+    assert tasks() == held
+    gpu.close()
+    sim.add_object("it", triangles, uv, resolution=64)
+    sim.step({"it": positions}, 0.1)
+    assert sim.height("it").max() > 0.0
+    sim.close()
+    assert tasks() < held
+    with pytest.raises(RuntimeError, match="closed"):
+        _ = gpu.info
+
+
+def test_a_gpu_that_nobody_holds_any_more_is_released():
+    before = set(os.listdir("/proc/self/task"))
+    for _ in range(3):
+        with native.Gpu() as gpu:
+            assert gpu.info == native.gpu_info()
+        native.Gpu()
+        gc.collect()
+        assert set(os.listdir("/proc/self/task")) == before
 
 
 def test_many_simulations_leave_no_memory_behind():

@@ -1,0 +1,78 @@
+#include <memory>
+#include <stdexcept>
+#include <string>
+
+#include "bindings.h"
+#include "gpu/gpu_thread.h"
+
+namespace py = pybind11;
+
+namespace snowbough::python {
+namespace {
+
+/// Keeps the process's thread for a device, and with it the context, until it is closed.
+class HeldGpu {
+ public:
+  explicit HeldGpu(const std::string& device) {
+    const py::gil_scoped_release release;
+    thread_ = gpu::GpuThread::shared(device);
+  }
+  ~HeldGpu() { close(); }
+  HeldGpu(const HeldGpu&) = delete;
+  HeldGpu& operator=(const HeldGpu&) = delete;
+
+  const gpu::GpuInfo& info() const {
+    if (thread_ == nullptr) {
+      throw std::runtime_error("the GPU is closed: make a new Gpu");
+    }
+    return thread_->info();
+  }
+
+  void close() {
+    const py::gil_scoped_release release;
+    thread_.reset();
+  }
+
+ private:
+  std::shared_ptr<gpu::GpuThread> thread_;
+};
+
+py::dict info_dict(const HeldGpu& gpu) {
+  const gpu::GpuInfo& info = gpu.info();
+  py::dict dict;
+  dict["vendor"] = info.vendor;
+  dict["renderer"] = info.renderer;
+  dict["version"] = info.version;
+  dict["device"] = info.device;
+  dict["max_texture_size"] = info.max_texture_size;
+  dict["max_array_layers"] = info.max_array_layers;
+  dict["max_viewport"] = info.max_viewport;
+  dict["max_storage_buffer_bytes"] = info.max_storage_buffer_bytes;
+  return dict;
+}
+
+}  // namespace
+
+void bind_gpu(py::module_& module) {
+  using namespace py::literals;
+  py::class_<HeldGpu>(
+      module, "Gpu",
+      "Holds the context on the GPU that snow runs on: simulations made while one is held share "
+      "it\n"
+      "instead of making their own. Raises RuntimeError, saying what to do, where no OpenGL 4.5\n"
+      "context can be made. A context manager: leaving it lets go.")
+      .def(py::init<const std::string&>(), "device"_a = "")
+      .def_property_readonly("info", &info_dict, "Vendor, renderer, version and limits, as a dict.")
+      .def("close", &HeldGpu::close, "Lets go of the context, which ends with its last simulation.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](HeldGpu& self, const py::args&) { self.close(); });
+
+  module.def(
+      "gpu_info", [](const std::string& device) { return info_dict(HeldGpu(device)); },
+      "device"_a = "",
+      "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises what "
+      "Gpu\n"
+      "raises.");
+}
+
+}  // namespace snowbough::python
