@@ -20,19 +20,30 @@ void hand_over(TexelDraft& draft, std::vector<std::pair<size_t, std::vector<Frag
   draft.table.homeless_charts = before.homeless_charts;
   draft.table.overlap = before.overlap;
   draft.table.fragment_begin.push_back(0);
-  const std::vector<int32_t> counts = draft.own_texels;
+  TexelSampler sampler(draft.topology);
   auto next = takings.begin();
   for (size_t i = 0; i < before.texel.size(); ++i) {
     const int32_t begin = before.fragment_begin[i];
     const int32_t end = before.fragment_begin[i + 1];
     if (next != takings.end() && next->first == i) {
-      const glm::dvec2 centre(before.texel[i] % before.resolution + 0.5,
-                              before.texel[i] / before.resolution + 0.5);
+      const glm::dvec2 centre = texel_centre(before.texel[i], before.resolution);
       for (int32_t f = begin; f < end; ++f) {
         draft.displaced.push_back({before.texel[i], before.fragment_triangle[f],
                                    static_cast<double>(before.fragment_share[f]), centre, 0});
       }
-      append_texel(draft, draft.chart_of(next->second.front().triangle), next->second);
+      const std::vector<Fragment>& own = next->second;
+      const TexelSample sample = sampler.of(own);
+      draft.table.texel.push_back(before.texel[i]);
+      draft.table.triangle.push_back(sample.triangle);
+      draft.table.barycentric.push_back(sample.barycentric);
+      draft.table.chart.push_back(draft.chart_of(own.front().triangle));
+      draft.table.coverage.push_back(sample.coverage);
+      for (const Fragment& f : own) {
+        draft.table.fragment_triangle.push_back(f.triangle);
+        draft.table.fragment_share.push_back(static_cast<float>(f.area));
+      }
+      draft.table.fragment_begin.push_back(
+          static_cast<int32_t>(draft.table.fragment_triangle.size()));
       ++next;
       continue;
     }
@@ -50,7 +61,6 @@ void hand_over(TexelDraft& draft, std::vector<std::pair<size_t, std::vector<Frag
     draft.table.fragment_begin.push_back(
         static_cast<int32_t>(draft.table.fragment_triangle.size()));
   }
-  draft.own_texels = counts;
   // What the new owners hold is displaced no longer.
   std::erase_if(draft.displaced, [&](const Fragment& f) {
     const size_t i = draft.owned_index(f.texel);

@@ -34,12 +34,45 @@ UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle);
 
 /// First step (texel_cut.cpp): cuts every triangle against every texel; a texel goes to the chart
 /// that covers most of it (of equals the lower number), the others' fragments are displaced.
-/// Counts degenerate triangles and overlap.
-void cut_map(TexelDraft& draft);
+/// Counts degenerate triangles and overlap. The result does not depend on the number of threads.
+void cut_map(TexelDraft& draft, int32_t threads);
 
-/// Appends a texel with its chart's fragments (texel_sample.cpp), all in one texel, at least one,
-/// ascending, and finds its sample point.
-void append_texel(TexelDraft& draft, int32_t chart, const std::vector<Fragment>& own);
+/// Which surface a texel carries; as in TexelTable.
+struct TexelSample {
+  int32_t triangle;
+  glm::vec2 barycentric;
+  float coverage;
+};
+
+/// Finds texels' sample points (texel_sample.cpp).
+class TexelSampler {
+ public:
+  /// `topology` is kept by reference.
+  explicit TexelSampler(const MapTopology& topology) : topology_(topology) {}
+
+  /// Of a texel that lies wholly in one triangle.
+  TexelSample whole(int32_t texel, int32_t triangle);
+  /// Of a texel with its chart's fragments: all in one texel, at least one, ascending.
+  TexelSample of(const std::vector<Fragment>& own);
+
+ private:
+  /// A triangle on the map, prepared for barycentric weights.
+  struct Frame {
+    int32_t triangle = -1;
+    glm::dvec2 corner;
+    glm::dvec2 side_b;
+    glm::dvec2 side_c;
+    double area;
+  };
+
+  glm::dvec2 barycentric_at(int32_t triangle, glm::dvec2 point);
+  void prepare(int32_t triangle);
+  bool find_triangle(const std::vector<Fragment>& own, glm::dvec2 point, TexelSample& sample);
+
+  const MapTopology& topology_;
+  /// Of the triangle asked for last: neighbours often have the same.
+  Frame frame_;
+};
 
 /// Second step (texel_claims.cpp): charts that own nothing take the texel they cover most, where
 /// its owner can spare it; the others are counted as homeless.

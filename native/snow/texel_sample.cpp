@@ -9,22 +9,6 @@ double cross(glm::dvec2 a, glm::dvec2 b) {
   return a.x * b.y - a.y * b.x;
 }
 
-struct TexelSample {
-  int32_t triangle;
-  glm::vec2 barycentric;
-  float coverage;
-};
-
-/// Weights of the second and third corner.
-glm::dvec2 barycentric_at(const MapTopology& topology, int32_t triangle, glm::dvec2 point) {
-  const UvTriangle uv = texel_triangle(topology, triangle);
-  const glm::dvec2 a = uv[1] - uv[0];
-  const glm::dvec2 b = uv[2] - uv[0];
-  const glm::dvec2 p = point - uv[0];
-  const double area = cross(a, b);
-  return {cross(p, b) / area, cross(a, p) / area};
-}
-
 double smallest_weight(glm::dvec2 weights) {
   return std::min({1.0 - weights.x - weights.y, weights.x, weights.y});
 }
@@ -36,13 +20,29 @@ glm::vec2 clamped(glm::dvec2 weights) {
   return {static_cast<float>(weights.x), static_cast<float>(weights.y)};
 }
 
+}  // namespace
+
+void TexelSampler::prepare(int32_t triangle) {
+  const UvTriangle uv = texel_triangle(topology_, triangle);
+  const glm::dvec2 b = uv[1] - uv[0];
+  const glm::dvec2 c = uv[2] - uv[0];
+  frame_ = {triangle, uv[0], b, c, cross(b, c)};
+}
+
+/// Weights of the second and third corner.
+inline glm::dvec2 TexelSampler::barycentric_at(int32_t triangle, glm::dvec2 point) {
+  if (frame_.triangle != triangle) prepare(triangle);
+  const glm::dvec2 p = point - frame_.corner;
+  return {cross(p, frame_.side_c) / frame_.area, cross(frame_.side_b, p) / frame_.area};
+}
+
 /// The fragment's triangle that holds the point best, if any does (within rounding).
-bool find_triangle(const MapTopology& topology, const std::vector<Fragment>& own, glm::dvec2 point,
-                   TexelSample& sample) {
+bool TexelSampler::find_triangle(const std::vector<Fragment>& own, glm::dvec2 point,
+                                 TexelSample& sample) {
   double best = -1e-9;
   bool found = false;
   for (const Fragment& f : own) {
-    const glm::dvec2 weights = barycentric_at(topology, f.triangle, point);
+    const glm::dvec2 weights = barycentric_at(f.triangle, point);
     const double least = smallest_weight(weights);
     if (least < best || (found && least <= best)) continue;
     best = least;
@@ -53,7 +53,12 @@ bool find_triangle(const MapTopology& topology, const std::vector<Fragment>& own
   return found;
 }
 
-TexelSample find_sample(const MapTopology& topology, const std::vector<Fragment>& own) {
+TexelSample TexelSampler::whole(int32_t texel, int32_t triangle) {
+  const glm::dvec2 centre = texel_centre(texel, topology_.resolution);
+  return {triangle, clamped(barycentric_at(triangle, centre)), 1.0f};
+}
+
+TexelSample TexelSampler::of(const std::vector<Fragment>& own) {
   TexelSample sample{};
   double area = 0.0;
   glm::dvec2 weighted(0.0);
@@ -64,30 +69,13 @@ TexelSample find_sample(const MapTopology& topology, const std::vector<Fragment>
     if (f.area > largest->area) largest = &f;
   }
   sample.coverage = static_cast<float>(std::min(area, 1.0));
-  const int32_t texel = own.front().texel;
-  const glm::dvec2 centre(texel % topology.resolution + 0.5, texel / topology.resolution + 0.5);
-  if (find_triangle(topology, own, centre, sample)) return sample;
-  if (find_triangle(topology, own, weighted / area, sample)) return sample;
-  sample.triangle = largest->triangle;
-  sample.barycentric = clamped(barycentric_at(topology, largest->triangle, largest->centroid));
-  return sample;
-}
-
-}  // namespace
-
-void append_texel(TexelDraft& draft, int32_t chart, const std::vector<Fragment>& own) {
-  const TexelSample sample = find_sample(draft.topology, own);
-  draft.table.texel.push_back(own.front().texel);
-  draft.table.triangle.push_back(sample.triangle);
-  draft.table.barycentric.push_back(sample.barycentric);
-  draft.table.chart.push_back(chart);
-  draft.table.coverage.push_back(sample.coverage);
-  for (const Fragment& f : own) {
-    draft.table.fragment_triangle.push_back(f.triangle);
-    draft.table.fragment_share.push_back(static_cast<float>(f.area));
+  if (find_triangle(own, texel_centre(own.front().texel, topology_.resolution), sample)) {
+    return sample;
   }
-  draft.table.fragment_begin.push_back(static_cast<int32_t>(draft.table.fragment_triangle.size()));
-  ++draft.own_texels[chart];
+  if (find_triangle(own, weighted / area, sample)) return sample;
+  sample.triangle = largest->triangle;
+  sample.barycentric = clamped(barycentric_at(largest->triangle, largest->centroid));
+  return sample;
 }
 
 }  // namespace snowbough::snow

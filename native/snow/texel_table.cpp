@@ -5,6 +5,7 @@
 #include <string>
 #include <utility>
 
+#include "snow/in_parallel.h"
 #include "snow/texel_draft.h"
 
 namespace snowbough::snow {
@@ -63,7 +64,6 @@ void shares_from_areas(TexelDraft& draft) {
 TexelDraft::TexelDraft(const MapTopology& given) : topology(given), charts(find_charts(given)) {
   table.resolution = topology.resolution;
   table.chart_count = charts.count;
-  table.fragment_begin.push_back(0);
   own_texels.assign(static_cast<size_t>(charts.count), 0);
 }
 
@@ -84,10 +84,10 @@ UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle) {
   return result;
 }
 
-TexelTable build_texel_table(const MapTopology& topology) {
+TexelTable build_texel_table(const MapTopology& topology, int32_t threads) {
   check_topology(topology);
   TexelDraft draft(topology);
-  cut_map(draft);
+  cut_map(draft, threads > 0 ? threads : default_threads());
   give_homeless_charts_a_texel(draft);
   credit_displaced_fragments(draft);
   shares_from_areas(draft);

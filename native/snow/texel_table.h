@@ -60,10 +60,11 @@ struct TexelTable {
 };
 
 /// Builds the table. O(covered texels + triangles). A chart too small to own any of its texels
-/// takes the one it covers most, if the owner there has another.
+/// takes the one it covers most, if the owner there has another. `threads` share the work where the
+/// map is large (0 = one a core); the result does not depend on them.
 /// @throws std::invalid_argument for index out of range, wrong array sizes, a resolution outside
 ///         [64, 8192], or coordinates outside [0, 1] (by more than 1e-4; the message says how
 ///         many).
-TexelTable build_texel_table(const MapTopology& topology);
+TexelTable build_texel_table(const MapTopology& topology, int32_t threads = 0);
 
 }  // namespace snowbough::snow

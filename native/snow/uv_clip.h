@@ -25,7 +25,7 @@ struct AreaCentroid {
 };
 AreaCentroid area_and_centroid(const ClipPolygon& polygon);
 
-/// A triangle's edges, prepared for sample_mask.
+/// A triangle's edges, prepared for SampleRow.
 struct SampleEdges {
   struct Edge {
     glm::dvec2 low;
@@ -37,10 +37,19 @@ struct SampleEdges {
   std::array<Edge, 3> edges;
 };
 
-/// Which of a texel's 8 x 8 sub-samples the triangle holds: bit 8 * row + column. Half-open, so
-/// that of two triangles that share an edge exactly one holds a sample on it. `corner` is the
-/// texel's lower left corner; a texel is 1 x 1.
-uint64_t sample_mask(const SampleEdges& triangle, glm::dvec2 corner);
+/// Where a triangle begins and ends on the eight lines of sub-samples of a row of texels.
+class SampleRow {
+ public:
+  SampleRow(const SampleEdges& triangle, int32_t row);
+
+  /// Which of a texel's 8 x 8 sub-samples the triangle holds: bit 8 * row + column. Half-open, so
+  /// that of two triangles that share an edge exactly one holds a sample on it.
+  uint64_t mask(int32_t column) const;
+
+ private:
+  std::array<double, 8> left_;
+  std::array<double, 8> right_;
+};
 
 /// The part of one triangle that lies in one texel; areas and positions in texels.
 struct Fragment {
@@ -48,13 +57,40 @@ struct Fragment {
   int32_t triangle;
   double area;
   glm::dvec2 centroid;
-  /// Its part of the texel's sub-samples, as sample_mask gives them.
+  /// Its part of the texel's sub-samples, as SampleRow gives them.
   uint64_t samples;
 };
 
+/// In texels.
+inline glm::dvec2 texel_centre(int32_t texel, int32_t resolution) {
+  return {texel % resolution + 0.5, texel / resolution + 0.5};
+}
+
+/// The fragment of a triangle that holds a whole texel.
+Fragment whole_fragment(int32_t texel, int32_t triangle, int32_t resolution);
+
+/// Texels side by side that lie wholly in one triangle.
+struct WholeRun {
+  int32_t first_texel;
+  int32_t count;
+  int32_t triangle;
+};
+
+/// What triangles hold: texels as a whole, and parts of others.
+struct TriangleCuts {
+  std::vector<WholeRun> whole;
+  std::vector<Fragment> parts;
+
+  void clear() {
+    whole.clear();
+    parts.clear();
+  }
+};
+
 /// Cuts the rows [row_begin, row_end) of `triangle` (number `index`) of a resolution x resolution
-/// map into fragments, appended to `fragments`, rows ascending, columns ascending.
-void cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolution, int32_t row_begin,
-                  int32_t row_end, std::vector<Fragment>& fragments);
+/// map, appended to `cuts`, rows ascending, columns ascending. Returns the area of all in texels,
+/// summed in this order.
+double cut_triangle(const UvTriangle& triangle, int32_t index, int32_t resolution,
+                    int32_t row_begin, int32_t row_end, TriangleCuts& cuts);
 
 }  // namespace snowbough::snow

@@ -352,14 +352,49 @@ TEST(TexelTable, aHundredThousandTrianglesAreCutCompletely) {
   EXPECT_NEAR(covered / (1024.0 * 1024.0), 1.0, 1e-6);
 }
 
-TEST(TexelTable, theSameInputGivesTheSameTable) {
-  const MapTopology topology = random_triangles(5, 200, 256);
-  const TexelTable a = build_texel_table(topology);
-  const TexelTable b = build_texel_table(topology);
+void expect_same(const TexelTable& a, const TexelTable& b) {
   EXPECT_EQ(a.texel, b.texel);
   EXPECT_EQ(a.triangle, b.triangle);
+  EXPECT_EQ(a.barycentric, b.barycentric);
+  EXPECT_EQ(a.chart, b.chart);
+  EXPECT_EQ(a.coverage, b.coverage);
+  EXPECT_EQ(a.fragment_begin, b.fragment_begin);
   EXPECT_EQ(a.fragment_triangle, b.fragment_triangle);
   EXPECT_EQ(a.fragment_share, b.fragment_share);
+  EXPECT_EQ(a.degenerate_triangles, b.degenerate_triangles);
+  EXPECT_EQ(a.homeless_charts, b.homeless_charts);
+  EXPECT_EQ(a.overlap, b.overlap);
+}
+
+TEST(TexelTable, theSameInputGivesTheSameTable) {
+  const MapTopology topology = random_triangles(5, 200, 256);
+  expect_same(build_texel_table(topology), build_texel_table(topology));
+}
+
+TEST(TexelTable, doesNotDependOnTheNumberOfThreads) {
+  const MapTopology topology = random_triangles(6, 300, 600);
+  const TexelTable one = build_texel_table(topology, 1);
+  for (const int32_t threads : {2, 5}) {
+    SCOPED_TRACE(std::to_string(threads) + " threads");
+    expect_same(one, build_texel_table(topology, threads));
+  }
+}
+
+TEST(TexelTable, trianglesThatReachOverManyRowsKeepTheirArea) {
+  const TexelTable table = build_texel_table(quad_map(0.1f, 0.0f, 0.9f, 1.0f, 1024), 2);
+  for (const double sum : share_sums(table, 2)) EXPECT_NEAR(sum, 1.0, 1e-5);
+  EXPECT_TRUE(std::is_sorted(table.texel.begin(), table.texel.end()));
+  EXPECT_EQ(table.overlap, 0.0f);
+}
+
+TEST(TexelTable, texelsThatSeveralTrianglesHoldAsAWholeGoToTheFirstChart) {
+  MapTopology topology = quad_map(0, 0, 1, 1, 64);
+  add_quad(topology, 0, 0, 1, 1);
+  const TexelTable table = build_texel_table(topology);
+  EXPECT_EQ(table.overlap, 1.0f);
+  // The second chart takes one, so that it has a home.
+  EXPECT_EQ(std::count(table.chart.begin(), table.chart.end(), 1), 1);
+  for (const double sum : share_sums(table, 4)) EXPECT_NEAR(sum, 1.0, 1e-5);
 }
 
 }  // namespace

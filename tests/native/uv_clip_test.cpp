@@ -44,44 +44,63 @@ TEST(AreaAndCentroid, takesTheMeanOfPointsOnALine) {
   EXPECT_DOUBLE_EQ(found.centroid.x, 2.0);
 }
 
-TEST(SampleMask, bitsGoByRowsFromTheLowerLeft) {
+TEST(SampleRow, bitsGoByRowsFromTheLowerLeft) {
   // Below the diagonal from (0, 0) to (1, 1): row r holds the columns right of it.
   const SampleEdges edges(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1)});
-  const uint64_t mask = sample_mask(edges, {0.0, 0.0});
+  const uint64_t mask = SampleRow(edges, 0).mask(0);
   EXPECT_EQ(mask & 0xFF, 0xFFu);
   EXPECT_EQ(mask >> 56, 0x80u);
 }
 
-TEST(SampleMask, neighboursShareNoSampleAndLeaveNone) {
+TEST(SampleRow, neighboursShareNoSampleAndLeaveNone) {
   const SampleEdges below(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1)});
   const SampleEdges above(UvTriangle{glm::dvec2(0, 0), glm::dvec2(1, 1), glm::dvec2(0, 1)});
-  const uint64_t a = sample_mask(below, {0.0, 0.0});
-  const uint64_t b = sample_mask(above, {0.0, 0.0});
+  const uint64_t a = SampleRow(below, 0).mask(0);
+  const uint64_t b = SampleRow(above, 0).mask(0);
   EXPECT_EQ(a & b, 0u);
   EXPECT_EQ(a | b, ~uint64_t{0});
 }
 
-TEST(CutTriangle, fragmentsComeByRowsAndColumnsAndAddUpToTheTriangle) {
-  std::vector<Fragment> fragments;
-  cut_triangle({glm::dvec2(0.5, 0.5), glm::dvec2(3.5, 0.5), glm::dvec2(0.5, 3.5)}, 7, 8, 0, 8,
-               fragments);
-  double area = 0.0;
-  for (size_t i = 0; i < fragments.size(); ++i) {
-    EXPECT_EQ(fragments[i].triangle, 7);
-    EXPECT_TRUE(i == 0 || fragments[i - 1].texel < fragments[i].texel);
-    area += fragments[i].area;
-  }
-  EXPECT_NEAR(area, 4.5, 1e-12);
+TEST(SampleRow, texelsBesideTheTriangleHaveNone) {
+  const SampleEdges edges(UvTriangle{glm::dvec2(1, 0), glm::dvec2(2, 0), glm::dvec2(2, 1)});
+  EXPECT_EQ(SampleRow(edges, 0).mask(0), 0u);
+  EXPECT_EQ(SampleRow(edges, 0).mask(2), 0u);
+  EXPECT_EQ(SampleRow(edges, 1).mask(1), 0u);
 }
 
-TEST(CutTriangle, aTexelInsideIsWhole) {
-  std::vector<Fragment> fragments;
-  cut_triangle({glm::dvec2(0, 0), glm::dvec2(8, 0), glm::dvec2(0, 8)}, 0, 8, 2, 3, fragments);
-  ASSERT_EQ(fragments.size(), 6u);  // row 2 only: five whole ones and the one on the slope
-  EXPECT_EQ(fragments[1].texel, 2 * 8 + 1);
-  EXPECT_EQ(fragments[1].area, 1.0);
-  EXPECT_EQ(std::popcount(fragments[1].samples), 64);
-  EXPECT_DOUBLE_EQ(fragments[5].area, 0.5);
+TEST(CutTriangle, partsComeByRowsAndColumnsAndAddUpToTheTriangle) {
+  TriangleCuts cuts;
+  const double sum = cut_triangle(
+      {glm::dvec2(0.5, 0.5), glm::dvec2(3.5, 0.5), glm::dvec2(0.5, 3.5)}, 7, 8, 0, 8, cuts);
+  double area = 0.0;
+  for (size_t i = 0; i < cuts.parts.size(); ++i) {
+    EXPECT_EQ(cuts.parts[i].triangle, 7);
+    EXPECT_TRUE(i == 0 || cuts.parts[i - 1].texel < cuts.parts[i].texel);
+    area += cuts.parts[i].area;
+  }
+  ASSERT_EQ(cuts.whole.size(), 1u);
+  EXPECT_EQ(cuts.whole[0].first_texel, 1 * 8 + 1);
+  EXPECT_NEAR(area + cuts.whole[0].count, 4.5, 1e-12);
+  EXPECT_NEAR(sum, 4.5, 1e-12);
+}
+
+TEST(CutTriangle, texelsInsideAreOneRun) {
+  TriangleCuts cuts;
+  cut_triangle({glm::dvec2(0, 0), glm::dvec2(8, 0), glm::dvec2(0, 8)}, 3, 8, 2, 3, cuts);
+  ASSERT_EQ(cuts.whole.size(), 1u);  // row 2 only: five whole ones and the one on the slope
+  EXPECT_EQ(cuts.whole[0].first_texel, 2 * 8);
+  EXPECT_EQ(cuts.whole[0].count, 5);
+  EXPECT_EQ(cuts.whole[0].triangle, 3);
+  ASSERT_EQ(cuts.parts.size(), 1u);
+  EXPECT_EQ(cuts.parts[0].texel, 2 * 8 + 5);
+  EXPECT_DOUBLE_EQ(cuts.parts[0].area, 0.5);
+}
+
+TEST(CutTriangle, aWholeTexelHasAllItsSamples) {
+  const Fragment fragment = whole_fragment(2 * 8 + 1, 4, 8);
+  EXPECT_EQ(fragment.area, 1.0);
+  EXPECT_EQ(fragment.centroid, glm::dvec2(1.5, 2.5));
+  EXPECT_EQ(std::popcount(fragment.samples), 64);
 }
 
 }  // namespace
