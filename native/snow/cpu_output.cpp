@@ -3,11 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <numeric>
 #include <thread>
 #include <utility>
 
-#include "snow/dilate.h"
 #include "snow/normals.h"
 
 // Two builds of the inner loops, chosen at run time; without fused multiply-add both give the same
@@ -90,20 +88,6 @@ SNOWBOUGH_WIDE uint32_t bits_of(const float* values, int32_t count) {
   return bits_in(values, count);
 }
 
-/// `items` with tiles `tile_of(item)`, sorted by tile, equal ones left in their order; fills in
-/// where each tile begins.
-template <typename Item, typename TileOf>
-std::vector<Item> sorted_by_tile(const std::vector<Item>& items, int32_t tile_count,
-                                 const TileOf& tile_of, std::vector<int32_t>& begin) {
-  begin.assign(static_cast<size_t>(tile_count) + 1, 0);
-  for (const Item& item : items) ++begin[tile_of(item) + 1];
-  std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-  std::vector<Item> sorted(items.size());
-  for (const Item& item : items) sorted[next[tile_of(item)]++] = item;
-  return sorted;
-}
-
 }  // namespace
 
 CpuOutput::CpuOutput(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
@@ -114,7 +98,9 @@ CpuOutput::CpuOutput(const TexelTable& table, const SeamTable& seams, const Smoo
       closing_passes_(plan.closing_passes),
       threads_(std::max(1, threads)),
       leveller_(closing_passes_ > 0 ? seams.levelling : SeamLevelling()),
+      continuation_(table, seams),
       tiles_(table.resolution) {
+  heights_.filled.assign(static_cast<size_t>(tiles_.count()), closing_passes_ == 0);
   if (closing_passes_ == 0) return;
   prepare(u_, seams.u, 1, plan.level_u);
   prepare(v_, seams.v, table.resolution, plan.level_v);
@@ -177,21 +163,18 @@ void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
 /// tiles each one looks at.
 void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
   const auto texels = static_cast<int32_t>(table_.resolution) * table_.resolution;
-  // Per ghost of the lines, and per tile: the last tile that it was noted for.
+  // Per ghost of the lines: the last tile that it was noted for, and where that has it.
   std::vector<int32_t> noted_ghost(lines.ghost_place.size(), -1);
   std::vector<int32_t> slot(lines.ghost_place.size());
-  std::vector<int32_t> noted_tile(static_cast<size_t>(tiles_.count()), -1);
+  axis.reads = TileReads(tiles_.count());
   for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
     axis.ghost_begin.push_back(static_cast<int32_t>(axis.ghosts.size()));
-    axis.reads_begin.push_back(static_cast<int32_t>(axis.reads.size()));
-    const auto note = [&](int32_t other) {
-      if (std::exchange(noted_tile[other], tile) != tile) axis.reads.push_back(other);
-    };
-    note(tile);
+    axis.reads.begin_tile();
+    axis.reads.note(tile);
     const int32_t step = axis.stride == 1 ? 1 : tiles_.columns;
     const int32_t along = axis.stride == 1 ? tile % tiles_.columns : tile / tiles_.columns;
-    if (along > 0) note(tile - step);
-    if (along + 1 < (axis.stride == 1 ? tiles_.columns : tiles_.rows)) note(tile + step);
+    if (along > 0) axis.reads.note(tile - step);
+    if (along + 1 < (axis.stride == 1 ? tiles_.columns : tiles_.rows)) axis.reads.note(tile + step);
     for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
       for (int32_t& tap : axis.odd[i].taps) {
         if (tap <= texels) continue;
@@ -202,7 +185,7 @@ void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
             const int32_t source = table_.texel[lines.ghosts.source[t]];
             axis.ghosts.source.push_back(source);
             axis.ghosts.weight.push_back(lines.ghosts.weight[t]);
-            note(tiles_.of(source));
+            axis.reads.note(tiles_.of(source));
           }
           axis.ghosts.begin.push_back(static_cast<int32_t>(axis.ghosts.source.size()));
         }
@@ -211,7 +194,6 @@ void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
     }
   }
   axis.ghost_begin.push_back(static_cast<int32_t>(axis.ghosts.size()));
-  axis.reads_begin.push_back(static_cast<int32_t>(axis.reads.size()));
 }
 
 void CpuOutput::clear_tile(Heights& heights, int32_t tile) const {
@@ -286,10 +268,7 @@ void CpuOutput::filter_tile_row(const Axis& axis, Heights& from, Heights& to, bo
 
 void CpuOutput::filter(const Axis& axis, Heights& from, Heights& to, bool add) const {
   for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
-    const bool sees_snow = std::any_of(axis.reads.begin() + axis.reads_begin[tile],
-                                       axis.reads.begin() + axis.reads_begin[tile + 1],
-                                       [&](int32_t other) { return from.filled[other] != 0; });
-    if (sees_snow) {
+    if (axis.reads.sees(tile, from.filled)) {
       to.filled[tile] = 1;
     } else if (!add) {
       clear_tile(to, tile);
@@ -323,7 +302,7 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
   } else {
     output.height = stored;
   }
-  continue_beyond_charts(table_, seams_, output.height);
+  continuation_.run(output.height, heights_.filled);
   if (closing_passes_ > 0) leveller_.run(output.height);
   if (!metrics.empty()) {
     std::vector<float> owned(table_.texel.size());

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "snow/dilate.h"
 #include "snow/level_seams.h"
 #include "snow/map_output.h"
 #include "snow/map_tiles.h"
@@ -65,8 +66,7 @@ class CpuOutput {
     std::vector<int32_t> ghost_begin;
     WeightedRows ghosts;
     /// The tiles that a tile's texels look at, its own included.
-    std::vector<int32_t> reads_begin;
-    std::vector<int32_t> reads;
+    TileReads reads;
   };
   /// resolution^2 heights, a zero, then the ghosts of one axis; and per tile whether it may hold
   /// anything but 0.
@@ -92,6 +92,7 @@ class CpuOutput {
   int32_t closing_passes_ = 0;
   int32_t threads_ = 1;
   SeamLeveller leveller_;
+  MapContinuation continuation_;
   MapTiles tiles_;
   Axis u_;
   Axis v_;

@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <numeric>
+#include <utility>
+#include <vector>
 
 namespace snowbough::snow {
 
 /// Tiles that a map is worked on by, so that what is bare can be passed over: long along u, where
 /// texels lie one after the other in memory.
-inline constexpr int32_t kTileWidth = 256;
+inline constexpr int32_t kTileWidth = 32;
 inline constexpr int32_t kTileHeight = 4;
 
 /// A map's tiles, numbered row by row; those at the upper and right border may be cut off.
@@ -37,5 +40,48 @@ struct MapTiles {
     }
   }
 };
+
+/// Which tiles each tile takes values from, noted tile by tile.
+class TileReads {
+ public:
+  TileReads() = default;
+  explicit TileReads(int32_t tile_count) : noted_for_(static_cast<size_t>(tile_count), -1) {}
+
+  /// What is noted from here on belongs to the next tile.
+  void begin_tile() { begin_.push_back(begin_.back()); }
+  void note(int32_t tile) {
+    const auto reader = static_cast<int32_t>(begin_.size()) - 2;
+    if (std::exchange(noted_for_[tile], reader) == reader) return;
+    tiles_.push_back(tile);
+    ++begin_.back();
+  }
+
+  /// Whether one of the tiles that `tile` takes values from is `filled`.
+  bool sees(int32_t tile, const std::vector<uint8_t>& filled) const {
+    return std::any_of(tiles_.begin() + begin_[tile], tiles_.begin() + begin_[tile + 1],
+                       [&](int32_t other) { return filled[other] != 0; });
+  }
+
+ private:
+  /// Where each tile's begin.
+  std::vector<int32_t> begin_{0};
+  std::vector<int32_t> tiles_;
+  /// Per tile: the last one that noted it.
+  std::vector<int32_t> noted_for_;
+};
+
+/// `items` with tiles `tile_of(item)`, sorted by tile, equal ones left in their order; fills in
+/// where each tile begins.
+template <typename Item, typename TileOf>
+std::vector<Item> sorted_by_tile(const std::vector<Item>& items, int32_t tile_count,
+                                 const TileOf& tile_of, std::vector<int32_t>& begin) {
+  begin.assign(static_cast<size_t>(tile_count) + 1, 0);
+  for (const Item& item : items) ++begin[tile_of(item) + 1];
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+  std::vector<Item> sorted(items.size());
+  for (const Item& item : items) sorted[next[tile_of(item)]++] = item;
+  return sorted;
+}
 
 }  // namespace snowbough::snow
