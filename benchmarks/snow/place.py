@@ -84,7 +84,10 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
     amount = height[texel] * weight
     if leaking.any():
         facing = facing_slopes(table, meshes[receiver], np.flatnonzero(leaking), direction)
-        far = far_from_light(points[leaking], facing, points[lit], direction, pixel_size, weight.max() ** 0.5)
+        reached = lit | (snowed & ~dark)  # some by one of the finer rays only
+        far = far_from_light(
+            points[leaking], facing, points[reached], direction, pixel_size, weight.max() ** 0.5
+        )
         leaked = amount[leaking][far].sum() / amount.sum()
         row(
             f"3 {name}: beyond a pixel's footprint",
