@@ -1,12 +1,12 @@
 #include "snow/scene_buffers.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <map>
+#include <span>
 #include <stdexcept>
 #include <string>
 
+#include "snow/group_triangles.h"
 #include "snow/surface_order.h"
 
 namespace snowbough::snow {
@@ -84,7 +84,14 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
 /// Splits a group's texels into batches while they are made, object by object.
 class BatchWriter {
  public:
-  BatchWriter(SceneBuffers& scene, int32_t group) : scene_(scene), group_(group) {}
+  /// The group has about that many texels and fragments.
+  BatchWriter(SceneBuffers& scene, int32_t group, size_t texel_count, size_t fragment_count)
+      : scene_(scene), group_(group) {
+    const size_t texels = std::min(texel_count, static_cast<size_t>(kBatchTexels));
+    arrays_.texels.reserve(texels);
+    arrays_.fragment_begin.reserve(texels + 1);
+    arrays_.fragments.reserve(std::min(fragment_count, kBatchFragments));
+  }
 
   /// An object's texels share a batch unless they fill one alone: where batches end then depends on
   /// the object only, and so does what its passes compute.
@@ -97,17 +104,41 @@ class BatchWriter {
     open_segment();
   }
 
-  void add(const shared::Texel& texel) {
-    if (in_batch() == kBatchTexels ||
-        (in_batch() % kTexelGroup == 0 && arrays_.fragments.size() > kBatchFragments)) {
+  /// Adds the object's next texels, a work group of them or, at its end, less: those of `table`
+  /// that `order` lists. Their triangles and places on the map group begin at these numbers.
+  void add_group(const TexelTable& table, std::span<const int32_t> order, uint32_t first_triangle,
+                 uint32_t first_place) {
+    if (in_batch() == kBatchTexels || arrays_.fragments.size() > kBatchFragments) {
       flush();
       open_segment();
     }
-    arrays_.fragment_begin.push_back(static_cast<uint32_t>(arrays_.fragments.size()));
-    arrays_.texels.push_back(texel);
+    const size_t first = arrays_.texels.size();
+    arrays_.texels.resize(first + order.size());
+    arrays_.fragment_begin.resize(first + order.size());
+    shared::Texel* texel = &arrays_.texels[first];
+    uint32_t* begin = &arrays_.fragment_begin[first];
+    auto fragment_count = static_cast<uint32_t>(arrays_.fragments.size());
+    const size_t first_fragment = fragment_count;
+    for (const int32_t index : order) {
+      const auto i = static_cast<size_t>(index);
+      *texel++ = {static_cast<uint32_t>(table.triangle[i]) + first_triangle,
+                  static_cast<uint32_t>(table.texel[i]) + first_place, table.barycentric[i].x,
+                  table.barycentric[i].y};
+      *begin++ = fragment_count;
+      fragment_count +=
+          static_cast<uint32_t>(table.fragment_begin[i + 1] - table.fragment_begin[i]);
+    }
+    arrays_.fragments.resize(fragment_count);
+    shared::Fragment* fragment = arrays_.fragments.data() + first_fragment;
+    for (const int32_t index : order) {
+      const auto i = static_cast<size_t>(index);
+      const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
+      for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
+        *fragment++ = {static_cast<uint32_t>(table.fragment_triangle[f]) + first_triangle,
+                       table.fragment_share[f]};
+      }
+    }
   }
-
-  void add_fragment(const shared::Fragment& fragment) { arrays_.fragments.push_back(fragment); }
 
   void end_object() {
     while (in_batch() % kTexelGroup != 0) {
@@ -118,20 +149,10 @@ class BatchWriter {
     slot_ = -1;
   }
 
-  /// `triangle` of the scene lies on a texel of the work group or beside one (`work_group`: within
-  /// the map group).
-  void note_triangle(int32_t work_group, uint32_t triangle) {
-    const auto group = static_cast<size_t>(work_group);
-    if (group >= group_triangles_.size()) {
-      group_triangles_.resize(group + 1);
-    }
-    std::vector<uint32_t>& triangles = group_triangles_[group];
-    if (triangles.empty() || triangles.back() != triangle) {
-      triangles.push_back(triangle);
-    }
-  }
+  /// Where the triangles of the work groups are noted, in the order of the groups.
+  GroupTriangles& triangles() { return triangles_; }
 
-  /// Index within the group of the next texel.
+  /// Index within the map group of the next texel.
   int32_t next() const { return first_ + in_batch(); }
 
   void flush() {
@@ -157,22 +178,14 @@ class BatchWriter {
   }
 
  private:
-  void upload_group_triangles(TexelBatch& batch) {
-    std::vector<uint32_t> begin;
-    std::vector<uint32_t> all;
-    const size_t first = static_cast<size_t>(batch.first) / kTexelGroup;
-    for (size_t g = first; g < first + static_cast<size_t>(batch.group_count()); ++g) {
-      begin.push_back(static_cast<uint32_t>(all.size()));
-      if (g < group_triangles_.size()) {
-        std::vector<uint32_t>& triangles = group_triangles_[g];
-        std::sort(triangles.begin(), triangles.end());
-        triangles.erase(std::unique(triangles.begin(), triangles.end()), triangles.end());
-        all.insert(all.end(), triangles.begin(), triangles.end());
-      }
-    }
-    begin.push_back(static_cast<uint32_t>(all.size()));
+  void upload_group_triangles(TexelBatch& batch) const {
+    const auto first = triangles_.begin.begin() + batch.first / static_cast<int32_t>(kTexelGroup);
+    std::vector<uint32_t> begin(first, first + batch.group_count() + 1);
+    const std::vector<uint32_t> own(triangles_.triangles.begin() + begin.front(),
+                                    triangles_.triangles.begin() + begin.back());
+    for (uint32_t& place : begin) place -= first[0];
     batch.group_begin = gpu::Buffer(begin);
-    batch.group_triangles = gpu::Buffer(all);
+    batch.group_triangles = gpu::Buffer(own);
     batch.views.group_begin = gpu::BufferTexture(batch.group_begin, GL_R32UI);
     batch.views.group_triangles = gpu::BufferTexture(batch.group_triangles, GL_R32UI);
   }
@@ -194,49 +207,8 @@ class BatchWriter {
   int32_t slot_ = -1;
   int32_t segment_begin_ = 0;
   TexelArrays arrays_;
-  std::vector<std::vector<uint32_t>> group_triangles_;
+  GroupTriangles triangles_;
 };
-
-/// Notes for every texel's group the triangles on the texel, and those on its chart's texels around
-/// it that are in other groups: a pixel's snow may go to the texel beside the one that it hits.
-void note_triangles(const TexelTable& table, const std::vector<uint32_t>& owners,
-                    uint32_t first_triangle, BatchWriter& writer) {
-  const int32_t size = table.resolution;
-  constexpr int32_t kNobody = -1;
-  std::vector<int32_t> groups(owners.size() / 2, kNobody);
-  for (const int32_t texel : table.texel) {
-    groups[static_cast<size_t>(texel)] =
-        static_cast<int32_t>((owners[2 * static_cast<size_t>(texel)] - 1) / kTexelGroup);
-  }
-  for (size_t i = 0; i < table.texel.size(); ++i) {
-    const int32_t texel = table.texel[i];
-    std::array<int32_t, 9> takers = {groups[static_cast<size_t>(texel)]};
-    size_t taker_count = 1;
-    const int32_t last_row = std::min(texel / size + 1, size - 1);
-    const int32_t last_column = std::min(texel % size + 1, size - 1);
-    for (int32_t y = std::max(texel / size - 1, 0); y <= last_row; ++y) {
-      for (int32_t x = std::max(texel % size - 1, 0); x <= last_column; ++x) {
-        const auto other = static_cast<size_t>(y * size + x);
-        const int32_t group = groups[other];
-        if (group == takers[0] || group == kNobody) continue;
-        const bool of_the_chart =
-            owners[2 * other + 1] >> 8 == static_cast<uint32_t>(table.chart[i]);
-        const auto end = takers.begin() + taker_count;
-        if (of_the_chart && std::find(takers.begin(), end, group) == end) {
-          takers[taker_count++] = group;
-        }
-      }
-    }
-    for (size_t taker = 0; taker < taker_count; ++taker) {
-      writer.note_triangle(takers[taker],
-                           first_triangle + static_cast<uint32_t>(table.triangle[i]));
-      for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
-        writer.note_triangle(takers[taker],
-                             first_triangle + static_cast<uint32_t>(table.fragment_triangle[f]));
-      }
-    }
-  }
-}
 
 /// Adds one receiver's texels to its group and fills in its owners and map triangles.
 void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
@@ -252,34 +224,39 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
     map_triangles.push_back({uv[0], uv[1], uv[2], 0, 0});
   }
 
+  const std::vector<int32_t> order = surface_order(table);
+  const auto first_owner = static_cast<uint32_t>(writer.next()) + 1;
+  for (size_t begin = 0; begin < order.size(); begin += kTexelGroup) {
+    const size_t count = std::min<size_t>(kTexelGroup, order.size() - begin);
+    writer.add_group(table, std::span(order).subspan(begin, count),
+                     static_cast<uint32_t>(first_triangle),
+                     static_cast<uint32_t>(layer) * map_texels);
+  }
+
   std::vector<uint32_t> owners(2 * static_cast<size_t>(map_texels), 0);
   std::vector<float> home_share(static_cast<size_t>(object.triangle_count()), 0.0f);
-  for (const int32_t index : surface_order(table)) {
-    const auto i = static_cast<size_t>(index);
-    const auto place = static_cast<uint32_t>(table.texel[i]);
-    writer.add({static_cast<uint32_t>(table.triangle[i] + first_triangle),
-                place + static_cast<uint32_t>(layer) * map_texels, table.barycentric[i].x,
-                table.barycentric[i].y});
-    const auto owner = static_cast<uint32_t>(writer.next());  // 1 + index
+  for (size_t at = 0; at < order.size(); ++at) {
+    const auto i = static_cast<size_t>(order[at]);
+    const auto owner = first_owner + static_cast<uint32_t>(at);
     const auto chart = static_cast<uint32_t>(table.chart[i]);
     const auto coverage =
-        static_cast<uint32_t>(std::lround(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f));
-    owners[2 * place] = owner;
-    owners[2 * place + 1] = chart << 8 | coverage;
-    for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
-      const auto triangle = static_cast<size_t>(table.fragment_triangle[static_cast<size_t>(f)]);
-      const float share = table.fragment_share[static_cast<size_t>(f)];
-      writer.add_fragment(
-          {static_cast<uint32_t>(triangle) + static_cast<uint32_t>(first_triangle), share});
-      if (share > home_share[triangle]) {
-        home_share[triangle] = share;
+        static_cast<uint32_t>(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f + 0.5f);
+    uint32_t* const place = &owners[2 * static_cast<size_t>(table.texel[i])];
+    place[0] = owner;
+    place[1] = chart << 8 | coverage;
+    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
+    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
+      const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
+      if (table.fragment_share[f] > home_share[triangle]) {
+        home_share[triangle] = table.fragment_share[f];
         map_triangles[first_map + triangle].home = owner;
         map_triangles[first_map + triangle].chart = chart;
       }
     }
   }
   group.owners.write(layer, GL_RG_INTEGER, GL_UNSIGNED_INT, owners.data());
-  note_triangles(table, owners, static_cast<uint32_t>(first_triangle), writer);
+  add_group_triangles(table, order, owners, static_cast<uint32_t>(first_triangle),
+                      writer.triangles());
 }
 
 /// Uploads the objects' alpha; masks that several objects share lie there once.
@@ -363,7 +340,14 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   for (size_t g = 0; g < plan.groups.size(); ++g) {
     scene.groups.push_back(make_map_group(plan.groups[g]));
     MapGroup& group = scene.groups.back();
-    BatchWriter writer(scene, static_cast<int32_t>(g));
+    size_t texel_count = 0;
+    size_t fragment_count = 0;
+    for (int32_t slot = group.first_slot; slot < group.end_slot; ++slot) {
+      const TexelTable& table = objects[by_slot[static_cast<size_t>(slot)]]->table;
+      texel_count += table.texel.size() + kTexelGroup;
+      fragment_count += table.fragment_share.size();
+    }
+    BatchWriter writer(scene, static_cast<int32_t>(g), texel_count, fragment_count);
     for (int32_t slot = group.first_slot; slot < group.end_slot; ++slot) {
       const size_t i = by_slot[static_cast<size_t>(slot)];
       map_offsets[static_cast<size_t>(slot)] =
