@@ -220,6 +220,7 @@ py::dict memory_estimate(const SnowSimulation& simulation) {
   dict["geometry"] = estimate.geometry;
   dict["tile"] = estimate.tile;
   dict["output"] = estimate.output;
+  dict["seams"] = estimate.seams;
   dict["text"] = estimate.text();
   return dict;
 }

@@ -305,9 +305,7 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
   continuation_.run(output.height, heights_.filled);
   if (closing_passes_ > 0) leveller_.run(output.height);
   if (!metrics.empty()) {
-    std::vector<float> owned(table_.texel.size());
-    for (size_t i = 0; i < owned.size(); ++i) owned[i] = output.height[table_.texel[i]];
-    output.normal = dilate_normals(table_, seams_, normals_on_cpu(table_, seams_, metrics, owned));
+    output.normal = normal_map(table_, seams_, metrics, output.height);
   }
   return output;
 }

@@ -1,156 +1,238 @@
 #include "snow/level_seams.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "snow/seam_gradients.h"
 
 namespace snowbough::snow {
+namespace {
+
+/// How much a change of the map counts beside a difference that is left: in the first problem (both
+/// in metres), then in the second (both parts of the height).
+constexpr float kDamping = 0.05f;
+constexpr float kFineDamping = 0.001f;
+/// What part of the height at a seam the sides may differ by; heights under least_height count as
+/// that.
+constexpr float kLevelWithin = 0.005f;
+/// What a factor may take, in multiplications: the one that is made once, about two seconds, and
+/// the one that is made for every map.
+constexpr int64_t kMostWork = int64_t{1} << 29;
+constexpr int64_t kMostFineWork = int64_t{1} << 26;
+/// Rounds in place of a factor.
+constexpr int32_t kRounds = 20;
+constexpr int32_t kFineRounds = 30;
+/// Changes below this part of least_height, or of the height in the second problem, are not
+/// followed on.
+constexpr float kNegligible = 1e-5f;
+
+/// Gives the points' texels new numbers, up to the last, which stays.
+void renumber(std::vector<SeamRow>& points, const std::vector<int32_t>& number) {
+  std::array<std::pair<int32_t, float>, kSeamTerms> terms;
+  for (SeamRow& point : points) {
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      terms[t] = {number[point.source[t]], point.weight[t]};
+    }
+    std::sort(terms.begin(), terms.end());
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      std::tie(point.source[t], point.weight[t]) = terms[t];
+    }
+  }
+}
+
+}  // namespace
 
 SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
-    : texel_(levelling.gaps.source),
+    : texel_(levelling.texel),
+      unknowns_(levelling.unknowns),
       least_height_(levelling.least_height),
-      points_(levelling.gaps.size()) {
-  std::sort(texel_.begin(), texel_.end());
-  texel_.erase(std::unique(texel_.begin(), texel_.end()), texel_.end());
-  first_copy_ = texel_.size();
-  // Per texel: its row of corrections, or -1.
-  std::vector<int32_t> row(texel_.size(), -1);
-  const auto index = [&](int32_t texel) {
-    const auto end = texel_.begin() + static_cast<ptrdiff_t>(first_copy_);
-    return static_cast<int32_t>(std::lower_bound(texel_.begin(), end, texel) - texel_.begin());
-  };
-  for (size_t i = 0; i < levelling.texel.size(); ++i) {
-    row[index(levelling.texel[i])] = static_cast<int32_t>(i);
+      points_(levelling.points),
+      heights_(texel_.size() + 1, 0.0f),
+      limits_(texel_.size() + 1, 0.0f),
+      marks_(texel_.size() + 1, 0.0f),
+      fine_number_(texel_.size(), -1) {
+  std::vector<int32_t> number(texel_.size() + 1);
+  std::iota(number.begin(), number.end(), 0);
+  renumber(points_, number);
+  const std::vector<int32_t> order = SeamFactor::elimination_order(points_, unknowns_);
+  for (int32_t k = 0; k < unknowns_; ++k) {
+    number[order[k]] = k;
+    texel_[k] = levelling.texel[order[k]];
   }
-  const WeightedRows& gaps = levelling.gaps;
-  const WeightedRows& corrections = levelling.corrections;
-  /// The weight by which a texel takes the point's difference; 0 if it does not.
-  const auto correction = [&](int32_t texel, int32_t point) {
-    if (row[texel] < 0) return 0.0f;
-    const auto first = corrections.source.begin() + corrections.begin[row[texel]];
-    const auto last = corrections.source.begin() + corrections.begin[row[texel] + 1];
-    const auto found = std::lower_bound(first, last, point);
-    return found != last && *found == point ? corrections.weight[found - corrections.source.begin()]
-                                            : 0.0f;
-  };
-  scale_.resize(texel_.size(), 0.0f);
-  for (size_t p = 0; p < gaps.size(); ++p) {
-    // A side is read between four texels.
-    for (int32_t t = gaps.begin[p]; t < gaps.begin[p + 1]; ++t) {
-      const int32_t k = t - gaps.begin[p];
-      int32_t source = index(gaps.source[t]);
-      const float taken = correction(source, static_cast<int32_t>(p));
-      if (taken != 0.0f && gaps.weight[t] != 0.0f) {
-        // The same for all of a texel's points, but for rounding.
-        if (scale_[source] == 0.0f) scale_[source] = taken / gaps.weight[t];
-      } else {
-        copy_of_.push_back(source);
-        texel_.push_back(gaps.source[t]);
-        source = static_cast<int32_t>(texel_.size()) - 1;
-      }
-      points_[p].source[k] = source;
-      points_[p].weight[k] = gaps.weight[t];
+  renumber(points_, number);
+  factorised_ = factor_.compute(points_, unknowns_, kDamping, kMostWork);
+  factor_.shrink();
+}
+
+inline SeamLeveller::Sight SeamLeveller::look_at(int32_t point) const {
+  const SeamRow& row = points_[point];
+  Sight sight{point, 0.0f, 0.0f};
+  for (int32_t t = 0; t < kSeamTerms; ++t) {
+    const float part = row.weight[t] * heights_[row.source[t]];
+    sight.gap += part;
+    sight.height += std::fabs(part);
+  }
+  return sight;
+}
+
+void SeamLeveller::level_all() {
+  values_.assign(heights_.size(), 0.0f);
+  std::fill(limits_.begin(), limits_.end(), 0.0f);
+  seen_.clear();
+  for (size_t p = 0; p < points_.size(); ++p) {
+    const Sight sight = look_at(static_cast<int32_t>(p));
+    if (sight.height == 0.0f) continue;
+    seen_.push_back(sight);
+    const SeamRow& point = points_[p];
+    float limit = 0.0f;
+    for (const int32_t texel : point.source) limit = std::max(limit, heights_[texel]);
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      values_[point.source[t]] += point.weight[t] * sight.gap;
+      limits_[point.source[t]] = std::max(limits_[point.source[t]], limit);
     }
   }
-  scale_.resize(texel_.size(), 0.0f);
-  heights_.resize(texel_.size());
-  changes_.resize(texel_.size(), 0.0f);
-  texel_marks_.resize(texel_.size(), 0.0f);
-}
-
-void SeamLeveller::refresh_copies(std::vector<float>& heights) const {
-  for (size_t i = 0; i < copy_of_.size(); ++i) heights[first_copy_ + i] = heights[copy_of_[i]];
-}
-
-inline void SeamLeveller::spread(const Point& point, float share,
-                                 const std::vector<float>& heights) {
-  float gap = 0.0f;
-  for (size_t k = 0; k < kTerms; ++k) gap += point.weight[k] * heights[point.source[k]];
-  gap *= share;
-  for (size_t k = 0; k < kTerms; ++k) changes_[point.source[k]] += point.weight[k] * gap;
-}
-
-inline float SeamLeveller::changed(size_t texel, const std::vector<float>& heights) {
-  const float change = scale_[texel] * changes_[texel];
-  changes_[texel] = 0.0f;
-  return std::max(0.0f, heights[texel] + change);
-}
-
-/// 0 where the sides differ by less than kLevelWithin of the height there, 1 at twice that.
-float SeamLeveller::mark_of(const Point& point) const {
-  float gap = 0.0f;
-  float height = 0.0f;
-  for (size_t k = 0; k < kTerms; ++k) {
-    const float part = point.weight[k] * heights_[point.source[k]];
-    gap += part;
-    height += std::fabs(part);
+  values_.resize(static_cast<size_t>(unknowns_));
+  if (factorised_) {
+    factor_.solve(values_, kNegligible * least_height_);
+  } else {
+    solve_by_gradients(points_, static_cast<int32_t>(heights_.size()), kDamping, kRounds, values_);
   }
-  const float allowed = kLevelWithin * std::max(height, least_height_);
-  return std::clamp(2.0f * std::fabs(gap) / allowed - 1.0f, 0.0f, 1.0f);
+  for (int32_t i = 0; i < unknowns_; ++i) {
+    heights_[i] = std::clamp(heights_[i] - values_[i], 0.0f, limits_[i]);
+  }
 }
 
-/// Marks the texels that change for a point whose sides differ by too much.
+/// Marks the texels that change for a point whose sides differ by too much, and takes the points
+/// that look at a marked texel.
 void SeamLeveller::mark() {
-  std::fill(texel_marks_.begin(), texel_marks_.end(), 0.0f);
-  for (const Point& point : points_) {
-    const float mark = mark_of(point);
-    if (mark == 0.0f) continue;
-    for (size_t k = 0; k < kTerms; ++k) {
-      float& most = texel_marks_[point.source[k]];
-      if (point.weight[k] != 0.0f && mark > most) most = mark;
+  std::fill(marks_.begin(), marks_.end(), 0.0f);
+  for (Sight& sight : seen_) {
+    sight = look_at(sight.point);
+    sight.height = std::max(0.5f * sight.height, least_height_);
+    const float mark = std::min(std::fabs(sight.gap) / (kLevelWithin * sight.height) - 1.0f, 1.0f);
+    if (mark <= 0.0f) continue;
+    for (const int32_t texel : points_[sight.point].source) {
+      marks_[texel] = std::max(marks_[texel], mark);
     }
   }
-  for (size_t i = 0; i < copy_of_.size(); ++i) texel_marks_[first_copy_ + i] = 0.0f;
-  refresh_copies(texel_marks_);
+  std::fill(marks_.begin() + unknowns_, marks_.end(), 0.0f);
+  fine_points_.clear();
+  for (const Sight& sight : seen_) {
+    float share = 0.0f;
+    for (const int32_t texel : points_[sight.point].source) share = std::max(share, marks_[texel]);
+    if (share > 0.0f) fine_points_.push_back({sight.point, share / sight.height});
+  }
 }
 
-/// Takes the points that look at a marked texel, and all texels that those look at.
-void SeamLeveller::take_marked() {
-  fine_points_.clear();
-  fine_shares_.clear();
+/// By how much one unit of the second problem changes a texel's height.
+inline float SeamLeveller::fine_reach(int32_t texel) const {
+  return marks_[texel] * (heights_[texel] + least_height_);
+}
+
+/// Writes down the second problem for the texels that have a mark.
+void SeamLeveller::assemble() {
   fine_texels_.clear();
-  for (const Point& point : points_) {
-    float share = 0.0f;
-    for (size_t k = 0; k < kTerms; ++k) {
-      const float mark = texel_marks_[point.source[k]];
-      if (point.weight[k] != 0.0f) share = std::max(share, mark);
+  for (int32_t i = 0; i < unknowns_; ++i) {
+    if (marks_[i] == 0.0f) continue;
+    fine_number_[i] = static_cast<int32_t>(fine_texels_.size());
+    fine_texels_.push_back(i);
+  }
+  values_.assign(fine_texels_.size(), 0.0f);
+  fine_rows_.clear();
+  for (const FinePoint& fine : fine_points_) {
+    const SeamRow& point = points_[fine.point];
+    const float gap = fine.share * look_at(fine.point).gap;
+    SeamRow row;
+    row.source.fill(static_cast<int32_t>(fine_texels_.size()));
+    int32_t count = 0;
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      const int32_t i = point.source[t];
+      if (marks_[i] == 0.0f) continue;
+      const float weight = fine.share * point.weight[t] * fine_reach(i);
+      row.source[count] = fine_number_[i];
+      row.weight[count++] = weight;
+      values_[fine_number_[i]] += weight * gap;
     }
-    if (share == 0.0f) continue;
-    fine_points_.push_back(point);
-    fine_shares_.push_back(share);
+    if (count > 0) fine_rows_.push_back(row);
   }
-  std::fill(texel_marks_.begin(), texel_marks_.end(), 0.0f);
-  for (const Point& point : fine_points_) {
-    for (const int32_t source : point.source) texel_marks_[source] = 1.0f;
+}
+
+/// Returns whether the solution is exact.
+bool SeamLeveller::solve_fine() {
+  const auto count = static_cast<int32_t>(fine_texels_.size());
+  if (fine_factor_.compute(fine_rows_, count, kFineDamping, kMostFineWork)) {
+    fine_factor_.solve(values_, kNegligible);
+    return true;
   }
-  for (size_t i = 0; i < first_copy_; ++i) {
-    if (texel_marks_[i] > 0.0f) fine_texels_.push_back(static_cast<int32_t>(i));
+  solve_by_gradients(fine_rows_, count + 1, kFineDamping, kFineRounds, values_);
+  return false;
+}
+
+/// The height that the second problem's solution gives its texel k, and that within limits.
+inline std::pair<float, float> SeamLeveller::fine_height(size_t k) const {
+  const int32_t i = fine_texels_[k];
+  const float height = heights_[i] - fine_reach(i) * values_[k];
+  return {height, std::clamp(height, 0.0f, limits_[i])};
+}
+
+/// Takes over the heights that hang together with none beyond its limits; those that are beyond
+/// stay at their limits, and the others wait. What is done loses its mark. Returns whether any
+/// waits.
+bool SeamLeveller::take_but_for_limits() {
+  const std::vector<int32_t> component = fine_factor_.components();
+  std::vector<bool> waits(fine_texels_.size(), false);
+  bool any = false;
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    const auto [height, limited] = fine_height(k);
+    if (height != limited) any = waits[component[k]] = true;
+  }
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    const auto [height, limited] = fine_height(k);
+    if (waits[component[k]] && height == limited) continue;
+    heights_[fine_texels_[k]] = limited;
+    marks_[fine_texels_[k]] = 0.0f;
+  }
+  return any;
+}
+
+void SeamLeveller::level_fine() {
+  mark();
+  assemble();
+  if (fine_texels_.empty()) return;
+  if (solve_fine()) {
+    if (!take_but_for_limits()) return;
+    assemble();
+    if (fine_texels_.empty()) return;
+    solve_fine();
+  }
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    heights_[fine_texels_[k]] = fine_height(k).second;
   }
 }
 
 void SeamLeveller::run(std::vector<float>& map) {
   for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
-  for (const Point& point : points_) spread(point, 1.0f, heights_);
-  for (size_t i = 0; i < first_copy_; ++i) heights_[i] = changed(i, heights_);
-  refresh_copies(heights_);
-  mark();
-  take_marked();
-  ahead_ = heights_;
-  start_ = heights_;
-  for (int32_t round = 0; round < kFineRounds; ++round) {
-    for (size_t p = 0; p < fine_points_.size(); ++p)
-      spread(fine_points_[p], fine_shares_[p], ahead_);
-    for (const int32_t at : fine_texels_) {
-      const auto texel = static_cast<size_t>(at);
-      const float reach = kMostChange * (start_[texel] + least_height_);
-      const float next = std::clamp(changed(texel, ahead_), std::max(0.0f, start_[texel] - reach),
-                                    start_[texel] + reach);
-      ahead_[texel] = std::max(0.0f, next + fine_momentum(round) * (next - heights_[texel]));
-      heights_[texel] = next;
-    }
-    refresh_copies(ahead_);
+  level_all();
+  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
+  // Another chart's texels have changed on that chart's account.
+  for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
+    heights_[i] = map[texel_[i]];
   }
-  std::fill(changes_.begin(), changes_.end(), 0.0f);
-  for (size_t i = 0; i < first_copy_; ++i) map[texel_[i]] = heights_[i];
+  level_fine();
+  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
+}
+
+int64_t SeamLeveller::bytes() const {
+  const auto of = [](const auto& values) {
+    return static_cast<int64_t>(values.capacity() * sizeof(values[0]));
+  };
+  return of(texel_) + of(points_) + of(heights_) + of(values_) + of(seen_) + of(marks_) +
+         of(fine_number_) + of(fine_texels_) + of(fine_points_) + of(fine_rows_) + of(limits_) +
+         8 * (factor_.entries() + fine_factor_.entries());
 }
 
 }  // namespace snowbough::snow

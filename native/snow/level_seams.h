@@ -1,37 +1,31 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 #include <vector>
 
-#include "snow/seam_table.h"
+#include "snow/seam_factor.h"
+#include "snow/seam_gaps.h"
 
 namespace snowbough::snow {
 
-/// Rounds for the points that the first round leaves too far apart.
-inline constexpr int32_t kFineRounds = 30;
-/// What part of the height at a seam the sides may differ by; heights under least_height count as
-/// that.
-inline constexpr float kLevelWithin = 0.006f;
-/// By what part of its height (and of least_height) a fine round may move a texel at most from
-/// where the first round left it: layouts with folds ask for what no height can do, and would get
-/// spikes.
-inline constexpr float kMostChange = 0.4f;
-
-/// How far fine round `round` (from 0) goes on in the direction of the one before.
-inline constexpr float fine_momentum(int32_t round) {
-  return static_cast<float>(round) / static_cast<float>(round + 3);
-}
-
 /// Makes both sides of every seam show the same height, as a bilinear reader sees them. Only texels
-/// within a texel of a seam change; the volume changes with them, by about a part in 10,000.
+/// within a texel of a seam change, and only where there is snow; the volume changes with them, by
+/// about a part in 10,000.
 ///
-/// All seams get a round of averaging, which leaves a fifth of the difference or less where snow
-/// lies evenly. Where it thins out over a few texels, as at a shadow's edge, some hundredths of the
-/// little that lies there remain. Points with such a difference, and those that share a texel with
-/// them, get kFineRounds more, which hurry on in the direction of the round before: Y. Nesterov, A
-/// method for solving the convex programming problem with convergence rate O(1/k^2), 1983. How much
-/// a point takes part grows from 0 at kLevelWithin to 1 at twice that, so that whoever rounds
-/// otherwise comes to the same map.
+/// Two least-squares problems, each solved exactly: what is left between the sides counts, and so,
+/// much less, does every change. The first is over all texels and points and leaves differences of
+/// some thousandths of the height, but more where snow thins out beside deep snow. It depends on
+/// the layout alone, so that its matrix is factorised once. The second is over what the first left
+/// too far apart, measured by the height there, and is factorised anew for each map. No texel falls
+/// below 0 or rises above the highest that its points look at: where the second problem wants that,
+/// the texel stays at its limit and what hangs together with it is solved once more.
+///
+/// How much a texel takes part in the second problem grows from 0 at kLevelWithin to 1 at twice
+/// that, so that whoever rounds otherwise comes to the same map.
+///
+/// Where charts are so small and so many that a factor would take too long, some rounds of
+/// conjugate gradients take its place.
 class SeamLeveller {
  public:
   /// Keeps no reference to `levelling`.
@@ -40,42 +34,54 @@ class SeamLeveller {
   /// `map`: resolution^2 heights, continued beyond the charts; changed in place.
   void run(std::vector<float>& map);
 
+  /// What it keeps in memory from map to map.
+  int64_t bytes() const;
+
  private:
-  /// What a point looks at: kTerms texels (the rest filled up with weight 0), whose weighted sum is
-  /// half of the difference there.
-  static constexpr size_t kTerms = 8;
-  struct Point {
-    int32_t source[kTerms] = {};
-    float weight[kTerms] = {};
+  /// A point that sees snow, and what the sides show there: their difference and their sum, metres.
+  struct Sight {
+    int32_t point;
+    float gap;
+    float height;
+  };
+  /// A point of the second problem, and what its difference counts there, per metre.
+  struct FinePoint {
+    int32_t point;
+    float share;
   };
 
-  void refresh_copies(std::vector<float>& heights) const;
-  float mark_of(const Point& point) const;
+  Sight look_at(int32_t point) const;
+  void level_all();
+  void level_fine();
   void mark();
-  void take_marked();
-  /// Spreads the point's difference, times `share`, over the texels it looks at, in changes_.
-  void spread(const Point& point, float share, const std::vector<float>& heights);
-  float changed(size_t texel, const std::vector<float>& heights);
+  void assemble();
+  bool solve_fine();
+  bool take_but_for_limits();
+  float fine_reach(int32_t texel) const;
+  std::pair<float, float> fine_height(size_t k) const;
 
-  /// The texels that some point looks at, by linear index, ascending; then copies of some: a texel
-  /// that a side looks at although it is another chart's must not change on that side's account.
+  /// The map's texels in the order of elimination; those from unknowns_ on are only read. Arrays of
+  /// a value a texel have one more at the end, 0, for points that look at fewer than kSeamTerms.
   std::vector<int32_t> texel_;
-  size_t first_copy_ = 0;
-  std::vector<int32_t> copy_of_;
-  /// What turns a texel's sum of changes into their mean; 0 for a copy.
-  std::vector<float> scale_;
+  int32_t unknowns_ = 0;
   float least_height_ = 0.0f;
-  std::vector<Point> points_;
+  std::vector<SeamRow> points_;
+  bool factorised_ = false;
+  SeamFactor factor_;
 
   std::vector<float> heights_;
-  std::vector<float> ahead_;
-  std::vector<float> start_;
-  std::vector<float> changes_;
-  std::vector<float> texel_marks_;
-  /// What the fine rounds work on.
-  std::vector<Point> fine_points_;
-  std::vector<float> fine_shares_;
+  /// What a texel may rise to: the highest that the points that look at it see.
+  std::vector<float> limits_;
+  /// What a solution is asked for, then what it is.
+  std::vector<float> values_;
+  std::vector<Sight> seen_;
+  /// The second problem. Per texel: how much it takes part, 0 to 1, and its number there.
+  std::vector<float> marks_;
+  std::vector<int32_t> fine_number_;
   std::vector<int32_t> fine_texels_;
+  std::vector<FinePoint> fine_points_;
+  std::vector<SeamRow> fine_rows_;
+  SeamFactor fine_factor_;
 };
 
 }  // namespace snowbough::snow

@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "snow/level_seams.h"
-
 namespace snowbough::snow {
 namespace {
 
@@ -49,8 +47,7 @@ int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams) {
     return static_cast<int64_t>(rows.source.size());
   };
   return std::max({4 * texels, 4 * int64_t{seams.u.length}, 4 * int64_t{seams.v.length},
-                   16 * static_cast<int64_t>(table.texel.size()), 4 * terms(seams.u.ghosts),
-                   4 * terms(seams.v.ghosts), 4 * terms(seams.levelling.gaps)});
+                   4 * terms(seams.u.ghosts), 4 * terms(seams.v.ghosts)});
 }
 
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
@@ -71,17 +68,7 @@ OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seam
   buffers.u = upload_lines(seams.u);
   buffers.v = upload_lines(seams.v);
   buffers.dilation = upload_rows(seams.dilated_rows, seams.dilated, &table.texel);
-  const SeamLevelling& levelling = seams.levelling;
-  std::vector<int32_t> points(levelling.gaps.size());
-  for (size_t p = 0; p < points.size(); ++p) points[p] = static_cast<int32_t>(p);
-  buffers.gaps = upload_rows(levelling.gaps, points, nullptr);
-  buffers.corrections = upload_rows(levelling.corrections, levelling.texel, nullptr);
-  buffers.gap_values = gpu::Buffer(int64_t{4} * static_cast<int64_t>(points.size()));
-  buffers.marks = gpu::Buffer(int64_t{4} * static_cast<int64_t>(points.size()));
-  buffers.least_height = levelling.least_height;
-  buffers.start = gpu::Buffer(int64_t{4} * static_cast<int64_t>(levelling.texel.size()));
   buffers.map = gpu::Buffer(int64_t{4} * table.resolution * table.resolution);
-  buffers.ahead = gpu::Buffer(points.empty() ? 0 : buffers.map.bytes());
   return buffers;
 }
 
@@ -132,87 +119,7 @@ void MapOutputPass::filter(OutputBuffers& buffers, int32_t axes, bool last) {
   v.current = 1 - v.current;
 }
 
-void MapOutputPass::spread_marks(OutputBuffers& buffers) {
-  buffers.ahead.clear();
-  spread_to_texels_.use();
-  spread_to_texels_.bind("RowBegin", buffers.corrections.begin);
-  spread_to_texels_.bind("RowSource", buffers.corrections.source);
-  spread_to_texels_.bind("RowTarget", buffers.corrections.target);
-  spread_to_texels_.bind("Points", buffers.marks);
-  spread_to_texels_.bind("Ahead", buffers.ahead);
-  spread_to_texels_.set("count", buffers.corrections.count);
-  spread_to_texels_.dispatch_items(buffers.corrections.count, kGroupSize);
-  wait_for_writes();
-  spread_to_points_.use();
-  spread_to_points_.bind("RowBegin", buffers.gaps.begin);
-  spread_to_points_.bind("RowSource", buffers.gaps.source);
-  spread_to_points_.bind("Heights", buffers.ahead);
-  spread_to_points_.bind("Marks", buffers.marks);
-  spread_to_points_.set("count", buffers.gaps.count);
-  spread_to_points_.dispatch_items(buffers.gaps.count, kGroupSize);
-  wait_for_writes();
-}
-
-void MapOutputPass::level_once(OutputBuffers& buffers, bool fine, float momentum) {
-  gaps_.use();
-  gaps_.bind("RowBegin", buffers.gaps.begin);
-  gaps_.bind("RowSource", buffers.gaps.source);
-  gaps_.bind("RowWeight", buffers.gaps.weight);
-  gaps_.bind("Heights", buffers.ahead);
-  gaps_.bind("Marks", buffers.marks);
-  gaps_.bind("Gaps", buffers.gap_values);
-  gaps_.set("count", buffers.gaps.count);
-  gaps_.dispatch_items(buffers.gaps.count, kGroupSize);
-  wait_for_writes();
-  seam_texels_.use();
-  seam_texels_.bind("RowBegin", buffers.corrections.begin);
-  seam_texels_.bind("RowSource", buffers.corrections.source);
-  seam_texels_.bind("RowWeight", buffers.corrections.weight);
-  seam_texels_.bind("RowTarget", buffers.corrections.target);
-  seam_texels_.bind("Points", buffers.gap_values);
-  seam_texels_.bind("Ahead", buffers.ahead);
-  seam_texels_.bind("Map", buffers.map);
-  seam_texels_.bind("Start", buffers.start);
-  seam_texels_.set("fine", fine ? 1 : 0);
-  seam_texels_.set("most_change", kMostChange);
-  seam_texels_.set("least_height", buffers.least_height);
-  seam_texels_.set("momentum", momentum);
-  seam_texels_.set("count", buffers.corrections.count);
-  seam_texels_.dispatch_items(buffers.corrections.count, kGroupSize);
-  wait_for_writes();
-}
-
-void MapOutputPass::level(OutputBuffers& buffers) {
-  const auto start_from_map = [&] {
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    glCopyNamedBufferSubData(buffers.map.id(), buffers.ahead.id(), 0, 0, buffers.map.bytes());
-  };
-  start_from_map();
-  const float all = 1.0f;
-  glClearNamedBufferData(buffers.marks.id(), GL_R32F, GL_RED, GL_FLOAT, &all);
-  level_once(buffers, false, 0.0f);
-
-  mark_.use();
-  mark_.bind("RowBegin", buffers.gaps.begin);
-  mark_.bind("RowSource", buffers.gaps.source);
-  mark_.bind("RowWeight", buffers.gaps.weight);
-  mark_.bind("Heights", buffers.map);
-  mark_.bind("Marks", buffers.marks);
-  mark_.set("level_within", kLevelWithin);
-  mark_.set("least_height", buffers.least_height);
-  mark_.set("count", buffers.gaps.count);
-  mark_.dispatch_items(buffers.gaps.count, kGroupSize);
-  wait_for_writes();
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  spread_marks(buffers);
-  start_from_map();
-  for (int32_t round = 0; round < kFineRounds; ++round) {
-    level_once(buffers, true, fine_momentum(round));
-  }
-}
-
 void MapOutputPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBuffers& buffers) {
-  const bool smoothed = buffers.closing_passes > 0;
   gather_.use();
   gather_.bind_texture("height_maps", height_maps);
   gather_.bind("Texels", buffers.texel);
@@ -234,42 +141,6 @@ void MapOutputPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBu
     filter(buffers, kAlongU | kAlongV, pass + 1 == buffers.closing_passes);
   }
   add_rows(buffers.dilation, buffers.map, buffers.map, false);
-  if (smoothed && buffers.gaps.count > 0) level(buffers);
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-}
-
-void MapOutputPass::run_normals(OutputBuffers& buffers, const TexelTable& table,
-                                const std::vector<SurfaceMetric>& metrics) {
-  OutputBuffers::Lines& u = buffers.u;
-  OutputBuffers::Lines& v = buffers.v;
-  refill_.use();
-  refill_.bind("Texels", buffers.texel);
-  refill_.bind("PlaceU", u.place);
-  refill_.bind("PlaceV", v.place);
-  refill_.bind("LineU", u.line[u.current]);
-  refill_.bind("LineV", v.line[v.current]);
-  refill_.bind("Map", buffers.map);
-  refill_.set("count", buffers.texel_count);
-  refill_.dispatch_items(buffers.texel_count, kGroupSize);
-  wait_for_writes();
-  fill_ghosts(u);
-  fill_ghosts(v);
-
-  const gpu::Buffer triangles(table.triangle);
-  const gpu::Buffer metric_buffer(metrics);
-  if (buffers.normals.bytes() == 0) {
-    buffers.normals = gpu::Buffer(int64_t{16} * buffers.texel_count);
-  }
-  normals_.use();
-  normals_.bind("TexelTriangle", triangles);
-  normals_.bind("Metrics", metric_buffer);
-  normals_.bind("PlaceU", u.place);
-  normals_.bind("PlaceV", v.place);
-  normals_.bind("LineU", u.line[u.current]);
-  normals_.bind("LineV", v.line[v.current]);
-  normals_.bind("Normals", buffers.normals);
-  normals_.set("count", buffers.texel_count);
-  normals_.dispatch_items(buffers.texel_count, kGroupSize);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 

@@ -8,7 +8,6 @@
 #include "gpu/resources.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
-#include "snow/surface_metric.h"
 #include "snow/texel_table.h"
 
 namespace snowbough::snow {
@@ -54,54 +53,31 @@ struct OutputBuffers {
   Lines u;
   Lines v;
   RowBuffers dilation;
-  RowBuffers gaps;
-  RowBuffers corrections;
-  gpu::Buffer gap_values;
-  /// What part of each point's difference is levelled, and the heights that the points look at:
-  /// see level_seams.h.
-  gpu::Buffer marks;
-  gpu::Buffer ahead;
-  gpu::Buffer start;
-  float least_height = 0.0f;
   /// The output heights, resolution^2 floats.
   gpu::Buffer map;
-  /// vec4 an owned texel.
-  gpu::Buffer normals;
 };
 
 /// Uploads a receiver's tables. GPU thread.
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
                                   const SmoothingPlan& plan);
 
-/// Makes a receiver's output on the GPU (CpuOutput makes the same on the processor). All functions
-/// run on the GPU thread.
+/// Smooths a receiver's map and continues it beyond its charts on the GPU, as CpuOutput does on the
+/// processor. Levelling and normals are left to the processor, which has the map anyway then. All
+/// functions run on the GPU thread.
 class MapOutputPass {
  public:
-  /// Leaves the output of layer `layer` of `height_maps` (R32F array) in `buffers.map`.
+  /// Leaves the heights of layer `layer` of `height_maps` (R32F array) in `buffers.map`.
   void run(const gpu::Texture& height_maps, int32_t layer, OutputBuffers& buffers);
-  /// Leaves the normals of `buffers.map` in `buffers.normals`, one an owned texel.
-  void run_normals(OutputBuffers& buffers, const TexelTable& table,
-                   const std::vector<SurfaceMetric>& metrics);
 
  private:
   void fill_ghosts(OutputBuffers::Lines& lines);
   void filter(OutputBuffers& buffers, int32_t axes, bool last);
   void add_rows(const RowBuffers& rows, const gpu::Buffer& source, const gpu::Buffer& target,
                 bool nothing_without_terms);
-  void spread_marks(OutputBuffers& buffers);
-  void level_once(OutputBuffers& buffers, bool fine, float momentum);
-  void level(OutputBuffers& buffers);
 
-  gpu::Program gather_{{"output_gather.comp.glsl"}, {"FROM_TEXTURE"}};
-  gpu::Program refill_{{"output_gather.comp.glsl"}};
+  gpu::Program gather_{{"output_gather.comp.glsl"}};
   gpu::Program rows_{{"weighted_rows.comp.glsl"}};
-  gpu::Program mark_{{"seam_gaps.comp.glsl"}, {"MARK"}};
-  gpu::Program spread_to_texels_{{"seam_texels.comp.glsl"}, {"SPREAD"}};
-  gpu::Program spread_to_points_{{"seam_gaps.comp.glsl"}, {"SPREAD"}};
-  gpu::Program gaps_{{"seam_gaps.comp.glsl"}};
-  gpu::Program seam_texels_{{"seam_texels.comp.glsl"}};
   gpu::Program smoothing_{{"smoothing.comp.glsl"}};
-  gpu::Program normals_{{"normals.comp.glsl"}};
 };
 
 }  // namespace snowbough::snow

@@ -20,10 +20,13 @@ struct MemoryEstimate {
   int64_t geometry = 0;
   /// The occlusion tile.
   int64_t tile = 0;
-  /// Smoothing's and the normals' own targets, for one receiver at a time.
+  /// Smoothing's own targets, for one receiver at a time.
   int64_t output = 0;
+  /// What levelling keeps of the receivers' seams: in main memory always, but counted here, since
+  /// it is little.
+  int64_t seams = 0;
 
-  int64_t total() const { return maps + texels + geometry + tile + output; }
+  int64_t total() const { return maps + texels + geometry + tile + output + seams; }
   /// One line for people: "812 MiB on the GPU (maps 512, ...)".
   std::string text() const;
 };

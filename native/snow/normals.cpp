@@ -3,6 +3,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "snow/dilate.h"
+
 namespace snowbough::snow {
 namespace {
 
@@ -45,6 +47,14 @@ std::vector<glm::vec3> normals_on_cpu(const TexelTable& table, const SeamTable& 
     normals[i] = tangent_normal(metrics[table.triangle[i]], along_u[i], along_v[i]);
   }
   return normals;
+}
+
+std::vector<glm::vec3> normal_map(const TexelTable& table, const SeamTable& seams,
+                                  const std::vector<SurfaceMetric>& metrics,
+                                  const std::vector<float>& map) {
+  std::vector<float> height(table.texel.size());
+  for (size_t i = 0; i < height.size(); ++i) height[i] = map[table.texel[i]];
+  return dilate_normals(table, seams, normals_on_cpu(table, seams, metrics, height));
 }
 
 }  // namespace snowbough::snow

@@ -23,4 +23,9 @@ std::vector<glm::vec3> normals_on_cpu(const TexelTable& table, const SeamTable& 
                                       const std::vector<SurfaceMetric>& metrics,
                                       const std::vector<float>& height);
 
+/// The same for a map of resolution^2 heights, continued beyond the charts: resolution^2 normals.
+std::vector<glm::vec3> normal_map(const TexelTable& table, const SeamTable& seams,
+                                  const std::vector<SurfaceMetric>& metrics,
+                                  const std::vector<float>& map);
+
 }  // namespace snowbough::snow

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <exception>
 
+#include "snow/normals.h"
+
 namespace snowbough::snow {
 
 OutputTables::OutputTables(std::shared_ptr<const SceneObject> receiver, double blur_radius,
@@ -18,12 +20,19 @@ void OutputTables::build() {
     plan_ = plan_smoothing(receiver_->table, seams_, static_cast<float>(blur_radius_));
     if (on_processor_) {
       make_processor();
+    } else {
+      make_leveller();
     }
   });
 }
 
 void OutputTables::make_processor() {
   processor_ = std::make_unique<CpuOutput>(receiver_->table, seams_, plan_);
+}
+
+void OutputTables::make_leveller() {
+  const bool is_smoothed = plan_.closing_passes > 0;
+  leveller_ = std::make_unique<SeamLeveller>(is_smoothed ? seams_.levelling : SeamLevelling());
 }
 
 const SeamTable& OutputTables::seams() {
@@ -44,6 +53,24 @@ MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
     make_processor();
   }
   return processor_->run(stored, metrics);
+}
+
+MapOutput OutputTables::finish(std::vector<float> smoothed,
+                               const std::vector<SurfaceMetric>& metrics) {
+  build();
+  MapOutput output;
+  output.height = std::move(smoothed);
+  {
+    const std::scoped_lock lock(processor_mutex_);
+    if (leveller_ == nullptr) {
+      make_leveller();
+    }
+    leveller_->run(output.height);
+  }
+  if (!metrics.empty()) {
+    output.normal = normal_map(receiver_->table, seams_, metrics, output.height);
+  }
+  return output;
 }
 
 OutputTableStore::~OutputTableStore() {

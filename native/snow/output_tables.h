@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "snow/cpu_output.h"
+#include "snow/level_seams.h"
 #include "snow/scene_object.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
@@ -21,7 +22,8 @@ namespace snowbough::snow {
 class OutputTables {
  public:
   /// `receiver` has its rest pose; its description and texel table must not change any more.
-  /// `blur_radius` in metres; `on_processor`: build also what output_on_processor needs.
+  /// `blur_radius` in metres; `on_processor`: output_on_processor will be asked for,
+  /// else finish.
   OutputTables(std::shared_ptr<const SceneObject> receiver, double blur_radius, bool on_processor);
 
   /// Builds unless that is done, or waits for the thread that is at it. The functions below build
@@ -34,9 +36,13 @@ class OutputTables {
   /// See CpuOutput::run. Callers take turns.
   MapOutput output_on_processor(const std::vector<float>& stored,
                                 const std::vector<SurfaceMetric>& metrics);
+  /// Does to a map that MapOutputPass left what it leaves to the processor: levels its seams and,
+  /// unless `metrics` are empty, takes its normals. Callers take turns.
+  MapOutput finish(std::vector<float> smoothed, const std::vector<SurfaceMetric>& metrics);
 
  private:
   void make_processor();
+  void make_leveller();
 
   const std::shared_ptr<const SceneObject> receiver_;
   const double blur_radius_;
@@ -46,6 +52,7 @@ class OutputTables {
   SmoothingPlan plan_;
   std::mutex processor_mutex_;
   std::unique_ptr<CpuOutput> processor_;
+  std::unique_ptr<SeamLeveller> leveller_;
 };
 
 /// The tables of a simulation's receivers, built once: in threads of its own for whom begin()

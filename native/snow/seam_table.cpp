@@ -5,7 +5,6 @@
 #include <glm/geometric.hpp>
 #include <stdexcept>
 #include <string>
-#include <tuple>
 
 #include "snow/charts.h"
 #include "snow/seam_walk.h"
@@ -40,7 +39,7 @@ class SeamTableBuilder {
     lay_lines(seams_.u, 0);
     lay_lines(seams_.v, 1);
     dilate();
-    level();
+    seams_.levelling = find_seam_gaps(topology_, table_, charts_, owned_, mean_texel_size());
     return std::move(seams_);
   }
 
@@ -56,6 +55,12 @@ class SeamTableBuilder {
     return (glm::dvec2(uv[0]) * (1.0 - w.x - w.y) + glm::dvec2(uv[1]) * w.x +
             glm::dvec2(uv[2]) * w.y) *
            static_cast<double>(resolution_);
+  }
+
+  float mean_texel_size() const {
+    double sum = 0.0;
+    for (const glm::vec2 s : seams_.texel_size) sum += std::sqrt(s.x * s.y);
+    return static_cast<float>(sum / static_cast<double>(std::max<size_t>(1, table_.texel.size())));
   }
 
   /// Owned index of the texel at (column, row), if it is the chart's; else -1.
@@ -255,78 +260,6 @@ class SeamTableBuilder {
     }
     std::sort(near.begin(), near.end());
     return near;
-  }
-
-  /// A point on one side of a seam, in texels.
-  glm::dvec2 edge_point(TriangleEdge side, double part) const {
-    const glm::vec2* uv = topology_.corner_uv.data() + 3 * static_cast<size_t>(side.triangle);
-    const glm::dvec2 from(uv[side.edge]);
-    const glm::dvec2 to(uv[(side.edge + 1) % 3]);
-    return (from + (to - from) * part) * static_cast<double>(resolution_);
-  }
-
-  /// What reading the map bilinearly at `at` takes from which texels, scaled by `weight`.
-  void read_map(glm::dvec2 at, double weight, Terms& terms) const {
-    const glm::dvec2 corner = glm::floor(at - 0.5);
-    const glm::dvec2 part = at - 0.5 - corner;
-    for (int k = 0; k < 4; ++k) {
-      const int dx = k & 1;
-      const int dy = k >> 1;
-      const int32_t column = std::clamp(static_cast<int32_t>(corner.x) + dx, 0, resolution_ - 1);
-      const int32_t row = std::clamp(static_cast<int32_t>(corner.y) + dy, 0, resolution_ - 1);
-      const double share = (dx ? part.x : 1.0 - part.x) * (dy ? part.y : 1.0 - part.y);
-      if (share > 0.0) terms.emplace_back(row * resolution_ + column, weight * share);
-    }
-  }
-
-  void level() {
-    SeamLevelling& levelling = seams_.levelling;
-    double size = 0.0;
-    for (const glm::vec2 s : seams_.texel_size) size += std::sqrt(s.x * s.y);
-    levelling.least_height = static_cast<float>(
-        0.025 * size / static_cast<double>(std::max<size_t>(1, seams_.texel_size.size())));
-    // Texel, point, weight: what a point may change.
-    std::vector<std::tuple<int32_t, int32_t, double>> changes;
-    for (const Seam& seam : charts_.seams) {
-      const auto length = [&](TriangleEdge side) {
-        return glm::length(edge_point(side, 1.0) - edge_point(side, 0.0));
-      };
-      // Two points a texel, so that no texel along the seam is passed over.
-      const auto count =
-          static_cast<int32_t>(std::ceil(2.0 * std::max(length(seam.a), length(seam.b))));
-      for (int32_t p = 0; p < count; ++p) {
-        const double part = (p + 0.5) / count;
-        const auto point = static_cast<int32_t>(levelling.gaps.size());
-        terms_.clear();
-        for (const bool second : {false, true}) {
-          const TriangleEdge side = second ? seam.b : seam.a;
-          const size_t first = terms_.size();
-          read_map(edge_point(side, second && !seam.same_direction ? 1.0 - part : part),
-                   second ? 0.5 : -0.5, terms_);
-          for (size_t i = first; i < terms_.size(); ++i) {
-            const int32_t own = owned_[terms_[i].first];
-            if (own >= 0 && table_.chart[own] != charts_.chart[side.triangle]) continue;
-            changes.emplace_back(terms_[i].first, point, -2.0 * terms_[i].second);
-          }
-        }
-        append_row(levelling.gaps, terms_);
-      }
-    }
-    std::sort(changes.begin(), changes.end());
-    for (size_t begin = 0; begin < changes.size();) {
-      const int32_t texel = std::get<0>(changes[begin]);
-      terms_.clear();
-      double sum = 0.0;
-      size_t end = begin;
-      for (; end < changes.size() && std::get<0>(changes[end]) == texel; ++end) {
-        terms_.emplace_back(std::get<1>(changes[end]), std::get<2>(changes[end]));
-        sum += std::abs(std::get<2>(changes[end]));
-      }
-      for (auto& term : terms_) term.second /= sum;
-      levelling.texel.push_back(texel);
-      append_row(levelling.corrections, terms_);
-      begin = end;
-    }
   }
 
   const MapTopology& topology_;

@@ -5,6 +5,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "snow/seam_gaps.h"
 #include "snow/texel_table.h"
 
 namespace snowbough::snow {
@@ -39,22 +40,6 @@ struct TexelLines {
 
 /// Value of a place without surface; heights are never negative.
 inline constexpr float kNothing = -1.0f;
-
-/// What is left between the two sides of a seam after smoothing comes from interpolation: a side
-/// reads the map between texels that lie elsewhere than the other side's. Levelling takes it out:
-/// at points along every seam, half the difference of what the two sides show is spread over the
-/// texels that they show it by.
-struct SeamLevelling {
-  /// Per point: half of the second side's height less the first's; sources are texels of the map
-  /// (linear index).
-  WeightedRows gaps;
-  /// Per texel concerned: its linear index, ascending, and what is added to it; sources are points.
-  std::vector<int32_t> texel;
-  WeightedRows corrections;
-  /// Snow thinner than this (metres) may differ by as much as snow of this height: a fortieth of a
-  /// texel.
-  float least_height = 0.0f;
-};
 
 /// How a map's texels hang together over the surface, across the seams of its layout.
 struct SeamTable {

@@ -58,12 +58,12 @@ class OutputSnapshot {
  private:
   friend class SnowSimulation;
   int32_t resolution_ = 0;
-  /// Stored heights and, where normals are wanted, surface_metrics.
-  std::vector<float> stored_;
+  /// Stored heights, or what the GPU made of them.
+  std::vector<float> height_;
+  bool is_smoothed_ = false;
+  /// Where normals are wanted, surface_metrics.
   std::vector<SurfaceMetric> metrics_;
   std::shared_ptr<OutputTables> tables_;
-  /// Where the GPU did it, tables_ being empty.
-  MapOutput done_;
 };
 
 /// Snow that accumulates on moving objects. All GL work happens on the GPU thread; calls from

@@ -111,18 +111,6 @@ bool is_software(const gpu::GpuInfo& info) {
          info.renderer.find("softpipe") != std::string::npos;
 }
 
-/// Reads one value a texel from the GPU back into a map.
-void scatter_normals(const TexelTable& table, const SeamTable& seams,
-                     const std::vector<glm::vec4>& values, std::vector<glm::vec3>& map) {
-  for (size_t i = 0; i < table.texel.size(); ++i) {
-    map[static_cast<size_t>(table.texel[i])] = glm::vec3(values[i]);
-  }
-  for (size_t i = 0; i < seams.dilated.size(); ++i) {
-    map[static_cast<size_t>(seams.dilated[i])] =
-        glm::vec3(values[static_cast<size_t>(seams.dilated_nearest[i])]);
-  }
-}
-
 }  // namespace
 
 double SnowSimulation::blur_radius_of(const SceneObject& receiver) const {
@@ -146,7 +134,8 @@ void SnowSimulation::prepare_output(const std::string& name) {
 }
 
 MapOutput OutputSnapshot::output() {
-  return tables_ == nullptr ? std::move(done_) : tables_->output_on_processor(stored_, metrics_);
+  return is_smoothed_ ? tables_->finish(std::move(height_), metrics_)
+                      : tables_->output_on_processor(height_, metrics_);
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
@@ -166,6 +155,7 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
   const MapTopology& topology = object->description.topology;
   OutputSnapshot snapshot;
   snapshot.resolution_ = topology.resolution;
+  snapshot.tables_ = tables;
   if (with_normals) {
     const std::vector<glm::vec3> positions(object->positions.begin(),
                                            object->positions.begin() + topology.vertex_count);
@@ -176,25 +166,17 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
            thread_->info().max_storage_buffer_bytes;
   };
   if (outputs_on_processor() || !scene_is_current_ || !fits()) {
-    snapshot.stored_ = stored_height(name);
-    snapshot.tables_ = tables;
+    snapshot.height_ = stored_height(name);
     return snapshot;
   }
   const size_t at = index_of(name);
-  snapshot.done_ = thread_->run([&] {
-    MapOutput result;
+  snapshot.is_smoothed_ = true;
+  snapshot.height_ = thread_->run([&] {
     OutputBuffers buffers = make_output_buffers(object->table, tables->seams(), tables->plan());
     MapOutputPass& pass = thread_->resource<MapOutputPass>();
     const MapGroup& group = gpu_->scene.groups[static_cast<size_t>(gpu_->scene.group[at])];
     pass.run(group.height, gpu_->scene.slot[at] - group.first_slot, buffers);
-    result.height = buffers.map.read_all<float>();
-    if (with_normals) {
-      pass.run_normals(buffers, object->table, snapshot.metrics_);
-      result.normal.assign(result.height.size(), glm::vec3(0.0f, 0.0f, 1.0f));
-      scatter_normals(object->table, tables->seams(), buffers.normals.read_all<glm::vec4>(),
-                      result.normal);
-    }
-    return result;
+    return buffers.map.read_all<float>();
   });
   return snapshot;
 }

@@ -4,12 +4,15 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <glm/geometric.hpp>
+#include <memory>
 #include <random>
 
 #include "gpu/gpu_thread.h"
 #include "snow/cpu_output.h"
 #include "snow/dilate.h"
 #include "snow/map_output.h"
+#include "snow/output_tables.h"
 #include "snow_layouts.h"
 #include "snow_reference.h"
 
@@ -242,17 +245,28 @@ std::vector<float> output_on_gpu(const Map& map, const SmoothingPlan& plan,
   });
 }
 
-TEST(MapOutputPass, agreesWithTheProcessorOnATube) {
+TEST(MapOutputPass, finishedOnTheProcessorAgreesWithTheProcessorOnATube) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
+  const auto metrics = surface_metrics(map.mesh.topology, map.mesh.positions);
+  const auto receiver = std::make_shared<SceneObject>();
+  receiver->description.topology = map.mesh.topology;
+  receiver->description.rest = map.mesh.positions;
+  receiver->table = map.table;
   for (const float radius : {0.0f, 0.01f, 0.1f}) {
     const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
     const auto stored = random_map(map, 5);
-    const auto expected = output_reference(map.table, map.seams, plan, stored).height;
-    const auto height = output_on_gpu(map, plan, stored);
+    const MapOutput expected = output_reference(map.table, map.seams, plan, stored, metrics);
+    const MapOutput output =
+        OutputTables(receiver, radius, false).finish(output_on_gpu(map, plan, stored), metrics);
     float worst = 0.0f;
-    for (size_t i = 0; i < height.size(); ++i)
-      worst = std::max(worst, std::abs(height[i] - expected[i]));
+    float worst_normal = 0.0f;
+    ASSERT_EQ(output.normal.size(), stored.size());
+    for (size_t i = 0; i < stored.size(); ++i) {
+      worst = std::max(worst, std::abs(output.height[i] - expected.height[i]));
+      worst_normal = std::max(worst_normal, glm::length(output.normal[i] - expected.normal[i]));
+    }
     EXPECT_LT(worst, 1e-6f) << "radius " << radius;
+    EXPECT_LT(worst_normal, 1e-4f) << "radius " << radius;
   }
 }
 

@@ -145,6 +145,22 @@ inline void lay_out_by_direction(LaidOutMesh& mesh, int32_t resolution, float gu
   }
 }
 
+/// A layout in which every triangle is a chart of its own: two in each square of a grid, with gaps.
+inline void lay_out_apart(LaidOutMesh& mesh, int32_t resolution) {
+  MapTopology& topology = mesh.topology;
+  topology.resolution = resolution;
+  const size_t count = topology.triangles.size() / 3;
+  const auto side = static_cast<size_t>(std::ceil(std::sqrt(0.5 * static_cast<double>(count))));
+  const glm::vec2 corner[2][3] = {{{0.06f, 0.06f}, {0.82f, 0.06f}, {0.06f, 0.82f}},
+                                  {{0.94f, 0.94f}, {0.18f, 0.94f}, {0.94f, 0.18f}}};
+  for (size_t t = 0; t < count; ++t) {
+    const glm::vec2 square(t / 2 % side, t / 2 / side);
+    for (size_t k = 0; k < 3; ++k) {
+      topology.corner_uv[3 * t + k] = (square + corner[t % 2][k]) / static_cast<float>(side);
+    }
+  }
+}
+
 /// An open cylinder around Z, `around` x `along` quads, its wall one chart with a seam at angle 0.
 inline LaidOutMesh cylinder(int32_t around, int32_t along, float radius, float height,
                             int32_t resolution) {

@@ -8,10 +8,12 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/frame_step.h"
+#include "snow/level_seams.h"
 #include "snow/memory_estimate.h"
 #include "snow/scene_buffers.h"
 #include "snow/simulation.h"
 #include "snow/texel_groups.h"
+#include "snow_layouts.h"
 
 namespace snowbough::snow {
 namespace {
@@ -474,6 +476,26 @@ TEST(MapStore, GroupsMapsBySizeAndSplitsLargeArrays) {
   // An 8192 map's owner table takes 512 MiB: two an array.
   ASSERT_EQ(plan.groups.size(), 3u);
   EXPECT_EQ(plan.group, (std::vector<int32_t>{1, 1, 0, 2, -1}));
+}
+
+TEST(MemoryEstimate, CountsAtLeastWhatLevellingKeeps) {
+  SceneObject object;
+  LaidOutMesh mesh = cylinder(24, 8, 0.5f, 2.0f, 256);
+  for (const bool apart : {false, true}) {
+    if (apart) lay_out_apart(mesh, 256);
+    object.description.topology = mesh.topology;
+    object.table = build_texel_table(mesh.topology);
+    const SeamTable seams = build_seam_table(mesh.topology, object.table, mesh.positions);
+    SeamLeveller leveller(seams.levelling);
+    std::vector<float> map(256 * 256, 0.0f);
+    for (size_t i = 0; i < map.size(); ++i) map[i] = 0.01f * static_cast<float>(i * 7 % 13);
+    leveller.run(map);
+    const int64_t kept =
+        leveller.bytes() + 64 * static_cast<int64_t>(seams.levelling.points.size());
+    const int64_t estimate = estimate_memory({&object}, 1024).seams;
+    EXPECT_GT(estimate, kept);
+    EXPECT_LT(estimate, 5 * kept);
+  }
 }
 
 TEST(MemoryEstimate, RefusesWhatDoesNotFitWithTheFigure) {
