@@ -10,6 +10,8 @@ namespace {
 
 /// More crossings than this on one walk of a few texels mean charts far below a texel in size.
 constexpr int kMostCrossings = 16;
+/// Cells of four texels hold few sides, and their table stays in the cache.
+constexpr int32_t kCellTexels = 4;
 constexpr int32_t kMostCells = 1024;
 
 /// One triangle at an edge: the edge's ends and the third corner, on the map and in space.
@@ -103,11 +105,8 @@ void SeamWalk::add_side(const Side& side) {
 }
 
 void SeamWalk::sort_into_cells(int32_t resolution) {
-  cells_ = std::min(resolution, kMostCells);
+  cells_ = std::clamp(resolution / kCellTexels, 1, kMostCells);
   cells_per_texel_ = static_cast<double>(cells_) / resolution;
-  const auto cell = [&](double x) {
-    return std::clamp(static_cast<int32_t>(std::floor(x * cells_per_texel_)), 0, cells_ - 1);
-  };
   const auto for_each_cell = [&](const Side& side, auto&& visit) {
     const glm::dvec2 end = side.begin + side.along;
     const double low = std::min(side.begin.y, end.y);
@@ -131,69 +130,68 @@ void SeamWalk::sort_into_cells(int32_t resolution) {
   cell_begin_.assign(static_cast<size_t>(cells_) * cells_ + 1, 0);
   for (const Side& side : sides_) for_each_cell(side, [&](int32_t c) { ++cell_begin_[c + 1]; });
   for (size_t c = 1; c < cell_begin_.size(); ++c) cell_begin_[c] += cell_begin_[c - 1];
-  cell_side_.resize(static_cast<size_t>(cell_begin_.back()));
+  entries_.resize(static_cast<size_t>(cell_begin_.back()));
   std::vector<int32_t> next(cell_begin_.begin(), cell_begin_.end() - 1);
   for (size_t s = 0; s < sides_.size(); ++s) {
-    for_each_cell(sides_[s], [&](int32_t c) { cell_side_[next[c]++] = static_cast<int32_t>(s); });
+    for_each_cell(sides_[s], [&](int32_t c) {
+      entries_[next[c]++] = {sides_[s].chart, static_cast<int32_t>(s)};
+    });
   }
 }
 
-const SeamWalk::Side* SeamWalk::first_crossing(int32_t chart, glm::dvec2 from, glm::dvec2 to,
-                                               double& part) const {
+const SeamWalk::Side* SeamWalk::first_crossing(int32_t chart, const glm::dvec2& from,
+                                               const glm::dvec2& to, double& part) const {
   constexpr double kTolerance = 1e-7;
-  const auto cell = [&](double x) {
-    return std::clamp(static_cast<int32_t>(std::floor(x * cells_per_texel_)), 0, cells_ - 1);
-  };
-  const glm::dvec2 way = to - from;
   const Side* first = nullptr;
   part = 1.0;
   const int32_t last_row = cell(std::max(from.y, to.y) + kTolerance);
+  const int32_t first_column = cell(std::min(from.x, to.x) - kTolerance);
   const int32_t last_column = cell(std::max(from.x, to.x) + kTolerance);
   for (int32_t row = cell(std::min(from.y, to.y) - kTolerance); row <= last_row; ++row) {
-    for (int32_t column = cell(std::min(from.x, to.x) - kTolerance); column <= last_column;
-         ++column) {
-      const size_t index = static_cast<size_t>(row) * cells_ + column;
-      for (int32_t i = cell_begin_[index]; i < cell_begin_[index + 1]; ++i) {
-        const Side& side = sides_[cell_side_[i]];
-        if (side.chart != chart) continue;
-        // Only what leads out counts, so that a walk that has just come in is not sent back.
-        const double speed = glm::dot(way, side.outward);
-        if (speed <= 0.0) continue;
-        const double at = glm::dot(side.begin - from, side.outward) / speed;
-        if (at < -kTolerance || at > part || (at == part && first != nullptr)) continue;
-        const glm::dvec2 hit = from + way * at - side.begin;
-        const double along = glm::dot(hit, side.along) / glm::dot(side.along, side.along);
-        if (along < -kTolerance || along > 1.0 + kTolerance) continue;
-        part = at;
-        first = &side;
-      }
+    // The entries of cells side by side follow each other.
+    const int32_t* begin = &cell_begin_[static_cast<size_t>(row) * cells_];
+    for (int32_t i = begin[first_column]; i < begin[last_column + 1]; ++i) {
+      if (entries_[i].chart != chart) continue;
+      const Side& side = sides_[entries_[i].side];
+      const glm::dvec2 way = to - from;
+      // Only what leads out counts, so that a walk that has just come in is not sent back.
+      const double speed = glm::dot(way, side.outward);
+      if (speed <= 0.0) continue;
+      const double at = glm::dot(side.begin - from, side.outward) / speed;
+      if (at < -kTolerance || at > part || (at == part && first != nullptr)) continue;
+      const glm::dvec2 hit = from + way * at - side.begin;
+      const double along = glm::dot(hit, side.along) / glm::dot(side.along, side.along);
+      if (along < -kTolerance || along > 1.0 + kTolerance) continue;
+      part = at;
+      first = &side;
     }
   }
   return first;
 }
 
-bool SeamWalk::go(SurfacePoint& point, glm::dvec2 target, glm::dvec2& direction) const {
+bool SeamWalk::go(SurfacePoint& point, const glm::dvec2& target, glm::dvec2& direction) const {
+  glm::dvec2 to = target;
   for (int crossing = 0; crossing < kMostCrossings; ++crossing) {
     double part = 1.0;
-    const Side* side = first_crossing(point.chart, point.at, target, part);
+    const Side* side = first_crossing(point.chart, point.at, to, part);
     if (side == nullptr) {
-      point.at = target;
+      point.at = to;
       return true;
     }
     if (side->other < 0) return false;
-    const glm::dvec2 hit = point.at + (target - point.at) * std::max(part, 0.0);
+    const glm::dvec2 hit = point.at + (to - point.at) * std::max(part, 0.0);
     point.chart = side->other;
     point.at = side->other_begin + side->change * (hit - side->begin);
-    target = side->other_begin + side->change * (target - side->begin);
+    to = side->other_begin + side->change * (to - side->begin);
     direction = side->change * direction;
     // A nearly flat triangle beyond would throw the walk far across the map.
-    const glm::dvec2 rest = target - point.at;
+    const glm::dvec2 rest = to - point.at;
     if (!(glm::dot(rest, rest) < 64.0 * 64.0)) return false;
   }
   return false;
 }
 
-bool SeamWalk::leaves_chart(int32_t chart, glm::dvec2 from, glm::dvec2 to) const {
+bool SeamWalk::leaves_chart(int32_t chart, const glm::dvec2& from, const glm::dvec2& to) const {
   double part = 1.0;
   return first_crossing(chart, from, to, part) != nullptr;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/mat2x2.hpp>
 #include <glm/vec2.hpp>
@@ -32,10 +33,10 @@ class SeamWalk {
   /// Moves `point` straight to `target` (in the layout of the chart it starts in); at each seam
   /// that lies between, point, target and `direction` change over to the other chart's layout.
   /// Returns false where the surface ends before.
-  bool go(SurfacePoint& point, glm::dvec2 target, glm::dvec2& direction) const;
+  bool go(SurfacePoint& point, const glm::dvec2& target, glm::dvec2& direction) const;
 
   /// Whether the straight line between two points of a chart leaves the chart.
-  bool leaves_chart(int32_t chart, glm::dvec2 from, glm::dvec2 to) const;
+  bool leaves_chart(int32_t chart, const glm::dvec2& from, const glm::dvec2& to) const;
 
  private:
   /// One side of a chart's border.
@@ -52,18 +53,29 @@ class SeamWalk {
     glm::dmat2 change{1.0};
   };
 
+  /// A side in a cell.
+  struct Entry {
+    int32_t chart;
+    int32_t side;
+  };
+
   void add_side(const Side& side);
+  /// The row or column of cells of a coordinate in texels.
+  int32_t cell(double x) const {
+    return std::clamp(static_cast<int32_t>(x * cells_per_texel_), 0, cells_ - 1);
+  }
   void sort_into_cells(int32_t resolution);
   /// The first side of `chart` that the way from `from` to `to` crosses outwards; `part` of the
   /// way.
-  const Side* first_crossing(int32_t chart, glm::dvec2 from, glm::dvec2 to, double& part) const;
+  const Side* first_crossing(int32_t chart, const glm::dvec2& from, const glm::dvec2& to,
+                             double& part) const;
 
   std::vector<Side> sides_;
-  /// A grid of square cells, a texel or more wide, and the sides in each.
+  /// A grid of square cells, some texels wide, row by row, and the sides in each.
   int32_t cells_ = 1;
   double cells_per_texel_ = 1.0;
   std::vector<int32_t> cell_begin_;
-  std::vector<int32_t> cell_side_;
+  std::vector<Entry> entries_;
 };
 
 }  // namespace snowbough::snow
