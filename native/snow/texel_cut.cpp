@@ -130,16 +130,17 @@ class BandCutter {
     sort_parts(texel_count);
     band.texels.reserve(most);
     band.fragments.reserve(most);
-    for (int32_t i = 0; i < texel_count; ++i) {
-      const int32_t triangle = whole_[i];
-      if (part_begin_[i] < part_begin_[i + 1]) {
-        add_parts(i, band);
-      } else if (triangle >= 0) {
-        band.fragments.push_back({triangle, 1.0f});
-        band.texels.push_back({first_texel_ + i, draft_.chart_of(triangle),
-                               sampler_.whole(first_texel_ + i, triangle),
-                               static_cast<int32_t>(band.fragments.size())});
-        band.covered_samples += 64;
+    for (int32_t i = 0, row = row_begin; row < row_end; ++row) {
+      for (int32_t column = 0; column < resolution; ++column, ++i) {
+        const int32_t triangle = whole_[i];
+        if (part_begin_[i] < part_begin_[i + 1]) {
+          add_parts(i, band);
+        } else if (triangle >= 0) {
+          band.fragments.push_back({triangle, 1.0f});
+          add_texel(i, draft_.chart_of(triangle),
+                    sampler_.whole(triangle, glm::dvec2(column + 0.5, row + 0.5)), band);
+          band.covered_samples += 64;
+        }
       }
     }
     return band;
@@ -177,6 +178,15 @@ class BandCutter {
     }
   }
 
+  /// Adds texel i of the band, whose fragments are the last so far.
+  void add_texel(int32_t i, int32_t chart, const TexelSample& sample, BandTexels& band) const {
+    BandTexel& texel = band.texels.emplace_back();
+    texel.texel = first_texel_ + i;
+    texel.chart = chart;
+    texel.sample = sample;
+    texel.fragment_end = static_cast<int32_t>(band.fragments.size());
+  }
+
   /// Adds texel i of the band, of which at least one triangle holds a part.
   void add_parts(int32_t i, BandTexels& band) {
     texel_.assign(parts_.begin() + part_begin_[i], parts_.begin() + part_begin_[i + 1]);
@@ -195,16 +205,19 @@ class BandCutter {
     band.shared_samples += std::popcount(twice);
     const int32_t owner =
         find_owner(draft_, texel_.data(), texel_.data() + texel_.size(), chart_areas_);
-    const auto others = std::stable_partition(texel_.begin(), texel_.end(), [&](const Fragment& f) {
-      return draft_.chart_of(f.triangle) == owner;
-    });
-    band.displaced.insert(band.displaced.end(), others, texel_.end());
-    texel_.erase(others, texel_.end());
+    auto own_end = texel_.begin();
+    for (const Fragment& f : texel_) {
+      if (draft_.chart_of(f.triangle) == owner) {
+        *own_end++ = f;
+      } else {
+        band.displaced.push_back(f);
+      }
+    }
+    texel_.erase(own_end, texel_.end());
     for (const Fragment& f : texel_) {
       band.fragments.push_back({f.triangle, static_cast<float>(f.area)});
     }
-    band.texels.push_back({first_texel_ + i, owner, sampler_.of(texel_),
-                           static_cast<int32_t>(band.fragments.size())});
+    add_texel(i, owner, sampler_.of(texel_), band);
   }
 
   const TexelDraft& draft_;

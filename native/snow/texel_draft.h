@@ -50,8 +50,8 @@ class TexelSampler {
   /// `topology` is kept by reference.
   explicit TexelSampler(const MapTopology& topology) : topology_(topology) {}
 
-  /// Of a texel that lies wholly in one triangle.
-  TexelSample whole(int32_t texel, int32_t triangle);
+  /// Of a texel that lies wholly in one triangle; `centre` in texels.
+  TexelSample whole(int32_t triangle, glm::dvec2 centre);
   /// Of a texel with its chart's fragments: all in one texel, at least one, ascending.
   TexelSample of(const std::vector<Fragment>& own);
 

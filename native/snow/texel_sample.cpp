@@ -53,8 +53,7 @@ bool TexelSampler::find_triangle(const std::vector<Fragment>& own, glm::dvec2 po
   return found;
 }
 
-TexelSample TexelSampler::whole(int32_t texel, int32_t triangle) {
-  const glm::dvec2 centre = texel_centre(texel, topology_.resolution);
+TexelSample TexelSampler::whole(int32_t triangle, glm::dvec2 centre) {
   return {triangle, clamped(barycentric_at(triangle, centre)), 1.0f};
 }
 
