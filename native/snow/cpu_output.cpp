@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
-#include <thread>
 #include <utility>
 
+#include "snow/in_parallel.h"
 #include "snow/normals.h"
 
 // Two builds of the inner loops, chosen at run time; without fused multiply-add both give the same
@@ -19,17 +19,6 @@
 
 namespace snowbough::snow {
 namespace {
-
-/// Runs `work(part, parts)` for every part, one a thread.
-template <typename Work>
-void in_parallel(int32_t threads, const Work& work) {
-  const auto parts = static_cast<size_t>(threads);
-  std::vector<std::jthread> others;
-  for (size_t part = 1; part < parts; ++part) {
-    others.emplace_back([&work, part, parts] { work(part, parts); });
-  }
-  work(size_t{0}, parts);
-}
 
 inline float positive(float x) {
   return x > 0.0f ? x : 0.0f;
