@@ -13,7 +13,7 @@ layout(std430) readonly buffer PixelListSize { ListSize pixel_list_size; };
 layout(std430) readonly buffer PixelList { uint pixel_list[]; };
 layout(std430) buffer SpreadListSize { ListSize spread_size; };
 layout(std430) writeonly buffer SpreadList { SpreadSnow spread_list[]; };
-uniform usampler2D weight_sum;
+uniform usamplerBuffer weight_sum;
 /// A TexelStep each; z: area in m2.
 uniform samplerBuffer texel_steps;
 /// Texels of the group in this batch: [first, end).
@@ -36,7 +36,7 @@ void main() {
   }
   do {
     const ivec2 pixel = unpacked_pixel(pixel_list[i]);
-    const uint triangle = texelFetch(occlusion, pixel, 0).x - 1u;
+    const uint triangle = texelFetch(occlusion, pixel_index(pixel)).x - 1u;
     const uint slot = object_of(triangle) & ~kReceives;
     const uint owner = texel_under(pixel, triangle, slot);
     if (owner == 0u && counting) {
@@ -44,7 +44,7 @@ void main() {
     }
     if (owner > batch_texels.x && owner <= batch_texels.y) {
       const int texel = int(owner - 1u - batch_texels.x);
-      const float left = 1.0 - float(texelFetch(weight_sum, pixel, 0).x) / float(kPixelWeight / 2u);
+      const float left = 1.0 - float(texelFetch(weight_sum, pixel_index(pixel)).x) / float(kPixelWeight / 2u);
       const float volume = left * snow_of_pixel(pixel + tile_origin) * fall.direction.w * fall.direction.w;
       const float area = texelFetch(texel_steps, texel).z;
       if (is_small(area)) {

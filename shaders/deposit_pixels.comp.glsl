@@ -3,18 +3,18 @@
 // software renderers run every branch for every pixel.
 #include "packed_pixel.h"
 #include "pixel_counts.h"
+#include "tile_pixel.h"
 #include "triangle_object.h"
 
 layout(local_size_x = 64) in;
 layout(std430) buffer PixelListSize { ListSize pixel_list_size; };
 /// Packed pixels.
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
-uniform usampler2D occlusion;
-uniform usampler2D weight_sum;
+uniform usamplerBuffer occlusion;
+uniform usamplerBuffer weight_sum;
 /// Slots of the objects whose maps are in this group: [first, end).
 uniform uvec2 group_objects;
 uniform ivec2 tile_origin;
-uniform ivec2 tile_size;
 
 /// Lists the pixels of a walk from `pixel` whose bits are set, in one go: a counter that all invocations
 /// share is slow.
@@ -51,7 +51,7 @@ void main() {
     uint bit = 1u;
     uint bare = 0u;
     do {
-      const uint seen = texelFetch(occlusion, pixel, 0).x;
+      const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
       const uint own = seen == 0u || pixel.x >= end ? 0u : object_of((seen & ~kBackFace) - 1u);
       const bool mine = own == (slot | kReceives);
       const bool front = mine && (seen & kBackFace) == 0u;
@@ -60,7 +60,7 @@ void main() {
       count.visible += front ? 1u : 0u;
       const bool snows = front && snow_of_pixel(pixel + tile_origin) > 0.0;
       count.snowed += snows ? 1u : 0u;
-      bare |= snows && texelFetch(weight_sum, pixel, 0).x < kPixelWeight / 2u ? bit : 0u;
+      bare |= snows && texelFetch(weight_sum, pixel_index(pixel)).x < kPixelWeight / 2u ? bit : 0u;
       pixel.x += 64;
       bit <<= 1u;
     } while (pixel.x < end);

@@ -7,7 +7,8 @@
 layout(local_size_x = 64) in;
 /// A TexelStep each, as one vector: llvmpipe stores it in one go.
 layout(std430) writeonly buffer TexelSteps { uvec4 texel_steps[]; };
-layout(r32ui) uniform uimage2D weight_sum;
+/// Per pixel of the tile.
+layout(std430) buffer WeightSums { uint weight_sums[]; };
 
 void main() {
   const int index = listed_texel();
@@ -15,6 +16,6 @@ void main() {
   texel_steps[index] =
       uvec4(step.pixel, step.weight, floatBitsToUint(step.area), floatBitsToUint(step.up));
   if (step.weight != 0u) {
-    imageAtomicAdd(weight_sum, unpacked_pixel(step.pixel), step.weight);
+    atomicAdd(weight_sums[pixel_index(unpacked_pixel(step.pixel))], step.weight);
   }
 }

@@ -8,7 +8,6 @@
 uniform sampler2D weight_map;
 /// Texels of the group in this batch: [first, end).
 uniform uvec2 batch_texels;
-uniform ivec2 tile_size;
 
 flat out float volume;
 /// Index in the batch of the texel under the centre; -1 where there is nothing to deposit.
@@ -19,7 +18,7 @@ void main() {
   volume = 0.0;
   texel = -1;
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
-  const uint seen = texelFetch(occlusion, pixel, 0).x;
+  const uint seen = texelFetch(occlusion, gl_VertexID).x;
   const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
   const uint slot = object & ~kReceives;
   const float sum = texelFetch(weight_map, pixel, 0).x;

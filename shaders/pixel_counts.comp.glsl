@@ -1,11 +1,11 @@
 // Counts what the sky sees of every object, for the formulation without a compute pass over pixels.
 #include "pixel_counts.h"
+#include "tile_pixel.h"
 #include "triangle_object.h"
 
 layout(local_size_x = 64) in;
-uniform usampler2D occlusion;
+uniform usamplerBuffer occlusion;
 uniform ivec2 tile_origin;
-uniform ivec2 tile_size;
 
 void main() {
   const int y = int(gl_WorkGroupID.y);
@@ -17,7 +17,7 @@ void main() {
     if (pixel.x >= tile_size.x) {
       break;
     }
-    const uint seen = texelFetch(occlusion, pixel, 0).x;
+    const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
     const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
     if ((object & kReceives) == 0u) {
       continue;

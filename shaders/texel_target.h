@@ -2,6 +2,7 @@
 #include "fall_frame.h"
 #include "packed_pixel.h"
 #include "texel_parts.h"
+#include "tile_pixel.h"
 #include "triangle_object.h"
 
 // Buffer textures instead of storage blocks: llvmpipe reads a whole vector at once from them, and
@@ -14,10 +15,9 @@ uniform samplerBuffer corner_words;
 /// Per work group of texels: its object's slot.
 uniform usamplerBuffer group_slots;
 /// What the sky sees: 1 + triangle with kBackFace, 0 = nothing; and its depth, as the depth test keeps it.
-uniform usampler2D occlusion;
-uniform sampler2D occlusion_depth;
+uniform usamplerBuffer occlusion;
+uniform samplerBuffer occlusion_depth;
 uniform ivec2 tile_origin;
-uniform ivec2 tile_size;
 
 /// How far a texel's point may lie from what its pixel shows, in pixels over the shallower slope. Beyond
 /// the two planes: what lies between them may be rougher than they are, and more so round an edge.
@@ -71,12 +71,12 @@ TexelStep step_of(int index) {
   if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, tile_size))) {
     return none;
   }
-  const uint seen = texelFetch(occlusion, pixel, 0).x;
+  const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
   if (seen == 0u || (seen & kBackFace) != 0u) {
     return none;
   }
   const Plane shown = plane_of(int(seen) - 1);
-  const float shown_depth = texelFetch(occlusion_depth, pixel, 0).x / fall.range.y + fall.range.x;
+  const float shown_depth = texelFetch(occlusion_depth, pixel_index(pixel)).x / fall.range.y + fall.range.x;
   const uint slot = texelFetch(group_slots, index / int(kTexelGroup)).x | kReceives;
   if (object_of(seen - 1u) != slot ||
       !is_shown(point.xy - corner - 0.5, point.z, own, shown_depth, shown)) {

@@ -1,5 +1,6 @@
 // GLSL only: the texel under a pixel's centre. Both formulations of the deposit include it.
 #include "fall_frame.h"
+#include "tile_pixel.h"
 
 /// See triangle_fall.h.
 uniform samplerBuffer triangle_corners;
@@ -7,7 +8,7 @@ uniform samplerBuffer triangle_corners;
 uniform samplerBuffer map_triangles;
 /// By slot: what to add to a scene triangle's index to get its index among the map triangles.
 uniform isamplerBuffer map_offsets;
-uniform usampler2D occlusion;
+uniform usamplerBuffer occlusion;
 uniform usampler2DArray owners;
 /// Slots of the objects whose maps are in this group: [first, end); layer = slot - first.
 uniform uvec2 group_objects;

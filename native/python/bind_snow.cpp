@@ -250,7 +250,8 @@ void bind_snow(py::module_& module) {
       "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
       "level\n"
       "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
-      "mapping: COMPUTE or GEOMETRY. tile_size (a power of two) and device change neither result\n"
+      "mapping: COMPUTE or GEOMETRY. tile_size (a power of two from 64 to 4096) and device change "
+      "neither result\n"
       "nor units. A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
                        double slide_half_life, double blur_radius, int64_t seed,

@@ -5,8 +5,7 @@
 namespace snowbough::snow {
 namespace {
 
-constexpr GLbitfield kBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT |
-                                 GL_SHADER_IMAGE_ACCESS_BARRIER_BIT;
+constexpr GLbitfield kBarriers = GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT;
 /// Behind what wrote a list that a dispatch takes its size from.
 constexpr GLbitfield kListBarriers =
     kBarriers | GL_COMMAND_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT;
@@ -16,13 +15,13 @@ constexpr shared::ListSize kEmptyList{0, 1, 1, 0};
 
 void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                                const OcclusionTarget& occlusion) {
-  if (weight_sum_.width() != occlusion.visible.width() ||
-      weight_sum_.height() != occlusion.visible.height()) {
-    weight_sum_ = gpu::Texture(GL_R32UI, occlusion.visible.width(), occlusion.visible.height());
-  }
   const glm::ivec2 size = tile.pixels.size();
-  glClearTexSubImage(weight_sum_.id(), 0, 0, 0, 0, size.x, size.y, 1, GL_RED_INTEGER,
-                     GL_UNSIGNED_INT, nullptr);
+  const int64_t bytes = int64_t{4} * size.x * size.y;
+  if (weight_sum_.bytes() < bytes) {
+    weight_sum_ = gpu::Buffer(bytes);
+    weight_sum_view_ = gpu::BufferTexture(weight_sum_, GL_R32UI);
+  }
+  weight_sum_.clear(bytes);
   for (TexelBatch& batch : scene.batches) {
     weigh_.use();
     weigh_.bind("Fall", fall);
@@ -36,9 +35,9 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
     weigh_.bind_texture("fragment_begin", batch.views.fragment_begin);
     weigh_.bind_texture("fragments", batch.views.fragments);
     weigh_.bind("TexelSteps", batch.steps);
-    weigh_.bind_texture("occlusion", occlusion.visible);
-    weigh_.bind_texture("occlusion_depth", occlusion.depth);
-    weigh_.bind_image("weight_sum", weight_sum_, GL_READ_WRITE);
+    weigh_.bind_texture("occlusion", occlusion.views.visible);
+    weigh_.bind_texture("occlusion_depth", occlusion.views.depth);
+    weigh_.bind("WeightSums", weight_sum_);
     weigh_.set("tile_origin", tile.pixels.low);
     weigh_.set("tile_size", size);
     weigh_.dispatch_indirect(batch.active_groups, kBlocks);
@@ -60,9 +59,9 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
   program.bind("Counts", scene.pixel_counts);
   program.bind("PixelListSize", pixel_list_size_);
   program.bind("PixelList", pixel_list_);
-  program.bind_texture("occlusion", occlusion.visible);
+  program.bind_texture("occlusion", occlusion.views.visible);
   program.bind_texture("triangle_words", scene.views.triangle_words);
-  program.bind_texture("weight_sum", weight_sum_);
+  program.bind_texture("weight_sum", weight_sum_view_);
   program.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
   program.set("tile_size", size);
   program.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
@@ -87,13 +86,14 @@ void DepositComputePass::lay(SceneBuffers& scene, const gpu::Buffer& fall, const
   lay_.bind_texture("map_triangles", scene.views.map_triangles);
   lay_.bind_texture("map_offsets", scene.views.map_offsets);
   lay_.bind_texture("texel_steps", batch.views.step_floats);
-  lay_.bind_texture("occlusion", occlusion.visible);
-  lay_.bind_texture("weight_sum", weight_sum_);
+  lay_.bind_texture("occlusion", occlusion.views.visible);
+  lay_.bind_texture("weight_sum", weight_sum_view_);
   lay_.bind_texture("owners", group.owners);
   lay_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
   lay_.set("batch_texels", glm::uvec2(batch.first, batch.first + batch.count));
   lay_.set("counting", counting ? 1 : 0);
   lay_.set("tile_origin", tile.pixels.low);
+  lay_.set("tile_size", tile.pixels.size());
   lay_.set("step_depth", step_depth);
   lay_.dispatch_indirect(pixel_list_size_);
   glMemoryBarrier(kListBarriers);
@@ -125,7 +125,8 @@ void DepositComputePass::share_out(SceneBuffers& scene, const gpu::Buffer& fall,
     program.bind_texture("groups", batch.views.active_groups);
     program.bind_texture("texel_steps", batch.views.steps);
     program.bind("DepositShare", batch.share);
-    program.bind_texture("weight_sum", weight_sum_);
+    program.bind_texture("weight_sum", weight_sum_view_);
+    program.set("tile_size", tile.pixels.size());
     if (snow.has_noise) {
       program.set("tile_origin", tile.pixels.low);
     }

@@ -38,8 +38,10 @@ class DepositComputePass {
   void run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
            const OcclusionTarget& occlusion, const StepSnow& snow, bool is_last);
 
-  /// Per pixel of the last tile: the sum of the texels that took part, in kPixelWeight units.
-  const gpu::Texture& weight_sum() const { return weight_sum_; }
+  /// Per pixel of the last tile, row by row: the sum of the texels that took part, in kPixelWeight
+  /// units.
+  const gpu::Buffer& weight_sum() const { return weight_sum_; }
+  const gpu::BufferTexture& weight_sum_view() const { return weight_sum_view_; }
 
  private:
   void weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
@@ -57,7 +59,8 @@ class DepositComputePass {
   gpu::Program lay_{{"deposit_lay.comp.glsl"}};
   gpu::Program spread_{{"deposit_spread.comp.glsl"}};
   gpu::ProgramVariants share_{{"deposit_share.comp.glsl"}};
-  gpu::Texture weight_sum_;
+  gpu::Buffer weight_sum_;
+  gpu::BufferTexture weight_sum_view_;
   /// Pixels of a tile that deposit_lay works on: arguments of its dispatch and their number, and
   /// them.
   gpu::Buffer pixel_list_size_;

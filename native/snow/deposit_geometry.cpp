@@ -37,8 +37,8 @@ void bind_texels(gpu::Program& program, const SceneBuffers& scene, const TexelBa
   program.bind_texture("group_slots", batch.views.group_slots);
   program.bind_texture("fragment_begin", batch.views.fragment_begin);
   program.bind_texture("fragments", batch.views.fragments);
-  program.bind_texture("occlusion", occlusion.visible);
-  program.bind_texture("occlusion_depth", occlusion.depth);
+  program.bind_texture("occlusion", occlusion.views.visible);
+  program.bind_texture("occlusion_depth", occlusion.views.depth);
   program.set("tile_origin", tile.pixels.low);
   program.set("tile_size", tile.pixels.size());
 }
@@ -58,9 +58,10 @@ void DepositGeometryPass::begin(SceneBuffers& scene) {
 
 void DepositGeometryPass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                                 const OcclusionTarget& occlusion) {
-  if (weight_map_.width() != occlusion.visible.width() ||
-      weight_map_.height() != occlusion.visible.height()) {
-    weight_map_ = gpu::Texture(GL_R32F, occlusion.visible.width(), occlusion.visible.height());
+  if (weight_map_.width() != occlusion.visible_texture.width() ||
+      weight_map_.height() != occlusion.visible_texture.height()) {
+    weight_map_ = gpu::Texture(GL_R32F, occlusion.visible_texture.width(),
+                               occlusion.visible_texture.height());
     weight_target_ = gpu::Framebuffer({&weight_map_});
   }
   weight_map_.clear();
@@ -87,7 +88,7 @@ void DepositGeometryPass::drop_on_pixels(SceneBuffers& scene, const gpu::Buffer&
     pixels_.bind_texture("triangle_surface", scene.views.triangle_surface);
     pixels_.bind_texture("texels", batch.views.texels);
     pixels_.bind_texture("texel_steps", batch.views.step_floats);
-    pixels_.bind_texture("occlusion", occlusion.visible);
+    pixels_.bind_texture("occlusion", occlusion.views.visible);
     pixels_.bind_texture("owners", group.owners);
     pixels_.bind_texture("weight_map", weight_map_);
     pixels_.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
@@ -119,7 +120,7 @@ void DepositGeometryPass::count(SceneBuffers& scene, const gpu::Buffer& fall, co
   count_.use();
   count_.bind("Fall", fall);
   count_.bind("Counts", scene.pixel_counts);
-  count_.bind_texture("occlusion", occlusion.visible);
+  count_.bind_texture("occlusion", occlusion.views.visible);
   count_.bind_texture("triangle_words", scene.views.triangle_words);
   count_.set("tile_origin", tile.pixels.low);
   count_.set("tile_size", size);

@@ -52,6 +52,9 @@ struct FallSettings {
 /// Width of the viewport in pixels and of a block: a block and a margin of half a block around it.
 inline constexpr int32_t kViewportSize = 16384;
 inline constexpr int32_t kBlockSize = 8192;
+/// Largest edge of a tile: its pixels' sums fit llvmpipe's largest storage block (128 MiB).
+inline constexpr int32_t kLargestTile = 4096;
+static_assert(kLargestTile <= kBlockSize);
 
 /// The direction in which the flakes of one step fall: `direction` turned by a point of the
 /// low-discrepancy R sequence in the cone of `flutter`. The cone is narrowed so that it stays

@@ -85,9 +85,10 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
         texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
         static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
   }
-  // What is seen, its depth, the sums, the list of pixels and that of snow to spread.
+  // What is seen and its depth, both drawn and copied; the sums, the list of pixels and that of
+  // snow to spread.
   estimate.tile = int64_t{tile_size} * tile_size *
-                  (4 + 4 + 4 + 4 + static_cast<int64_t>(sizeof(shared::SpreadSnow)));
+                  (2 * (4 + 4) + 4 + 4 + static_cast<int64_t>(sizeof(shared::SpreadSnow)));
   // Three heights and their tables.
   estimate.output = largest_map * (4 + 4 + 4 + 8);
   return estimate;

@@ -6,17 +6,35 @@
 namespace snowbough::snow {
 
 void OcclusionTarget::require_size(glm::ivec2 size) {
-  if (visible.id() != 0 && size.x <= visible.width() && size.y <= visible.height()) {
+  const int64_t bytes = int64_t{4} * size.x * size.y;
+  if (visible.bytes() < bytes) {
+    visible = gpu::Buffer(bytes);
+    depth = gpu::Buffer(bytes);
+    views.visible = gpu::BufferTexture(visible, GL_R32UI);
+    views.depth = gpu::BufferTexture(depth, GL_R32F);
+  }
+  if (visible_texture.id() != 0 && size.x <= visible_texture.width() &&
+      size.y <= visible_texture.height()) {
     return;
   }
   const auto rounded = [](int32_t wanted, int32_t have) {
     return std::max((wanted + 127) / 128 * 128, have);
   };
-  const int32_t width = rounded(size.x, visible.width());
-  const int32_t height = rounded(size.y, visible.height());
-  visible = gpu::Texture(GL_R32UI, width, height);
-  depth = gpu::Texture(GL_DEPTH_COMPONENT32F, width, height);
-  framebuffer = gpu::Framebuffer({&visible}, &depth);
+  const int32_t width = rounded(size.x, visible_texture.width());
+  const int32_t height = rounded(size.y, visible_texture.height());
+  visible_texture = gpu::Texture(GL_R32UI, width, height);
+  depth_texture = gpu::Texture(GL_DEPTH_COMPONENT32F, width, height);
+  framebuffer = gpu::Framebuffer({&visible_texture}, &depth_texture);
+}
+
+void OcclusionTarget::copy_pixels(glm::ivec2 size) {
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, visible.id());
+  glReadPixels(0, 0, size.x, size.y, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, depth.id());
+  glReadPixels(0, 0, size.x, size.y, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+  glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
 void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& fall,
@@ -75,6 +93,7 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, cons
   glDisable(GL_SCISSOR_TEST);
   glDisable(GL_DEPTH_TEST);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, 0);
+  target.copy_pixels(size);
 }
 
 }  // namespace snowbough::snow

@@ -11,16 +11,25 @@
 
 namespace snowbough::snow {
 
-/// What the sky sees in the pixels of one tile. Grows to the largest tile asked for.
+/// What the sky sees in the pixels of one tile: drawn on textures, then copied row by row into
+/// buffers, which llvmpipe reads several times faster. Grows to the largest tile asked for.
 struct OcclusionTarget {
-  /// R32UI: 1 + triangle with kBackFace, 0 = nothing.
-  gpu::Texture visible;
-  /// Depth along the fall: 0 and 1 are the ends of FallFrame::range.
-  gpu::Texture depth;
+  gpu::Texture visible_texture;
+  gpu::Texture depth_texture;
   gpu::Framebuffer framebuffer;
+  /// Per pixel of the tile: 1 + triangle with kBackFace, 0 = nothing.
+  gpu::Buffer visible;
+  /// Per pixel: depth along the fall as a float; 0 and 1 are the ends of FallFrame::range.
+  gpu::Buffer depth;
+  struct Views {
+    gpu::BufferTexture visible;
+    gpu::BufferTexture depth;
+  } views;
 
   /// GPU thread.
   void require_size(glm::ivec2 size);
+  /// Fills the buffers from the lower left `size` pixels of the textures. GPU thread.
+  void copy_pixels(glm::ivec2 size);
 };
 
 /// A run of triangles to draw.
@@ -36,7 +45,7 @@ struct TriangleRange {
 class OcclusionPass {
  public:
   /// `fall` holds the FallFrame, the triangles are those of its TriangleFallPass. Clears and fills
-  /// the lower left `tile.pixels.size()` pixels of `target`. Back faces are drawn and marked; what
+  /// `target` for the tile. Back faces are drawn and marked; what
   /// an alpha mask cuts away is not there, whichever way it faces. Ranges are drawn in their order,
   /// which decides where two surfaces coincide. GPU thread.
   void run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,

@@ -32,8 +32,9 @@ void check_settings(const SimulationSettings& s) {
           "slide_half_life must be 0 seconds or more");
   require(std::isfinite(s.blur_radius) && s.blur_radius >= 0.0,
           "blur_radius must be 0 metres or more");
-  require(s.tile_size >= 64 && s.tile_size <= kBlockSize && (s.tile_size & (s.tile_size - 1)) == 0,
-          "tile_size must be a power of two from 64 to 8192");
+  require(
+      s.tile_size >= 64 && s.tile_size <= kLargestTile && (s.tile_size & (s.tile_size - 1)) == 0,
+      "tile_size must be a power of two from 64 to 4096");
 }
 
 glm::dvec3 unit_fall(const glm::dvec3& direction) {

@@ -37,7 +37,7 @@ struct SimulationSettings {
   double blur_radius = 0.0;
   uint32_t seed = 0;
   DepositMapping mapping = DepositMapping::kCompute;
-  /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 8192. It changes memory
+  /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// and speed, never the result.
   int32_t tile_size = 2048;
   /// Which EGL device, see gpu::EglContext.

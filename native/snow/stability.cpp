@@ -32,8 +32,9 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     if (has_tile) {
       program.bind("Fall", *pending.fall);
       program.bind_texture("weight_sum", *pending.weight_sum);
+      program.set("tile_size", pending.tile.size());
       if (snow.has_noise) {
-        program.set("tile_origin", pending.tile_origin);
+        program.set("tile_origin", pending.tile.low);
       }
     }
     if (earlier) {

@@ -20,11 +20,11 @@ struct StabilitySettings {
 
 /// What the deposit of the step's last tile left to be shared out.
 struct PendingShares {
-  /// DepositComputePass::weight_sum; null = no tile is pending.
-  const gpu::Texture* weight_sum = nullptr;
-  /// The step's FallFrame, and the tile's first pixel.
+  /// DepositComputePass::weight_sum_view; null = no tile is pending.
+  const gpu::BufferTexture* weight_sum = nullptr;
+  /// The step's FallFrame, and the tile's pixels.
   const gpu::Buffer* fall = nullptr;
-  glm::ivec2 tile_origin{0};
+  PixelRect tile;
   /// Shares of further tiles wait in the batches' `share`.
   bool earlier_tiles = false;
   /// The whole deposit lies on the groups' `deposit` maps; nothing of the above counts.

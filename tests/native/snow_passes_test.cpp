@@ -68,30 +68,21 @@ struct Bench {
   }
 
   /// What the tile's pixels show, and their depths in metres.
-  std::vector<uint32_t> visible() const {
-    return shown<uint32_t>(target.visible, GL_RED_INTEGER, GL_UNSIGNED_INT);
-  }
+  std::vector<uint32_t> visible() const { return of_tile(target.visible.read_all<uint32_t>()); }
   std::vector<float> depth() const {
-    std::vector<float> depths = shown<float>(target.depth, GL_DEPTH_COMPONENT, GL_FLOAT);
+    std::vector<float> depths = of_tile(target.depth.read_all<float>());
     for (float& depth : depths) {
       depth = depth / frame.range.y + frame.range.x;
     }
     return depths;
   }
 
+  /// Without what buffers hold behind the tile's pixels.
   template <typename T>
-  std::vector<T> shown(const gpu::Texture& texture, GLenum format, GLenum type) const {
-    std::vector<T> all(static_cast<size_t>(texture.width()) *
-                       static_cast<size_t>(texture.height()));
-    texture.read(0, format, type, static_cast<int64_t>(all.size() * sizeof(T)), all.data());
-    std::vector<T> of_tile;
+  std::vector<T> of_tile(std::vector<T> values) const {
     const glm::ivec2 size = tiles.front().pixels.size();
-    for (int32_t y = 0; y < size.y; ++y) {
-      for (int32_t x = 0; x < size.x; ++x) {
-        of_tile.push_back(all[static_cast<size_t>(y * texture.width() + x)]);
-      }
-    }
-    return of_tile;
+    values.resize(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
+    return values;
   }
 
   gpu::GpuInfo info = gpu::GpuThread::shared()->info();
@@ -259,22 +250,40 @@ TEST(Occlusion, MarksBackFaces) {
   });
 }
 
+TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 64.0));
+    const std::vector<uint32_t> whole = bench.visible();
+    const PixelRect all = bench.tiles[0].pixels;
+    // The same target, now too large for its tile: rows of 20 pixels.
+    Tile part = bench.tiles[0];
+    part.pixels = {all.low + glm::ivec2(10, 5), all.low + glm::ivec2(30, 50)};
+    OcclusionPass().run(bench.scene, bench.fall, part, {{0, bench.scene.triangle_count}},
+                        bench.target);
+    const auto visible = bench.target.visible.read_all<uint32_t>();
+    const auto depth = bench.target.depth.read_all<float>();
+    for (int32_t y = 0; y < 45; ++y) {
+      for (int32_t x = 0; x < 20; ++x) {
+        const auto at = static_cast<size_t>(y * 20 + x);
+        EXPECT_EQ(visible[at], whole[static_cast<size_t>((y + 5) * all.size().x + x + 10)]);
+        EXPECT_LT(depth[at], 1.0f);
+      }
+    }
+  });
+}
+
 TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
   gpu::GpuThread::shared()->run([] {
     // Pixels of four by four texels: every inner pixel's texels fill it.
     Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 16.0));
     DepositComputePass deposit;
     deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, false);
-    const gpu::Texture& sums = deposit.weight_sum();
-    std::vector<uint32_t> weights(static_cast<size_t>(sums.width() * sums.height()));
-    sums.read(0, GL_RED_INTEGER, GL_UNSIGNED_INT, static_cast<int64_t>(weights.size()) * 4,
-              weights.data());
+    const auto weights = deposit.weight_sum().read_all<uint32_t>();
     const glm::ivec2 size = bench.tiles[0].pixels.size();
     for (int32_t y = 4; y < size.y - 4; ++y) {
       for (int32_t x = 4; x < size.x - 4; ++x) {
-        EXPECT_NEAR(
-            weights[static_cast<size_t>(y * sums.width() + x)] / double(shared::kPixelWeight), 1.0,
-            0.26);
+        EXPECT_NEAR(weights[static_cast<size_t>(y * size.x + x)] / double(shared::kPixelWeight),
+                    1.0, 0.26);
       }
     }
     double volume = 0.0;
