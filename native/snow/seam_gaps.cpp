@@ -3,10 +3,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <iterator>
 #include <utility>
 
 namespace snowbough::snow {
@@ -77,31 +75,39 @@ class PointTerms {
   size_t count_ = 0;
 };
 
-/// Turns the points' texels of the map into indices into `texel`, and fills that.
+/// Turns the points' texels of the map, 0 to `none`, into indices into `texel`, and fills that.
 void number_texels(SeamLevelling& levelling, int32_t none) {
-  std::vector<int32_t>& texel = levelling.texel;
+  // Per texel of the map: its index, once that is known. Other charts' texels are few.
+  std::vector<int32_t> index(static_cast<size_t>(none), -1);
+  std::vector<int32_t> foreign;
   for (const SeamRow& point : levelling.points) {
-    std::copy_if(point.source.begin(), point.source.end(), std::back_inserter(texel),
-                 [&](int32_t source) { return source != none; });
-  }
-  // Another chart's texels are negative.
-  std::sort(texel.begin(), texel.end());
-  texel.erase(std::unique(texel.begin(), texel.end()), texel.end());
-  const auto first_own = std::lower_bound(texel.begin(), texel.end(), 0);
-  levelling.unknowns = static_cast<int32_t>(texel.end() - first_own);
-  std::reverse(texel.begin(), first_own);
-  std::rotate(texel.begin(), first_own, texel.end());
-  const auto own_end = texel.begin() + levelling.unknowns;
-  for (SeamRow& point : levelling.points) {
-    for (int32_t& source : point.source) {
-      const auto found = source == none ? texel.end()
-                         : source >= 0
-                             ? std::lower_bound(texel.begin(), own_end, source)
-                             : std::lower_bound(own_end, texel.end(), source, std::greater<>());
-      source = static_cast<int32_t>(found - texel.begin());
+    for (const int32_t source : point.source) {
+      if (source < 0) foreign.push_back(~source);
+      if (source >= 0 && source < none) index[source] = 0;
     }
   }
-  for (auto other = own_end; other != texel.end(); ++other) *other = ~*other;
+  std::vector<int32_t>& texel = levelling.texel;
+  for (int32_t t = 0; t < none; ++t) {
+    if (index[t] < 0) continue;
+    index[t] = static_cast<int32_t>(texel.size());
+    texel.push_back(t);
+  }
+  levelling.unknowns = static_cast<int32_t>(texel.size());
+  std::sort(foreign.begin(), foreign.end());
+  foreign.erase(std::unique(foreign.begin(), foreign.end()), foreign.end());
+  texel.insert(texel.end(), foreign.begin(), foreign.end());
+  for (SeamRow& point : levelling.points) {
+    for (int32_t& source : point.source) {
+      if (source == none) {
+        source = static_cast<int32_t>(texel.size());
+      } else if (source >= 0) {
+        source = index[source];
+      } else {
+        const auto found = std::lower_bound(foreign.begin(), foreign.end(), ~source);
+        source = levelling.unknowns + static_cast<int32_t>(found - foreign.begin());
+      }
+    }
+  }
 }
 
 }  // namespace
