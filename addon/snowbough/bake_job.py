@@ -49,6 +49,7 @@ class BakeJob:
         # What the simulation has not been told yet.
         self._positions = {}
         self._driver = ""
+        self._gpu = native.Gpu()  # ready when Blender has begun to render
 
     # -- the recipe ------------------------------------------------------------------------------------
 
@@ -62,7 +63,7 @@ class BakeJob:
         request = self.request
         with contextlib.ExitStack() as stack:
             # Without a GPU nothing is begun.
-            self._driver = stack.enter_context(held_driver(self.native))
+            self._driver = stack.enter_context(held_driver(self._gpu))
             first_pose = evaluate(request.frame_start, 0.0)
             snowfall = self._plan(evaluate)
             self._identify(first_pose)
@@ -407,18 +408,18 @@ class BakeJob:
 
 
 @contextlib.contextmanager
-def held_driver(native):
-    """Holds the GPU, so that a simulation made meanwhile takes over its context; gives driver_name. Raises
-    NoGpu."""
-    try:
-        gpu = native.Gpu()
-    except RuntimeError as error:
-        raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
+def held_driver(gpu):
+    """Holds a native.Gpu, so that a simulation made meanwhile takes over its context; gives driver_name.
+    Raises NoGpu."""
     with gpu:
-        yield f"{gpu.info['renderer']}, {gpu.info['version']}"
+        try:
+            info = gpu.info
+        except RuntimeError as error:
+            raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
+        yield f"{info['renderer']}, {info['version']}"
 
 
 def driver_name(native):
     """What decides about the last bit of a map. Raises NoGpu."""
-    with held_driver(native) as name:
+    with held_driver(native.Gpu()) as name:
         return name

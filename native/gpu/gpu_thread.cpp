@@ -9,6 +9,12 @@
 namespace snowbough::gpu {
 
 std::shared_ptr<GpuThread> GpuThread::shared(const std::string& device) {
+  std::shared_ptr<GpuThread> thread = begin(device);
+  thread->info();
+  return thread;
+}
+
+std::shared_ptr<GpuThread> GpuThread::begin(const std::string& device) {
   // Never destroyed: a simulation that outlives main must not find it gone.
   static auto* mutex = new std::mutex();
   static auto* threads = new std::map<std::string, std::weak_ptr<GpuThread>>();
@@ -24,15 +30,9 @@ std::shared_ptr<GpuThread> GpuThread::shared(const std::string& device) {
 
 GpuThread::GpuThread(const std::string& device) {
   std::promise<GpuInfo> started;
-  std::future<GpuInfo> future = started.get_future();
+  info_ = started.get_future().share();
   thread_ = std::thread(
       [this, device, started = std::move(started)]() mutable { loop(device, std::move(started)); });
-  try {
-    info_ = future.get();
-  } catch (...) {
-    thread_.join();
-    throw;
-  }
 }
 
 GpuThread::~GpuThread() {

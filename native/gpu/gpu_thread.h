@@ -24,7 +24,10 @@ class GpuThread {
   /// The process's thread for `device` (see EglContext); made on first use and ended with the last
   /// owner, so that simulations share one context. @throws std::runtime_error when there is none.
   static std::shared_ptr<GpuThread> shared(const std::string& device = "");
+  /// The same without waiting for the context: whether there is one, `info` tells.
+  static std::shared_ptr<GpuThread> begin(const std::string& device = "");
 
+  /// Returns while the thread still makes the context.
   explicit GpuThread(const std::string& device);
   /// Runs what is still queued, then destroys the context and joins the thread. Not to be called on
   /// the thread itself.
@@ -34,12 +37,14 @@ class GpuThread {
 
   /// Runs `work` on the thread, waits, and returns its result or throws its exception. A GL error
   /// that it leaves behind becomes a std::runtime_error. Called on the thread itself it just runs.
+  /// Without a context it throws what `info` throws.
   template <typename Work>
   std::invoke_result_t<Work> run(Work&& work) {
     using Result = std::invoke_result_t<Work>;
     if (is_current()) {
       return work();
     }
+    info();
     // Shared, because the thread is still inside the task when the caller has its result.
     auto task = std::make_shared<std::packaged_task<Result()>>([&work]() -> Result {
       if constexpr (std::is_void_v<Result>) {
@@ -69,7 +74,8 @@ class GpuThread {
 
   /// True on the thread itself.
   bool is_current() const { return std::this_thread::get_id() == thread_.get_id(); }
-  const GpuInfo& info() const { return info_; }
+  /// Waits for the context. @throws std::runtime_error where none could be made.
+  const GpuInfo& info() const { return info_.get(); }
 
  private:
   static void throw_gl_errors();
@@ -80,7 +86,7 @@ class GpuThread {
   std::condition_variable wake_;
   std::deque<std::function<void()>> queue_;
   bool stopping_ = false;
-  GpuInfo info_;
+  std::shared_future<GpuInfo> info_;
   std::map<std::type_index, std::shared_ptr<void>> resources_;
   std::thread thread_;
 };

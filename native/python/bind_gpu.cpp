@@ -1,6 +1,7 @@
 #include <memory>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 #include "bindings.h"
 #include "gpu/gpu_thread.h"
@@ -15,22 +16,25 @@ class HeldGpu {
  public:
   explicit HeldGpu(const std::string& device) {
     const py::gil_scoped_release release;
-    thread_ = gpu::GpuThread::shared(device);
+    thread_ = gpu::GpuThread::begin(device);
   }
   ~HeldGpu() { close(); }
   HeldGpu(const HeldGpu&) = delete;
   HeldGpu& operator=(const HeldGpu&) = delete;
 
-  const gpu::GpuInfo& info() const {
-    if (thread_ == nullptr) {
+  gpu::GpuInfo info() const {
+    const std::shared_ptr<gpu::GpuThread> thread = thread_;
+    if (thread == nullptr) {
       throw std::runtime_error("the GPU is closed: make a new Gpu");
     }
-    return thread_->info();
+    const py::gil_scoped_release release;
+    return thread->info();
   }
 
   void close() {
+    std::shared_ptr<gpu::GpuThread> thread = std::move(thread_);
     const py::gil_scoped_release release;
-    thread_.reset();
+    thread.reset();
   }
 
  private:
@@ -38,7 +42,7 @@ class HeldGpu {
 };
 
 py::dict info_dict(const HeldGpu& gpu) {
-  const gpu::GpuInfo& info = gpu.info();
+  const gpu::GpuInfo info = gpu.info();
   py::dict dict;
   dict["vendor"] = info.vendor;
   dict["renderer"] = info.renderer;
@@ -59,10 +63,13 @@ void bind_gpu(py::module_& module) {
       module, "Gpu",
       "Holds the context on the GPU that snow runs on: simulations made while one is held share "
       "it\n"
-      "instead of making their own. Raises RuntimeError, saying what to do, where no OpenGL 4.5\n"
-      "context can be made. A context manager: leaving it lets go.")
+      "instead of making their own. Returns while the context is still being made. A context\n"
+      "manager: leaving it lets go.")
       .def(py::init<const std::string&>(), "device"_a = "")
-      .def_property_readonly("info", &info_dict, "Vendor, renderer, version and limits, as a dict.")
+      .def_property_readonly(
+          "info", &info_dict,
+          "Vendor, renderer, version and limits, as a dict. Raises RuntimeError, saying\n"
+          "what to do, where no OpenGL 4.5 context can be made.")
       .def("close", &HeldGpu::close, "Lets go of the context, which ends with its last simulation.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](HeldGpu& self, const py::args&) { self.close(); });
@@ -72,7 +79,7 @@ void bind_gpu(py::module_& module) {
       "device"_a = "",
       "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises what "
       "Gpu\n"
-      "raises.");
+      "Gpu.info.");
 }
 
 }  // namespace snowbough::python

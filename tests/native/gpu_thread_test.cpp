@@ -58,8 +58,11 @@ TEST(GpuThread, TakesTheDeviceByTheNameThatItTells) {
 }
 
 TEST(GpuThread, RefusesAnUnknownDeviceByName) {
+  GpuThread gpu("no such device");
+  EXPECT_THROW(gpu.run([] {}), std::runtime_error);
+  EXPECT_THROW(GpuThread::shared("no such device"), std::runtime_error);
   try {
-    GpuThread gpu("no such device");
+    gpu.info();
     FAIL() << "must throw";
   } catch (const std::runtime_error& error) {
     EXPECT_NE(std::string(error.what()).find("no such device"), std::string::npos);

@@ -132,6 +132,7 @@ def test_a_simulation_takes_over_the_context_of_a_gpu_that_is_held():
 
     positions, triangles, uv = grid()
     gpu = native.Gpu()
+    assert gpu.info["renderer"]  # waits until the context's own threads are there
     held = tasks()
     sim = native.SnowSimulation(pixel_size=0.05)
     assert tasks() == held
@@ -142,6 +143,11 @@ def test_a_simulation_takes_over_the_context_of_a_gpu_that_is_held():
     sim.close()
     assert tasks() < held
     with pytest.raises(RuntimeError, match="closed"):
+        _ = gpu.info
+
+
+def test_a_gpu_that_is_not_there_is_told_of_when_it_is_asked():
+    with native.Gpu("no such device") as gpu, pytest.raises(RuntimeError, match="no such device"):
         _ = gpu.info
 
 
