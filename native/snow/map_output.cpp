@@ -47,7 +47,8 @@ int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams) {
     return static_cast<int64_t>(rows.source.size());
   };
   return std::max({4 * texels, 4 * int64_t{seams.u.length}, 4 * int64_t{seams.v.length},
-                   4 * terms(seams.u.ghosts), 4 * terms(seams.v.ghosts)});
+                   16 * static_cast<int64_t>(table.texel.size()), 4 * terms(seams.u.ghosts),
+                   4 * terms(seams.v.ghosts)});
 }
 
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
@@ -141,6 +142,41 @@ void MapOutputPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBu
     filter(buffers, kAlongU | kAlongV, pass + 1 == buffers.closing_passes);
   }
   add_rows(buffers.dilation, buffers.map, buffers.map, false);
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+}
+
+void MapOutputPass::run_normals(OutputBuffers& buffers, const TexelTable& table,
+                                const std::vector<SurfaceMetric>& metrics) {
+  OutputBuffers::Lines& u = buffers.u;
+  OutputBuffers::Lines& v = buffers.v;
+  refill_.use();
+  refill_.bind("Texels", buffers.texel);
+  refill_.bind("PlaceU", u.place);
+  refill_.bind("PlaceV", v.place);
+  refill_.bind("LineU", u.line[u.current]);
+  refill_.bind("LineV", v.line[v.current]);
+  refill_.bind("Map", buffers.map);
+  refill_.set("count", buffers.texel_count);
+  refill_.dispatch_items(buffers.texel_count, kGroupSize);
+  wait_for_writes();
+  fill_ghosts(u);
+  fill_ghosts(v);
+
+  const gpu::Buffer triangles(table.triangle);
+  const gpu::Buffer metric_buffer(metrics);
+  if (buffers.normals.bytes() == 0) {
+    buffers.normals = gpu::Buffer(int64_t{16} * buffers.texel_count);
+  }
+  normals_.use();
+  normals_.bind("TexelTriangle", triangles);
+  normals_.bind("Metrics", metric_buffer);
+  normals_.bind("PlaceU", u.place);
+  normals_.bind("PlaceV", v.place);
+  normals_.bind("LineU", u.line[u.current]);
+  normals_.bind("LineV", v.line[v.current]);
+  normals_.bind("Normals", buffers.normals);
+  normals_.set("count", buffers.texel_count);
+  normals_.dispatch_items(buffers.texel_count, kGroupSize);
   glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
 }
 

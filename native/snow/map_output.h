@@ -8,6 +8,7 @@
 #include "gpu/resources.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
+#include "snow/surface_metric.h"
 #include "snow/texel_table.h"
 
 namespace snowbough::snow {
@@ -55,19 +56,24 @@ struct OutputBuffers {
   RowBuffers dilation;
   /// The output heights, resolution^2 floats.
   gpu::Buffer map;
+  /// vec4 an owned texel.
+  gpu::Buffer normals;
 };
 
 /// Uploads a receiver's tables. GPU thread.
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
                                   const SmoothingPlan& plan);
 
-/// Smooths a receiver's map and continues it beyond its charts on the GPU, as CpuOutput does on the
-/// processor. Levelling and normals are left to the processor, which has the map anyway then. All
-/// functions run on the GPU thread.
+/// Smooths a receiver's map, continues it beyond its charts and takes its normals on the GPU, as
+/// CpuOutput does on the processor. Levelling, which comes between, is left to the processor
+/// (OutputTables). All functions run on the GPU thread.
 class MapOutputPass {
  public:
   /// Leaves the heights of layer `layer` of `height_maps` (R32F array) in `buffers.map`.
   void run(const gpu::Texture& height_maps, int32_t layer, OutputBuffers& buffers);
+  /// Leaves the normals of `buffers.map` in `buffers.normals`, one an owned texel.
+  void run_normals(OutputBuffers& buffers, const TexelTable& table,
+                   const std::vector<SurfaceMetric>& metrics);
 
  private:
   void fill_ghosts(OutputBuffers::Lines& lines);
@@ -75,9 +81,11 @@ class MapOutputPass {
   void add_rows(const RowBuffers& rows, const gpu::Buffer& source, const gpu::Buffer& target,
                 bool nothing_without_terms);
 
-  gpu::Program gather_{{"output_gather.comp.glsl"}};
+  gpu::Program gather_{{"output_gather.comp.glsl"}, {"FROM_TEXTURE"}};
+  gpu::Program refill_{{"output_gather.comp.glsl"}};
   gpu::Program rows_{{"weighted_rows.comp.glsl"}};
   gpu::Program smoothing_{{"smoothing.comp.glsl"}};
+  gpu::Program normals_{{"normals.comp.glsl"}};
 };
 
 }  // namespace snowbough::snow

@@ -89,8 +89,8 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   // snow to spread.
   estimate.tile = int64_t{tile_size} * tile_size *
                   (2 * (4 + 4) + 4 + 4 + static_cast<int64_t>(sizeof(shared::SpreadSnow)));
-  // Three heights and their tables.
-  estimate.output = largest_map * (4 + 4 + 4 + 8);
+  // Three heights, a normal and its tables.
+  estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;
 }
 

@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <exception>
+#include <glm/vec4.hpp>
 
-#include "snow/normals.h"
+#include "snow/dilate.h"
 
 namespace snowbough::snow {
 
@@ -55,22 +56,31 @@ MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
   return processor_->run(stored, metrics);
 }
 
-MapOutput OutputTables::finish(std::vector<float> smoothed,
-                               const std::vector<SurfaceMetric>& metrics) {
-  build();
+MapOutput OutputTables::output_on_gpu(MapOutputPass& pass, const gpu::Texture& height_maps,
+                                      int32_t layer, const std::vector<SurfaceMetric>& metrics) {
+  const TexelTable& table = receiver_->table;
+  OutputBuffers buffers = make_output_buffers(table, seams(), plan());
   MapOutput output;
-  output.height = std::move(smoothed);
-  {
-    const std::scoped_lock lock(processor_mutex_);
-    if (leveller_ == nullptr) {
-      make_leveller();
-    }
-    leveller_->run(output.height);
+  pass.run(height_maps, layer, buffers);
+  output.height = buffers.map.read_all<float>();
+  if (metrics.empty()) {
+    return output;
   }
-  if (!metrics.empty()) {
-    output.normal = normal_map(receiver_->table, seams_, metrics, output.height);
-  }
+  level(output.height);
+  buffers.map.write(0, buffers.map.bytes(), output.height.data());
+  pass.run_normals(buffers, table, metrics);
+  const auto values = buffers.normals.read_all<glm::vec4>();
+  output.normal = dilate_normals(table, seams_, {values.begin(), values.end()});
   return output;
+}
+
+void OutputTables::level(std::vector<float>& map) {
+  build();
+  const std::scoped_lock lock(processor_mutex_);
+  if (leveller_ == nullptr) {
+    make_leveller();
+  }
+  leveller_->run(map);
 }
 
 OutputTableStore::~OutputTableStore() {

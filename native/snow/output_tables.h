@@ -22,8 +22,8 @@ namespace snowbough::snow {
 class OutputTables {
  public:
   /// `receiver` has its rest pose; its description and texel table must not change any more.
-  /// `blur_radius` in metres; `on_processor`: output_on_processor will be asked for,
-  /// else finish.
+  /// `blur_radius` in metres; `on_processor`: output_on_processor will be asked for, else
+  /// output_on_gpu.
   OutputTables(std::shared_ptr<const SceneObject> receiver, double blur_radius, bool on_processor);
 
   /// Builds unless that is done, or waits for the thread that is at it. The functions below build
@@ -36,9 +36,12 @@ class OutputTables {
   /// See CpuOutput::run. Callers take turns.
   MapOutput output_on_processor(const std::vector<float>& stored,
                                 const std::vector<SurfaceMetric>& metrics);
-  /// Does to a map that MapOutputPass left what it leaves to the processor: levels its seams and,
-  /// unless `metrics` are empty, takes its normals. Callers take turns.
-  MapOutput finish(std::vector<float> smoothed, const std::vector<SurfaceMetric>& metrics);
+  /// The same of layer `layer` of `height_maps` (R32F array). Where `metrics` are empty, seams are
+  /// not level yet: that is left to level(), so that the GPU need not wait. GPU thread.
+  MapOutput output_on_gpu(MapOutputPass& pass, const gpu::Texture& height_maps, int32_t layer,
+                          const std::vector<SurfaceMetric>& metrics);
+  /// Levels the seams of a smoothed map, in place. Callers take turns.
+  void level(std::vector<float>& map);
 
  private:
   void make_processor();

@@ -58,11 +58,10 @@ class OutputSnapshot {
  private:
   friend class SnowSimulation;
   int32_t resolution_ = 0;
-  /// Stored heights, or what the GPU made of them.
-  std::vector<float> height_;
-  bool is_smoothed_ = false;
-  /// Where normals are wanted, surface_metrics.
+  /// Stored heights and, where normals are wanted, surface_metrics; or what the GPU made of them.
+  std::vector<float> stored_;
   std::vector<SurfaceMetric> metrics_;
+  MapOutput done_;
   std::shared_ptr<OutputTables> tables_;
 };
 

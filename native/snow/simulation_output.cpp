@@ -134,8 +134,13 @@ void SnowSimulation::prepare_output(const std::string& name) {
 }
 
 MapOutput OutputSnapshot::output() {
-  return is_smoothed_ ? tables_->finish(std::move(height_), metrics_)
-                      : tables_->output_on_processor(height_, metrics_);
+  if (!stored_.empty()) {
+    return tables_->output_on_processor(stored_, metrics_);
+  }
+  if (done_.normal.empty()) {
+    tables_->level(done_.height);
+  }
+  return std::move(done_);
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
@@ -166,17 +171,14 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
            thread_->info().max_storage_buffer_bytes;
   };
   if (outputs_on_processor() || !scene_is_current_ || !fits()) {
-    snapshot.height_ = stored_height(name);
+    snapshot.stored_ = stored_height(name);
     return snapshot;
   }
   const size_t at = index_of(name);
-  snapshot.is_smoothed_ = true;
-  snapshot.height_ = thread_->run([&] {
-    OutputBuffers buffers = make_output_buffers(object->table, tables->seams(), tables->plan());
-    MapOutputPass& pass = thread_->resource<MapOutputPass>();
+  snapshot.done_ = thread_->run([&] {
     const MapGroup& group = gpu_->scene.groups[static_cast<size_t>(gpu_->scene.group[at])];
-    pass.run(group.height, gpu_->scene.slot[at] - group.first_slot, buffers);
-    return buffers.map.read_all<float>();
+    return tables->output_on_gpu(thread_->resource<MapOutputPass>(), group.height,
+                                 gpu_->scene.slot[at] - group.first_slot, snapshot.metrics_);
   });
   return snapshot;
 }

@@ -245,25 +245,37 @@ std::vector<float> output_on_gpu(const Map& map, const SmoothingPlan& plan,
   });
 }
 
-TEST(MapOutputPass, finishedOnTheProcessorAgreesWithTheProcessorOnATube) {
+TEST(OutputTables, onTheGpuGivesWhatTheProcessorGivesOnATube) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
   const auto metrics = surface_metrics(map.mesh.topology, map.mesh.positions);
   const auto receiver = std::make_shared<SceneObject>();
   receiver->description.topology = map.mesh.topology;
   receiver->description.rest = map.mesh.positions;
   receiver->table = map.table;
+  const auto stored = random_map(map, 5);
   for (const float radius : {0.0f, 0.01f, 0.1f}) {
     const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
-    const auto stored = random_map(map, 5);
     const MapOutput expected = output_reference(map.table, map.seams, plan, stored, metrics);
-    const MapOutput output =
-        OutputTables(receiver, radius, false).finish(output_on_gpu(map, plan, stored), metrics);
+    OutputTables tables(receiver, radius, false);
+    const auto output = [&](const std::vector<SurfaceMetric>& wanted) {
+      return gpu::GpuThread::shared()->run([&] {
+        gpu::Texture maps(GL_R32F, 128, 128, 2);
+        maps.write(1, GL_RED, GL_FLOAT, stored.data());
+        MapOutputPass pass;
+        return tables.output_on_gpu(pass, maps, 1, wanted);
+      });
+    };
+    const MapOutput whole = output(metrics);
+    MapOutput heights = output({});
+    EXPECT_TRUE(heights.normal.empty());
+    tables.level(heights.height);
+    EXPECT_EQ(heights.height, whole.height);
     float worst = 0.0f;
     float worst_normal = 0.0f;
-    ASSERT_EQ(output.normal.size(), stored.size());
+    ASSERT_EQ(whole.normal.size(), stored.size());
     for (size_t i = 0; i < stored.size(); ++i) {
-      worst = std::max(worst, std::abs(output.height[i] - expected.height[i]));
-      worst_normal = std::max(worst_normal, glm::length(output.normal[i] - expected.normal[i]));
+      worst = std::max(worst, std::abs(whole.height[i] - expected.height[i]));
+      worst_normal = std::max(worst_normal, glm::length(whole.normal[i] - expected.normal[i]));
     }
     EXPECT_LT(worst, 1e-6f) << "radius " << radius;
     EXPECT_LT(worst_normal, 1e-4f) << "radius " << radius;
