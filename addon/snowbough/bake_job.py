@@ -49,7 +49,8 @@ class BakeJob:
         # What the simulation has not been told yet.
         self._positions = {}
         self._driver = ""
-        self._gpu = native.Gpu()  # ready when Blender has begun to render
+        # Makes its context beside the first pose; the simulation takes it over.
+        self._gpu = native.Gpu()
 
     # -- the recipe ------------------------------------------------------------------------------------
 
@@ -62,12 +63,12 @@ class BakeJob:
         """
         request = self.request
         with contextlib.ExitStack() as stack:
-            # Without a GPU nothing is begun.
-            self._driver = stack.enter_context(held_driver(self._gpu))
+            stack.enter_context(self._gpu)
             first_pose = evaluate(request.frame_start, 0.0)
             snowfall = self._plan(evaluate)
             self._identify(first_pose)
             settings = self._settings(snowfall)
+            self._driver = driver_of(self._gpu)  # without a GPU nothing is begun
             cache.make_folder(self.root)
             stack.callback(cache.remove_empty_folders, self.root)
             self._open_version(settings, stack)
@@ -407,19 +408,16 @@ class BakeJob:
             self._simulation = None
 
 
-@contextlib.contextmanager
-def held_driver(gpu):
-    """Holds a native.Gpu, so that a simulation made meanwhile takes over its context; gives driver_name.
-    Raises NoGpu."""
-    with gpu:
-        try:
-            info = gpu.info
-        except RuntimeError as error:
-            raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
-        yield f"{info['renderer']}, {info['version']}"
+def driver_of(gpu):
+    """What decides about the last bit of a map, of a native.Gpu. Raises NoGpu."""
+    try:
+        info = gpu.info
+    except RuntimeError as error:
+        raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
+    return f"{info['renderer']}, {info['version']}"
 
 
 def driver_name(native):
-    """What decides about the last bit of a map. Raises NoGpu."""
-    with held_driver(native.Gpu()) as name:
-        return name
+    """driver_of the GPU that a bake would take. Raises NoGpu."""
+    with native.Gpu() as gpu:
+        return driver_of(gpu)
