@@ -77,9 +77,8 @@ void bind_gpu(py::module_& module) {
   module.def(
       "gpu_info", [](const std::string& device) { return info_dict(HeldGpu(device)); },
       "device"_a = "",
-      "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises what "
-      "Gpu\n"
-      "Gpu.info.");
+      "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises what\n"
+      "Gpu.info raises.");
 }
 
 }  // namespace snowbough::python

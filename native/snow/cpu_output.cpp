@@ -117,18 +117,19 @@ void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
   }
   for (size_t i = 0; i < table_.texel.size(); ++i) {
     const int32_t texel = table_.texel[i];
-    const FilterWeights& weights = filter_levels()[level[i]];
-    OddTexel odd{texel, level[i], weights[0], {}};
-    bool plain = true;
-    for (int32_t k = 1; k <= kFilterReach; ++k) {
-      for (const int32_t side : {-1, 1}) {
-        const int32_t tap = found[lines.place[i] + side * k];
-        odd.taps[2 * (k - 1) + (side > 0)] = tap;
-        odd.present += tap == texels ? 0.0f : weights[k];
-        plain = plain && tap == texel + side * k * stride;
-      }
-    }
+    const int32_t place = lines.place[i];
+    // Runs lie further apart than the filter reaches: texels at both ends of it are of this run.
+    const bool plain = found[place - kFilterReach] < texels && found[place + kFilterReach] < texels;
     if (!plain) {
+      const FilterWeights& weights = filter_levels()[level[i]];
+      OddTexel odd{texel, level[i], weights[0], {}};
+      for (int32_t k = 1; k <= kFilterReach; ++k) {
+        for (const int32_t side : {-1, 1}) {
+          const int32_t tap = found[place + side * k];
+          odd.taps[2 * (k - 1) + (side > 0)] = tap;
+          odd.present += tap == texels ? 0.0f : weights[k];
+        }
+      }
       axis.odd.push_back(odd);
     } else if (!axis.segments.empty() && texel % table_.resolution % kTileWidth != 0 &&
                axis.segments.back().first_texel + axis.segments.back().count == texel) {
