@@ -24,7 +24,8 @@ inline float positive(float x) {
   return x > 0.0f ? x : 0.0f;
 }
 
-/// Filters `count` texels from `from` on, neighbours `stride` apart. The weights follow from the
+/// Filters `count` texels from `from` on, neighbours `stride` apart, but for those of a negative
+/// scale: to go on in whole vectors costs less than to leave them out. The weights follow from the
 /// scale of the two outer taps, each shared by the two texels beside it (see smoothing.h).
 template <bool kAdd>
 [[gnu::always_inline]] inline void filter_row(const float* __restrict from, float* __restrict to,
@@ -48,7 +49,7 @@ template <bool kAdd>
     const float sum =
         w0 * at[0] + w1 * (at[-stride] + at[stride]) + w2 * (at[-2 * stride] + at[2 * stride]) +
         w3 * (at[-3 * stride] + at[3 * stride]) + w4 * (at[-4 * stride] + at[4 * stride]);
-    to[i] = kAdd ? 0.5f * (to[i] + sum) : sum;
+    to[i] = scale[i] < 0.0f ? to[i] : kAdd ? 0.5f * (to[i] + sum) : sum;
   }
 }
 
@@ -59,16 +60,15 @@ template <bool kAdd>
   return bits;
 }
 
-SNOWBOUGH_WIDE uint32_t replace_segment(const float* __restrict from, float* __restrict to,
-                                        const float* __restrict scale, int32_t count,
-                                        ptrdiff_t stride) {
+SNOWBOUGH_WIDE uint32_t replace_row(const float* __restrict from, float* __restrict to,
+                                    const float* __restrict scale, int32_t count,
+                                    ptrdiff_t stride) {
   filter_row<false>(from, to, scale, count, stride);
   return bits_in(to, count);
 }
 
-SNOWBOUGH_WIDE uint32_t add_segment(const float* __restrict from, float* __restrict to,
-                                    const float* __restrict scale, int32_t count,
-                                    ptrdiff_t stride) {
+SNOWBOUGH_WIDE uint32_t add_row(const float* __restrict from, float* __restrict to,
+                                const float* __restrict scale, int32_t count, ptrdiff_t stride) {
   filter_row<true>(from, to, scale, count, stride);
   return bits_in(to, count);
 }
@@ -93,10 +93,10 @@ CpuOutput::CpuOutput(const TexelTable& table, const SeamTable& seams, const Smoo
   if (closing_passes_ == 0) return;
   prepare(u_, seams.u, 1, plan.level_u);
   prepare(v_, seams.v, table.resolution, plan.level_v);
-  const size_t texels = static_cast<size_t>(table.resolution) * table.resolution;
   const size_t ghosts = std::max(u_.ghosts.size(), v_.ghosts.size());
   for (Heights* heights : {&heights_, &next_}) {
-    heights->values.assign(texels + 1 + ghosts, 0.0f);
+    heights->margin = ptrdiff_t{kFilterReach} * table.resolution;
+    heights->values.assign(static_cast<size_t>(heights->margin + zero_place()) + 1 + ghosts, 0.0f);
     heights->filled.assign(static_cast<size_t>(tiles_.count()), 0);
   }
 }
@@ -105,44 +105,35 @@ void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                         const std::vector<uint8_t>& level) {
   const auto texels = static_cast<int32_t>(table_.resolution) * table_.resolution;
   axis.stride = stride;
-  axis.scale.assign(static_cast<size_t>(texels), 0.0f);
-  for (size_t i = 0; i < level.size(); ++i) axis.scale[table_.texel[i]] = filter_scale(level[i]);
-
+  axis.scale.assign(static_cast<size_t>(texels), kNotPlain);
+  axis.has_plain.assign(static_cast<size_t>(tiles_.count()), 0);
   // Per place of the line array: where its value is found; a ghost by its number.
-  std::vector<int32_t> found(static_cast<size_t>(lines.length), texels);
+  std::vector<int32_t> found(static_cast<size_t>(lines.length), zero_place());
   for (size_t i = 0; i < table_.texel.size(); ++i) found[lines.place[i]] = table_.texel[i];
   for (size_t g = 0; g < lines.ghost_place.size(); ++g) {
     const bool is_there = lines.ghosts.begin[g] != lines.ghosts.begin[g + 1];
-    if (is_there) found[lines.ghost_place[g]] = texels + 1 + static_cast<int32_t>(g);
+    if (is_there) found[lines.ghost_place[g]] = zero_place() + 1 + static_cast<int32_t>(g);
   }
   for (size_t i = 0; i < table_.texel.size(); ++i) {
     const int32_t texel = table_.texel[i];
     const int32_t place = lines.place[i];
     // Runs lie further apart than the filter reaches: texels at both ends of it are of this run.
     const bool plain = found[place - kFilterReach] < texels && found[place + kFilterReach] < texels;
-    if (!plain) {
-      const FilterWeights& weights = filter_levels()[level[i]];
-      OddTexel odd{texel, level[i], weights[0], {}};
-      for (int32_t k = 1; k <= kFilterReach; ++k) {
-        for (const int32_t side : {-1, 1}) {
-          const int32_t tap = found[place + side * k];
-          odd.taps[2 * (k - 1) + (side > 0)] = tap;
-          odd.present += tap == texels ? 0.0f : weights[k];
-        }
-      }
-      axis.odd.push_back(odd);
-    } else if (!axis.segments.empty() && texel % table_.resolution % kTileWidth != 0 &&
-               axis.segments.back().first_texel + axis.segments.back().count == texel) {
-      ++axis.segments.back().count;
-    } else {
-      axis.segments.push_back({texel, 1, tiles_.of(texel)});
+    if (plain) {
+      axis.scale[texel] = filter_scale(level[i]);
+      axis.has_plain[tiles_.of(texel)] = 1;
+      continue;
     }
-  }
-  for (int32_t row = 0; row <= tiles_.rows; ++row) {
-    const auto first = std::partition_point(
-        axis.segments.begin(), axis.segments.end(),
-        [&](const Segment& segment) { return segment.tile < row * tiles_.columns; });
-    axis.segment_begin.push_back(static_cast<int32_t>(first - axis.segments.begin()));
+    const FilterWeights& weights = filter_levels()[level[i]];
+    OddTexel odd{texel, level[i], weights[0], {}};
+    for (int32_t k = 1; k <= kFilterReach; ++k) {
+      for (const int32_t side : {-1, 1}) {
+        const int32_t tap = found[place + side * k];
+        odd.taps[2 * (k - 1) + (side > 0)] = tap;
+        odd.present += tap == zero_place() ? 0.0f : weights[k];
+      }
+    }
+    axis.odd.push_back(odd);
   }
   const auto tile_of_odd = [&](const OddTexel& odd) { return tiles_.of(odd.texel); };
   axis.odd = sorted_by_tile(axis.odd, tiles_.count(), tile_of_odd, axis.odd_begin);
@@ -152,7 +143,6 @@ void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
 /// Gives every tile ghosts of its own, so that tiles can be worked on side by side, and notes which
 /// tiles each one looks at.
 void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
-  const auto texels = static_cast<int32_t>(table_.resolution) * table_.resolution;
   // Per ghost of the lines: the last tile that it was noted for, and where that has it.
   std::vector<int32_t> noted_ghost(lines.ghost_place.size(), -1);
   std::vector<int32_t> slot(lines.ghost_place.size());
@@ -167,10 +157,10 @@ void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
     if (along + 1 < (axis.stride == 1 ? tiles_.columns : tiles_.rows)) axis.reads.note(tile + step);
     for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
       for (int32_t& tap : axis.odd[i].taps) {
-        if (tap <= texels) continue;
-        const int32_t ghost = tap - texels - 1;
+        if (tap <= zero_place()) continue;
+        const int32_t ghost = tap - zero_place() - 1;
         if (std::exchange(noted_ghost[ghost], tile) != tile) {
-          slot[ghost] = texels + 1 + static_cast<int32_t>(axis.ghosts.size());
+          slot[ghost] = zero_place() + 1 + static_cast<int32_t>(axis.ghosts.size());
           for (int32_t t = lines.ghosts.begin[ghost]; t < lines.ghosts.begin[ghost + 1]; ++t) {
             const int32_t source = table_.texel[lines.ghosts.source[t]];
             axis.ghosts.source.push_back(source);
@@ -189,9 +179,8 @@ void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
 void CpuOutput::clear_tile(Heights& heights, int32_t tile) const {
   if (heights.filled[tile] == 0) return;
   heights.filled[tile] = 0;
-  tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
-    std::fill_n(heights.values.begin() + first, count, 0.0f);
-  });
+  tiles_.for_each_row(
+      tile, [&](int32_t first, int32_t count) { std::fill_n(heights.map() + first, count, 0.0f); });
 }
 
 void CpuOutput::load(const std::vector<float>& stored) {
@@ -205,16 +194,15 @@ void CpuOutput::load(const std::vector<float>& stored) {
     }
     heights_.filled[tile] = 1;
     tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
-      std::copy_n(stored.begin() + first, count, heights_.values.begin() + first);
+      std::copy_n(stored.begin() + first, count, heights_.map() + first);
     });
   }
 }
 
 uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, bool add,
                                int32_t tile) const {
-  float* const source = from.values.data();
-  float* ghost = source + table_.resolution * static_cast<ptrdiff_t>(table_.resolution) + 1 +
-                 axis.ghost_begin[tile];
+  float* const source = from.map();
+  float* ghost = source + zero_place() + 1 + axis.ghost_begin[tile];
   for (int32_t g = axis.ghost_begin[tile]; g < axis.ghost_begin[tile + 1]; ++g) {
     float sum = 0.0f;
     for (int32_t t = axis.ghosts.begin[g]; t < axis.ghosts.begin[g + 1]; ++t) {
@@ -231,7 +219,7 @@ uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, boo
       sum += w[k] * source[odd.taps[2 * k - 2]];
       sum += w[k] * source[odd.taps[2 * k - 1]];
     }
-    float& target = to.values[odd.texel];
+    float& target = to.map()[odd.texel];
     target = add ? 0.5f * (target + sum / odd.present) : sum / odd.present;
     bits |= std::bit_cast<uint32_t>(target);
   }
@@ -240,19 +228,16 @@ uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, boo
 
 void CpuOutput::filter_tile_row(const Axis& axis, Heights& from, Heights& to, bool add,
                                 int32_t row) const {
-  const int32_t first_tile = row * tiles_.columns;
-  std::vector<uint32_t> bits(static_cast<size_t>(tiles_.columns), 0);
-  for (int32_t s = axis.segment_begin[row]; s < axis.segment_begin[row + 1]; ++s) {
-    const Segment& segment = axis.segments[s];
-    if (to.filled[segment.tile] == 0) continue;
-    bits[segment.tile - first_tile] |= (add ? add_segment : replace_segment)(
-        from.values.data() + segment.first_texel, to.values.data() + segment.first_texel,
-        axis.scale.data() + segment.first_texel, segment.count, axis.stride);
-  }
-  for (int32_t column = 0; column < tiles_.columns; ++column) {
-    uint8_t& filled = to.filled[first_tile + column];
-    if (filled == 0) continue;
-    filled = (bits[column] | filter_odd(axis, from, to, add, first_tile + column)) != 0;
+  for (int32_t tile = row * tiles_.columns; tile < (row + 1) * tiles_.columns; ++tile) {
+    if (to.filled[tile] == 0) continue;
+    uint32_t bits = 0;
+    if (axis.has_plain[tile] != 0) {
+      tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
+        bits |= (add ? add_row : replace_row)(from.map() + first, to.map() + first,
+                                              axis.scale.data() + first, count, axis.stride);
+      });
+    }
+    to.filled[tile] = (bits | filter_odd(axis, from, to, add, tile)) != 0;
   }
 }
 
@@ -275,7 +260,6 @@ void CpuOutput::filter(const Axis& axis, Heights& from, Heights& to, bool add) c
 MapOutput CpuOutput::run(const std::vector<float>& stored,
                          const std::vector<SurfaceMetric>& metrics) {
   MapOutput output;
-  const size_t texels = static_cast<size_t>(table_.resolution) * table_.resolution;
   if (closing_passes_ > 0) {
     load(stored);
     for (int32_t pass = 0; pass < passes_; ++pass) {
@@ -287,8 +271,7 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
       filter(v_, heights_, next_, true);
       std::swap(heights_, next_);
     }
-    output.height.assign(heights_.values.begin(),
-                         heights_.values.begin() + static_cast<ptrdiff_t>(texels));
+    output.height.assign(heights_.map(), heights_.map() + stored.size());
   } else {
     output.height = stored;
   }

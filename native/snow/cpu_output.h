@@ -35,13 +35,7 @@ class CpuOutput {
   MapOutput run(const std::vector<float>& stored, const std::vector<SurfaceMetric>& metrics = {});
 
  private:
-  /// Consecutive texels of a row and of a tile, all with their neighbours beside them.
-  struct Segment {
-    int32_t first_texel;
-    int32_t count;
-    int32_t tile;
-  };
-  /// A texel with other neighbours. Values are found in the heights and what follows them.
+  /// A texel whose neighbours do not all lie beside it on the map. Places are those of Heights.
   struct OddTexel {
     int32_t texel;
     int32_t level;
@@ -54,11 +48,10 @@ class CpuOutput {
   struct Axis {
     /// How far apart neighbours are in the map: 1 or resolution.
     int32_t stride = 1;
-    /// Per texel of the map: scale of the taps, 0 to 1.
+    /// Per texel of the map: scale of the taps, 0 to 1; kNotPlain where it is odd or nobody's.
     std::vector<float> scale;
-    /// In the order of texels, which is that of memory, and where each row of tiles begins.
-    std::vector<Segment> segments;
-    std::vector<int32_t> segment_begin;
+    /// Per tile: whether it has plain texels.
+    std::vector<uint8_t> has_plain;
     /// In the order of tiles, and where each tile begins; so are those that follow.
     std::vector<int32_t> odd_begin;
     std::vector<OddTexel> odd;
@@ -68,16 +61,23 @@ class CpuOutput {
     /// The tiles that a tile's texels look at, its own included.
     TileReads reads;
   };
-  /// resolution^2 heights, a zero, then the ghosts of one axis; and per tile whether it may hold
-  /// anything but 0.
+  /// A map's heights with a margin of zeros before and behind, as wide as a filter reaches along v;
+  /// then a zero and the ghosts of one axis. Places count from the first height.
   struct Heights {
     std::vector<float> values;
+    ptrdiff_t margin = 0;
+    /// Per tile: whether it may hold anything but 0.
     std::vector<uint8_t> filled;
+
+    float* map() { return values.data() + margin; }
   };
+  static constexpr float kNotPlain = -1.0f;
 
   void prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                const std::vector<uint8_t>& level);
   void add_ghosts(Axis& axis, const TexelLines& lines);
+  /// The place of a value that is always 0; ghosts follow.
+  int32_t zero_place() const { return (table_.resolution + kFilterReach) * table_.resolution; }
   void load(const std::vector<float>& stored);
   void clear_tile(Heights& heights, int32_t tile) const;
   /// Filters `from` along an axis into `to`; `add` halves and adds to what is there.
