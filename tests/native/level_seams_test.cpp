@@ -199,11 +199,11 @@ TEST(SeamLeveller, snowThatOneSideAloneHasIsSharedOut) {
 /// Sides that only a texel below 0 could make even: another chart's show 1 and 3 where one side is
 /// 0.5 a + 0.5 b, the other 0.1 a + 0.9 b; b = 3.5 and a = -1.5 would do.
 TEST(SeamLeveller, staysBetweenNothingAndTheHighestAround) {
-  const SeamLevelling levelling{{0, 1, 2, 3},
-                                2,
-                                {row({{0, 0.5f}, {1, 0.5f}, {2, -1.0f}}, 4),
-                                 row({{0, 0.1f}, {1, 0.9f}, {3, -1.0f}}, 4)},
-                                1e-3f};
+  const SeamLevelling levelling{
+      {0, 1, 2, 3},
+      2,
+      {row({{0, 0.5f}, {1, 0.5f}, {2, -1.0f}}, 4), row({{0, 0.1f}, {1, 0.9f}, {3, -1.0f}}, 4)},
+      1e-3f};
   std::vector<float> map{2.0f, 2.0f, 1.0f, 3.0f};
   SeamLeveller(levelling).run(map);
   EXPECT_GE(map[0], 0.0f);
