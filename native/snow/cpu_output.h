@@ -15,9 +15,9 @@
 
 namespace snowbough::snow {
 
-/// Smooths, continues and levels one receiver's map on the processor: what MapOutputPass does in
-/// shaders but for the levelling. For software renderers, where it is many times faster than
-/// shaders are, and for maps whose buffers the driver has no room for.
+/// Smooths, continues and levels one receiver's map on the processor: what SmoothingPass and
+/// NormalsPass do in shaders, and the levelling. For software renderers, where it is many times
+/// faster than shaders are, and for maps whose buffers the driver has no room for.
 ///
 /// Texels whose neighbours lie beside them in the map are filtered row by row, many at a time; the
 /// others take their neighbours from a list made once. Tiles that no snow comes near are passed

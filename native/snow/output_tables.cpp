@@ -56,19 +56,19 @@ MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
   return processor_->run(stored, metrics);
 }
 
-MapOutput OutputTables::output_on_gpu(MapOutputPass& pass, const gpu::Texture& height_maps,
+MapOutput OutputTables::output_on_gpu(OutputPasses& passes, const gpu::Texture& height_maps,
                                       int32_t layer, const std::vector<SurfaceMetric>& metrics) {
   const TexelTable& table = receiver_->table;
   OutputBuffers buffers = make_output_buffers(table, seams(), plan());
   MapOutput output;
-  pass.run(height_maps, layer, buffers);
+  passes.smoothing.run(height_maps, layer, buffers);
   output.height = buffers.map.read_all<float>();
   if (metrics.empty()) {
     return output;
   }
   level(output.height);
   buffers.map.write(0, buffers.map.bytes(), output.height.data());
-  pass.run_normals(buffers, table, metrics);
+  passes.normals.run(buffers, table, metrics);
   const auto values = buffers.normals.read_all<glm::vec4>();
   output.normal = dilate_normals(table, seams_, {values.begin(), values.end()});
   return output;

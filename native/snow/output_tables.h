@@ -11,11 +11,20 @@
 
 #include "snow/cpu_output.h"
 #include "snow/level_seams.h"
+#include "snow/map_output.h"
+#include "snow/normals_pass.h"
 #include "snow/scene_object.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
+#include "snow/smoothing_pass.h"
 
 namespace snowbough::snow {
+
+/// What makes output on the GPU. GPU thread.
+struct OutputPasses {
+  SmoothingPass smoothing;
+  NormalsPass normals;
+};
 
 /// What a receiver's output needs besides its texels: how they hang together and how far each is
 /// smoothed. The same from frame to frame. All functions are for any thread.
@@ -38,7 +47,7 @@ class OutputTables {
                                 const std::vector<SurfaceMetric>& metrics);
   /// The same of layer `layer` of `height_maps` (R32F array). Where `metrics` are empty, seams are
   /// not level yet: that is left to level(), so that the GPU need not wait. GPU thread.
-  MapOutput output_on_gpu(MapOutputPass& pass, const gpu::Texture& height_maps, int32_t layer,
+  MapOutput output_on_gpu(OutputPasses& passes, const gpu::Texture& height_maps, int32_t layer,
                           const std::vector<SurfaceMetric>& metrics);
   /// Levels the seams of a smoothed map, in place. Callers take turns.
   void level(std::vector<float>& map);

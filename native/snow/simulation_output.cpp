@@ -177,7 +177,7 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
   const size_t at = index_of(name);
   snapshot.done_ = thread_->run([&] {
     const MapGroup& group = gpu_->scene.groups[static_cast<size_t>(gpu_->scene.group[at])];
-    return tables->output_on_gpu(thread_->resource<MapOutputPass>(), group.height,
+    return tables->output_on_gpu(thread_->resource<OutputPasses>(), group.height,
                                  gpu_->scene.slot[at] - group.first_slot, snapshot.metrics_);
   });
   return snapshot;

@@ -6,7 +6,7 @@
 #include <glm/mat2x2.hpp>
 
 #include "gpu/gpu_thread.h"
-#include "snow/map_output.h"
+#include "snow/normals_pass.h"
 #include "snow_layouts.h"
 
 namespace snowbough::snow {
@@ -119,7 +119,7 @@ TEST(Normals, onTheGpuAgreeWithTheProcessor) {
   const auto normals = gpu::GpuThread::shared()->run([&] {
     OutputBuffers buffers = make_output_buffers(table, seams, plan_smoothing(table, seams, 0.05f));
     buffers.map.write(0, buffers.map.bytes(), map.data());
-    MapOutputPass().run_normals(buffers, table, metrics);
+    NormalsPass().run(buffers, table, metrics);
     return buffers.normals.read_all<glm::vec4>();
   });
   const auto expected = normals_on_cpu(table, seams, metrics, height);

@@ -11,8 +11,8 @@
 #include "gpu/gpu_thread.h"
 #include "snow/cpu_output.h"
 #include "snow/dilate.h"
-#include "snow/map_output.h"
 #include "snow/output_tables.h"
+#include "snow/smoothing_pass.h"
 #include "snow_layouts.h"
 #include "snow_reference.h"
 
@@ -232,7 +232,7 @@ std::vector<float> output_on_gpu(const Map& map, const SmoothingPlan& plan,
     gpu::Texture maps(GL_R32F, size, size, 2);
     maps.write(1, GL_RED, GL_FLOAT, stored.data());
     OutputBuffers buffers = make_output_buffers(map.table, map.seams, plan);
-    MapOutputPass pass;
+    SmoothingPass pass;
     std::vector<float> height;
     for (int i = 0; i < rounds; ++i) {
       const auto start = std::chrono::steady_clock::now();
@@ -261,8 +261,8 @@ TEST(OutputTables, onTheGpuGivesWhatTheProcessorGivesOnATube) {
       return gpu::GpuThread::shared()->run([&] {
         gpu::Texture maps(GL_R32F, 128, 128, 2);
         maps.write(1, GL_RED, GL_FLOAT, stored.data());
-        MapOutputPass pass;
-        return tables.output_on_gpu(pass, maps, 1, wanted);
+        OutputPasses passes;
+        return tables.output_on_gpu(passes, maps, 1, wanted);
       });
     };
     const MapOutput whole = output(metrics);
@@ -282,7 +282,25 @@ TEST(OutputTables, onTheGpuGivesWhatTheProcessorGivesOnATube) {
   }
 }
 
-TEST(MapOutputPass, reachesTheLastTexelOfAMapWithMoreWorkGroupsThanOneDimensionHolds) {
+TEST(WeightedRowsPass, writesSumsAndWhatHasNoTerms) {
+  gpu::GpuThread::shared()->run([] {
+    RowBuffers rows;
+    rows.count = 3;
+    rows.begin = gpu::Buffer(std::vector<int32_t>{0, 2, 2, 3});
+    rows.source = gpu::Buffer(std::vector<int32_t>{0, 2, 1});
+    rows.weight = gpu::Buffer(std::vector<float>{0.5f, 2.0f, 3.0f});
+    rows.target = gpu::Buffer(std::vector<int32_t>{4, 5, 3});
+    const gpu::Buffer values(std::vector<float>{1.0f, 10.0f, 100.0f, 7.0f, 7.0f, 7.0f});
+    WeightedRowsPass pass;
+    pass.run(rows, values, values, true);
+    EXPECT_THAT(values.read_all<float>(),
+                testing::ElementsAre(1.0f, 10.0f, 100.0f, 30.0f, 200.5f, kNothing));
+    pass.run(rows, values, values, false);
+    EXPECT_EQ(values.read_all<float>().back(), 0.0f);
+  });
+}
+
+TEST(SmoothingPass, reachesTheLastTexelOfAMapWithMoreWorkGroupsThanOneDimensionHolds) {
   const Map map = plate(2112, 21.12f, 21.12f);
   ASSERT_GT(map.table.texel.size(), 65535u * 64u);
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.0f);
@@ -293,7 +311,7 @@ TEST(MapOutputPass, reachesTheLastTexelOfAMapWithMoreWorkGroupsThanOneDimensionH
   }
 }
 
-TEST(MapOutputPass, twoRunsAreBitIdentical) {
+TEST(SmoothingPass, twoRunsAreBitIdentical) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.1f);
   const auto stored = random_map(map, 6);
