@@ -10,12 +10,14 @@
 #include <half.h>
 #include <unistd.h>
 
+#include <cstring>
 #include <filesystem>
 #include <random>
 #include <string>
 
 #include "image/atomic_file.h"
 #include "image/exr.h"
+#include "image/rle_file.h"
 
 namespace snowbough::image {
 namespace {
@@ -107,6 +109,30 @@ std::vector<float> mixed_pixels(size_t count) {
   }
   pixels.resize(count);
   return pixels;
+}
+
+TEST(RleFile, holdsTheHeaderThePlacesAndTheLinesFromTheTop) {
+  const std::string path =
+      std::filesystem::temp_directory_path() / ("snowbough_rle_file_" + std::to_string(::getpid()));
+  // One float packs no shorter, so that it stands there as it is.
+  const float pixels[] = {1.5f, -2.0f};
+  write_rle_file(path, layout_of(1, 2, {"Y"}), "head", pixels);
+  const std::string bytes = read_file(path);
+  std::filesystem::remove(path);
+  const auto at = [&]<typename T>(size_t place, T) {
+    T value;
+    std::memcpy(&value, bytes.data() + place, sizeof value);
+    return value;
+  };
+  ASSERT_EQ(bytes.size(), 4u + 2 * 8 + 2 * (4 + 4 + 4));
+  EXPECT_EQ(bytes.substr(0, 4), "head");
+  EXPECT_EQ(at(4, uint64_t{}), 20u);
+  EXPECT_EQ(at(12, uint64_t{}), 32u);
+  EXPECT_EQ(at(20, int32_t{}), 0);
+  EXPECT_EQ(at(24, int32_t{}), 4);
+  EXPECT_EQ(at(28, float{}), -2.0f);
+  EXPECT_EQ(at(32, int32_t{}), 1);
+  EXPECT_EQ(at(40, float{}), 1.5f);
 }
 
 TEST(RleFile, holdsTheBytesThatOpenExrWrites) {
