@@ -23,9 +23,6 @@ constexpr float kLevelWithin = 0.005f;
 /// the one that is made for every map.
 constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
-/// How often the second problem is solved at most, each time for what is still too far apart: what
-/// suits the thinnest snow drives thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 5;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
@@ -202,37 +199,31 @@ bool SeamLeveller::take_but_for_limits() {
   return any;
 }
 
-bool SeamLeveller::level_fine() {
+void SeamLeveller::level_fine() {
   mark();
   assemble();
-  if (fine_texels_.empty()) return false;
+  if (fine_texels_.empty()) return;
   if (solve_fine()) {
-    if (!take_but_for_limits()) return true;
+    if (!take_but_for_limits()) return;
     assemble();
-    if (fine_texels_.empty()) return true;
+    if (fine_texels_.empty()) return;
     solve_fine();
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     heights_[fine_texels_[k]] = fine_height(k).second;
   }
-  return true;
 }
 
 void SeamLeveller::run(std::vector<float>& map) {
   for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
-  bool changes = true;
-  for (int32_t round = 0; round <= kMostRepeats && changes; ++round) {
-    if (round == 0) {
-      level_all();
-    } else {
-      changes = level_fine();
-    }
-    for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
-    // Another chart's texels have changed on that chart's account.
-    for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
-      heights_[i] = map[texel_[i]];
-    }
+  level_all();
+  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
+  // Another chart's texels have changed on that chart's account.
+  for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
+    heights_[i] = map[texel_[i]];
   }
+  level_fine();
+  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
 }
 
 int64_t SeamLeveller::bytes() const {
