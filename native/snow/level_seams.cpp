@@ -15,19 +15,22 @@ namespace {
 /// How much a change of the map counts beside a difference that is left: in the first problem (both
 /// in metres), then in the second (both parts of the height).
 constexpr float kDamping = 0.05f;
-constexpr float kFineDamping = 0.001f;
-/// What part of the height at a seam the sides may differ by; heights under least_height count as
-/// that.
+constexpr float kFineDamping = 0.0015f;
+/// What part of the height at a seam the sides may differ by, and how much more makes a texel take
+/// part fully in the second problem; heights under least_height count as that.
 constexpr float kLevelWithin = 0.005f;
+constexpr float kLevelFade = 0.01f;
 /// What a factor may take, in multiplications: the one that is made once, about two seconds, and
 /// the one that is made for every map.
 constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
+/// How often the second problem is solved at most, each time for what is still too far apart: what
+/// suits the thinnest snow drives thicker snow beside it apart again.
+constexpr int32_t kMostRepeats = 5;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
-/// Changes below this part of least_height, or of the height in the second problem, are not
-/// followed on.
+/// In the first problem, changes below this part of least_height are not followed on.
 constexpr float kNegligible = 1e-5f;
 
 /// Gives the points' texels new numbers, up to the last, which stays.
@@ -113,7 +116,8 @@ void SeamLeveller::mark() {
   for (Sight& sight : seen_) {
     sight = look_at(sight.point);
     sight.height = std::max(0.5f * sight.height, least_height_);
-    const float mark = std::min(std::fabs(sight.gap) / (kLevelWithin * sight.height) - 1.0f, 1.0f);
+    const float over = std::fabs(sight.gap) / sight.height - kLevelWithin;
+    const float mark = std::min(over / kLevelFade, 1.0f);
     if (mark <= 0.0f) continue;
     for (const int32_t texel : points_[sight.point].source) {
       marks_[texel] = std::max(marks_[texel], mark);
@@ -165,7 +169,7 @@ void SeamLeveller::assemble() {
 bool SeamLeveller::solve_fine() {
   const auto count = static_cast<int32_t>(fine_texels_.size());
   if (fine_factor_.compute(fine_rows_, count, kFineDamping, kMostFineWork)) {
-    fine_factor_.solve(values_, kNegligible);
+    fine_factor_.solve(values_, 0.0f);
     return true;
   }
   solve_by_gradients(fine_rows_, count + 1, kFineDamping, kFineRounds, values_);
@@ -199,31 +203,37 @@ bool SeamLeveller::take_but_for_limits() {
   return any;
 }
 
-void SeamLeveller::level_fine() {
+bool SeamLeveller::level_fine() {
   mark();
   assemble();
-  if (fine_texels_.empty()) return;
+  if (fine_texels_.empty()) return false;
   if (solve_fine()) {
-    if (!take_but_for_limits()) return;
+    if (!take_but_for_limits()) return true;
     assemble();
-    if (fine_texels_.empty()) return;
+    if (fine_texels_.empty()) return true;
     solve_fine();
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     heights_[fine_texels_[k]] = fine_height(k).second;
   }
+  return true;
 }
 
 void SeamLeveller::run(std::vector<float>& map) {
   for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
-  level_all();
-  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
-  // Another chart's texels have changed on that chart's account.
-  for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
-    heights_[i] = map[texel_[i]];
+  bool changes = true;
+  for (int32_t round = 0; round <= kMostRepeats && changes; ++round) {
+    if (round == 0) {
+      level_all();
+    } else {
+      changes = level_fine();
+    }
+    for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
+    // Another chart's texels have changed on that chart's account.
+    for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
+      heights_[i] = map[texel_[i]];
+    }
   }
-  level_fine();
-  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
 }
 
 int64_t SeamLeveller::bytes() const {

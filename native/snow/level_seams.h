@@ -17,12 +17,13 @@ namespace snowbough::snow {
 /// much less, does every change. The first is over all texels and points and leaves differences of
 /// some thousandths of the height, but more where snow thins out beside deep snow. It depends on
 /// the layout alone, so that its matrix is factorised once. The second is over what the first left
-/// too far apart, measured by the height there, and is factorised anew for each map. No texel falls
-/// below 0 or rises above the highest that its points look at: where the second problem wants that,
-/// the texel stays at its limit and what hangs together with it is solved once more.
+/// too far apart, measured by the height there, and is factorised anew for each map; what it leaves
+/// too far apart is solved again, a few times. No texel falls below 0 or rises above the highest
+/// that its points look at: where the second problem wants that, the texel stays at its limit and
+/// what hangs together with it is solved once more.
 ///
-/// How much a texel takes part in the second problem grows from 0 at kLevelWithin to 1 at twice
-/// that, so that whoever rounds otherwise comes to the same map.
+/// How much a texel takes part in the second problem grows slowly from 0 at kLevelWithin on, so
+/// that whoever rounds otherwise comes to the same map.
 ///
 /// Where charts are so small and so many that a factor would take too long, some rounds of
 /// conjugate gradients take its place.
@@ -52,7 +53,8 @@ class SeamLeveller {
 
   Sight look_at(int32_t point) const;
   void level_all();
-  void level_fine();
+  /// Returns false where no point was too far apart.
+  bool level_fine();
   void mark();
   void assemble();
   bool solve_fine();

@@ -151,6 +151,32 @@ TEST(Seams, bothSidesCarryTheSameHeightOnACylinder) {
   expect_even_seams(cylinder(48, 16, 0.5f, 2.0f, 512), "cylinder", 15.0f);
 }
 
+/// One round of plain averaging: every texel takes half of the mean difference at its points.
+void average_seams(const SeamLevelling& levelling, std::vector<float>& map) {
+  const auto count = static_cast<size_t>(levelling.unknowns);
+  std::vector<float> change(count, 0.0f);
+  std::vector<float> weight(count, 0.0f);
+  const auto for_each_term = [&](const SeamRow& point, const auto& work) {
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      const auto source = static_cast<size_t>(point.source[t]);
+      if (source < levelling.texel.size()) work(source, point.weight[t]);
+    }
+  };
+  for (const SeamRow& point : levelling.points) {
+    float gap = 0.0f;
+    for_each_term(point, [&](size_t i, float w) { gap += w * map[levelling.texel[i]]; });
+    for_each_term(point, [&](size_t i, float w) {
+      if (i >= count) return;
+      change[i] -= 0.5f * w * gap;
+      weight[i] += std::abs(w);
+    });
+  }
+  for (size_t i = 0; i < count; ++i) {
+    float& height = map[levelling.texel[i]];
+    height = std::max(0.0f, height + change[i] / weight[i]);
+  }
+}
+
 TEST(Seams, bothSidesCarryTheSameHeightWhereSnowThinsOut) {
   LaidOutMesh mesh = cube(256);
   const TexelTable table = build_texel_table(mesh.topology);
@@ -162,9 +188,13 @@ TEST(Seams, bothSidesCarryTheSameHeightWhereSnowThinsOut) {
     return differences[differences.size() * 99 / 100];
   };
   const float before = p99(map);
+  auto averaged = map;
+  for (int round = 0; round < 3; ++round) average_seams(seams.levelling, averaged);
   SeamLeveller(seams.levelling).run(map);
-  std::printf("thin snow: p99 %.4f; levelled %.4f\n", before, p99(map));
-  EXPECT_LT(p99(map), 0.7f * before);
+  std::printf("thin snow: p99 %.4f; averaged %.4f; levelled %.4f\n", before, p99(averaged),
+              p99(map));
+  EXPECT_LT(p99(map), 0.5f * before);
+  EXPECT_LT(p99(map), p99(averaged));
 }
 
 TEST(Seams, bothSidesCarryTheSameHeightWhereEveryTriangleIsAChart) {
