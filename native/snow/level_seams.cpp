@@ -16,17 +16,19 @@ namespace {
 /// in metres), then in the second (both parts of the height).
 constexpr float kDamping = 0.05f;
 constexpr float kFineDamping = 0.0015f;
-/// What part of the height at a seam the sides may differ by, and how much more makes a texel take
-/// part fully in the second problem; heights under least_height count as that.
+/// What part of the height at a seam the sides may differ by, what the second problem is solved
+/// again for, and how much more makes a texel take part fully; heights under least_height count as
+/// that.
 constexpr float kLevelWithin = 0.005f;
+constexpr float kLevelAgain = 0.01f;
 constexpr float kLevelFade = 0.01f;
 /// What a factor may take, in multiplications: the one that is made once, about two seconds, and
 /// the one that is made for every map.
 constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
-/// How often the second problem is solved at most, each time for what is still too far apart: what
-/// suits the thinnest snow drives thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 5;
+/// How often the second problem is solved again at most, each time for what is still too far apart:
+/// what suits the thinnest snow drives thicker snow beside it apart again.
+constexpr int32_t kMostRepeats = 4;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
@@ -67,13 +69,19 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
     texel_[k] = levelling.texel[order[k]];
   }
   renumber(points_, number);
+  const auto own_end = levelling.texel.begin() + unknowns_;
+  for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
+    const auto own = std::lower_bound(levelling.texel.begin(), own_end, texel_[i]);
+    if (own == own_end || *own != texel_[i]) continue;
+    foreign_.emplace_back(static_cast<int32_t>(i), number[own - levelling.texel.begin()]);
+  }
   factorised_ = factor_.compute(points_, unknowns_, kDamping, kMostWork);
   factor_.shrink();
 }
 
 inline SeamLeveller::Sight SeamLeveller::look_at(int32_t point) const {
   const SeamRow& row = points_[point];
-  Sight sight{point, 0.0f, 0.0f};
+  Sight sight{point, true, 0.0f, 0.0f};
   for (int32_t t = 0; t < kSeamTerms; ++t) {
     const float part = row.weight[t] * heights_[row.source[t]];
     sight.gap += part;
@@ -109,14 +117,21 @@ void SeamLeveller::level_all() {
   }
 }
 
-/// Marks the texels that change for a point whose sides differ by too much, and takes the points
-/// that look at a marked texel.
-void SeamLeveller::mark() {
+/// Other charts' texels change on their own charts' account.
+void SeamLeveller::refresh_foreign() {
+  for (const auto& [foreign, own] : foreign_) heights_[foreign] = heights_[own];
+}
+
+/// Marks the texels that change for a point whose sides differ by more than a part `within` of the
+/// height, and takes the points that look at a marked texel.
+void SeamLeveller::mark(float within) {
   std::fill(marks_.begin(), marks_.end(), 0.0f);
   for (Sight& sight : seen_) {
-    sight = look_at(sight.point);
-    sight.height = std::max(0.5f * sight.height, least_height_);
-    const float over = std::fabs(sight.gap) / sight.height - kLevelWithin;
+    if (sight.may_differ) {
+      sight = look_at(sight.point);
+      sight.height = std::max(0.5f * sight.height, least_height_);
+    }
+    const float over = std::fabs(sight.gap) / sight.height - within;
     const float mark = std::min(over / kLevelFade, 1.0f);
     if (mark <= 0.0f) continue;
     for (const int32_t texel : points_[sight.point].source) {
@@ -125,11 +140,19 @@ void SeamLeveller::mark() {
   }
   std::fill(marks_.begin() + unknowns_, marks_.end(), 0.0f);
   fine_points_.clear();
-  for (const Sight& sight : seen_) {
+  for (Sight& sight : seen_) {
+    const SeamRow& point = points_[sight.point];
     float share = 0.0f;
-    for (const int32_t texel : points_[sight.point].source) share = std::max(share, marks_[texel]);
+    for (const int32_t texel : point.source) share = std::max(share, marks_[texel]);
     if (share > 0.0f) fine_points_.push_back({sight.point, share / sight.height});
+    sight.may_differ = share > 0.0f || looks_at_foreign(point);
   }
+}
+
+inline bool SeamLeveller::looks_at_foreign(const SeamRow& point) const {
+  const auto none = static_cast<int32_t>(texel_.size());
+  return std::any_of(point.source.begin(), point.source.end(),
+                     [&](int32_t texel) { return texel >= unknowns_ && texel < none; });
 }
 
 /// By how much one unit of the second problem changes a texel's height.
@@ -203,8 +226,8 @@ bool SeamLeveller::take_but_for_limits() {
   return any;
 }
 
-bool SeamLeveller::level_fine() {
-  mark();
+bool SeamLeveller::level_fine(float within) {
+  mark(within);
   assemble();
   if (fine_texels_.empty()) return false;
   if (solve_fine()) {
@@ -221,19 +244,14 @@ bool SeamLeveller::level_fine() {
 
 void SeamLeveller::run(std::vector<float>& map) {
   for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
-  bool changes = true;
-  for (int32_t round = 0; round <= kMostRepeats && changes; ++round) {
-    if (round == 0) {
-      level_all();
-    } else {
-      changes = level_fine();
-    }
-    for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
-    // Another chart's texels have changed on that chart's account.
-    for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
-      heights_[i] = map[texel_[i]];
-    }
+  level_all();
+  refresh_foreign();
+  bool differs = level_fine(kLevelWithin);
+  for (int32_t repeat = 0; repeat < kMostRepeats && differs; ++repeat) {
+    refresh_foreign();
+    differs = level_fine(kLevelAgain);
   }
+  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
 }
 
 int64_t SeamLeveller::bytes() const {
@@ -241,8 +259,8 @@ int64_t SeamLeveller::bytes() const {
     return static_cast<int64_t>(values.capacity() * sizeof(values[0]));
   };
   return of(texel_) + of(points_) + of(heights_) + of(values_) + of(seen_) + of(marks_) +
-         of(fine_number_) + of(fine_texels_) + of(fine_points_) + of(fine_rows_) + of(limits_) +
-         8 * (factor_.entries() + fine_factor_.entries());
+         of(fine_number_) + of(foreign_) + of(fine_texels_) + of(fine_points_) + of(fine_rows_) +
+         of(limits_) + 8 * (factor_.entries() + fine_factor_.entries());
 }
 
 }  // namespace snowbough::snow

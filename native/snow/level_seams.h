@@ -42,6 +42,8 @@ class SeamLeveller {
   /// A point that sees snow, and what the sides show there: their difference and their sum, metres.
   struct Sight {
     int32_t point;
+    /// Whether it may have changed since it was looked at.
+    bool may_differ;
     float gap;
     float height;
   };
@@ -53,9 +55,11 @@ class SeamLeveller {
 
   Sight look_at(int32_t point) const;
   void level_all();
-  /// Returns false where no point was too far apart.
-  bool level_fine();
-  void mark();
+  void refresh_foreign();
+  /// Returns false where no point was further apart than a part `within` of the height.
+  bool level_fine(float within);
+  void mark(float within);
+  bool looks_at_foreign(const SeamRow& point) const;
   void assemble();
   bool solve_fine();
   bool take_but_for_limits();
@@ -68,6 +72,8 @@ class SeamLeveller {
   int32_t unknowns_ = 0;
   float least_height_ = 0.0f;
   std::vector<SeamRow> points_;
+  /// Texels that are only read because they are another chart's, and what they are there.
+  std::vector<std::pair<int32_t, int32_t>> foreign_;
   bool factorised_ = false;
   SeamFactor factor_;
 
