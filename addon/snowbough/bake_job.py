@@ -3,8 +3,8 @@
 
 The hidden render engine (bake_engine) calls BakeJob.run in Blender's render thread and hands in a way to
 get poses. Three things run beside each other: Blender evaluates the next pose in this thread, the
-simulation works on the pose before in a second one, and a third (map_writer) makes maps of what the
-simulation left of the poses before that, packs them and writes them. Order and results do not depend on
+simulation works on the pose before in a second one, and others (map_writer) make maps of what the
+simulation left of the poses before that, pack them and write them. Order and results do not depend on
 how the threads are scheduled.
 
 What a job does, in order: looks at the shot's first pose (it fixes resolutions and the occlusion grid,
@@ -356,9 +356,8 @@ class BakeJob:
             depth = snowfall.totals[frame - request.frame_start]
             noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
             writer.call(
-                lambda receiver=receiver, snapshot=snapshot, noted=noted: receiver.write_maps(
-                    self.native, snapshot, noted
-                )
+                lambda output, receiver=receiver, noted=noted: receiver.write_maps(self.native, output, noted),
+                snapshot.output,
             )
         reading += clock()
         self._inputs_at = inputs

@@ -51,11 +51,10 @@ class BakedReceiver:
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
-    def write_maps(self, native, snapshot, noted):
-        """Makes the maps of a native OutputSnapshot and writes them. noted: what the manifest is to say of
-        the frame, a dict with its number as ``frame``; the greatest height is added."""
-        output, frame = snapshot.output(), noted["frame"]
-        height = output["height"]
+    def write_maps(self, native, output, noted):
+        """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
+        frame, a dict with its number as ``frame``; the greatest height is added."""
+        frame, height = noted["frame"], output["height"]
         native.write_exr(str(self.folder / cache.frame_file("height", frame)), height)
         if "normal" in output:
             path = self.folder / cache.frame_file("normal", frame)

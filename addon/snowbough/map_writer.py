@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes, packs and writes maps and checkpoints beside the simulation, in a thread of its own. No ``bpy``."""
+"""Makes, packs and writes maps and checkpoints beside the simulation, in threads of its own. No ``bpy``."""
 
 import queue
 import threading
 import time
+from concurrent.futures import ThreadPoolExecutor
 
 # So many maps may wait; more would only fill memory when the disk is the slowest.
 MAX_WAITING = 8
+# So many maps are made at a time: what one thread cannot share with others is done beside the next map.
+MAKERS = 2
 
 
 class WriteFailed(RuntimeError):
@@ -14,7 +17,7 @@ class WriteFailed(RuntimeError):
 
 
 class MapWriter:
-    """``with MapWriter() as writer: writer.call(work)``.
+    """``with MapWriter() as writer: writer.call(write, make)``.
 
     call() and flush() raise what went wrong with earlier work: that a file could not be written (disk full,
     folder gone) as WriteFailed; after that nothing more is done. Leaving the block waits for all work.
@@ -25,6 +28,7 @@ class MapWriter:
         self._error = None
         self._busy = 0.0
         self._taken = 0.0
+        self._makers = ThreadPoolExecutor(MAKERS, "snowbough-maps")
         self._thread = threading.Thread(target=self._work, name="snowbough-files", daemon=True)
 
     def __enter__(self):
@@ -34,16 +38,18 @@ class MapWriter:
     def __exit__(self, kind, error, trace):
         self._queue.put(None)
         self._thread.join()
+        self._makers.shutdown()
         if error is None:
             self._raise()
 
-    def call(self, work):
-        """Queues work(), which makes and writes files; what was queued before is on disk by then."""
+    def call(self, write, make=None):
+        """Queues write(), which writes files; what was queued before is on disk by then. make() is called
+        for its argument, beside other maps."""
         self._raise()
-        self._queue.put(work)
+        self._queue.put((write, self._makers.submit(make) if make else None))
 
     def take_seconds(self):
-        """Seconds that the thread was busy since the last call."""
+        """Seconds that the thread which writes was busy since the last call."""
         busy = self._busy
         taken, self._taken = self._taken, busy
         return busy - taken
@@ -58,19 +64,20 @@ class MapWriter:
             raise self._error
 
     def _work(self):
-        while True:
-            work = self._queue.get()
+        while (task := self._queue.get()) is not None:
+            write, made = task
             try:
-                if work is None:
-                    return
                 if self._error is None:
+                    given = () if made is None else (made.result(),)
                     begun = time.perf_counter()
-                    work()
+                    write(*given)
                     self._busy += time.perf_counter() - begun
+                elif made is not None:
+                    made.cancel()
             except (OSError, RuntimeError) as error:  # both are handed to the thread that bakes
                 self._error = WriteFailed(f"{error}. What is done is kept: make room, then resume")
             except Exception as error:
                 self._error = error
             finally:
-                del work  # and the map with it: the next one may be long in coming
+                task = write = made = given = None  # and the map with it: the next may be long in coming
                 self._queue.task_done()

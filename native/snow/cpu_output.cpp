@@ -257,9 +257,9 @@ void CpuOutput::filter(const Axis& axis, Heights& from, Heights& to, bool add) c
   });
 }
 
-MapOutput CpuOutput::run(const std::vector<float>& stored,
-                         const std::vector<SurfaceMetric>& metrics) {
-  MapOutput output;
+std::vector<float> CpuOutput::filtered(const std::vector<float>& stored) {
+  const std::scoped_lock lock(filtering_);
+  std::vector<float> map;
   if (closing_passes_ > 0) {
     load(stored);
     for (int32_t pass = 0; pass < passes_; ++pass) {
@@ -271,12 +271,22 @@ MapOutput CpuOutput::run(const std::vector<float>& stored,
       filter(v_, heights_, next_, true);
       std::swap(heights_, next_);
     }
-    output.height.assign(heights_.map(), heights_.map() + stored.size());
+    map.assign(heights_.map(), heights_.map() + stored.size());
   } else {
-    output.height = stored;
+    map = stored;
   }
-  continuation_.run(output.height, heights_.filled);
-  if (closing_passes_ > 0) leveller_.run(output.height);
+  continuation_.run(map, heights_.filled);
+  return map;
+}
+
+MapOutput CpuOutput::run(const std::vector<float>& stored,
+                         const std::vector<SurfaceMetric>& metrics) {
+  MapOutput output;
+  output.height = filtered(stored);
+  if (closing_passes_ > 0) {
+    const std::scoped_lock lock(levelling_);
+    leveller_.run(output.height);
+  }
   if (!metrics.empty()) {
     output.normal = normal_map(table_, seams_, metrics, output.height);
   }

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <mutex>
 #include <vector>
 
 #include "snow/dilate.h"
@@ -22,7 +23,8 @@ namespace snowbough::snow {
 /// Texels whose neighbours lie beside them in the map are filtered row by row, many at a time; the
 /// others take their neighbours from a list made once. Tiles that no snow comes near are passed
 /// over: they stay at 0. The others are shared among `threads` threads; the result does not depend
-/// on their number.
+/// on their number. Several threads may call run() at once: one filters a map while another levels
+/// the one before.
 class CpuOutput {
  public:
   /// `table` and `seams` must outlive it.
@@ -78,6 +80,8 @@ class CpuOutput {
   void add_ghosts(Axis& axis, const TexelLines& lines);
   /// The place of a value that is always 0; ghosts follow.
   int32_t zero_place() const { return (table_.resolution + kFilterReach) * table_.resolution; }
+  /// Smoothed and continued beyond the charts.
+  std::vector<float> filtered(const std::vector<float>& stored);
   void load(const std::vector<float>& stored);
   void clear_tile(Heights& heights, int32_t tile) const;
   /// Filters `from` along an axis into `to`; `add` halves and adds to what is there.
@@ -91,11 +95,13 @@ class CpuOutput {
   int32_t passes_ = 0;
   int32_t closing_passes_ = 0;
   int32_t threads_ = 1;
+  std::mutex levelling_;
   SeamLeveller leveller_;
   MapContinuation continuation_;
   MapTiles tiles_;
   Axis u_;
   Axis v_;
+  std::mutex filtering_;
   Heights heights_;
   Heights next_;
 };

@@ -49,9 +49,11 @@ const SmoothingPlan& OutputTables::plan() {
 MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
                                             const std::vector<SurfaceMetric>& metrics) {
   build();
-  const std::scoped_lock lock(processor_mutex_);
-  if (processor_ == nullptr) {
-    make_processor();
+  {
+    const std::scoped_lock lock(making_);
+    if (processor_ == nullptr) {
+      make_processor();
+    }
   }
   return processor_->run(stored, metrics);
 }
@@ -76,7 +78,7 @@ MapOutput OutputTables::output_on_gpu(OutputPasses& passes, const gpu::Texture& 
 
 void OutputTables::level(std::vector<float>& map) {
   build();
-  const std::scoped_lock lock(processor_mutex_);
+  const std::scoped_lock lock(making_);
   if (leveller_ == nullptr) {
     make_leveller();
   }

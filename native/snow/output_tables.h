@@ -42,7 +42,7 @@ class OutputTables {
   const SceneObject& receiver() const { return *receiver_; }
   const SeamTable& seams();
   const SmoothingPlan& plan();
-  /// See CpuOutput::run. Callers take turns.
+  /// See CpuOutput::run.
   MapOutput output_on_processor(const std::vector<float>& stored,
                                 const std::vector<SurfaceMetric>& metrics);
   /// The same of layer `layer` of `height_maps` (R32F array). Where `metrics` are empty, seams are
@@ -62,7 +62,8 @@ class OutputTables {
   std::once_flag built_;
   SeamTable seams_;
   SmoothingPlan plan_;
-  std::mutex processor_mutex_;
+  /// Held while one of them is made, and by whoever levels what the GPU smoothed.
+  std::mutex making_;
   std::unique_ptr<CpuOutput> processor_;
   std::unique_ptr<SeamLeveller> leveller_;
 };
