@@ -356,7 +356,9 @@ class BakeJob:
             depth = snowfall.totals[frame - request.frame_start]
             noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
             writer.call(
-                lambda output, receiver=receiver, noted=noted: receiver.write_maps(self.native, output, noted),
+                lambda output, receiver=receiver, noted=noted: receiver.write_maps(
+                    self.native, output, noted
+                ),
                 snapshot.output,
             )
         reading += clock()

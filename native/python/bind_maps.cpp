@@ -77,7 +77,8 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
     output =
-        snow::CpuOutput(table, seams, plan).run(owned, snow::surface_metrics(topology, points));
+        snow::CpuOutput(table, seams, plan)
+            .run(std::move(owned), snow::surface_metrics(topology, points));
   }
   py::dict result;
   result["height"] = to_numpy<float>(std::move(output.height), {resolution, resolution});

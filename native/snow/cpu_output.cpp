@@ -199,6 +199,16 @@ void CpuOutput::load(const std::vector<float>& stored) {
   }
 }
 
+void CpuOutput::store(std::vector<float>& map) {
+  // Where nothing is after smoothing, nothing was before.
+  for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
+    if (heights_.filled[tile] == 0) continue;
+    tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
+      std::copy_n(heights_.map() + first, count, map.begin() + first);
+    });
+  }
+}
+
 uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, bool add,
                                int32_t tile) const {
   float* const source = from.map();
@@ -257,11 +267,10 @@ void CpuOutput::filter(const Axis& axis, Heights& from, Heights& to, bool add) c
   });
 }
 
-std::vector<float> CpuOutput::filtered(const std::vector<float>& stored) {
+void CpuOutput::smooth(std::vector<float>& map) {
   const std::scoped_lock lock(filtering_);
-  std::vector<float> map;
   if (closing_passes_ > 0) {
-    load(stored);
+    load(map);
     for (int32_t pass = 0; pass < passes_; ++pass) {
       filter(u_, heights_, next_, false);
       filter(v_, next_, heights_, false);
@@ -271,25 +280,22 @@ std::vector<float> CpuOutput::filtered(const std::vector<float>& stored) {
       filter(v_, heights_, next_, true);
       std::swap(heights_, next_);
     }
-    map.assign(heights_.map(), heights_.map() + stored.size());
-  } else {
-    map = stored;
+    store(map);
   }
   continuation_.run(map, heights_.filled);
-  return map;
 }
 
-MapOutput CpuOutput::run(const std::vector<float>& stored,
-                         const std::vector<SurfaceMetric>& metrics) {
-  MapOutput output;
-  output.height = filtered(stored);
+MapOutput CpuOutput::run(std::vector<float> map, const std::vector<SurfaceMetric>& metrics) {
+  smooth(map);
   if (closing_passes_ > 0) {
     const std::scoped_lock lock(levelling_);
-    leveller_.run(output.height);
+    leveller_.run(map);
   }
+  MapOutput output;
   if (!metrics.empty()) {
-    output.normal = normal_map(table_, seams_, metrics, output.height);
+    output.normal = normal_map(table_, seams_, metrics, map);
   }
+  output.height = std::move(map);
   return output;
 }
 

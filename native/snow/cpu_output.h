@@ -31,10 +31,10 @@ class CpuOutput {
   CpuOutput(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
             int32_t threads = 2);
 
-  /// `stored`: the map's resolution^2 heights in metres, row 0 = v 0, 0 where nobody owns the
-  /// texel. `metrics`: surface_metrics of the current positions, or empty where no normals are
+  /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where nobody owns the
+  /// texel; handed back as the output's. `metrics`: surface_metrics of the current positions, or empty where no normals are
   /// wanted.
-  MapOutput run(const std::vector<float>& stored, const std::vector<SurfaceMetric>& metrics = {});
+  MapOutput run(std::vector<float> map, const std::vector<SurfaceMetric>& metrics = {});
 
  private:
   /// A texel whose neighbours do not all lie beside it on the map. Places are those of Heights.
@@ -80,9 +80,11 @@ class CpuOutput {
   void add_ghosts(Axis& axis, const TexelLines& lines);
   /// The place of a value that is always 0; ghosts follow.
   int32_t zero_place() const { return (table_.resolution + kFilterReach) * table_.resolution; }
-  /// Smoothed and continued beyond the charts.
-  std::vector<float> filtered(const std::vector<float>& stored);
+  /// Smooths a map in place and continues it beyond the charts.
+  void smooth(std::vector<float>& map);
   void load(const std::vector<float>& stored);
+  /// Puts the heights into the map that was loaded.
+  void store(std::vector<float>& map);
   void clear_tile(Heights& heights, int32_t tile) const;
   /// Filters `from` along an axis into `to`; `add` halves and adds to what is there.
   void filter(const Axis& axis, Heights& from, Heights& to, bool add) const;

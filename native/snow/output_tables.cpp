@@ -46,7 +46,7 @@ const SmoothingPlan& OutputTables::plan() {
   return plan_;
 }
 
-MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
+MapOutput OutputTables::output_on_processor(std::vector<float> stored,
                                             const std::vector<SurfaceMetric>& metrics) {
   build();
   {
@@ -55,7 +55,7 @@ MapOutput OutputTables::output_on_processor(const std::vector<float>& stored,
       make_processor();
     }
   }
-  return processor_->run(stored, metrics);
+  return processor_->run(std::move(stored), metrics);
 }
 
 MapOutput OutputTables::output_on_gpu(OutputPasses& passes, const gpu::Texture& height_maps,

@@ -43,7 +43,7 @@ class OutputTables {
   const SeamTable& seams();
   const SmoothingPlan& plan();
   /// See CpuOutput::run.
-  MapOutput output_on_processor(const std::vector<float>& stored,
+  MapOutput output_on_processor(std::vector<float> stored,
                                 const std::vector<SurfaceMetric>& metrics);
   /// The same of layer `layer` of `height_maps` (R32F array). Where `metrics` are empty, seams are
   /// not level yet: that is left to level(), so that the GPU need not wait. GPU thread.

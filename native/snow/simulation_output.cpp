@@ -135,7 +135,7 @@ void SnowSimulation::prepare_output(const std::string& name) {
 
 MapOutput OutputSnapshot::output() {
   if (!stored_.empty()) {
-    return tables_->output_on_processor(stored_, metrics_);
+    return tables_->output_on_processor(std::move(stored_), metrics_);
   }
   if (done_.normal.empty()) {
     tables_->level(done_.height);
