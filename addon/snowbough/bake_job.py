@@ -333,7 +333,7 @@ class BakeJob:
                 self._stop(settings, writer)
 
     def _frame(self, frame, work, inputs, snowfall, settings, writer, evaluating):
-        """The steps of one frame, in the worker's thread; the files' thread makes its maps and, where due, the
+        """The steps of one frame, in the worker's thread; the writer makes its maps and, where due, the
         checkpoint."""
         request, clock = self.request, time.perf_counter
         begun = clock()
@@ -382,7 +382,7 @@ class BakeJob:
     # -- files -----------------------------------------------------------------------------------------
 
     def _checkpoint(self, frame, settings, writer):
-        """Reads the state back; packing and writing it is the files' thread's, after the maps before it."""
+        """Reads the state back; packing and writing it is the writer's, after the maps before it."""
         state = self.native.simulation_state(self._simulation)
         inputs, driver = self._inputs_at, self._driver
         for receiver in self.receivers:

@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 #include <memory>
 #include <random>
+#include <thread>
 
 #include "gpu/gpu_thread.h"
 #include "snow/cpu_output.h"
@@ -358,6 +359,26 @@ TEST(CpuOutput, doesNotDependOnTheNumberOfThreads) {
   const auto stored = random_map(map, 5);
   const auto one = CpuOutput(map.table, map.seams, plan, 1).run(stored).height;
   EXPECT_EQ(CpuOutput(map.table, map.seams, plan, 3).run(stored).height, one);
+}
+
+TEST(CpuOutput, mapsMadeAtOnceAreWhatTheyAreAlone) {
+  const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
+  const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.03f);
+  CpuOutput output(map.table, map.seams, plan);
+  std::vector<std::vector<float>> stored;
+  std::vector<std::vector<float>> expected;
+  for (const uint32_t seed : {1, 2, 3, 4}) {
+    stored.push_back(random_map(map, seed));
+    expected.push_back(output.run(stored.back()).height);
+  }
+  std::vector<std::vector<float>> made(stored.size());
+  {
+    std::vector<std::jthread> threads;
+    for (size_t i = 0; i < stored.size(); ++i) {
+      threads.emplace_back([&, i] { made[i] = output.run(stored[i]).height; });
+    }
+  }
+  EXPECT_EQ(made, expected);
 }
 
 /// The map with snow on a few texels only.
