@@ -18,7 +18,6 @@ class HeldGpu {
     const py::gil_scoped_release release;
     thread_ = gpu::GpuThread::begin(device);
   }
-  ~HeldGpu() { close(); }
   HeldGpu(const HeldGpu&) = delete;
   HeldGpu& operator=(const HeldGpu&) = delete;
 
@@ -59,7 +58,7 @@ py::dict info_dict(const HeldGpu& gpu) {
 
 void bind_gpu(py::module_& module) {
   using namespace py::literals;
-  py::class_<HeldGpu>(
+  py::class_<HeldGpu, HeldWithoutGil<HeldGpu>>(
       module, "Gpu",
       "Holds the context on the GPU that snow runs on: simulations made while one is held share "
       "it\n"

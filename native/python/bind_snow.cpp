@@ -225,14 +225,6 @@ py::dict memory_estimate(const SnowSimulation& simulation) {
   return dict;
 }
 
-/// Waits for the GPU thread without the GIL when Python drops the last reference.
-struct ReleaseGil {
-  void operator()(SnowSimulation* simulation) const {
-    const py::gil_scoped_release release;
-    delete simulation;
-  }
-};
-
 }  // namespace
 
 void bind_snow(py::module_& module) {
@@ -241,7 +233,7 @@ void bind_snow(py::module_& module) {
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
       .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");
 
-  using Holder = std::unique_ptr<SnowSimulation, ReleaseGil>;
+  using Holder = HeldWithoutGil<SnowSimulation>;
   py::class_<SnowSimulation, Holder>(
       module, "SnowSimulation",
       "Snow that accumulates on moving objects, each with a map in UV space.\n\n"

@@ -2,7 +2,21 @@
 
 #include <pybind11/pybind11.h>
 
+#include <memory>
+
 namespace snowbough::python {
+
+/// Deletes what waits for the GPU thread, without the GIL.
+struct ReleaseGil {
+  template <typename Owner>
+  void operator()(Owner* owner) const {
+    const pybind11::gil_scoped_release release;
+    delete owner;
+  }
+};
+/// Holds what Python drops last.
+template <typename Owner>
+using HeldWithoutGil = std::unique_ptr<Owner, ReleaseGil>;
 
 /// read_tree, Skeleton.
 void bind_skeleton(pybind11::module_& module);

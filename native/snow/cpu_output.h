@@ -32,8 +32,8 @@ class CpuOutput {
             int32_t threads = 2);
 
   /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where nobody owns the
-  /// texel; handed back as the output's. `metrics`: surface_metrics of the current positions, or empty where no normals are
-  /// wanted.
+  /// texel; handed back as the output's. `metrics`: surface_metrics of the current positions, or
+  /// empty where no normals are wanted.
   MapOutput run(std::vector<float> map, const std::vector<SurfaceMetric>& metrics = {});
 
  private:
@@ -44,7 +44,7 @@ class CpuOutput {
     /// Sum of the weights of the neighbours that are there.
     float present;
     /// Neighbours' values at distances -1, 1, -2, 2, ..
-    std::array<int32_t, 2 * kFilterReach> taps;
+    std::array<int32_t, size_t{2} * kFilterReach> taps;
   };
   /// One axis of the filter.
   struct Axis {

@@ -17,7 +17,7 @@ class Finder {
       : table_(table), order_(order), owners_(owners), size_(table.resolution) {
     int32_t last = -1;
     for (const int32_t triangle : table.fragment_triangle) last = std::max(last, triangle);
-    noted_in_.assign(static_cast<size_t>(last + 1), 0);
+    noted_in_.assign(static_cast<size_t>(last) + 1, 0);
     first_owner_ = owner_of(table.texel[static_cast<size_t>(order.front())]);
   }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "gpu/resources.h"
@@ -30,7 +31,7 @@ struct OutputBuffers {
   struct Lines {
     int32_t length = 0;
     gpu::Buffer place;
-    gpu::Buffer line[2];
+    std::array<gpu::Buffer, 2> line;
     int32_t current = 0;
     RowBuffers ghosts;
   };
