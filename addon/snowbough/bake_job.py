@@ -13,6 +13,7 @@ checkpoint again, compares them with what the checkpoint was baked from, and res
 frame: steps, maps, manifest, and a checkpoint where one is due or the bake is stopped.
 """
 
+import collections
 import contextlib
 import time
 from concurrent.futures import ThreadPoolExecutor
@@ -273,12 +274,12 @@ class BakeJob:
         request = self.request
         clock = time.perf_counter
         with MapWriter() as writer, ThreadPoolExecutor(1, "snowbough-step") as worker:
-            pending = None
+            pending = collections.deque()
             started = clock()
 
-            def finish(future):
+            def finish():
                 nonlocal started
-                result = future.result()
+                result = pending.popleft().result()
                 result.seconds["total"], started = clock() - started, clock()
                 result.seconds["files"] = writer.take_seconds()
                 self.results.append(result)
@@ -299,20 +300,21 @@ class BakeJob:
                         work.append((*self._tracker.take(pose, *at), direction, steps))
                     evaluating = clock() - evaluating
                     inputs = [list(entry) for entry in self._tracker.inputs.poses]
-                    if pending is not None:
-                        finish(pending)
-                        pending = None
-                    pending = worker.submit(
-                        self._frame, frame, work, inputs, snowfall, settings, writer, evaluating
+                    pending.append(
+                        worker.submit(
+                            self._frame, frame, work, inputs, snowfall, settings, writer, evaluating
+                        )
                     )
-                if pending is not None:
-                    future, pending = pending, None
-                    finish(future)
+                    # Only now, so that the worker need not wait for the frame before to be reported.
+                    if len(pending) > 1:
+                        finish()
+                while pending:
+                    finish()
             except BaseException as error:
                 # What was computed is worth keeping; the first error is the one to tell about.
-                if pending is not None:
+                while pending:
                     try:
-                        finish(pending)
+                        finish()
                     except Exception as later:
                         if isinstance(error, BakeCancelled):
                             raise later from None
@@ -337,6 +339,8 @@ class BakeJob:
         checkpoint."""
         request, clock = self.request, time.perf_counter
         begun = clock()
+        if not self._between_frames:
+            raise RuntimeError("the frame before broke off")
         self._between_frames = False
         for added, changed, direction, steps in work:
             self._registry.take(added)
