@@ -63,6 +63,28 @@ def test_a_scene_that_cannot_be_read_any_more_leaves_a_checkpoint(addon, undistu
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+def test_nothing_is_baked_after_a_frame_that_broke_off(addon, undisturbed, tmp_path, monkeypatch):
+    registry = addon("simulation_scene").Registry
+    take, poses = registry.take, []
+
+    def take_but_for_one(self, added):
+        poses.append(added)
+        if len(poses) == 11:
+            raise RuntimeError("the driver went away for a moment")
+        take(self, added)
+
+    with monkeypatch.context() as broken:
+        broken.setattr(registry, "take", take_but_for_one)
+        running = run_part(addon, 1, 12)
+    assert str(running.error) == "the driver went away for a moment"
+    last = running.job.results[-1].frame
+    assert last == 5
+    maps = [name for name in s.files_of(tmp_path / "cache") if "/height_" in name]
+    assert maps and all(f"height_{frame:04d}.exr" not in name for name in maps for frame in range(6, 13))
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
 def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp_path):
     operators, engine = addon("bake_operators"), addon("bake_engine")
     running = operators.make_session(bpy.context.scene, operators.make_request(bpy.context.scene))
