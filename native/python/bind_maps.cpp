@@ -76,9 +76,8 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     // Only the surface's own texels count.
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
-    output =
-        snow::CpuOutput(table, seams, plan)
-            .run(std::move(owned), snow::surface_metrics(topology, points));
+    output = snow::CpuOutput(table, seams, plan)
+                 .run(std::move(owned), snow::surface_metrics(topology, points));
   }
   py::dict result;
   result["height"] = to_numpy<float>(std::move(output.height), {resolution, resolution});
