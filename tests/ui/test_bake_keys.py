@@ -5,7 +5,7 @@ import time
 
 import pytest
 from PIL import ImageChops, ImageStat
-from snow_shot import SNOW_SCENE, START, assert_resumable, bake_in_the_background, heights
+from snow_shot import LONG_SHOT, SNOW_SCENE, START, assert_resumable, bake_in_the_background, heights
 from window import BlenderWindow
 
 
@@ -156,7 +156,7 @@ def keys(window):
 
 def begin_with_keys(window, folder):
     """A bake of a scene whose last step, after saving, moved the cube; the pointer is over the 3D view."""
-    window.run(SNOW_SCENE.format(frames=400, resolution=512, path=str(folder / "shot.blend")))
+    window.run(SNOW_SCENE.format(frames=LONG_SHOT, resolution=512, path=str(folder / "shot.blend")))
     window.run(
         "cube = bpy.data.objects['Cube']\n"
         "bpy.ops.ed.undo_push(message='Scene')\n"
