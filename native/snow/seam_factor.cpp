@@ -90,10 +90,6 @@ class NormalMatrix {
 
 /// Opens what Eigen keeps to itself.
 struct Cholesky : Eigen::SimplicialLDLT<Matrix, Eigen::Upper, Eigen::NaturalOrdering<int>> {
-  // The order is right as it is: Eigen's own analysis would copy the matrix for each of these.
-  void analyse(const Matrix& normal) { analyzePattern_preordered(normal, true); }
-  void factorise(const Matrix& normal) { factorize_preordered<true>(normal); }
-
   /// Without the diagonal of ones. Rows of a column ascend.
   const Matrix& lower() const { return m_matrix; }
   const Eigen::VectorXf& diagonal() const { return m_diag; }
@@ -130,12 +126,12 @@ std::vector<int32_t> SeamFactor::elimination_order(const std::vector<SeamRow>& r
 bool SeamFactor::compute(const std::vector<SeamRow>& rows, int32_t unknowns, float damping,
                          int64_t most_work) {
   const Matrix& normal = state_->normal.make(rows, unknowns, damping);
-  state_->cholesky.analyse(normal);
+  state_->cholesky.analyzePattern(normal);
   if (state_->cholesky.work() > most_work) {
     state_ = std::make_unique<State>();
     return false;
   }
-  state_->cholesky.factorise(normal);
+  state_->cholesky.factorize(normal);
   return state_->cholesky.info() == Eigen::Success;
 }
 
