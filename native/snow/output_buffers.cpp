@@ -7,13 +7,11 @@ namespace {
 
 /// `place_of` turns the rows' sources into places of the array that the sums are taken from.
 RowBuffers upload_rows(const WeightedRows& rows, const std::vector<int32_t>& target,
-                       const std::vector<int32_t>* place_of) {
+                       const std::vector<int32_t>& place_of) {
   RowBuffers buffers;
   buffers.count = static_cast<int32_t>(rows.size());
   std::vector<int32_t> source = rows.source;
-  if (place_of != nullptr) {
-    for (int32_t& s : source) s = (*place_of)[s];
-  }
+  for (int32_t& s : source) s = place_of[s];
   buffers.begin = gpu::Buffer(rows.begin);
   buffers.source = gpu::Buffer(source);
   buffers.weight = gpu::Buffer(rows.weight);
@@ -26,7 +24,7 @@ OutputBuffers::Lines upload_lines(const TexelLines& lines) {
   buffers.length = lines.length;
   buffers.place = gpu::Buffer(lines.place);
   for (gpu::Buffer& line : buffers.line) line = gpu::Buffer(int64_t{4} * lines.length);
-  buffers.ghosts = upload_rows(lines.ghosts, lines.ghost_place, &lines.place);
+  buffers.ghosts = upload_rows(lines.ghosts, lines.ghost_place, lines.place);
   return buffers;
 }
 
@@ -59,9 +57,16 @@ OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seam
       gpu::Buffer(static_cast<int64_t>(sizeof(filter_levels())), filter_levels().data());
   buffers.u = upload_lines(seams.u);
   buffers.v = upload_lines(seams.v);
-  buffers.dilation = upload_rows(seams.dilated_rows, seams.dilated, &table.texel);
+  buffers.dilation = upload_rows(seams.dilated_rows, seams.dilated, table.texel);
   buffers.map = gpu::Buffer(int64_t{4} * table.resolution * table.resolution);
   return buffers;
+}
+
+void bind_lines(gpu::Program& program, const OutputBuffers& buffers) {
+  program.bind("PlaceU", buffers.u.place);
+  program.bind("PlaceV", buffers.v.place);
+  program.bind("LineU", buffers.u.line[buffers.u.current]);
+  program.bind("LineV", buffers.v.line[buffers.v.current]);
 }
 
 }  // namespace snowbough::snow

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 
+#include "gpu/program.h"
 #include "gpu/resources.h"
 #include "snow/seam_table.h"
 #include "snow/smoothing.h"
@@ -54,5 +55,8 @@ struct OutputBuffers {
 /// Uploads a receiver's tables. GPU thread.
 OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
                                   const SmoothingPlan& plan);
+
+/// Binds both axes' places and the arrays that hold the heights now: PlaceU, PlaceV, LineU, LineV.
+void bind_lines(gpu::Program& program, const OutputBuffers& buffers);
 
 }  // namespace snowbough::snow

@@ -18,10 +18,7 @@ void SmoothingPass::filter(OutputBuffers& buffers, int32_t axes, bool last) {
   smoothing_.bind("LevelWeights", buffers.filter_levels);
   smoothing_.bind("Levels", buffers.level);
   smoothing_.bind("Texels", buffers.texel);
-  smoothing_.bind("PlaceU", u.place);
-  smoothing_.bind("PlaceV", v.place);
-  smoothing_.bind("LineU", u.line[u.current]);
-  smoothing_.bind("LineV", v.line[v.current]);
+  bind_lines(smoothing_, buffers);
   smoothing_.bind("NextU", u.line[1 - u.current]);
   smoothing_.bind("NextV", v.line[1 - v.current]);
   smoothing_.bind("Map", buffers.map);
@@ -38,10 +35,7 @@ void SmoothingPass::run(const gpu::Texture& height_maps, int32_t layer, OutputBu
   gather_.use();
   gather_.bind_texture("height_maps", height_maps);
   gather_.bind("Texels", buffers.texel);
-  gather_.bind("PlaceU", buffers.u.place);
-  gather_.bind("PlaceV", buffers.v.place);
-  gather_.bind("LineU", buffers.u.line[buffers.u.current]);
-  gather_.bind("LineV", buffers.v.line[buffers.v.current]);
+  bind_lines(gather_, buffers);
   gather_.bind("Map", buffers.map);
   gather_.set("layer", layer);
   gather_.set("count", buffers.texel_count);
