@@ -1,12 +1,14 @@
 // Second part of the deposit: lists the pixels that give snow and whose texels cover less than half of
 // them, for the next part, and counts what the sky sees of every object. Kept apart from that part because
 // software renderers run every branch for every pixel.
+//
+// WALKERS: invocations of a work group; see snow/walkers.h.
 #include "packed_pixel.h"
 #include "pixel_counts.h"
 #include "tile_pixel.h"
 #include "triangle_object.h"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = WALKERS) in;
 layout(std430) buffer PixelListSize { ListSize pixel_list_size; };
 /// Packed pixels.
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
@@ -31,40 +33,43 @@ void list(ivec2 pixel, uint bits) {
   }
   while (bits != 0u) {
     const int i = findLSB(bits);
-    pixel_list[at] = packed_pixel(pixel + ivec2(64 * i, 0));
+    pixel_list[at] = packed_pixel(pixel + ivec2(WALKERS * i, 0));
     ++at;
     bits &= bits - 1u;
   }
 }
 
 void main() {
-  // A work group walks along a row, each lane every 64th pixel, once for every object in its pixels:
+  // A work group walks along a row, each lane every WALKERS-th pixel, once for every object in its pixels:
   // mostly one. Loops ask for their end at their end: llvmpipe runs a body once more for a test at its head.
   const int y = int(gl_WorkGroupID.y);
-  const int begin = int(gl_WorkGroupID.x * kPixelsEach * 64u + gl_LocalInvocationID.x);
-  const int end = min(begin + int(kPixelsEach * 64u), tile_size.x);
+  const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x);
+  const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x);
   uint slot = group_objects.x;
   do {
     uint next = group_objects.y;
     PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
     ivec2 pixel = ivec2(begin, y);
-    uint bit = 1u;
-    uint bare = 0u;
     do {
-      const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
-      const uint own = seen == 0u || pixel.x >= end ? 0u : object_of((seen & ~kBackFace) - 1u);
-      const bool mine = own == (slot | kReceives);
-      const bool front = mine && (seen & kBackFace) == 0u;
-      next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
-      count.back_facing += mine && !front ? 1u : 0u;
-      count.visible += front ? 1u : 0u;
-      const bool snows = front && snow_of_pixel(pixel + tile_origin) > 0.0;
-      count.snowed += snows ? 1u : 0u;
-      bare |= snows && texelFetch(weight_sum, pixel_index(pixel)).x < kPixelWeight / 2u ? bit : 0u;
-      pixel.x += 64;
-      bit <<= 1u;
+      const ivec2 first = pixel;
+      uint bit = 1u;
+      uint bare = 0u;
+      do {
+        const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
+        const uint own = seen == 0u || pixel.x >= end ? 0u : object_of((seen & ~kBackFace) - 1u);
+        const bool mine = own == (slot | kReceives);
+        const bool front = mine && (seen & kBackFace) == 0u;
+        next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
+        count.back_facing += mine && !front ? 1u : 0u;
+        count.visible += front ? 1u : 0u;
+        const bool snows = front && snow_of_pixel(pixel + tile_origin) > 0.0;
+        count.snowed += snows ? 1u : 0u;
+        bare |= snows && texelFetch(weight_sum, pixel_index(pixel)).x < kPixelWeight / 2u ? bit : 0u;
+        pixel.x += WALKERS;
+        bit <<= 1u;
+      } while (bit != 0u && pixel.x < end);
+      list(first, bare);
     } while (pixel.x < end);
-    list(ivec2(begin, y), bare);
     flush(slot, count);
     slot = next;
   } while (slot < group_objects.y);

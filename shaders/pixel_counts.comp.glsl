@@ -1,22 +1,20 @@
 // Counts what the sky sees of every object, for the formulation without a compute pass over pixels.
+// WALKERS: invocations of a work group; see snow/walkers.h.
 #include "pixel_counts.h"
 #include "tile_pixel.h"
 #include "triangle_object.h"
 
-layout(local_size_x = 64) in;
+layout(local_size_x = WALKERS) in;
 uniform usamplerBuffer occlusion;
 uniform ivec2 tile_origin;
 
 void main() {
   const int y = int(gl_WorkGroupID.y);
-  const int begin = int(gl_WorkGroupID.x * kPixelsEach * 64u + gl_LocalInvocationID.x);
+  const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x);
+  const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x);
   uint current = 0u;
   PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
-  for (uint i = 0u; i < kPixelsEach; ++i) {
-    const ivec2 pixel = ivec2(begin + int(i * 64u), y);
-    if (pixel.x >= tile_size.x) {
-      break;
-    }
+  for (ivec2 pixel = ivec2(begin, y); pixel.x < end; pixel.x += WALKERS) {
     const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
     const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
     if ((object & kReceives) == 0u) {

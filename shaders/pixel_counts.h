@@ -3,9 +3,6 @@
 
 layout(std430) buffer Counts { PixelCounts counts[]; };
 
-/// Pixels of a row that an invocation walks along, 64 apart: counts change hands rarely.
-const uint kPixelsEach = 16u;
-
 void flush(uint slot, inout PixelCounts count) {
   if (count.visible > 0u) {
     atomicAdd(counts[slot].visible, count.visible);

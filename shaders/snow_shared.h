@@ -201,8 +201,10 @@ const uint kGroupListBegin = 8u;
 const uint kHoldsSnow = 1u;
 /// Work groups in one direction that OpenGL promises for a dispatch.
 const uint kMostGroups = 65535u;
-/// Invocations of a work group of the stability pass: each leaves one partial sum.
-const uint kPartialsEach = 64u;
+/// Most invocations of a work group that walk side by side, see snow/walkers.h.
+const uint kMostWalkers = 64u;
+/// Pixels of a row that a work group walks along.
+const uint kRowRun = 1024u;
 
 #ifndef SNOWBOUGH_GLSL
 }  // namespace snowbough::shared

@@ -5,13 +5,14 @@
 // LAST_TILE: the shares of the step's last (mostly only) tile are worked out here, which saves a pass.
 // DEPOSIT_MAP: the deposit lies on a map of its own.
 // EARLIER_TILES: shares of further tiles wait in DepositShare.
+// WALKERS: invocations of a work group, at most kMostWalkers; see snow/walkers.h.
 #include "texel_group.h"
 #include "texel_place.h"
 #ifdef LAST_TILE
 #include "texel_share.h"
 #endif
 
-layout(local_size_x = 64) in;
+layout(local_size_x = WALKERS) in;
 #ifdef DEPOSIT_MAP
 uniform sampler2DArray deposit_map;
 #else
@@ -24,7 +25,7 @@ uniform float step_depth;
 /// Read, and left at 0 for the next step.
 layout(std430) buffer DepositShare { float deposit_share[]; };
 #endif
-/// An invocation's sums: deposited, slid and held volume in m3, number of saturated texels.
+/// WALKERS a group of texels. An invocation's sums: deposited, slid and held volume in m3, number of saturated texels.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 /// Per group of texels; kHoldsSnow is set where some lies after the step.
@@ -89,7 +90,7 @@ float take_deposit(int index, uvec2 target, float area, out bool saturated) {
 #endif
 
 void main() {
-  // An invocation takes every 64th texel of the work group's, so that no barrier is needed.
+  // An invocation takes every WALKERS-th texel of the work group's, so that no barrier is needed.
   const int group = listed_group();
   const int begin = group * int(kTexelGroup) + int(gl_LocalInvocationID.x);
   const int resolution = imageSize(height_map).x;
@@ -123,7 +124,7 @@ void main() {
     sum += vec4(deposit * area, (height + deposit - settled) * area, settled * area,
                 saturated ? 1.0 : 0.0);
   }
-  partials[group * int(kPartialsEach) + int(gl_LocalInvocationID.x)] = sum;
+  partials[group * WALKERS + int(gl_LocalInvocationID.x)] = sum;
   if (highest > 0.0) {
     atomicOr(group_states[group], kHoldsSnow);
   }

@@ -235,6 +235,11 @@ EglContext::EglContext(const std::string& device) {
       "choose a device with SNOWBOUGH_EGL_DEVICE");
 }
 
+bool is_software(std::string_view renderer) {
+  return renderer.find("llvmpipe") != std::string_view::npos ||
+         renderer.find("softpipe") != std::string_view::npos;
+}
+
 EglContext::~EglContext() {
   eglMakeCurrent(display_, EGL_NO_SURFACE, EGL_NO_SURFACE, EGL_NO_CONTEXT);
   eglDestroyContext(display_, context_);

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace snowbough::gpu {
 
@@ -18,6 +19,9 @@ struct GpuInfo {
   int64_t max_storage_buffer_bytes = 0;
   int32_t max_compute_groups = 0;
 };
+
+/// Whether a renderer of that name computes on the processor: Mesa's llvmpipe and softpipe.
+bool is_software(std::string_view renderer);
 
 /// An off-screen OpenGL 4.5 core context without a surface, current on the thread that made it.
 /// Creating and destroying it leaves every other context of the process alone.

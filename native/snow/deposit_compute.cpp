@@ -50,7 +50,9 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
                                      const StepSnow& snow) {
   const glm::ivec2 size = tile.pixels.size();
   pixel_list_size_.write(0, sizeof kEmptyList, &kEmptyList);
-  gpu::Program& program = pixels_.with(snow.defines());
+  std::vector<std::string> defines = snow.defines();
+  defines.push_back(walkers_define(walkers_));
+  gpu::Program& program = pixels_.with(defines);
   program.use();
   program.bind("Fall", fall);
   if (snow.has_noise) {
@@ -64,7 +66,7 @@ void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fal
   program.bind_texture("weight_sum", weight_sum_view_);
   program.set("group_objects", glm::uvec2(group.first_slot, group.end_slot));
   program.set("tile_size", size);
-  program.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
+  program.dispatch(gpu::group_count(size.x, shared::kRowRun), size.y);
   glMemoryBarrier(kListBarriers);
 }
 

@@ -8,6 +8,7 @@
 #include "snow/fall_grid.h"
 #include "snow/occlusion.h"
 #include "snow/scene_buffers.h"
+#include "snow/walkers.h"
 
 namespace snowbough::snow {
 
@@ -32,6 +33,9 @@ struct StepSnow {
 /// is divided in proportion to projected area.
 class DepositComputePass {
  public:
+  /// GPU thread.
+  explicit DepositComputePass(int32_t walkers = snow::walkers()) : walkers_(walkers) {}
+
   /// Adds the snow of one tile to the batches' `units` and `share`; the shares of the step's last
   /// tile are left to the stability pass, which finds them by the batches' `steps`, filled in
   /// here, and weight_sum(). GPU thread.
@@ -54,6 +58,7 @@ class DepositComputePass {
   void share_out(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                  const StepSnow& snow);
 
+  int32_t walkers_;
   gpu::Program weigh_{{"deposit_weigh.comp.glsl"}};
   gpu::ProgramVariants pixels_{{"deposit_pixels.comp.glsl"}};
   gpu::Program lay_{{"deposit_lay.comp.glsl"}};

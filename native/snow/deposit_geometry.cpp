@@ -124,7 +124,7 @@ void DepositGeometryPass::count(SceneBuffers& scene, const gpu::Buffer& fall, co
   count_.bind_texture("triangle_words", scene.views.triangle_words);
   count_.set("tile_origin", tile.pixels.low);
   count_.set("tile_size", size);
-  count_.dispatch(gpu::group_count(size.x, 64 * 16), size.y);
+  count_.dispatch(gpu::group_count(size.x, shared::kRowRun), size.y);
 }
 
 void DepositGeometryPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,

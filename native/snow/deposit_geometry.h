@@ -7,6 +7,7 @@
 #include "snow/fall_grid.h"
 #include "snow/occlusion.h"
 #include "snow/scene_buffers.h"
+#include "snow/walkers.h"
 
 namespace snowbough::snow {
 
@@ -39,7 +40,7 @@ class DepositGeometryPass {
       {"geometry_pixels.vert.glsl", "geometry_pixels.geom.glsl", "geometry_deposit.frag.glsl"}};
   gpu::Program share_{
       {"geometry_share.vert.glsl", "geometry_deposit.geom.glsl", "geometry_deposit.frag.glsl"}};
-  gpu::Program count_{{"pixel_counts.comp.glsl"}};
+  gpu::Program count_{{"pixel_counts.comp.glsl"}, {walkers_define(walkers())}};
   gpu::VertexArray vertices_;
   gpu::Texture weight_map_;
   gpu::Framebuffer weight_target_;

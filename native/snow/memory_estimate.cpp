@@ -95,8 +95,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
 }
 
 int64_t available_memory(const gpu::GpuInfo& info) {
-  const bool software = info.renderer.find("llvmpipe") != std::string::npos ||
-                        info.renderer.find("softpipe") != std::string::npos;
+  const bool software = gpu::is_software(info.renderer);
   if (!software && epoxy_has_gl_extension("GL_NVX_gpu_memory_info")) {
     GLint kibibytes = 0;
     glGetIntegerv(GL_GPU_MEMORY_INFO_CURRENT_AVAILABLE_VIDMEM_NVX, &kibibytes);

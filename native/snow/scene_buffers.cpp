@@ -60,7 +60,7 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.steps = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelStep)));
   batch.share = gpu::Buffer(count * 4);
   batch.units = gpu::Buffer(count * 4);
-  batch.partials = gpu::Buffer(count / kTexelGroup * shared::kPartialsEach * 16);
+  batch.partials = gpu::Buffer(count / kTexelGroup * shared::kMostWalkers * 16);
   std::vector<uint32_t> group_slots(static_cast<size_t>(count / kTexelGroup), 0);
   for (const shared::StatisticsSegment& segment : batch.segments) {
     std::fill_n(group_slots.begin() + segment.first_group, segment.group_count, segment.slot);

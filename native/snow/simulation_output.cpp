@@ -106,11 +106,6 @@ std::string differences(const std::string& one, const std::string& other, bool a
   return names;
 }
 
-bool is_software(const gpu::GpuInfo& info) {
-  return info.renderer.find("llvmpipe") != std::string::npos ||
-         info.renderer.find("softpipe") != std::string::npos;
-}
-
 }  // namespace
 
 double SnowSimulation::blur_radius_of(const SceneObject& receiver) const {
@@ -119,7 +114,7 @@ double SnowSimulation::blur_radius_of(const SceneObject& receiver) const {
 }
 
 bool SnowSimulation::outputs_on_processor() const {
-  return is_software(thread_->info());
+  return gpu::is_software(thread_->info().renderer);
 }
 
 void SnowSimulation::prepare_output(const std::string& name) {

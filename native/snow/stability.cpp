@@ -22,6 +22,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
   if (earlier) {
     defines.emplace_back("EARLIER_TILES");
   }
+  defines.push_back(walkers_define(walkers_));
   gpu::Program& program = programs_.with(defines);
   for (TexelBatch& batch : scene.batches) {
     program.use();

@@ -7,6 +7,7 @@
 #include "snow/deposit_compute.h"
 #include "snow/fall_grid.h"
 #include "snow/scene_buffers.h"
+#include "snow/walkers.h"
 
 namespace snowbough::snow {
 
@@ -33,15 +34,20 @@ struct PendingShares {
 
 /// Adds the step's deposit (the batches' `units` and `share`, left at zero, and what is pending in
 /// their `steps`) to the height maps and lets slide what the slope cannot hold, in closed form over
-/// `dt` seconds; leaves the volumes in the batches' `partials`.
+/// `dt` seconds; leaves the volumes in the batches' `partials`, as many a work group of texels as
+/// there are walkers.
 class StabilityPass {
  public:
+  /// `walkers`: at most shared::kMostWalkers. GPU thread.
+  explicit StabilityPass(int32_t walkers = snow::walkers()) : walkers_(walkers) {}
+
   /// `snow.depth` is what the step's `units` refer to. Without a pending tile only `units` and
   /// `share` count. GPU thread.
   void run(SceneBuffers& scene, const StabilitySettings& settings, const PendingShares& pending,
            const StepSnow& snow, float dt);
 
  private:
+  int32_t walkers_;
   gpu::ProgramVariants programs_{{"stability.comp.glsl"}};
 };
 

@@ -6,6 +6,7 @@
 
 #include "gpu/program.h"
 #include "snow/scene_buffers.h"
+#include "snow/walkers.h"
 
 namespace snowbough::snow {
 
@@ -59,6 +60,10 @@ void add_balance(StatisticsPair& sum, const StatisticsPair& other);
 /// Keeps the books of every receiver on the GPU, so that no step has to wait for a read.
 class StatisticsPass {
  public:
+  /// `walkers`: the stability pass's. GPU thread.
+  explicit StatisticsPass(int32_t walkers = snow::walkers())
+      : sums_({"statistics.comp.glsl"}, {walkers_define(walkers)}) {}
+
   /// Sets the step's sums to zero; before the deposit. GPU thread.
   void open(SceneBuffers& scene);
   /// Adds up the stability pass's work groups and brings the totals up to date. `pixel_volume` is
@@ -66,7 +71,7 @@ class StatisticsPass {
   void close(SceneBuffers& scene, float pixel_area, float pixel_volume);
 
  private:
-  gpu::Program sums_{{"statistics.comp.glsl"}};
+  gpu::Program sums_;
   gpu::Program open_{{"statistics_step.comp.glsl"}, {"OPENING"}};
   gpu::Program close_{{"statistics_step.comp.glsl"}};
 };

@@ -451,6 +451,45 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
   });
 }
 
+TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
+  gpu::GpuThread::shared()->run([] {
+    // Pixels that texels fill, and pixels without any, which lay their snow on the one below.
+    for (const double pixel_size : {1.0 / 16.0, 1.0 / 200.0}) {
+      std::vector<std::vector<uint32_t>> units;
+      std::vector<std::vector<float>> heights;
+      std::vector<shared::ObjectSums> sums;
+      for (const int32_t walkers : {8, 64}) {
+        Bench bench(objects_of(square("a", 1.0f, 0.0f, 128), square("b", 0.4f, 0.3f, 64)),
+                    falling({0.3, 0, -1}, pixel_size));
+        StatisticsPass statistics(walkers);
+        statistics.open(bench.scene);
+        DepositComputePass deposit(walkers);
+        deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, true);
+        units.push_back(bench.scene.batches[0].units.read_all<uint32_t>());
+        StabilityPass(walkers).run(
+            bench.scene, {},
+            {&deposit.weight_sum_view(), &bench.fall, bench.tiles[0].pixels, false}, {0.01f}, 1.0f);
+        const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.group[0])];
+        heights.emplace_back(128 * 128);
+        group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());
+        statistics.close(bench.scene, 1.0f, 1.0f);
+        sums.push_back(
+            bench.scene.sums
+                .read_all<shared::ObjectSums>()[static_cast<size_t>(bench.scene.slot[0])]);
+      }
+      EXPECT_EQ(units[0], units[1]);
+      EXPECT_EQ(heights[0], heights[1]);
+      EXPECT_EQ(sums[0].visible, sums[1].visible);
+      // What the smaller square covers is not seen; areas are measured across the fall.
+      EXPECT_NEAR(sums[0].visible * pixel_size * pixel_size, (1.0 - 0.4 * 0.4) / std::sqrt(1.09),
+                  pixel_size);
+      // These are added up in floats first.
+      EXPECT_NEAR(sums[0].deposited, sums[1].deposited, 1e-5 * sums[0].deposited);
+      EXPECT_GT(sums[0].deposited, 0.008);
+    }
+  });
+}
+
 TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
   gpu::GpuThread::shared()->run([] {
     gpu::Program program({"triangle_fall.comp.glsl"});
