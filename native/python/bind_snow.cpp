@@ -141,6 +141,20 @@ snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& nam
   return simulation.snapshot(name, normal);
 }
 
+/// A map that numpy looks at, and who takes its memory then.
+struct LentMap {
+  LentMap(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
+      : heights(std::move(map)), memory(std::move(taker)) {}
+  ~LentMap() {
+    if (memory != nullptr) memory->give(std::move(heights));
+  }
+  LentMap(const LentMap&) = delete;
+  LentMap& operator=(const LentMap&) = delete;
+
+  std::vector<float> heights;
+  std::shared_ptr<snow::MapMemory> memory;
+};
+
 py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
   snow::MapOutput result;
   {
@@ -149,7 +163,9 @@ py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
   }
   const int32_t resolution = snapshot.resolution();
   py::dict dict;
-  dict["height"] = square(std::move(result.height), resolution);
+  auto map = std::make_unique<LentMap>(std::move(result.height), snapshot.memory());
+  float* const heights = map->heights.data();
+  dict["height"] = owned_numpy(std::move(map), heights, {resolution, resolution});
   if (!result.normal.empty()) {
     dict["normal"] = to_numpy<float>(std::move(result.normal), {resolution, resolution, 3});
   }

@@ -15,7 +15,15 @@ namespace snowbough::python {
 template <typename Scalar>
 using InputArray = pybind11::array_t<Scalar, pybind11::array::c_style | pybind11::array::forcecast>;
 
-/// Moves a vector into a numpy array of `shape` without copying: a capsule owns the vector.
+/// A numpy array of `shape` over `data`, which lives as long as `owner`: the array keeps that.
+template <typename Scalar, typename Owner>
+pybind11::array_t<Scalar> owned_numpy(std::unique_ptr<Owner> owner, Scalar* data,
+                                      std::vector<pybind11::ssize_t> shape) {
+  pybind11::capsule capsule(owner.release(), [](void* p) { delete static_cast<Owner*>(p); });
+  return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
+}
+
+/// Moves a vector into a numpy array of `shape` without copying.
 /// `Scalar` is the element type seen from Python; Element may be a packed struct of Scalars.
 template <typename Scalar, typename Element>
 pybind11::array_t<Scalar> to_numpy(std::vector<Element>&& values,
@@ -23,9 +31,7 @@ pybind11::array_t<Scalar> to_numpy(std::vector<Element>&& values,
   static_assert(sizeof(Element) % sizeof(Scalar) == 0);
   auto owner = std::make_unique<std::vector<Element>>(std::move(values));
   auto* data = reinterpret_cast<Scalar*>(owner->data());
-  pybind11::capsule capsule(owner.release(),
-                            [](void* p) { delete static_cast<std::vector<Element>*>(p); });
-  return pybind11::array_t<Scalar>(std::move(shape), data, std::move(capsule));
+  return owned_numpy(std::move(owner), data, std::move(shape));
 }
 
 /// A read-only view of a vector that `owner` keeps alive.

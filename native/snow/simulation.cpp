@@ -176,7 +176,8 @@ std::vector<float> SnowSimulation::height(const std::string& name) {
 
 std::vector<float> SnowSimulation::stored_height(const std::string& name) {
   const int32_t resolution = find_receiver(name)->description.topology.resolution;
-  std::vector<float> heights(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
+  std::vector<float> heights =
+      map_memory_->take(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
   if (scene_is_current_) {
     const size_t object = index_of(name);
     thread_->run([&] {
@@ -187,6 +188,7 @@ std::vector<float> SnowSimulation::stored_height(const std::string& name) {
     });
     return heights;
   }
+  std::fill(heights.begin(), heights.end(), 0.0f);
   for (const ObjectState& object : pending_state_.objects) {
     if (object.name == name) {
       heights = object.height;

@@ -12,6 +12,7 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/frame_step.h"
+#include "snow/map_memory.h"
 #include "snow/map_output.h"
 #include "snow/memory_estimate.h"
 #include "snow/output_tables.h"
@@ -54,6 +55,8 @@ class OutputSnapshot {
   int32_t resolution() const { return resolution_; }
   /// See SnowSimulation::output. To be called once.
   MapOutput output();
+  /// Who takes the memory of the output's heights when they are done with; null = nobody.
+  const std::shared_ptr<MapMemory>& memory() const { return memory_; }
 
  private:
   friend class SnowSimulation;
@@ -63,6 +66,7 @@ class OutputSnapshot {
   std::vector<SurfaceMetric> metrics_;
   MapOutput done_;
   std::shared_ptr<OutputTables> tables_;
+  std::shared_ptr<MapMemory> memory_;
 };
 
 /// Snow that accumulates on moving objects. All GL work happens on the GPU thread; calls from
@@ -161,6 +165,7 @@ class SnowSimulation {
   /// Alpha masks of all objects so far, so that equal ones are held once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
   OutputTableStore outputs_;
+  std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;
   /// Set before the scene is on the GPU: taken over when it is built.

@@ -167,6 +167,7 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
   };
   if (outputs_on_processor() || !scene_is_current_ || !fits()) {
     snapshot.stored_ = stored_height(name);
+    snapshot.memory_ = map_memory_;
     return snapshot;
   }
   const size_t at = index_of(name);
