@@ -141,11 +141,16 @@ void Texture::clear_layer(int32_t layer) {
 }
 
 void Texture::write(int32_t layer, GLenum format, GLenum type, const void* data) {
+  write_rows(layer, 0, height_, format, type, data);
+}
+
+void Texture::write_rows(int32_t layer, int32_t first, int32_t count, GLenum format, GLenum type,
+                         const void* data) {
   glPixelStorei(GL_UNPACK_ALIGNMENT, 1);
   if (layers_ == 0) {
-    glTextureSubImage2D(id_, 0, 0, 0, width_, height_, format, type, data);
+    glTextureSubImage2D(id_, 0, 0, first, width_, count, format, type, data);
   } else {
-    glTextureSubImage3D(id_, 0, 0, 0, layer, width_, height_, 1, format, type, data);
+    glTextureSubImage3D(id_, 0, 0, first, layer, width_, count, 1, format, type, data);
   }
 }
 

@@ -84,6 +84,9 @@ class Texture : public Handle {
   /// Copies one layer (0 for a plain texture) in or out, row 0 first, tightly packed. `format` and
   /// `type` say how the data lies in memory, e.g. GL_RED and GL_FLOAT.
   void write(int32_t layer, GLenum format, GLenum type, const void* data);
+  /// The same for the `count` rows from `first` on.
+  void write_rows(int32_t layer, int32_t first, int32_t count, GLenum format, GLenum type,
+                  const void* data);
   void read(int32_t layer, GLenum format, GLenum type, int64_t bytes, void* data) const;
 
  private:

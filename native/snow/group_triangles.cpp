@@ -37,7 +37,7 @@ class Finder {
   }
 
  private:
-  uint32_t owner_of(int32_t texel) const { return owners_[2 * static_cast<size_t>(texel)]; }
+  uint32_t owner_of(int32_t texel) const { return owners_[static_cast<size_t>(texel)]; }
   bool is_of_group(uint32_t owner) const { return owner - group_owner_ < kTexelGroup; }
 
   /// Whether all texels around this one are of the group. At the map's left and right edge the row

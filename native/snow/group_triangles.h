@@ -17,9 +17,8 @@ struct GroupTriangles {
 };
 
 /// Appends the groups of one receiver. `order`: its texels as surface_order gives them, the first
-/// at the beginning of a group. `owners`: two numbers a texel of its map, the first 1 + the texel's
-/// index in the map group (0 = nobody's), the second its chart << 8 and what does not matter here.
-/// O(texels).
+/// at the beginning of a group. `owners`: per texel of its map, 1 + the texel's index in the map
+/// group; 0 = nobody's. O(texels).
 void add_group_triangles(const TexelTable& table, const std::vector<int32_t>& order,
                          const std::vector<uint32_t>& owners, uint32_t first_triangle,
                          GroupTriangles& groups);

@@ -210,6 +210,30 @@ class BatchWriter {
   GroupTriangles triangles_;
 };
 
+/// Writes a layer of a group's `owners`: per texel of the map its owner, 1 + index in the group,
+/// and its chart << 8 with its coverage in 255ths. In bands of rows, which take little memory.
+void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners, int32_t layer,
+                   gpu::Texture& texture) {
+  constexpr int32_t kBandRows = 64;
+  const int32_t resolution = table.resolution;
+  std::vector<glm::uvec2> band;
+  size_t i = 0;  // the table's texels are in the order of the map's
+  for (int32_t row = 0; row < resolution; row += kBandRows) {
+    const int32_t rows = std::min(kBandRows, resolution - row);
+    const int32_t first = row * resolution;
+    const int32_t count = rows * resolution;
+    band.assign(static_cast<size_t>(count), glm::uvec2(0));
+    for (; i < table.texel.size() && table.texel[i] < first + count; ++i) {
+      const auto texel = static_cast<size_t>(table.texel[i]);
+      const auto chart = static_cast<uint32_t>(table.chart[i]);
+      const auto coverage =
+          static_cast<uint32_t>(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f + 0.5f);
+      band[texel - static_cast<size_t>(first)] = {owners[texel], chart << 8 | coverage};
+    }
+    texture.write_rows(layer, row, rows, GL_RG_INTEGER, GL_UNSIGNED_INT, band.data());
+  }
+}
+
 /// Adds one receiver's texels to its group and fills in its owners and map triangles.
 void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
                   BatchWriter& writer, MapGroup& group,
@@ -233,28 +257,23 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
                      static_cast<uint32_t>(layer) * map_texels);
   }
 
-  std::vector<uint32_t> owners(2 * static_cast<size_t>(map_texels), 0);
+  std::vector<uint32_t> owners(static_cast<size_t>(map_texels), 0);
   std::vector<float> home_share(static_cast<size_t>(object.triangle_count()), 0.0f);
   for (size_t at = 0; at < order.size(); ++at) {
     const auto i = static_cast<size_t>(order[at]);
     const auto owner = first_owner + static_cast<uint32_t>(at);
-    const auto chart = static_cast<uint32_t>(table.chart[i]);
-    const auto coverage =
-        static_cast<uint32_t>(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f + 0.5f);
-    uint32_t* const place = &owners[2 * static_cast<size_t>(table.texel[i])];
-    place[0] = owner;
-    place[1] = chart << 8 | coverage;
+    owners[static_cast<size_t>(table.texel[i])] = owner;
     const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
     for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
       const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
       if (table.fragment_share[f] > home_share[triangle]) {
         home_share[triangle] = table.fragment_share[f];
         map_triangles[first_map + triangle].home = owner;
-        map_triangles[first_map + triangle].chart = chart;
+        map_triangles[first_map + triangle].chart = static_cast<uint32_t>(table.chart[i]);
       }
     }
   }
-  group.owners.write(layer, GL_RG_INTEGER, GL_UNSIGNED_INT, owners.data());
+  upload_owners(table, owners, layer, group.owners);
   add_group_triangles(table, order, owners, static_cast<uint32_t>(first_triangle),
                       writer.triangles());
 }

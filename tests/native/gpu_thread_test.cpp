@@ -94,6 +94,20 @@ TEST(Resources, TextureLayersAreApart) {
   });
 }
 
+TEST(Resources, RowsOfALayerAreWrittenAlone) {
+  const auto gpu = GpuThread::shared();
+  gpu->run([] {
+    Texture texture(GL_R32F, 2, 3, 2);
+    const std::vector<float> rows = {1.0f, 2.0f, 3.0f, 4.0f};
+    texture.write_rows(1, 1, 2, GL_RED, GL_FLOAT, rows.data());
+    std::vector<float> read(6, -1.0f);
+    texture.read(1, GL_RED, GL_FLOAT, 24, read.data());
+    EXPECT_EQ(read, (std::vector<float>{0.0f, 0.0f, 1.0f, 2.0f, 3.0f, 4.0f}));
+    texture.read(0, GL_RED, GL_FLOAT, 24, read.data());
+    EXPECT_EQ(read, std::vector<float>(6, 0.0f));
+  });
+}
+
 TEST(Program, DispatchItemsReachesEveryItemInRowsOfGroups) {
   GpuThread::shared()->run([] {
     // Row r takes value r to place r; 1000 rows in groups of 64, at most 3 groups side by side.

@@ -34,11 +34,9 @@ MapTopology quads(int32_t cells, int32_t resolution, bool split) {
 
 std::vector<uint32_t> owners_of(const TexelTable& table, const std::vector<int32_t>& order,
                                 uint32_t first_owner) {
-  std::vector<uint32_t> owners(2 * static_cast<size_t>(table.resolution) * table.resolution, 0);
+  std::vector<uint32_t> owners(static_cast<size_t>(table.resolution) * table.resolution, 0);
   for (size_t at = 0; at < order.size(); ++at) {
-    const auto place = 2 * static_cast<size_t>(table.texel[order[at]]);
-    owners[place] = first_owner + static_cast<uint32_t>(at);
-    owners[place + 1] = static_cast<uint32_t>(table.chart[order[at]]) << 8 | 255u;
+    owners[table.texel[order[at]]] = first_owner + static_cast<uint32_t>(at);
   }
   return owners;
 }
@@ -111,7 +109,7 @@ TEST(GroupTriangles, ofNothingAreNone) {
   TexelTable table;
   table.resolution = 64;
   GroupTriangles groups;
-  add_group_triangles(table, {}, std::vector<uint32_t>(2 * 64 * 64, 0), 0, groups);
+  add_group_triangles(table, {}, std::vector<uint32_t>(64 * 64, 0), 0, groups);
   EXPECT_EQ(groups.begin.size(), 1u);
 }
 
