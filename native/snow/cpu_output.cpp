@@ -24,57 +24,76 @@ inline float positive(float x) {
   return x > 0.0f ? x : 0.0f;
 }
 
-/// Filters `count` texels from `from` on, neighbours `stride` apart, but for those of a negative
-/// scale: to go on in whole vectors costs less than to leave them out. The weights follow from the
-/// scale of the two outer taps, each shared by the two texels beside it (see smoothing.h).
-template <bool kAdd>
-[[gnu::always_inline]] inline void filter_row(const float* __restrict from, float* __restrict to,
-                                              const float* __restrict scale, int32_t count,
-                                              ptrdiff_t stride) {
+/// A tile's rows of texels, or less of them at the map's border: `pitch` from row to row.
+struct TileRows {
+  int32_t width;
+  int32_t height;
+  ptrdiff_t pitch;
+};
+
+/// Filters a tile whose first texel is at `from`, neighbours `stride` apart, but for the texels of
+/// a negative scale: to go on in whole vectors costs less than to leave them out. The weights
+/// follow from the scale of the two outer taps, each shared by the two texels beside it (see
+/// smoothing.h). Returns 0 where all values in the tile are 0.
+template <bool kAdd, int32_t kWidth>
+[[gnu::always_inline]] inline uint32_t filter_rows(const float* __restrict from,
+                                                   float* __restrict to,
+                                                   const float* __restrict scale, TileRows rows,
+                                                   ptrdiff_t stride) {
   constexpr float kInnerOffset = 1.3846f;
   constexpr float kOuterOffset = 3.2307f;
   constexpr float kInnerWeight = static_cast<float>(0.3162 / 0.9998);
   constexpr float kOuterWeight = static_cast<float>(0.0702 / 0.9998);
-  for (int32_t i = 0; i < count; ++i) {
-    const float inner = kInnerOffset * scale[i];
-    const float outer = kOuterOffset * scale[i];
-    const float w1 = kInnerWeight * positive(1.0f - std::fabs(1.0f - inner)) +
-                     kOuterWeight * positive(1.0f - std::fabs(1.0f - outer));
-    const float w2 = kInnerWeight * positive(1.0f - std::fabs(2.0f - inner)) +
-                     kOuterWeight * positive(1.0f - std::fabs(2.0f - outer));
-    const float w3 = kOuterWeight * positive(1.0f - std::fabs(3.0f - outer));
-    const float w4 = kOuterWeight * positive(1.0f - std::fabs(4.0f - outer));
-    const float w0 = 1.0f - 2.0f * (w1 + w2 + w3 + w4);
-    const float* at = from + i;
-    const float sum =
-        w0 * at[0] + w1 * (at[-stride] + at[stride]) + w2 * (at[-2 * stride] + at[2 * stride]) +
-        w3 * (at[-3 * stride] + at[3 * stride]) + w4 * (at[-4 * stride] + at[4 * stride]);
-    to[i] = scale[i] < 0.0f ? to[i] : kAdd ? 0.5f * (to[i] + sum) : sum;
-  }
-}
-
-/// 0 where all values are 0.
-[[gnu::always_inline]] inline uint32_t bits_in(const float* values, int32_t count) {
+  const int32_t width = kWidth > 0 ? kWidth : rows.width;
   uint32_t bits = 0;
-  for (int32_t i = 0; i < count; ++i) bits |= std::bit_cast<uint32_t>(values[i]);
+  for (int32_t row = 0; row < rows.height; ++row) {
+    for (int32_t i = 0; i < width; ++i) {
+      const float inner = kInnerOffset * scale[i];
+      const float outer = kOuterOffset * scale[i];
+      const float w1 = kInnerWeight * positive(1.0f - std::fabs(1.0f - inner)) +
+                       kOuterWeight * positive(1.0f - std::fabs(1.0f - outer));
+      const float w2 = kInnerWeight * positive(1.0f - std::fabs(2.0f - inner)) +
+                       kOuterWeight * positive(1.0f - std::fabs(2.0f - outer));
+      const float w3 = kOuterWeight * positive(1.0f - std::fabs(3.0f - outer));
+      const float w4 = kOuterWeight * positive(1.0f - std::fabs(4.0f - outer));
+      const float w0 = 1.0f - 2.0f * (w1 + w2 + w3 + w4);
+      const float* at = from + i;
+      const float sum =
+          w0 * at[0] + w1 * (at[-stride] + at[stride]) + w2 * (at[-2 * stride] + at[2 * stride]) +
+          w3 * (at[-3 * stride] + at[3 * stride]) + w4 * (at[-4 * stride] + at[4 * stride]);
+      const float value = scale[i] < 0.0f ? to[i] : kAdd ? 0.5f * (to[i] + sum) : sum;
+      to[i] = value;
+      bits |= std::bit_cast<uint32_t>(value);
+    }
+    from += rows.pitch;
+    to += rows.pitch;
+    scale += rows.pitch;
+  }
   return bits;
 }
 
-SNOWBOUGH_WIDE uint32_t replace_row(const float* __restrict from, float* __restrict to,
-                                    const float* __restrict scale, int32_t count,
-                                    ptrdiff_t stride) {
-  filter_row<false>(from, to, scale, count, stride);
-  return bits_in(to, count);
+template <bool kAdd>
+[[gnu::always_inline]] inline uint32_t filter_any(const float* from, float* to, const float* scale,
+                                                  TileRows rows, ptrdiff_t stride) {
+  return rows.width == kTileWidth ? filter_rows<kAdd, kTileWidth>(from, to, scale, rows, stride)
+                                  : filter_rows<kAdd, 0>(from, to, scale, rows, stride);
 }
 
-SNOWBOUGH_WIDE uint32_t add_row(const float* __restrict from, float* __restrict to,
-                                const float* __restrict scale, int32_t count, ptrdiff_t stride) {
-  filter_row<true>(from, to, scale, count, stride);
-  return bits_in(to, count);
+SNOWBOUGH_WIDE uint32_t replace_tile(const float* from, float* to, const float* scale,
+                                     TileRows rows, ptrdiff_t stride) {
+  return filter_any<false>(from, to, scale, rows, stride);
 }
 
+SNOWBOUGH_WIDE uint32_t add_tile(const float* from, float* to, const float* scale, TileRows rows,
+                                 ptrdiff_t stride) {
+  return filter_any<true>(from, to, scale, rows, stride);
+}
+
+/// 0 where all values are 0.
 SNOWBOUGH_WIDE uint32_t bits_of(const float* values, int32_t count) {
-  return bits_in(values, count);
+  uint32_t bits = 0;
+  for (int32_t i = 0; i < count; ++i) bits |= std::bit_cast<uint32_t>(values[i]);
+  return bits;
 }
 
 }  // namespace
@@ -242,10 +261,10 @@ void CpuOutput::filter_tile_row(const Axis& axis, Heights& from, Heights& to, bo
     if (to.filled[tile] == 0) continue;
     uint32_t bits = 0;
     if (axis.has_plain[tile] != 0) {
-      tiles_.for_each_row(tile, [&](int32_t first, int32_t count) {
-        bits |= (add ? add_row : replace_row)(from.map() + first, to.map() + first,
-                                              axis.scale.data() + first, count, axis.stride);
-      });
+      const int32_t first = tiles_.first_texel(tile);
+      const TileRows rows{tiles_.width(tile), tiles_.height(tile), table_.resolution};
+      bits = (add ? add_tile : replace_tile)(from.map() + first, to.map() + first,
+                                             axis.scale.data() + first, rows, axis.stride);
     }
     to.filled[tile] = (bits | filter_odd(axis, from, to, add, tile)) != 0;
   }

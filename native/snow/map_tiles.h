@@ -29,15 +29,22 @@ struct MapTiles {
   int32_t of(int32_t texel) const {
     return texel / resolution / kTileHeight * columns + texel % resolution / kTileWidth;
   }
+  /// Linear index of a tile's lowest and leftmost texel.
+  int32_t first_texel(int32_t tile) const {
+    return tile / columns * kTileHeight * resolution + tile % columns * kTileWidth;
+  }
+  int32_t width(int32_t tile) const {
+    return std::min(kTileWidth, resolution - tile % columns * kTileWidth);
+  }
+  int32_t height(int32_t tile) const {
+    return std::min(kTileHeight, resolution - tile / columns * kTileHeight);
+  }
   /// Calls `visit(first_texel, count)` for each of a tile's rows of texels.
   template <typename Visit>
   void for_each_row(int32_t tile, const Visit& visit) const {
-    const int32_t column = tile % columns * kTileWidth;
-    const int32_t width = std::min(kTileWidth, resolution - column);
-    const int32_t first = tile / columns * kTileHeight;
-    for (int32_t row = first; row < std::min(first + kTileHeight, resolution); ++row) {
-      visit(row * resolution + column, width);
-    }
+    const int32_t count = width(tile);
+    int32_t first = first_texel(tile);
+    for (int32_t row = 0; row < height(tile); ++row, first += resolution) visit(first, count);
   }
 };
 
