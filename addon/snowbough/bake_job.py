@@ -69,6 +69,9 @@ class BakeJob:
             snowfall = self._plan(evaluate)
             self._identify(first_pose)
             settings = self._settings(snowfall)
+            added, self._positions = self._tracker.take(first_pose, request.frame_start, 0.0)
+            stack.callback(self._close_simulation)
+            self._make_simulation(added)  # lays maps out while the driver is still being loaded
             self._driver = driver_of(self._gpu)  # without a GPU nothing is begun
             cache.make_folder(self.root)
             stack.callback(cache.remove_empty_folders, self.root)
@@ -77,10 +80,12 @@ class BakeJob:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
             rest = self._checkpoint_frame()
+            if len(self.receivers) < len(self.baked):  # what is finished only shelters the others
+                self._close_simulation()
+                self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
             log(f"{self._driver}; {self.version.name}; {', '.join(r.label for r in self.receivers)}")
-            stack.callback(self._close_simulation)
-            self._make_simulation()
+            self._registry.prepare()
             if rest is None:
                 for receiver in self.receivers:
                     receiver.start(settings)
@@ -198,8 +203,9 @@ class BakeJob:
                 f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
             )
         log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        added, self._positions = self._walk(evaluate, snowfall, first_pose, frame, cancelled)
+        added, moved = self._walk(evaluate, snowfall, first_pose, frame, cancelled)
         self._registry.take(added)
+        self._positions.update(moved)
         difference = SceneInputs(before).first_difference(self._tracker.inputs)
         if difference:
             raise cache.InputsChanged(
@@ -241,7 +247,8 @@ class BakeJob:
 
     # -- the scene and the simulation ------------------------------------------------------------------
 
-    def _make_simulation(self):
+    def _make_simulation(self, added):
+        """With the objects of the shot's first pose, as SceneTracker.take gives them. Needs no GPU yet."""
         request = self.request
         self._simulation = self.native.SnowSimulation(
             pixel_size=self.pixel_size,
@@ -251,10 +258,12 @@ class BakeJob:
             slide_half_life=request.slide_half_life,
             seed=request.seed,
             mapping=request.mapping,
+            wait_for_gpu=False,
         )
         # Maps for the receivers that this bake writes; all else shelters them.
         maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
         self._registry = simulation_scene.Registry(self._simulation, maps)
+        self._registry.take(added)
 
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""

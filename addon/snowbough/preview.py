@@ -92,6 +92,7 @@ class _Preview:
         direction = bake_plan.fall_direction(pose.fall_angle, pose.bearing)
         added, moved = self.tracker.take(pose, frame, 0.0)
         self.registry.take(added)
+        self.registry.prepare()
         for step in steps or [bake_plan.Step(frame, 0.0, 0.0, 0.0)]:
             self.simulation.step(moved, depth=step.depth, direction=direction, dt=step.dt)
             moved = {}

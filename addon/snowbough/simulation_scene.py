@@ -32,10 +32,11 @@ class Registry:
         self._simulation = simulation
         self._maps = maps
         self._known = set()
+        self._unprepared = []
 
     def take(self, added):
         """Adds the objects of {key: scene_tracker.Registration}, or gives those that are there their new
-        mesh. A receiver's snow stays where it lies on its map.
+        mesh. A receiver's snow stays where it lies on its map. Needs no GPU.
 
         Raises TopologyChanged, naming object and frame, for a new mesh that its map cannot carry.
         """
@@ -57,9 +58,9 @@ class Registry:
             }
             if key not in self._known:
                 self._simulation.add_object(*arguments, **options)
-                if receives:  # beside the first steps
-                    self._simulation.prepare_output(key)
                 self._known.add(key)
+                if receives:
+                    self._unprepared.append(key)
                 continue
             try:
                 self._simulation.replace_object(*arguments, **options)
@@ -69,3 +70,9 @@ class Registry:
                     f"snow cannot go on there ({error}): apply the modifier that changes it, or take it off the "
                     "list of receivers"
                 ) from error
+
+    def prepare(self):
+        """Begins with what the maps of new receivers take, beside the next steps. Waits for the GPU."""
+        for key in self._unprepared:
+            self._simulation.prepare_output(key)
+        self._unprepared.clear()

@@ -30,7 +30,8 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                                 double flutter, double max_depth,
                                                 double slide_half_life, double blur_radius,
                                                 int64_t seed, const std::string& mapping,
-                                                int32_t tile_size, const std::string& device) {
+                                                int32_t tile_size, const std::string& device,
+                                                bool wait_for_gpu) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
                                     flutter,
@@ -40,7 +41,8 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                     static_cast<uint32_t>(seed),
                                     mapping_from(mapping),
                                     tile_size,
-                                    device};
+                                    device,
+                                    wait_for_gpu};
   const py::gil_scoped_release release;
   return std::make_unique<SnowSimulation>(settings);
 }
@@ -260,18 +262,22 @@ void bind_snow(py::module_& module) {
       "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE or GEOMETRY. tile_size (a power of two from 64 to 4096) and device change "
       "neither result\n"
-      "nor units. A context manager: leaving it closes the simulation.")
+      "nor units. wait_for_gpu: whether RuntimeError is raised here where there is no GPU; else "
+      "objects\n"
+      "can be added while the driver is being loaded, and the first call that needs it raises.\n"
+      "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
                        double slide_half_life, double blur_radius, int64_t seed,
-                       const std::string& mapping, int32_t tile_size, const std::string& device) {
+                       const std::string& mapping, int32_t tile_size, const std::string& device,
+                       bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
                                            slide_half_life, blur_radius, seed, mapping, tile_size,
-                                           device)
+                                           device, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
            "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "")
+           "tile_size"_a = 2048, "device"_a = "", "wait_for_gpu"_a = true)
       .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
            "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
            "blur_radius"_a = py::none(), "alpha"_a = py::none(),

@@ -53,7 +53,8 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
 
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
   check_settings(settings);
-  thread_ = gpu::GpuThread::shared(settings.device);
+  thread_ = settings.wait_for_gpu ? gpu::GpuThread::shared(settings.device)
+                                  : gpu::GpuThread::begin(settings.device);
 }
 
 SnowSimulation::~SnowSimulation() {
@@ -62,10 +63,10 @@ SnowSimulation::~SnowSimulation() {
 
 void SnowSimulation::close() {
   const std::scoped_lock lock(mutex_);
-  if (thread_ != nullptr) {
+  if (gpu_ != nullptr) {
     thread_->run([this] { gpu_.reset(); });
-    thread_.reset();
   }
+  thread_.reset();
   outputs_.clear();
   objects_.clear();
 }

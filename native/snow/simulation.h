@@ -43,6 +43,9 @@ struct SimulationSettings {
   int32_t tile_size = 2048;
   /// Which EGL device, see gpu::EglContext.
   std::string device;
+  /// Whether the constructor waits for the context and throws where there is none; else the first
+  /// call that needs it does, and objects come in while the driver is still being loaded.
+  bool wait_for_gpu = true;
 };
 
 /// Positions of one object, N of them, in metres.

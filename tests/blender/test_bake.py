@@ -382,6 +382,20 @@ def test_a_receiver_that_the_render_does_not_show_is_named(tmp_path):
     refused("'Ground' is on the list of receivers, but the render does not show it")
 
 
+def test_without_a_gpu_nothing_is_begun_and_nothing_is_lost(monkeypatch, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    monkeypatch.setenv("SNOWBOUGH_EGL_DEVICE", "no such device")
+    refused("OpenGL.*no such device")
+    assert not list(tmp_path.iterdir())
+    monkeypatch.delenv("SNOWBOUGH_EGL_DEVICE")
+    s.bake()
+    before = {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()}
+    monkeypatch.setenv("SNOWBOUGH_EGL_DEVICE", "no such device")
+    refused("OpenGL.*no such device")
+    assert {path: path.read_bytes() for path in tmp_path.rglob("*") if path.is_file()} == before
+
+
 def test_an_unwritable_cache_leaves_nothing_behind(tmp_path):
     (tmp_path / "file").write_text("no folder")
     s.receive(s.square("Ground"))

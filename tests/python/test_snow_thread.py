@@ -151,6 +151,16 @@ def test_a_gpu_that_is_not_there_is_told_of_when_it_is_asked():
         _ = gpu.info
 
 
+def test_a_simulation_without_a_gpu_says_so_at_once_or_when_it_is_needed():
+    positions, triangles, uv = grid()
+    with pytest.raises(RuntimeError, match="no such device"):
+        native.SnowSimulation(device="no such device")
+    with native.SnowSimulation(device="no such device", wait_for_gpu=False) as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        with pytest.raises(RuntimeError, match="no such device"):
+            sim.step({"it": positions}, 0.1)
+
+
 def test_a_gpu_that_nobody_holds_any_more_is_released():
     before = set(os.listdir("/proc/self/task"))
     for _ in range(3):
