@@ -25,7 +25,8 @@ uniform float step_depth;
 /// Read, and left at 0 for the next step.
 layout(std430) buffer DepositShare { float deposit_share[]; };
 #endif
-/// WALKERS a group of texels. An invocation's sums: deposited, slid and held volume in m3, number of saturated texels.
+/// An invocation's sums, WALKERS a group of texels: deposited, slid and held volume in m3, number of
+/// saturated texels.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 /// Per group of texels; kHoldsSnow is set where some lies after the step.

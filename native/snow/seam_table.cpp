@@ -170,17 +170,32 @@ class SeamTableBuilder {
     }
   }
 
+  /// Copies columns of `owned_` from `first` on into `columns`, one behind the other: read one by
+  /// one, each would go through all of the map's memory.
+  void copy_columns(int32_t first, int32_t count, std::vector<int32_t>& columns) const {
+    for (int32_t row = 0; row < resolution_; ++row) {
+      const int32_t* from = &owned_[static_cast<size_t>(row) * resolution_ + first];
+      for (int32_t c = 0; c < count; ++c) {
+        columns[static_cast<size_t>(c) * resolution_ + row] = from[c];
+      }
+    }
+  }
+
   void lay_lines(TexelLines& lines, int axis) {
+    constexpr int32_t kColumns = 16;
     lines.place.assign(table_.texel.size(), -1);
     const glm::dvec2 step(axis == 0 ? 1.0 : 0.0, axis == 0 ? 0.0 : 1.0);
-    const auto at = [&](int32_t line, int32_t k) {
-      return owned_[axis == 0 ? static_cast<size_t>(line) * resolution_ + k
-                              : static_cast<size_t>(k) * resolution_ + line];
-    };
+    std::vector<int32_t> columns(axis == 0 ? 0 : size_t{kColumns} * resolution_);
     int32_t place = 0;
     for (int32_t line = 0; line < resolution_; ++line) {
+      if (axis == 1 && line % kColumns == 0) {
+        copy_columns(line, std::min(kColumns, resolution_ - line), columns);
+      }
+      const int32_t* const at = axis == 0
+                                    ? &owned_[static_cast<size_t>(line) * resolution_]
+                                    : &columns[static_cast<size_t>(line % kColumns) * resolution_];
       for (int32_t k = 0; k < resolution_;) {
-        const int32_t first = at(line, k);
+        const int32_t first = at[k];
         if (first < 0) {
           ++k;
           continue;
@@ -190,7 +205,7 @@ class SeamTableBuilder {
         int32_t last = first;
         lines.place[first] = place++;
         for (++k; k < resolution_; ++k) {
-          const int32_t next = at(line, k);
+          const int32_t next = at[k];
           if (next < 0 || !joined(last, next)) break;
           lines.place[next] = place++;
           last = next;
