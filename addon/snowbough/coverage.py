@@ -16,10 +16,13 @@ class Coverage:
 
     def __init__(self, resolution, mask=None):
         self.mask = np.zeros((resolution, resolution), dtype=bool) if mask is None else mask
+        # Filled again for every map: to be given so much fresh memory takes longer than to fill it.
+        self._shows = np.empty_like(self.mask)
 
     def add(self, height):
         """Marks the texels where a height map (H, W) in metres shows snow."""
-        np.logical_or(self.mask, height > 0, out=self.mask)
+        np.greater(height, 0, out=self._shows)
+        np.logical_or(self.mask, self._shows, out=self.mask)
 
     def pack(self):
         """The mask as a text for a checkpoint; unpack reads it."""
