@@ -1,6 +1,7 @@
 #include "snow/scene_buffers.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <span>
 #include <stdexcept>
@@ -227,7 +228,7 @@ void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners,
       const auto texel = static_cast<size_t>(table.texel[i]);
       const auto chart = static_cast<uint32_t>(table.chart[i]);
       const auto coverage =
-          static_cast<uint32_t>(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f + 0.5f);
+          static_cast<uint32_t>(std::lround(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f));
       band[texel - static_cast<size_t>(first)] = {owners[texel], chart << 8 | coverage};
     }
     texture.write_rows(layer, row, rows, GL_RG_INTEGER, GL_UNSIGNED_INT, band.data());

@@ -45,7 +45,8 @@ class SeamTableBuilder {
 
  private:
   glm::dvec2 centre(int32_t texel) const {
-    return {texel % resolution_ + 0.5, texel / resolution_ + 0.5};
+    const int32_t row = texel / resolution_;
+    return {texel % resolution_ + 0.5, row + 0.5};
   }
 
   /// Where an owned texel's surface was sampled, in texels.
