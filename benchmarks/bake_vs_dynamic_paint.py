@@ -35,7 +35,7 @@ GIVE_UP_SECONDS = 600.0
 STILL_SECONDS = 1.0
 # What Dynamic Paint writes for a displacement of nothing.
 NEUTRAL = 0.5
-# A falling snow reaches about a quarter of the monkey; Dynamic Paint's particles go through it.
+# Snow lies on about a quarter of the monkey's map; Dynamic Paint's particles go through the monkey.
 LEAST_PAINTED = 0.1
 GOALS = {1024: 10.0, 2048: 20.0}
 

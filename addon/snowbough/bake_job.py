@@ -71,7 +71,8 @@ class BakeJob:
             settings = self._settings(snowfall)
             added, self._positions = self._tracker.take(first_pose, request.frame_start, 0.0)
             stack.callback(self._close_simulation)
-            self._make_simulation(added)  # lays maps out while the driver is still being loaded
+            if not self._goes_on():
+                self._make_simulation(added)  # lays maps out while the driver is still being loaded
             self._driver = driver_of(self._gpu)  # without a GPU nothing is begun
             cache.make_folder(self.root)
             stack.callback(cache.remove_empty_folders, self.root)
@@ -80,8 +81,7 @@ class BakeJob:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
             rest = self._checkpoint_frame()
-            if len(self.receivers) < len(self.baked):  # what is finished only shelters the others
-                self._close_simulation()
+            if self._goes_on():  # only now is known which receivers are finished and need no map
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
             log(f"{self._driver}; {self.version.name}; {', '.join(r.label for r in self.receivers)}")
@@ -141,10 +141,14 @@ class BakeJob:
         shot = {name: getattr(request, name) for name in SHOT_SETTINGS}
         return {**shot, "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
 
+    def _goes_on(self):
+        """Whether the bake may go on where another one stopped."""
+        return self.request.resume or self.request.first > self.request.frame_start
+
     def _open_version(self, settings, stack):
         keys = [receiver.key for receiver in self.receivers]
         number, finished = None, []
-        if self.request.resume or self.request.first > self.request.frame_start:
+        if self._goes_on():
             number, finished = cache.resumable_version(self.root, keys)
         if number is None:
             number = cache.choose_version(self.root, keys, cache.digest(settings))

@@ -207,6 +207,11 @@ GpuInfo read_info(const std::string& label) {
 
 }  // namespace
 
+bool is_software(std::string_view renderer) {
+  return renderer.find("llvmpipe") != std::string_view::npos ||
+         renderer.find("softpipe") != std::string_view::npos;
+}
+
 EglContext::EglContext(const std::string& device) {
   require_libraries();
   const char* variable = std::getenv("SNOWBOUGH_EGL_DEVICE");
@@ -233,11 +238,6 @@ EglContext::EglContext(const std::string& device) {
                         : ":" + failures) +
       "\nInstall Mesa's drivers (Debian and Ubuntu: apt install libgl1-mesa-dri libegl-mesa0), or "
       "choose a device with SNOWBOUGH_EGL_DEVICE");
-}
-
-bool is_software(std::string_view renderer) {
-  return renderer.find("llvmpipe") != std::string_view::npos ||
-         renderer.find("softpipe") != std::string_view::npos;
 }
 
 EglContext::~EglContext() {
