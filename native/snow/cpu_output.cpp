@@ -31,15 +31,15 @@ struct TileRows {
   ptrdiff_t pitch;
 };
 
-/// Filters a tile whose first texel is at `from`, neighbours `stride` apart, but for the texels of
-/// a negative scale: to go on in whole vectors costs less than to leave them out. The weights
-/// follow from the scale of the two outer taps, each shared by the two texels beside it (see
-/// smoothing.h). Returns 0 where all values in the tile are 0.
+/// Filters a tile whose first texel is at `from`, neighbours `stride` apart, but for the texels
+/// whose scale is not below `end`: to go on in whole vectors costs less than to leave them out. The
+/// weights follow from the scale of the two outer taps, each shared by the two texels beside it
+/// (see smoothing.h). Returns 0 where all values in the tile are 0.
 template <bool kAdd, int32_t kWidth>
 [[gnu::always_inline]] inline uint32_t filter_rows(const float* __restrict from,
                                                    float* __restrict to,
-                                                   const float* __restrict scale, TileRows rows,
-                                                   ptrdiff_t stride) {
+                                                   const uint16_t* __restrict scale, int32_t end,
+                                                   TileRows rows, ptrdiff_t stride) {
   constexpr float kInnerOffset = 1.3846f;
   constexpr float kOuterOffset = 3.2307f;
   constexpr float kInnerWeight = static_cast<float>(0.3162 / 0.9998);
@@ -47,9 +47,16 @@ template <bool kAdd, int32_t kWidth>
   const int32_t width = kWidth > 0 ? kWidth : rows.width;
   uint32_t bits = 0;
   for (int32_t row = 0; row < rows.height; ++row) {
+    // The next tile's; a row of tiles is short for the processor to see by itself.
+    __builtin_prefetch(scale + kTileWidth);
+    for (const int32_t line : {0, kTileWidth / 2}) {
+      __builtin_prefetch(from + kTileWidth + line + (stride == 1 ? 0 : kFilterReach * stride));
+      __builtin_prefetch(to + kTileWidth + line, 1);
+    }
     for (int32_t i = 0; i < width; ++i) {
-      const float inner = kInnerOffset * scale[i];
-      const float outer = kOuterOffset * scale[i];
+      const float tap_scale = kFilterScaleStep * static_cast<float>(scale[i]);
+      const float inner = kInnerOffset * tap_scale;
+      const float outer = kOuterOffset * tap_scale;
       const float w1 = kInnerWeight * positive(1.0f - std::fabs(1.0f - inner)) +
                        kOuterWeight * positive(1.0f - std::fabs(1.0f - outer));
       const float w2 = kInnerWeight * positive(1.0f - std::fabs(2.0f - inner)) +
@@ -61,7 +68,7 @@ template <bool kAdd, int32_t kWidth>
       const float sum =
           w0 * at[0] + w1 * (at[-stride] + at[stride]) + w2 * (at[-2 * stride] + at[2 * stride]) +
           w3 * (at[-3 * stride] + at[3 * stride]) + w4 * (at[-4 * stride] + at[4 * stride]);
-      const float value = scale[i] < 0.0f ? to[i] : kAdd ? 0.5f * (to[i] + sum) : sum;
+      const float value = scale[i] >= end ? to[i] : kAdd ? 0.5f * (to[i] + sum) : sum;
       to[i] = value;
       bits |= std::bit_cast<uint32_t>(value);
     }
@@ -73,20 +80,22 @@ template <bool kAdd, int32_t kWidth>
 }
 
 template <bool kAdd>
-[[gnu::always_inline]] inline uint32_t filter_any(const float* from, float* to, const float* scale,
-                                                  TileRows rows, ptrdiff_t stride) {
-  return rows.width == kTileWidth ? filter_rows<kAdd, kTileWidth>(from, to, scale, rows, stride)
-                                  : filter_rows<kAdd, 0>(from, to, scale, rows, stride);
+[[gnu::always_inline]] inline uint32_t filter_any(const float* from, float* to,
+                                                  const uint16_t* scale, int32_t end, TileRows rows,
+                                                  ptrdiff_t stride) {
+  return rows.width == kTileWidth
+             ? filter_rows<kAdd, kTileWidth>(from, to, scale, end, rows, stride)
+             : filter_rows<kAdd, 0>(from, to, scale, end, rows, stride);
 }
 
-SNOWBOUGH_WIDE uint32_t replace_tile(const float* from, float* to, const float* scale,
-                                     TileRows rows, ptrdiff_t stride) {
-  return filter_any<false>(from, to, scale, rows, stride);
+SNOWBOUGH_WIDE uint32_t replace_tile(const float* from, float* to, const uint16_t* scale,
+                                     int32_t end, TileRows rows, ptrdiff_t stride) {
+  return filter_any<false>(from, to, scale, end, rows, stride);
 }
 
-SNOWBOUGH_WIDE uint32_t add_tile(const float* from, float* to, const float* scale, TileRows rows,
-                                 ptrdiff_t stride) {
-  return filter_any<true>(from, to, scale, rows, stride);
+SNOWBOUGH_WIDE uint32_t add_tile(const float* from, float* to, const uint16_t* scale, int32_t end,
+                                 TileRows rows, ptrdiff_t stride) {
+  return filter_any<true>(from, to, scale, end, rows, stride);
 }
 
 /// 0 where all values are 0.
@@ -159,15 +168,15 @@ void CpuOutput::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
   add_ghosts(axis, lines);
 }
 
-/// Gives every tile ghosts of its own, so that tiles can be worked on side by side, and notes which
-/// tiles each one looks at.
+/// Gives the ghosts that odd texels look at their places, in the order in which they are looked at,
+/// and notes which tiles each tile looks at.
 void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
-  // Per ghost of the lines: the last tile that it was noted for, and where that has it.
+  // Per ghost of the lines: the last tile that it was noted for, and its place.
   std::vector<int32_t> noted_ghost(lines.ghost_place.size(), -1);
-  std::vector<int32_t> slot(lines.ghost_place.size());
+  std::vector<int32_t> place(lines.ghost_place.size(), 0);
+  std::vector<int32_t> looked_at;
   axis.reads = TileReads(tiles_.count());
   for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
-    axis.ghost_begin.push_back(static_cast<int32_t>(axis.ghosts.size()));
     axis.reads.begin_tile();
     axis.reads.note(tile);
     const int32_t step = axis.stride == 1 ? 1 : tiles_.columns;
@@ -178,21 +187,37 @@ void CpuOutput::add_ghosts(Axis& axis, const TexelLines& lines) {
       for (int32_t& tap : axis.odd[i].taps) {
         if (tap <= zero_place()) continue;
         const int32_t ghost = tap - zero_place() - 1;
-        if (std::exchange(noted_ghost[ghost], tile) != tile) {
-          slot[ghost] = zero_place() + 1 + static_cast<int32_t>(axis.ghosts.size());
-          for (int32_t t = lines.ghosts.begin[ghost]; t < lines.ghosts.begin[ghost + 1]; ++t) {
-            const int32_t source = table_.texel[lines.ghosts.source[t]];
-            axis.ghosts.source.push_back(source);
-            axis.ghosts.weight.push_back(lines.ghosts.weight[t]);
-            axis.reads.note(tiles_.of(source));
-          }
-          axis.ghosts.begin.push_back(static_cast<int32_t>(axis.ghosts.source.size()));
+        if (place[ghost] == 0) {
+          looked_at.push_back(ghost);
+          place[ghost] = zero_place() + static_cast<int32_t>(looked_at.size());
         }
-        tap = slot[ghost];
+        tap = place[ghost];
+        if (std::exchange(noted_ghost[ghost], tile) == tile) continue;
+        for (int32_t t = lines.ghosts.begin[ghost]; t < lines.ghosts.begin[ghost + 1]; ++t) {
+          axis.reads.note(tiles_.of(table_.texel[lines.ghosts.source[t]]));
+        }
       }
     }
   }
-  axis.ghost_begin.push_back(static_cast<int32_t>(axis.ghosts.size()));
+  const auto tile_of_ghost = [&](int32_t ghost) {
+    return tiles_.of(table_.texel[lines.ghosts.source[lines.ghosts.begin[ghost]]]);
+  };
+  looked_at = sorted_by_tile(looked_at, tiles_.count(), tile_of_ghost, axis.ghost_begin);
+  axis.ghost_reads = TileReads(tiles_.count());
+  for (int32_t tile = 0; tile < tiles_.count(); ++tile) {
+    axis.ghost_reads.begin_tile();
+    for (int32_t g = axis.ghost_begin[tile]; g < axis.ghost_begin[tile + 1]; ++g) {
+      const int32_t ghost = looked_at[g];
+      axis.ghost_place.push_back(place[ghost]);
+      for (int32_t t = lines.ghosts.begin[ghost]; t < lines.ghosts.begin[ghost + 1]; ++t) {
+        const int32_t source = table_.texel[lines.ghosts.source[t]];
+        axis.ghosts.source.push_back(source);
+        axis.ghosts.weight.push_back(lines.ghosts.weight[t]);
+        axis.ghost_reads.note(tiles_.of(source));
+      }
+      axis.ghosts.begin.push_back(static_cast<int32_t>(axis.ghosts.source.size()));
+    }
+  }
 }
 
 void CpuOutput::clear_tile(Heights& heights, int32_t tile) const {
@@ -228,17 +253,32 @@ void CpuOutput::store(std::vector<float>& map) {
   }
 }
 
-uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, bool add,
-                               int32_t tile) const {
-  float* const source = from.map();
-  float* ghost = source + zero_place() + 1 + axis.ghost_begin[tile];
-  for (int32_t g = axis.ghost_begin[tile]; g < axis.ghost_begin[tile + 1]; ++g) {
-    float sum = 0.0f;
-    for (int32_t t = axis.ghosts.begin[g]; t < axis.ghosts.begin[g + 1]; ++t) {
-      sum += axis.ghosts.weight[t] * source[axis.ghosts.source[t]];
+void CpuOutput::for_each_tile_row(const std::function<void(int32_t row)>& work) const {
+  in_parallel(threads_, [&](size_t part, size_t parts) {
+    const auto rows = static_cast<size_t>(tiles_.rows);
+    for (size_t row = rows * part / parts; row < rows * (part + 1) / parts; ++row) {
+      work(static_cast<int32_t>(row));
     }
-    *ghost++ = sum;
+  });
+}
+
+void CpuOutput::fill_ghosts(const Axis& axis, Heights& from, int32_t row) const {
+  float* const source = from.map();
+  for (int32_t tile = row * tiles_.columns; tile < (row + 1) * tiles_.columns; ++tile) {
+    const bool is_bare = !axis.ghost_reads.sees(tile, from.filled);
+    for (int32_t g = axis.ghost_begin[tile]; g < axis.ghost_begin[tile + 1]; ++g) {
+      float sum = 0.0f;
+      for (int32_t t = axis.ghosts.begin[g]; t < axis.ghosts.begin[g + 1] && !is_bare; ++t) {
+        sum += axis.ghosts.weight[t] * source[axis.ghosts.source[t]];
+      }
+      source[axis.ghost_place[g]] = sum;
+    }
   }
+}
+
+uint32_t CpuOutput::filter_odd(const Axis& axis, const Heights& from, Heights& to, bool add,
+                               int32_t tile) const {
+  const float* const source = from.map();
   uint32_t bits = 0;
   for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
     const OddTexel& odd = axis.odd[i];
@@ -255,7 +295,7 @@ uint32_t CpuOutput::filter_odd(const Axis& axis, Heights& from, Heights& to, boo
   return bits;
 }
 
-void CpuOutput::filter_tile_row(const Axis& axis, Heights& from, Heights& to, bool add,
+void CpuOutput::filter_tile_row(const Axis& axis, const Heights& from, Heights& to, bool add,
                                 int32_t row) const {
   for (int32_t tile = row * tiles_.columns; tile < (row + 1) * tiles_.columns; ++tile) {
     if (to.filled[tile] == 0) continue;
@@ -263,8 +303,9 @@ void CpuOutput::filter_tile_row(const Axis& axis, Heights& from, Heights& to, bo
     if (axis.has_plain[tile] != 0) {
       const int32_t first = tiles_.first_texel(tile);
       const TileRows rows{tiles_.width(tile), tiles_.height(tile), table_.resolution};
-      bits = (add ? add_tile : replace_tile)(from.map() + first, to.map() + first,
-                                             axis.scale.data() + first, rows, axis.stride);
+      bits =
+          (add ? add_tile : replace_tile)(from.map() + first, to.map() + first,
+                                          axis.scale.data() + first, kNotPlain, rows, axis.stride);
     }
     to.filled[tile] = (bits | filter_odd(axis, from, to, add, tile)) != 0;
   }
@@ -278,12 +319,8 @@ void CpuOutput::filter(const Axis& axis, Heights& from, Heights& to, bool add) c
       clear_tile(to, tile);
     }
   }
-  in_parallel(threads_, [&](size_t part, size_t parts) {
-    const auto rows = static_cast<size_t>(tiles_.rows);
-    for (size_t row = rows * part / parts; row < rows * (part + 1) / parts; ++row) {
-      filter_tile_row(axis, from, to, add, static_cast<int32_t>(row));
-    }
-  });
+  for_each_tile_row([&](int32_t row) { fill_ghosts(axis, from, row); });
+  for_each_tile_row([&](int32_t row) { filter_tile_row(axis, from, to, add, row); });
 }
 
 void CpuOutput::smooth(std::vector<float>& map) {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <mutex>
 #include <vector>
 
@@ -50,18 +51,23 @@ class CpuOutput {
   struct Axis {
     /// How far apart neighbours are in the map: 1 or resolution.
     int32_t stride = 1;
-    /// Per texel of the map: scale of the taps, 0 to 1; kNotPlain where it is odd or nobody's.
-    std::vector<float> scale;
+    /// Per texel of the map: scale of the taps in steps of kFilterScaleStep; kNotPlain where it is
+    /// odd or nobody's.
+    std::vector<uint16_t> scale;
     /// Per tile: whether it has plain texels.
     std::vector<uint8_t> has_plain;
-    /// In the order of tiles, and where each tile begins; so are those that follow.
+    /// In the order of tiles, and where each tile begins.
     std::vector<int32_t> odd_begin;
     std::vector<OddTexel> odd;
-    /// The ghosts that a tile's odd texels look at, as sums over texels (linear index).
-    std::vector<int32_t> ghost_begin;
-    WeightedRows ghosts;
     /// The tiles that a tile's texels look at, its own included.
     TileReads reads;
+    /// The ghosts, as sums over texels (linear index), in the order of the tiles that these lie in:
+    /// odd texels look all over the map, so what they look at is put beside each other first.
+    std::vector<int32_t> ghost_begin;
+    WeightedRows ghosts;
+    /// Where each of them goes.
+    std::vector<int32_t> ghost_place;
+    TileReads ghost_reads;
   };
   /// A map's heights with a margin of zeros before and behind, as wide as a filter reaches along v;
   /// then a zero and the ghosts of one axis. Places count from the first height.
@@ -72,8 +78,9 @@ class CpuOutput {
     std::vector<uint8_t> filled;
 
     float* map() { return values.data() + margin; }
+    const float* map() const { return values.data() + margin; }
   };
-  static constexpr float kNotPlain = -1.0f;
+  static constexpr uint16_t kNotPlain = 0xFFFF;
 
   void prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                const std::vector<uint8_t>& level);
@@ -88,9 +95,15 @@ class CpuOutput {
   void clear_tile(Heights& heights, int32_t tile) const;
   /// Filters `from` along an axis into `to`; `add` halves and adds to what is there.
   void filter(const Axis& axis, Heights& from, Heights& to, bool add) const;
+  /// Calls `work` for all rows of tiles.
+  void for_each_tile_row(const std::function<void(int32_t row)>& work) const;
+  /// Fills in the ghosts that the texels of a row of tiles give.
+  void fill_ghosts(const Axis& axis, Heights& from, int32_t row) const;
   /// The same for the tiles of a row of tiles that `to.filled` names; sets that to what they hold.
-  void filter_tile_row(const Axis& axis, Heights& from, Heights& to, bool add, int32_t row) const;
-  uint32_t filter_odd(const Axis& axis, Heights& from, Heights& to, bool add, int32_t tile) const;
+  void filter_tile_row(const Axis& axis, const Heights& from, Heights& to, bool add,
+                       int32_t row) const;
+  uint32_t filter_odd(const Axis& axis, const Heights& from, Heights& to, bool add,
+                      int32_t tile) const;
 
   const TexelTable& table_;
   const SeamTable& seams_;

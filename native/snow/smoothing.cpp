@@ -38,7 +38,7 @@ double variance_of(const std::array<double, kFilterReach + 1>& weights) {
 
 struct FilterLevelTable {
   std::array<FilterWeights, kFilterLevels> weights{};
-  std::array<float, kFilterLevels> scale{};
+  std::array<uint16_t, kFilterLevels> scale{};
 };
 
 FilterLevelTable make_levels() {
@@ -54,11 +54,11 @@ FilterLevelTable make_levels() {
       (variance_of(scaled_weights(middle)) < sigma * sigma ? low : high) = middle;
     }
     const double scale = level == 0 ? 0.0 : (level == kFilterLevels - 1 ? 1.0 : high);
-    const auto weights = scaled_weights(scale);
+    levels.scale[level] = static_cast<uint16_t>(std::lround(scale / double{kFilterScaleStep}));
+    const auto weights = scaled_weights(levels.scale[level] * double{kFilterScaleStep});
     for (int32_t k = 0; k <= kFilterReach; ++k) {
       levels.weights[level][k] = static_cast<float>(weights[k]);
     }
-    levels.scale[level] = static_cast<float>(scale);
   }
   return levels;
 }
@@ -110,7 +110,7 @@ const std::array<FilterWeights, kFilterLevels>& filter_levels() {
   return level_table().weights;
 }
 
-float filter_scale(int32_t level) {
+uint16_t filter_scale(int32_t level) {
   return level_table().scale[level];
 }
 

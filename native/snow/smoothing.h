@@ -24,8 +24,9 @@ inline constexpr int32_t kFilterLevels = 256;
 /// The weights of each level; the standard deviation grows evenly from level to level.
 const std::array<FilterWeights, kFilterLevels>& filter_levels();
 
-/// By what a level scales the taps' offsets, 0 to 1.
-float filter_scale(int32_t level);
+/// By what a level scales the taps' offsets, 0 to 1, in steps of this.
+uint16_t filter_scale(int32_t level);
+inline constexpr float kFilterScaleStep = 1.0f / 32768.0f;
 
 /// Standard deviation of level 255 in texels.
 double full_filter_sigma();
