@@ -12,6 +12,7 @@ layout(local_size_x = WALKERS) in;
 layout(std430) buffer PixelListSize { ListSize pixel_list_size; };
 /// Packed pixels.
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
+/// A SeenPixel each.
 uniform usamplerBuffer occlusion;
 uniform usamplerBuffer weight_sum;
 /// Slots of the objects whose maps are in this group: [first, end).

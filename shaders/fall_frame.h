@@ -1,13 +1,16 @@
-// GLSL only: the step's frame and what is computed from it.
+#pragma once
+
+// The step's frame and what is computed from it.
+#include "kernel.h"
 #include "snow_shared.h"
 
-layout(std140) uniform Fall { FallFrame fall; };
+KERNEL_UNIFORM_BLOCK(Fall, FallFrame, fall);
 
 /// Local pixel coordinates (xy) and depth along the fall in metres (z).
 vec3 project(vec3 position) {
-  const vec3 offset = position - fall.anchor.xyz;
-  return vec3(dot(offset, fall.grid_x.xyz) + fall.grid_x.w,
-              dot(offset, fall.grid_y.xyz) + fall.grid_y.w, dot(offset, fall.direction.xyz));
+  const vec3 offset = position - vec3(fall.anchor);
+  return vec3(dot(offset, vec3(fall.grid_x)) + fall.grid_x.w,
+              dot(offset, vec3(fall.grid_y)) + fall.grid_y.w, dot(offset, vec3(fall.direction)));
 }
 
 /// pcg3d: M. Jarzynski, M. Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
@@ -31,11 +34,11 @@ float snow_of_pixel(ivec2 local_pixel) {
   return fall.range.z;
 #else
   const float density = fall.range.w;
-  if (density >= 1.0) {
+  if (density >= 1.0f) {
     return fall.range.z;
   }
   const uvec2 pixel = uvec2(local_pixel + fall.base);
   const uint random = pcg3d(uvec3(pixel, fall.seed ^ (fall.step_number * 0x9E3779B9u))).x;
-  return float(random >> 8u) * (1.0 / 16777216.0) < density ? fall.range.z / density : 0.0;
+  return float(random >> 8u) * (1.0f / 16777216.0f) < density ? fall.range.z / density : 0.0f;
 #endif
 }

@@ -8,8 +8,8 @@ flat in uint visible_triangle;
 flat in vec4 corner_gradient;
 flat in vec3 depth_range;
 
-/// 1 + triangle with kBackFace, 0 = nothing.
-layout(location = 0) out uint visible;
+/// A SeenPixel.
+layout(location = 0) out uvec2 visible;
 
 #ifdef WITH_ALPHA
 uniform usamplerBuffer alpha_bits;
@@ -48,5 +48,5 @@ void main() {
   const float depth = clamp(depth_range.x + offset.x * corner_gradient.z + offset.y * corner_gradient.w,
                             depth_range.y, depth_range.z);
   gl_FragDepth = (depth - fall.range.x) * fall.range.y;
-  visible = visible_triangle;
+  visible = uvec2(visible_triangle, floatBitsToUint(depth));
 }

@@ -5,6 +5,7 @@
 #include "triangle_object.h"
 
 layout(local_size_x = WALKERS) in;
+/// A SeenPixel each.
 uniform usamplerBuffer occlusion;
 uniform ivec2 tile_origin;
 

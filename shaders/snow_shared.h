@@ -82,6 +82,15 @@ struct TexelStep {
 };
 SNOWBOUGH_SHARED_SIZE(TexelStep, 16);
 
+/// What the sky sees in a pixel.
+struct SeenPixel {
+  /// 1 + triangle with kBackFace, 0 = nothing.
+  uint triangle;
+  /// In metres along the fall.
+  float depth;
+};
+SNOWBOUGH_SHARED_SIZE(SeenPixel, 8);
+
 /// One step's fall and grid. Local pixels are counted from the grid pixel `base`, so that floats stay
 /// exact far away from the world's origin.
 struct FallFrame {

@@ -1,10 +1,13 @@
-// GLSL only: a texel's surface, as the sum of its parts on the current vertices.
+#pragma once
+
+// A texel's surface, as the sum of its parts on the current vertices.
+#include "kernel.h"
 #include "snow_shared.h"
 
-uniform samplerBuffer triangle_surface;
-uniform usamplerBuffer fragment_begin;
+KERNEL_VIEW_RGBA32F(triangle_surface);
+KERNEL_VIEW_R32UI(fragment_begin);
 /// Triangle, and bits of the share.
-uniform usamplerBuffer fragments;
+KERNEL_VIEW_RG32UI(fragments);
 
 struct TexelParts {
   /// In m2.
@@ -17,20 +20,20 @@ struct TexelParts {
 };
 
 TexelParts parts_of(int index) {
-  TexelParts sum = TexelParts(0.0, 0.0, 0.0);
-  float upper = 0.0;
+  TexelParts sum = TexelParts(0.0f, 0.0f, 0.0f);
+  float upper = 0.0f;
   int i = int(texelFetch(fragment_begin, index).x);
   const int end = int(texelFetch(fragment_begin, index + 1).x);
   // The end is asked for at the end: llvmpipe runs a loop's body once more for a test at its head.
   do {
-    const uvec2 fragment = texelFetch(fragments, i).xy;
+    const uvec2 fragment = uvec2(texelFetch(fragments, i));
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
-    const float own = i < end ? uintBitsToFloat(fragment.y) * surface.y : 0.0;
+    const float own = i < end ? uintBitsToFloat(fragment.y) * surface.y : 0.0f;
     sum.area += own;
-    sum.facing_area += own * max(surface.x, 0.0);
+    sum.facing_area += own * max(surface.x, 0.0f);
     sum.up += own * surface.z;
-    upper += own * max(surface.z, 0.0);
+    upper += own * max(surface.z, 0.0f);
   } while (++i < end);
-  sum.up = sum.area > 0.0 ? (upper > 0.0 ? upper : sum.up) / sum.area : 0.0;
+  sum.up = sum.area > 0.0f ? (upper > 0.0f ? upper : sum.up) / sum.area : 0.0f;
   return sum;
 }

@@ -1,12 +1,15 @@
-// GLSL only: a texel's share of its pixel's snow. A share is proportional to projected area, so that
+#pragma once
+
+// A texel's share of its pixel's snow. A share is proportional to projected area, so that
 // surfaces of different slope in one pixel each get what falls on them.
 #include "fall_frame.h"
+#include "kernel.h"
 #include "packed_pixel.h"
 #include "tile_pixel.h"
 
 /// Per pixel of the tile: the sum of its texels' weights.
-uniform usamplerBuffer weight_sum;
-uniform ivec2 tile_origin;
+KERNEL_VIEW_R32UI(weight_sum);
+KERNEL_UNIFORM(ivec2, tile_origin);
 
 /// Thickness in metres that the pixel of `target` gives a texel of `area` m2. Texels that together cover
 /// less than half of their pixel take no more than half a pixel would hold.

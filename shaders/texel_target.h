@@ -1,31 +1,31 @@
-// GLSL only: which pixel a texel takes its snow from. Both formulations of the deposit include it.
+#pragma once
+
+// Which pixel a texel takes its snow from. Both formulations of the deposit include it.
 #include "fall_frame.h"
+#include "kernel.h"
 #include "packed_pixel.h"
 #include "texel_parts.h"
 #include "tile_pixel.h"
 #include "triangle_object.h"
 
-// Buffer textures instead of storage blocks: llvmpipe reads a whole vector at once from them, and
-// OpenGL 4.1 has no storage blocks.
-uniform usamplerBuffer texels;
+KERNEL_VIEW_RGBA32UI(texels);
 /// See triangle_fall.h.
-uniform samplerBuffer triangle_corners;
+KERNEL_VIEW_RGBA32F(triangle_corners);
 /// The same, number by number.
-uniform samplerBuffer corner_words;
+KERNEL_VIEW_R32F(corner_words);
 /// Per work group of texels: its object's slot.
-uniform usamplerBuffer group_slots;
-/// What the sky sees: 1 + triangle with kBackFace, 0 = nothing; and its depth, as the depth test keeps it.
-uniform usamplerBuffer occlusion;
-uniform samplerBuffer occlusion_depth;
-uniform ivec2 tile_origin;
+KERNEL_VIEW_R32UI(group_slots);
+/// A SeenPixel each.
+KERNEL_VIEW_RG32UI(occlusion);
+KERNEL_UNIFORM(ivec2, tile_origin);
 
 /// How far a texel's point may lie from what its pixel shows, in pixels over the shallower slope. Beyond
 /// the two planes: what lies between them may be rougher than they are, and more so round an edge.
-const float kSlack = 0.25;
-const float kSlackRoundEdge = 0.5;
+KERNEL_CONSTANT float kSlack = 0.25f;
+KERNEL_CONSTANT float kSlackRoundEdge = 0.5f;
 /// Between the two planes: a wall's own slope would let it reach far below an edge.
-const float kMostBend = 1.0;
-const float kLeastFacing = 1e-4;
+KERNEL_CONSTANT float kMostBend = 1.0f;
+KERNEL_CONSTANT float kLeastFacing = 1e-4f;
 
 /// A triangle's plane over the grid: depth that it gains in one pixel along each axis, and its facing.
 struct Plane {
@@ -33,11 +33,37 @@ struct Plane {
   float facing;
 };
 
-Plane plane_of(int triangle) {
-  const int first = 12 * triangle;
-  return Plane(
-      vec2(texelFetch(corner_words, first + 3).x, texelFetch(corner_words, first + 7).x),
-      texelFetch(corner_words, first + 11).x);
+/// A texel's triangle: its first corner and edges, in pixels and metres of depth, and its plane.
+struct TexelTriangle {
+  vec3 corner;
+  vec3 edge_b;
+  vec3 edge_c;
+  Plane plane;
+};
+
+/// What a pixel shows.
+struct ShownTriangle {
+  Plane plane;
+  /// See object_of.
+  uint object;
+};
+
+KERNEL_MEMORY(TexelTriangle, last_own);
+KERNEL_MEMORY(ShownTriangle, last_shown);
+
+TexelTriangle texel_triangle(int triangle) {
+  const vec4 a = texelFetch(triangle_corners, 3 * triangle);
+  const vec4 b = texelFetch(triangle_corners, 3 * triangle + 1);
+  const vec4 c = texelFetch(triangle_corners, 3 * triangle + 2);
+  return TexelTriangle(vec3(a), vec3(b) - vec3(a), vec3(c) - vec3(a), Plane(vec2(a.w, b.w), c.w));
+}
+
+ShownTriangle shown_triangle(uint triangle) {
+  const int first = 12 * int(triangle);
+  return ShownTriangle(
+      Plane(vec2(texelFetch(corner_words, first + 3).x, texelFetch(corner_words, first + 7).x),
+            texelFetch(corner_words, first + 11).x),
+      object_of(triangle));
 }
 
 /// Whether a texel's point, `offset` pixels from the centre of a pixel, lies on what the pixel shows at
@@ -47,11 +73,30 @@ Plane plane_of(int triangle) {
 bool is_shown(vec2 offset, float depth, Plane own, float shown_depth, Plane shown) {
   const float below = depth - shown_depth - dot(shown.gradient, offset);
   const float unit = fall.direction.w / max(max(own.facing, shown.facing), kLeastFacing);
-  const bool faces = own.facing > 0.0;
+  const bool faces = own.facing > 0.0f;
   const float bend =
-      faces ? clamp(dot(own.gradient - shown.gradient, offset), -kMostBend * unit, kMostBend * unit) : 0.0;
+      faces ? clamp(dot(own.gradient - shown.gradient, offset), -kMostBend * unit, kMostBend * unit) : 0.0f;
   const float slack = (faces ? kSlack : kSlackRoundEdge) * unit;
-  return below >= min(bend, 0.0) - slack && below <= max(bend, 0.0) + slack;
+  return below >= min(bend, 0.0f) - slack && below <= max(bend, 0.0f) + slack;
+}
+
+/// Where a texel's sample point lies on the grid.
+struct TexelPoint {
+  /// The lower left corner of its pixel, and from there, to the point, 0 to 1.
+  vec2 corner;
+  vec2 offset;
+  /// In metres along the fall.
+  float depth;
+  Plane plane;
+};
+
+TexelPoint texel_point(int index) {
+  const uvec4 texel = texelFetch(texels, index);
+  KERNEL_CONST_REF(TexelTriangle) own = KERNEL_KEPT(last_own, texel.x, texel_triangle(int(texel.x)));
+  const vec3 point =
+      own.corner + uintBitsToFloat(texel.z) * own.edge_b + uintBitsToFloat(texel.w) * own.edge_c;
+  const vec2 corner = floor(vec2(point));
+  return TexelPoint(corner, vec2(point) - corner, point.z, own.plane);
 }
 
 /// The pixel that the texel's sample point projects to, if it takes part there: the pixel shows its map
@@ -59,35 +104,25 @@ bool is_shown(vec2 offset, float depth, Plane own, float shown_depth, Plane show
 TexelStep step_of(int index) {
   const TexelParts parts = parts_of(index);
   const TexelStep none = TexelStep(0u, 0u, parts.area, parts.up);
-  const uvec4 texel = texelFetch(texels, index);
-  const vec4 a = texelFetch(triangle_corners, 3 * int(texel.x));
-  const vec4 b = texelFetch(triangle_corners, 3 * int(texel.x) + 1);
-  const vec4 c = texelFetch(triangle_corners, 3 * int(texel.x) + 2);
-  const vec3 point =
-      a.xyz + uintBitsToFloat(texel.z) * (b.xyz - a.xyz) + uintBitsToFloat(texel.w) * (c.xyz - a.xyz);
-  const Plane own = Plane(vec2(a.w, b.w), c.w);
-  const vec2 corner = floor(point.xy);
-  const ivec2 pixel = ivec2(corner) - tile_origin;
-  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, tile_size))) {
-    return none;
-  }
-  const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
-  if (seen == 0u || (seen & kBackFace) != 0u) {
-    return none;
-  }
-  const Plane shown = plane_of(int(seen) - 1);
-  const float shown_depth = texelFetch(occlusion_depth, pixel_index(pixel)).x / fall.range.y + fall.range.x;
-  const uint slot = texelFetch(group_slots, index / int(kTexelGroup)).x | kReceives;
-  if (object_of(seen - 1u) != slot ||
-      !is_shown(point.xy - corner - 0.5, point.z, own, shown_depth, shown)) {
-    return none;
-  }
+  const TexelPoint point = texel_point(index);
   // Where its point faces away, the texel may reach round an edge into the fall.
-  const float area = own.facing > 0.0 ? parts.area * own.facing : parts.facing_area;
+  const float area = point.plane.facing > 0.0f ? parts.area * point.plane.facing : parts.facing_area;
   const float weight = area / (fall.direction.w * fall.direction.w) * float(kPixelWeight);
+  const ivec2 pixel = ivec2(point.corner) - tile_origin;
   // A texel of hundreds of pixels is met by the pixels' centres as well as can be.
-  if (weight < 0.5 || weight >= 256.0 * float(kPixelWeight)) {
+  if (weight < 0.5f || weight >= 256.0f * float(kPixelWeight) || any(lessThan(pixel, ivec2(0))) ||
+      any(greaterThanEqual(pixel, tile_size))) {
     return none;
   }
-  return TexelStep(packed_pixel(pixel), uint(weight + 0.5), parts.area, parts.up);
+  const uvec2 seen = uvec2(texelFetch(occlusion, pixel_index(pixel)));
+  if (seen.x == 0u || (seen.x & kBackFace) != 0u) {
+    return none;
+  }
+  KERNEL_CONST_REF(ShownTriangle) shown = KERNEL_KEPT(last_shown, seen.x, shown_triangle(seen.x - 1u));
+  const uint slot = texelFetch(group_slots, index / int(kTexelGroup)).x | kReceives;
+  if (shown.object != slot ||
+      !is_shown(point.offset - 0.5f, point.depth, point.plane, uintBitsToFloat(seen.y), shown.plane)) {
+    return none;
+  }
+  return TexelStep(packed_pixel(pixel), uint(weight + 0.5f), parts.area, parts.up);
 }

@@ -8,6 +8,7 @@ uniform samplerBuffer triangle_corners;
 uniform samplerBuffer map_triangles;
 /// By slot: what to add to a scene triangle's index to get its index among the map triangles.
 uniform isamplerBuffer map_offsets;
+/// A SeenPixel each.
 uniform usamplerBuffer occlusion;
 uniform usampler2DArray owners;
 /// Slots of the objects whose maps are in this group: [first, end); layer = slot - first.

@@ -1,7 +1,12 @@
-// GLSL only: whose triangle it is.
+#pragma once
+
+// Whose triangle it is.
+
+#include "kernel.h"
+#include "snow_shared.h"
 
 /// The scene's triangles word by word: a vector of words is gathered faster than a vector of triangles.
-uniform usamplerBuffer triangle_words;
+KERNEL_VIEW_R32UI(triangle_words);
 
 /// Slot of a triangle's object, with kReceives.
 uint object_of(uint triangle) { return texelFetch(triangle_words, int(4u * triangle + 3u)).x; }

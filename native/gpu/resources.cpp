@@ -36,7 +36,8 @@ int64_t texel_bytes(GLenum format) {
 Buffer::Buffer(int64_t bytes, const void* data) : bytes_(bytes) {
   glCreateBuffers(1, &id_);
   const int64_t room = std::max<int64_t>(bytes, 16);
-  glNamedBufferStorage(id_, room, bytes >= 16 ? data : nullptr, GL_DYNAMIC_STORAGE_BIT);
+  glNamedBufferStorage(id_, room, bytes >= 16 ? data : nullptr,
+                       GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT | GL_MAP_WRITE_BIT);
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) {
     glDeleteBuffers(1, &id_);
@@ -74,6 +75,19 @@ void Buffer::clear(int64_t bytes) {
     glClearNamedBufferSubData(id_, GL_R32UI, 0, bytes < 0 ? (bytes_ + 3) / 4 * 4 : bytes,
                               GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   }
+}
+
+BufferMap::BufferMap(const Buffer& buffer) : id_(buffer.id()) {
+  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
+  data_ = glMapNamedBuffer(id_, GL_READ_WRITE);
+  if (data_ == nullptr) {
+    throw std::runtime_error("the driver does not map a buffer of " +
+                             std::to_string(buffer.bytes() >> 20) + " MiB");
+  }
+}
+
+BufferMap::~BufferMap() {
+  glUnmapNamedBuffer(id_);
 }
 
 Texture::Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers,

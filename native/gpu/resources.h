@@ -58,6 +58,27 @@ class Buffer : public Handle {
   int64_t bytes_ = 0;
 };
 
+/// A buffer's memory in the processor's reach, to read and to write, while this lives; the buffer
+/// is left alone in the meantime. Only software renderers have it there without copying it.
+class BufferMap {
+ public:
+  /// Waits until the GPU is done with the buffer. @throws std::runtime_error when the driver
+  /// refuses.
+  explicit BufferMap(const Buffer& buffer);
+  BufferMap(const BufferMap&) = delete;
+  BufferMap& operator=(const BufferMap&) = delete;
+  ~BufferMap();
+
+  template <typename Element>
+  Element* as() const {
+    return static_cast<Element*>(data_);
+  }
+
+ private:
+  GLuint id_ = 0;
+  void* data_ = nullptr;
+};
+
 /// A two-dimensional texture, or an array of them, with one mip level and nearest or linear
 /// filtering, clamped at its edges.
 class Texture : public Handle {

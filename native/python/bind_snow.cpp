@@ -31,7 +31,7 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                                 double slide_half_life, double blur_radius,
                                                 int64_t seed, const std::string& mapping,
                                                 int32_t tile_size, const std::string& device,
-                                                bool wait_for_gpu) {
+                                                bool wait_for_gpu, bool processor_kernels) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
                                     flutter,
@@ -42,7 +42,8 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                     mapping_from(mapping),
                                     tile_size,
                                     device,
-                                    wait_for_gpu};
+                                    wait_for_gpu,
+                                    processor_kernels};
   const py::gil_scoped_release release;
   return std::make_unique<SnowSimulation>(settings);
 }
@@ -269,15 +270,16 @@ void bind_snow(py::module_& module) {
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
                        double slide_half_life, double blur_radius, int64_t seed,
                        const std::string& mapping, int32_t tile_size, const std::string& device,
-                       bool wait_for_gpu) {
+                       bool wait_for_gpu, bool processor_kernels) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
                                            slide_half_life, blur_radius, seed, mapping, tile_size,
-                                           device, wait_for_gpu)
+                                           device, wait_for_gpu, processor_kernels)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
            "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "wait_for_gpu"_a = true)
+           "tile_size"_a = 2048, "device"_a = "", "wait_for_gpu"_a = true,
+           "processor_kernels"_a = true)
       .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
            "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
            "blur_radius"_a = py::none(), "alpha"_a = py::none(),

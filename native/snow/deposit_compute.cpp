@@ -1,6 +1,7 @@
 #include "snow/deposit_compute.h"
 
 #include "snow/texel_groups.h"
+#include "snow/weigh_kernel.h"
 
 namespace snowbough::snow {
 namespace {
@@ -23,24 +24,28 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
   }
   weight_sum_.clear(bytes);
   for (TexelBatch& batch : scene.batches) {
-    weigh_.use();
-    weigh_.bind("Fall", fall);
-    weigh_.bind_texture("groups", batch.views.active_groups);
-    weigh_.bind_texture("triangle_corners", scene.views.triangle_corners);
-    weigh_.bind_texture("corner_words", scene.views.corner_words);
-    weigh_.bind_texture("triangle_words", scene.views.triangle_words);
-    weigh_.bind_texture("triangle_surface", scene.views.triangle_surface);
-    weigh_.bind_texture("texels", batch.views.texels);
-    weigh_.bind_texture("group_slots", batch.views.group_slots);
-    weigh_.bind_texture("fragment_begin", batch.views.fragment_begin);
-    weigh_.bind_texture("fragments", batch.views.fragments);
-    weigh_.bind("TexelSteps", batch.steps);
-    weigh_.bind_texture("occlusion", occlusion.views.visible);
-    weigh_.bind_texture("occlusion_depth", occlusion.views.depth);
-    weigh_.bind("WeightSums", weight_sum_);
-    weigh_.set("tile_origin", tile.pixels.low);
-    weigh_.set("tile_size", size);
-    weigh_.dispatch_indirect(batch.active_groups, kBlocks);
+    if (scene.on_processor) {
+      weigh_on_processor(scene, fall, tile, occlusion, batch, weight_sum_);
+      continue;
+    }
+    gpu::Program& weigh = weigh_.with({});
+    weigh.use();
+    weigh.bind("Fall", fall);
+    weigh.bind_texture("groups", batch.views.active_groups);
+    weigh.bind_texture("triangle_corners", scene.views.triangle_corners);
+    weigh.bind_texture("corner_words", scene.views.corner_words);
+    weigh.bind_texture("triangle_words", scene.views.triangle_words);
+    weigh.bind_texture("triangle_surface", scene.views.triangle_surface);
+    weigh.bind_texture("texels", batch.views.texels);
+    weigh.bind_texture("group_slots", batch.views.group_slots);
+    weigh.bind_texture("fragment_begin", batch.views.fragment_begin);
+    weigh.bind_texture("fragments", batch.views.fragments);
+    weigh.bind("TexelSteps", batch.steps);
+    weigh.bind_texture("occlusion", occlusion.views.visible);
+    weigh.bind("WeightSums", weight_sum_);
+    weigh.set("tile_origin", tile.pixels.low);
+    weigh.set("tile_size", size);
+    weigh.dispatch_indirect(batch.active_groups, kBlocks);
   }
   glMemoryBarrier(kBarriers);
 }

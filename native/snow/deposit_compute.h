@@ -59,7 +59,7 @@ class DepositComputePass {
                  const StepSnow& snow);
 
   int32_t walkers_;
-  gpu::Program weigh_{{"deposit_weigh.comp.glsl"}};
+  gpu::ProgramVariants weigh_{{"deposit_weigh.comp.glsl"}};
   gpu::ProgramVariants pixels_{{"deposit_pixels.comp.glsl"}};
   gpu::Program lay_{{"deposit_lay.comp.glsl"}};
   gpu::Program spread_{{"deposit_spread.comp.glsl"}};

@@ -38,7 +38,6 @@ void bind_texels(gpu::Program& program, const SceneBuffers& scene, const TexelBa
   program.bind_texture("fragment_begin", batch.views.fragment_begin);
   program.bind_texture("fragments", batch.views.fragments);
   program.bind_texture("occlusion", occlusion.views.visible);
-  program.bind_texture("occlusion_depth", occlusion.views.depth);
   program.set("tile_origin", tile.pixels.low);
   program.set("tile_size", tile.pixels.size());
 }

@@ -98,7 +98,8 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
       }
       deposit_compute_.run(scene, fall_, tile, target_, snow, is_last);
       if (is_last) {
-        pending = {&deposit_compute_.weight_sum_view(), &fall_, tile.pixels, tiles.size() > 1};
+        pending = {&deposit_compute_.weight_sum(), &deposit_compute_.weight_sum_view(), &fall_,
+                   tile.pixels, tiles.size() > 1};
       }
     }
   }

@@ -38,12 +38,33 @@ MapPlan plan_maps(const std::vector<const SceneObject*>& objects, int32_t max_la
   return plan;
 }
 
-MapGroup make_map_group(const MapPlan::Group& plan) {
+void MapGroup::read_height(int32_t layer, std::vector<float>& heights) const {
+  heights.resize(static_cast<size_t>(layer_bytes()) / sizeof(float));
+  if (height_rows.id() != 0) {
+    height_rows.read(layer_bytes() * layer, layer_bytes(), heights.data());
+  } else {
+    height.read(layer, GL_RED, GL_FLOAT, layer_bytes(), heights.data());
+  }
+}
+
+void MapGroup::write_height(int32_t layer, const std::vector<float>& heights) {
+  if (height_rows.id() != 0) {
+    height_rows.write(layer_bytes() * layer, layer_bytes(), heights.data());
+  } else {
+    height.write(layer, GL_RED, GL_FLOAT, heights.data());
+  }
+}
+
+MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor) {
   MapGroup group;
   group.resolution = plan.resolution;
   group.first_slot = plan.first_slot;
   group.end_slot = plan.end_slot;
-  group.height = gpu::Texture(GL_R32F, plan.resolution, plan.resolution, group.layers());
+  if (on_processor) {
+    group.height_rows = gpu::Buffer(group.layer_bytes() * group.layers());
+  } else {
+    group.height = gpu::Texture(GL_R32F, plan.resolution, plan.resolution, group.layers());
+  }
   group.owners = gpu::Texture(GL_RG32UI, plan.resolution, plan.resolution, group.layers());
   return group;
 }

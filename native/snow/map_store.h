@@ -17,8 +17,10 @@ struct MapGroup {
   /// Slots of its objects: [first_slot, end_slot); layer = slot - first_slot.
   int32_t first_slot = 0;
   int32_t end_slot = 0;
-  /// Snow thickness in metres, R32F.
+  /// Snow thickness in metres, R32F; where kernels run on the processor, the same in a buffer,
+  /// layer by layer and row by row.
   gpu::Texture height;
+  gpu::Buffer height_rows;
   /// Who owns a texel, RG32UI: x = 1 + index in the group (0 = nobody), y = chart << 8 | coverage.
   gpu::Texture owners;
   /// Only for the deposit's formulation GEOMETRY: a step's deposit in metres, R32F, and its target.
@@ -26,6 +28,10 @@ struct MapGroup {
   gpu::Framebuffer deposit_target;
 
   int32_t layers() const { return end_slot - first_slot; }
+  int64_t layer_bytes() const { return int64_t{4} * resolution * resolution; }
+  /// Copies one layer's heights out or in. GPU thread.
+  void read_height(int32_t layer, std::vector<float>& heights) const;
+  void write_height(int32_t layer, const std::vector<float>& heights);
 };
 
 /// Where an object's map lies.
@@ -51,7 +57,7 @@ struct MapPlan {
 /// `objects` are sorted by name. `max_layers` is the driver's limit.
 MapPlan plan_maps(const std::vector<const SceneObject*>& objects, int32_t max_layers);
 
-/// Allocates a group's textures, empty. GPU thread.
-MapGroup make_map_group(const MapPlan::Group& plan);
+/// Allocates a group's maps, empty. GPU thread.
+MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor);
 
 }  // namespace snowbough::snow

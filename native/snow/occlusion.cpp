@@ -6,12 +6,10 @@
 namespace snowbough::snow {
 
 void OcclusionTarget::require_size(glm::ivec2 size) {
-  const int64_t bytes = int64_t{4} * size.x * size.y;
+  const int64_t bytes = static_cast<int64_t>(sizeof(shared::SeenPixel)) * size.x * size.y;
   if (visible.bytes() < bytes) {
     visible = gpu::Buffer(bytes);
-    depth = gpu::Buffer(bytes);
-    views.visible = gpu::BufferTexture(visible, GL_R32UI);
-    views.depth = gpu::BufferTexture(depth, GL_R32F);
+    views.visible = gpu::BufferTexture(visible, GL_RG32UI);
   }
   if (visible_texture.id() != 0 && size.x <= visible_texture.width() &&
       size.y <= visible_texture.height()) {
@@ -22,7 +20,7 @@ void OcclusionTarget::require_size(glm::ivec2 size) {
   };
   const int32_t width = rounded(size.x, visible_texture.width());
   const int32_t height = rounded(size.y, visible_texture.height());
-  visible_texture = gpu::Texture(GL_R32UI, width, height);
+  visible_texture = gpu::Texture(GL_RG32UI, width, height);
   depth_texture = gpu::Texture(GL_DEPTH_COMPONENT32F, width, height);
   framebuffer = gpu::Framebuffer({&visible_texture}, &depth_texture);
 }
@@ -30,9 +28,7 @@ void OcclusionTarget::require_size(glm::ivec2 size) {
 void OcclusionTarget::copy_pixels(glm::ivec2 size) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, framebuffer.id());
   glBindBuffer(GL_PIXEL_PACK_BUFFER, visible.id());
-  glReadPixels(0, 0, size.x, size.y, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
-  glBindBuffer(GL_PIXEL_PACK_BUFFER, depth.id());
-  glReadPixels(0, 0, size.x, size.y, GL_DEPTH_COMPONENT, GL_FLOAT, nullptr);
+  glReadPixels(0, 0, size.x, size.y, GL_RG_INTEGER, GL_UNSIGNED_INT, nullptr);
   glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }

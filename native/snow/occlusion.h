@@ -11,24 +11,21 @@
 
 namespace snowbough::snow {
 
-/// What the sky sees in the pixels of one tile: drawn on textures, then copied row by row into
-/// buffers, which llvmpipe reads several times faster. Grows to the largest tile asked for.
+/// What the sky sees in the pixels of one tile: drawn on a texture, then copied row by row into a
+/// buffer, which llvmpipe reads several times faster. Grows to the largest tile asked for.
 struct OcclusionTarget {
   gpu::Texture visible_texture;
   gpu::Texture depth_texture;
   gpu::Framebuffer framebuffer;
-  /// Per pixel of the tile: 1 + triangle with kBackFace, 0 = nothing.
+  /// Per pixel of the tile: a shared::SeenPixel.
   gpu::Buffer visible;
-  /// Per pixel: depth along the fall as a float; 0 and 1 are the ends of FallFrame::range.
-  gpu::Buffer depth;
   struct Views {
     gpu::BufferTexture visible;
-    gpu::BufferTexture depth;
   } views;
 
   /// GPU thread.
   void require_size(glm::ivec2 size);
-  /// Fills the buffers from the lower left `size` pixels of the textures. GPU thread.
+  /// Fills the buffer from the lower left `size` pixels of the texture. GPU thread.
   void copy_pixels(glm::ivec2 size);
 };
 

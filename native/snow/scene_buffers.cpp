@@ -52,6 +52,8 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.first = first;
   batch.count = static_cast<int32_t>(arrays.texels.size());
   arrays.fragment_begin.push_back(static_cast<uint32_t>(arrays.fragments.size()));
+  // What fills up a work group has no fragments; see shaders/texel_parts.h, which reads one.
+  arrays.fragments.push_back({0, 0.0f});
   batch.texels = gpu::Buffer(arrays.texels);
   batch.fragment_begin = gpu::Buffer(arrays.fragment_begin);
   batch.fragments = gpu::Buffer(arrays.fragments);
@@ -321,8 +323,9 @@ void add_alpha(const std::vector<const SceneObject*>& objects, const gpu::GpuInf
 }  // namespace
 
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
-                                 const gpu::GpuInfo& info) {
+                                 const gpu::GpuInfo& info, bool on_processor) {
   SceneBuffers scene;
+  scene.on_processor = on_processor;
   const MapPlan plan = plan_maps(objects, info.max_array_layers);
   scene.slot = plan.slot;
   scene.group = plan.group;
@@ -358,7 +361,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   std::vector<shared::MapTriangle> map_triangles;
   std::vector<int32_t> map_offsets(objects.size(), 0);
   for (size_t g = 0; g < plan.groups.size(); ++g) {
-    scene.groups.push_back(make_map_group(plan.groups[g]));
+    scene.groups.push_back(make_map_group(plan.groups[g], on_processor));
     MapGroup& group = scene.groups.back();
     size_t texel_count = 0;
     size_t fragment_count = 0;

@@ -65,6 +65,9 @@ struct TexelBatch {
 /// Everything about the scene that lies on the GPU, in one set of buffers for all objects: a
 /// thousand small receivers cost a handful of dispatches.
 struct SceneBuffers {
+  /// Whether the kernels of the deposit and the stability pass run on the processor instead of as
+  /// shaders, see snow/processor_kernel.h; heights lie in buffers then.
+  bool on_processor = false;
   /// Per object, in drawing order (by name): where its vertices and triangles begin, and its slot.
   std::vector<int32_t> first_vertex;
   std::vector<int32_t> first_triangle;
@@ -108,9 +111,9 @@ struct SceneBuffers {
 };
 
 /// Lays out and uploads the scene, positions excepted. `objects` are sorted by name and have
-/// positions. GPU thread. @throws std::runtime_error when a buffer would exceed the driver's limit
-/// (with the figure and what to do).
+/// positions. `on_processor`: where kernels run. GPU thread. @throws std::runtime_error when a
+/// buffer would exceed the driver's limit (with the figure and what to do).
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
-                                 const gpu::GpuInfo& info);
+                                 const gpu::GpuInfo& info, bool on_processor = false);
 
 }  // namespace snowbough::snow

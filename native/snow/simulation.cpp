@@ -92,7 +92,7 @@ void SnowSimulation::build_scene() {
     gpu_ = std::make_unique<Gpu>();
   }
   gpu_->scene = SceneBuffers{};
-  gpu_->scene = build_scene_buffers(all_objects(), thread_->info());
+  gpu_->scene = build_scene_buffers(all_objects(), thread_->info(), kernels_on_processor());
   for (auto& [name, object] : objects_) {
     object->moved = true;
   }
@@ -184,8 +184,7 @@ std::vector<float> SnowSimulation::stored_height(const std::string& name) {
     thread_->run([&] {
       const SceneBuffers& scene = gpu_->scene;
       const MapGroup& group = scene.groups[static_cast<size_t>(scene.group[object])];
-      group.height.read(scene.slot[object] - group.first_slot, GL_RED, GL_FLOAT,
-                        static_cast<int64_t>(heights.size()) * 4, heights.data());
+      group.read_height(scene.slot[object] - group.first_slot, heights);
     });
     return heights;
   }
@@ -286,11 +285,8 @@ SimulationState SnowSimulation::read_state() {
       ObjectState saved;
       saved.name = name;
       saved.resolution = object->description.topology.resolution;
-      saved.height.resize(static_cast<size_t>(saved.resolution) *
-                          static_cast<size_t>(saved.resolution));
       const MapGroup& group = scene.groups[static_cast<size_t>(scene.group[at])];
-      group.height.read(scene.slot[at] - group.first_slot, GL_RED, GL_FLOAT,
-                        static_cast<int64_t>(saved.height.size()) * 4, saved.height.data());
+      group.read_height(scene.slot[at] - group.first_slot, saved.height);
       std::memcpy(saved.sums.data(), &sums[static_cast<size_t>(scene.slot[at])],
                   sizeof(shared::ObjectSums));
       state.objects.push_back(std::move(saved));
@@ -305,7 +301,7 @@ void SnowSimulation::write_state(const SimulationState& state) {
     const size_t at = index_of(saved.name);
     MapGroup& group = scene.groups[static_cast<size_t>(scene.group[at])];
     const int32_t slot = scene.slot[at];
-    group.height.write(slot - group.first_slot, GL_RED, GL_FLOAT, saved.height.data());
+    group.write_height(slot - group.first_slot, saved.height);
     scene.sums.write(int64_t{slot} * static_cast<int64_t>(sizeof(shared::ObjectSums)),
                      sizeof(shared::ObjectSums), saved.sums.data());
   }

@@ -46,6 +46,9 @@ struct SimulationSettings {
   /// Whether the constructor waits for the context and throws where there is none; else the first
   /// call that needs it does, and objects come in while the driver is still being loaded.
   bool wait_for_gpu = true;
+  /// Whether the kernels of COMPUTE run on the processor where the driver is a software renderer,
+  /// which is faster, instead of as shaders; see snow/processor_kernel.h.
+  bool processor_kernels = true;
 };
 
 /// Positions of one object, N of them, in metres.
@@ -155,6 +158,7 @@ class SnowSimulation {
   void build_scene();
   double blur_radius_of(const SceneObject& receiver) const;
   bool outputs_on_processor() const;
+  bool kernels_on_processor() const;
   SimulationState read_state();
   void write_state(const SimulationState& state);
   size_t index_of(const std::string& name) const;

@@ -117,6 +117,11 @@ bool SnowSimulation::outputs_on_processor() const {
   return gpu::is_software(thread_->info().renderer);
 }
 
+bool SnowSimulation::kernels_on_processor() const {
+  return settings_.processor_kernels && settings_.mapping == DepositMapping::kCompute &&
+         gpu::is_software(thread_->info().renderer);
+}
+
 void SnowSimulation::prepare_output(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   require_open();

@@ -1,13 +1,18 @@
 #include "snow/stability.h"
 
-#include <algorithm>
-
+#include "snow/settle_kernel.h"
 #include "snow/texel_groups.h"
 
 namespace snowbough::snow {
 
 void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
                         const PendingShares& pending, const StepSnow& snow, float dt) {
+  if (scene.on_processor) {
+    for (TexelBatch& batch : scene.batches) {
+      settle_on_processor(scene, settings, pending, snow, dt, batch, walkers_);
+    }
+    return;
+  }
   const bool maps = pending.on_deposit_maps;
   const bool has_tile = !maps && pending.weight_sum != nullptr;
   const bool earlier = !maps && (!has_tile || pending.earlier_tiles);
@@ -32,7 +37,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     program.bind_texture("texel_steps", batch.views.steps);
     if (has_tile) {
       program.bind("Fall", *pending.fall);
-      program.bind_texture("weight_sum", *pending.weight_sum);
+      program.bind_texture("weight_sum", *pending.weight_sum_view);
       program.set("tile_size", pending.tile.size());
       if (snow.has_noise) {
         program.set("tile_origin", pending.tile.low);
@@ -53,7 +58,7 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings,
     program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);
     program.set("dt", dt);
-    program.set("half_life", std::max(settings.half_life, 1e-6f));
+    program.set("half_life", reckoned_half_life(settings));
     program.dispatch_indirect(batch.active_groups, kWholeGroups);
   }
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |

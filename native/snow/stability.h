@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -19,10 +20,16 @@ struct StabilitySettings {
   float half_life = 2.0f;
 };
 
+/// The half-life that is reckoned with: so short a one is as good as none.
+inline float reckoned_half_life(const StabilitySettings& settings) {
+  return std::max(settings.half_life, 1e-6f);
+}
+
 /// What the deposit of the step's last tile left to be shared out.
 struct PendingShares {
-  /// DepositComputePass::weight_sum_view; null = no tile is pending.
-  const gpu::BufferTexture* weight_sum = nullptr;
+  /// DepositComputePass::weight_sum and weight_sum_view; null = no tile is pending.
+  const gpu::Buffer* weight_sum = nullptr;
+  const gpu::BufferTexture* weight_sum_view = nullptr;
   /// The step's FallFrame, and the tile's pixels.
   const gpu::Buffer* fall = nullptr;
   PixelRect tile;

@@ -72,7 +72,7 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
     TriangleFallPass().run(scene, fall);
     OcclusionTarget target;
     OcclusionPass().run(scene, fall, tiles.front(), ranges, target);
-    const auto all = target.visible.read_all<uint32_t>();
+    const auto all = target.visible.read_all<shared::SeenPixel>();
     const glm::ivec2 size = tiles.front().pixels.size();
     if (width != nullptr) {
       *width = static_cast<size_t>(size.x);
@@ -80,7 +80,8 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
     std::vector<int32_t> shown;
     for (int32_t y = 0; y < size.y; ++y) {
       for (int32_t x = 0; x < size.x; ++x) {
-        const uint32_t triangle = all[static_cast<size_t>(y * size.x + x)] & ~shared::kBackFace;
+        const uint32_t triangle =
+            all[static_cast<size_t>(y * size.x + x)].triangle & ~shared::kBackFace;
         shown.push_back(triangle == 0 ? 0 : 1 + static_cast<int32_t>(triangle - 1) / 2);
       }
     }

@@ -39,9 +39,16 @@ SceneObject square(const std::string& name, float size, float z, int32_t resolut
   return object;
 }
 
+/// Where kernels can run here: as shaders; and where those run on the processor, there, too.
+std::vector<bool> where_kernels_run() {
+  const bool software = gpu::is_software(gpu::GpuThread::shared()->info().renderer);
+  return software ? std::vector<bool>{false, true} : std::vector<bool>{false};
+}
+
 /// A scene on the GPU with everything a pass needs. Lives on the GPU thread.
 struct Bench {
-  explicit Bench(std::vector<SceneObject> given, FallSettings settings = {})
+  explicit Bench(std::vector<SceneObject> given, FallSettings settings = {},
+                 bool on_processor = false)
       : objects(std::move(given)) {
     std::vector<const SceneObject*> pointers;
     Bounds bounds;
@@ -49,7 +56,7 @@ struct Bench {
       pointers.push_back(&object);
       bounds.include(object.bounds);
     }
-    scene = build_scene_buffers(pointers, info);
+    scene = build_scene_buffers(pointers, info, on_processor);
     for (size_t i = 0; i < objects.size(); ++i) {
       scene.positions.write(int64_t{12} * scene.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
@@ -68,13 +75,8 @@ struct Bench {
   }
 
   /// What the tile's pixels show, and their depths in metres.
-  std::vector<uint32_t> visible() const { return of_tile(target.visible.read_all<uint32_t>()); }
-  std::vector<float> depth() const {
-    std::vector<float> depths = of_tile(target.depth.read_all<float>());
-    for (float& depth : depths) {
-      depth = depth / frame.range.y + frame.range.x;
-    }
-    return depths;
+  std::vector<shared::SeenPixel> visible() const {
+    return of_tile(target.visible.read_all<shared::SeenPixel>());
   }
 
   /// Without what buffers hold behind the tile's pixels.
@@ -104,6 +106,22 @@ std::vector<SceneObject> objects_of(SceneObject a, SceneObject b) {
   std::vector<SceneObject> objects = objects_of(std::move(a));
   objects.push_back(std::move(b));
   return objects;
+}
+
+/// Two squares of their own charts, each on half of a 64 x 64 map, one up, one turned down.
+SceneObject plate() {
+  SceneObject object = square("plate", 1.0f, 0.0f);
+  MapTopology& topology = object.description.topology;
+  topology.triangles = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6};
+  topology.corner_uv = {{0, 0},   {0.5, 0}, {0.5, 1}, {0, 0},   {0.5, 1}, {0, 1},
+                        {0.5, 0}, {1, 1},   {1, 0},   {0.5, 0}, {0.5, 1}, {1, 1}};
+  topology.vertex_count = 8;
+  for (size_t i = 0; i < 4; ++i) {
+    object.positions.push_back(object.positions[i] - glm::vec3(0.0f, 0.0f, 0.1f));
+  }
+  object.bounds.include(glm::dvec3(0.0, 0.0, -0.1));
+  object.table = build_texel_table(topology);
+  return object;
 }
 
 FallSettings falling(glm::dvec3 direction, double pixel_size, double depth = 0.01) {
@@ -218,14 +236,12 @@ TEST(Occlusion, ShowsTheNearerSurfaceWithItsDepth) {
                 falling({0, 0, -1}, 0.01));
     int roof = 0;
     int ground = 0;
-    const std::vector<uint32_t> visible = bench.visible();
-    const std::vector<float> depth = bench.depth();
-    for (size_t i = 0; i < visible.size(); ++i) {
-      if (visible[i] == 0) {
+    for (const shared::SeenPixel& pixel : bench.visible()) {
+      if (pixel.triangle == 0) {
         continue;
       }
-      const bool is_roof = visible[i] > 2;
-      EXPECT_NEAR(depth[i], is_roof ? -1.0f : 1.0f, 1e-5f);
+      const bool is_roof = pixel.triangle > 2;
+      EXPECT_NEAR(pixel.depth, is_roof ? -1.0f : 1.0f, 1e-5f);
       (is_roof ? roof : ground) += 1;
     }
     EXPECT_EQ(roof, 2500);
@@ -240,9 +256,9 @@ TEST(Occlusion, MarksBackFaces) {
     std::swap(flipped.description.topology.triangles[4], flipped.description.topology.triangles[5]);
     Bench bench(objects_of(std::move(flipped)), falling({0, 0, -1}, 0.05));
     int shown = 0;
-    for (const uint32_t pixel : bench.visible()) {
-      if (pixel != 0) {
-        EXPECT_NE(pixel & shared::kBackFace, 0u);
+    for (const shared::SeenPixel& pixel : bench.visible()) {
+      if (pixel.triangle != 0) {
+        EXPECT_NE(pixel.triangle & shared::kBackFace, 0u);
         ++shown;
       }
     }
@@ -253,20 +269,20 @@ TEST(Occlusion, MarksBackFaces) {
 TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 64.0));
-    const std::vector<uint32_t> whole = bench.visible();
+    const std::vector<shared::SeenPixel> whole = bench.visible();
     const PixelRect all = bench.tiles[0].pixels;
     // The same target, now too large for its tile: rows of 20 pixels.
     Tile part = bench.tiles[0];
     part.pixels = {all.low + glm::ivec2(10, 5), all.low + glm::ivec2(30, 50)};
     OcclusionPass().run(bench.scene, bench.fall, part, {{0, bench.scene.triangle_count}},
                         bench.target);
-    const auto visible = bench.target.visible.read_all<uint32_t>();
-    const auto depth = bench.target.depth.read_all<float>();
+    const auto visible = bench.target.visible.read_all<shared::SeenPixel>();
     for (int32_t y = 0; y < 45; ++y) {
       for (int32_t x = 0; x < 20; ++x) {
         const auto at = static_cast<size_t>(y * 20 + x);
-        EXPECT_EQ(visible[at], whole[static_cast<size_t>((y + 5) * all.size().x + x + 10)]);
-        EXPECT_LT(depth[at], 1.0f);
+        const auto there = static_cast<size_t>((y + 5) * all.size().x + x + 10);
+        EXPECT_EQ(visible[at].triangle, whole[there].triangle);
+        EXPECT_EQ(visible[at].depth, whole[there].depth);
       }
     }
   });
@@ -274,26 +290,29 @@ TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
 
 TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
   gpu::GpuThread::shared()->run([] {
-    // Pixels of four by four texels: every inner pixel's texels fill it.
-    Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 16.0));
-    DepositComputePass deposit;
-    deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, false);
-    const auto weights = deposit.weight_sum().read_all<uint32_t>();
-    const glm::ivec2 size = bench.tiles[0].pixels.size();
-    for (int32_t y = 4; y < size.y - 4; ++y) {
-      for (int32_t x = 4; x < size.x - 4; ++x) {
-        EXPECT_NEAR(weights[static_cast<size_t>(y * size.x + x)] / double(shared::kPixelWeight),
-                    1.0, 0.26);
+    for (const bool on_processor : where_kernels_run()) {
+      // Pixels of four by four texels: every inner pixel's texels fill it.
+      Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 16.0),
+                  on_processor);
+      DepositComputePass deposit;
+      deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, false);
+      const auto weights = deposit.weight_sum().read_all<uint32_t>();
+      const glm::ivec2 size = bench.tiles[0].pixels.size();
+      for (int32_t y = 4; y < size.y - 4; ++y) {
+        for (int32_t x = 4; x < size.x - 4; ++x) {
+          EXPECT_NEAR(weights[static_cast<size_t>(y * size.x + x)] / double(shared::kPixelWeight),
+                      1.0, 0.26);
+        }
       }
+      double volume = 0.0;
+      const auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
+      const auto share = bench.scene.batches[0].share.read_all<float>();
+      const auto units = bench.scene.batches[0].units.read_all<uint32_t>();
+      for (size_t i = 0; i < steps.size(); ++i) {
+        volume += steps[i].area * (share[i] + units[i] * (0.01 / shared::kDepthUnits));
+      }
+      EXPECT_NEAR(volume, 0.01, 0.01 * 0.13);  // the square's outline is cut by whole pixels
     }
-    double volume = 0.0;
-    const auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
-    const auto share = bench.scene.batches[0].share.read_all<float>();
-    const auto units = bench.scene.batches[0].units.read_all<uint32_t>();
-    for (size_t i = 0; i < steps.size(); ++i) {
-      volume += steps[i].area * (share[i] + units[i] * (0.01 / shared::kDepthUnits));
-    }
-    EXPECT_NEAR(volume, 0.01, 0.01 * 0.13);  // the square's outline is cut by whole pixels
   });
 }
 
@@ -357,35 +376,96 @@ TEST(DepositGeometry, LaysWhatComputeLays) {
 
 TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
   gpu::GpuThread::shared()->run([] {
-    const auto settle = [](float height, float deposit, float dt, float max_depth,
-                           bool is_ceiling = false) {
+    bool on_processor = false;
+    const auto settle = [&](float height, float deposit, float dt, float max_depth,
+                            bool is_ceiling = false) {
       SceneObject object = square("a", 1.0f, 0.0f);
       if (is_ceiling) {
         std::vector<int32_t>& corners = object.description.topology.triangles;
         std::swap(corners[1], corners[2]);
         std::swap(corners[4], corners[5]);
       }
-      Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1));
-      const std::vector<float> heights(64 * 64, height);
-      bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
+      Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1), on_processor);
+      std::vector<float> heights(64 * 64, height);
+      bench.scene.groups[0].write_height(0, heights);
       std::vector<float> shares(static_cast<size_t>(bench.scene.batches[0].count), deposit);
       bench.scene.batches[0].share = gpu::Buffer(shares);
       StabilityPass().run(bench.scene, {max_depth, 2.0f}, {}, {0.01f}, dt);
-      std::vector<float> result(64 * 64);
-      bench.scene.groups[0].height.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, result.data());
+      bench.scene.groups[0].read_height(0, heights);
       EXPECT_EQ(bench.scene.batches[0].share.read_all<float>()[0], 0.0f);
-      return result[1000];
+      return heights[1000];
     };
     const double k = std::numbers::ln2 / 2.0;
-    EXPECT_FLOAT_EQ(settle(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
-    EXPECT_NEAR(settle(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
-    EXPECT_NEAR(settle(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
-    // Crosses at a third of the step.
-    EXPECT_NEAR(settle(0.4f, 0.3f, 1.0f, 0.5f),
-                0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
-    EXPECT_NEAR(settle(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
-    // Past vertical, but no time to slide: a huge capacity rounds nothing away.
-    EXPECT_FLOAT_EQ(settle(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
+    for (const bool there : where_kernels_run()) {
+      on_processor = there;
+      EXPECT_FLOAT_EQ(settle(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
+      EXPECT_NEAR(settle(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
+      EXPECT_NEAR(settle(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
+      // Crosses at a third of the step.
+      EXPECT_NEAR(settle(0.4f, 0.3f, 1.0f, 0.5f),
+                  0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
+      EXPECT_NEAR(settle(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
+      // Past vertical, but no time to slide: a huge capacity rounds nothing away.
+      EXPECT_FLOAT_EQ(settle(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
+    }
+  });
+}
+
+TEST(ProcessorKernels, GiveTheBitsOfTheirShaders) {
+  gpu::GpuThread::shared()->run([] {
+    if (where_kernels_run().size() < 2) GTEST_SKIP() << "no software renderer";
+    // A plate over a slope over the edge of a third; pixels above and below a texel's size, and
+    // noise.
+    for (const double pixel_size : {1.0 / 20.0, 1.0 / 90.0, 1.0 / 250.0}) {
+      for (const float noise_density : {1.0f, 0.4f}) {
+        std::vector<std::vector<uint32_t>> steps;
+        std::vector<std::vector<uint32_t>> weights;
+        std::vector<std::vector<float>> heights;
+        std::vector<std::vector<glm::vec4>> sums;
+        std::vector<std::vector<uint32_t>> states;
+        for (const bool on_processor : {false, true}) {
+          FallSettings fall = falling({0.3, -0.2, -1}, pixel_size);
+          fall.noise_density = noise_density;
+          Bench bench(objects_of(square("a", 1.0f, 0.0f, 128), plate()), fall, on_processor);
+          TexelGroupsPass().run(bench.scene, false);
+          DepositComputePass deposit;
+          const StepSnow snow{0.01f, noise_density < 1.0f};
+          // As if the tile had been one of several, and then as the last.
+          for (const bool is_last : {false, true}) {
+            deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, snow, is_last);
+          }
+          StabilityPass().run(bench.scene, {0.015f, 2.0f},
+                              {&deposit.weight_sum(), &deposit.weight_sum_view(), &bench.fall,
+                               bench.tiles[0].pixels, true},
+                              snow, 0.5f);
+          steps.emplace_back();
+          states.emplace_back();
+          sums.emplace_back(1, glm::vec4(0.0f));
+          for (const TexelBatch& batch : bench.scene.batches) {
+            const auto words = batch.steps.read_all<uint32_t>();
+            steps.back().insert(steps.back().end(), words.begin(), words.end());
+            const auto flags = batch.group_states.read_all<uint32_t>();
+            states.back().insert(states.back().end(), flags.begin(), flags.end());
+            for (const glm::vec4& sum : batch.partials.read_all<glm::vec4>()) sums.back()[0] += sum;
+          }
+          weights.push_back(deposit.weight_sum().read_all<uint32_t>());
+          heights.emplace_back();
+          const MapGroup& group = bench.scene.groups.back();
+          group.read_height(group.layers() - 1, heights.back());
+        }
+        EXPECT_EQ(steps[0], steps[1]) << pixel_size;
+        EXPECT_EQ(weights[0], weights[1]) << pixel_size;
+        EXPECT_EQ(states[0], states[1]) << pixel_size;
+        // The drivers' exponential functions differ in their last bits.
+        float most = 0.0f;
+        for (size_t i = 0; i < heights[0].size(); ++i) {
+          EXPECT_NEAR(heights[0][i], heights[1][i], 2e-7f) << pixel_size << " texel " << i;
+          most = std::max(most, heights[1][i]);
+        }
+        EXPECT_GT(most, 0.01f);
+        for (int i = 0; i < 4; ++i) EXPECT_NEAR(sums[0][0][i], sums[1][0][i], 1e-6f) << i;
+      }
+    }
   });
 }
 
@@ -397,22 +477,6 @@ std::vector<uint32_t> listed(const gpu::Buffer& list) {
   EXPECT_EQ(all[5], all[1]);
   std::sort(groups.begin(), groups.end());
   return groups;
-}
-
-/// Two squares of their own charts, each on half of a 64 x 64 map, one up, one turned down.
-SceneObject plate() {
-  SceneObject object = square("plate", 1.0f, 0.0f);
-  MapTopology& topology = object.description.topology;
-  topology.triangles = {0, 1, 2, 0, 2, 3, 4, 6, 5, 4, 7, 6};
-  topology.corner_uv = {{0, 0},   {0.5, 0}, {0.5, 1}, {0, 0},   {0.5, 1}, {0, 1},
-                        {0.5, 0}, {1, 1},   {1, 0},   {0.5, 0}, {0.5, 1}, {1, 1}};
-  topology.vertex_count = 8;
-  for (size_t i = 0; i < 4; ++i) {
-    object.positions.push_back(object.positions[i] - glm::vec3(0.0f, 0.0f, 0.1f));
-  }
-  object.bounds.include(glm::dvec3(0.0, 0.0, -0.1));
-  object.table = build_texel_table(topology);
-  return object;
 }
 
 TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
@@ -438,7 +502,7 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
     TexelBatch& batch = bench.scene.batches[0];
     std::vector<float> heights(64 * 64, 0.0f);
     heights[10 * 64 + 40] = 0.1f;  // on the lower side, in the lower half of the map
-    bench.scene.groups[0].height.write(0, GL_RED, GL_FLOAT, heights.data());
+    bench.scene.groups[0].write_height(0, heights);
     TexelGroupsPass groups;
     groups.run(bench.scene, false);
     StabilityPass().run(bench.scene, {}, {}, {0.01f}, 0.01f);
@@ -466,9 +530,10 @@ TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
         DepositComputePass deposit(walkers);
         deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, true);
         units.push_back(bench.scene.batches[0].units.read_all<uint32_t>());
-        StabilityPass(walkers).run(
-            bench.scene, {},
-            {&deposit.weight_sum_view(), &bench.fall, bench.tiles[0].pixels, false}, {0.01f}, 1.0f);
+        StabilityPass(walkers).run(bench.scene, {},
+                                   {&deposit.weight_sum(), &deposit.weight_sum_view(), &bench.fall,
+                                    bench.tiles[0].pixels, false},
+                                   {0.01f}, 1.0f);
         const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.group[0])];
         heights.emplace_back(128 * 128);
         group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());

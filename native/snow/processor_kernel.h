@@ -1,0 +1,103 @@
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
+
+#include "shaders/kernel.h"
+#include "shaders/snow_shared.h"
+#include "snow/in_parallel.h"
+
+// What a C++ class needs in order to include a part of a shader as its members: such a kernel runs
+// on the processor where the driver is a software renderer, which takes three times as long for the
+// same source. One class a source file, since the parts are included once. Uses glm's names, so it
+// is for .cpp files only.
+
+// Inner loops are built twice and chosen at run time, with all that they call; without fused
+// multiply-add both give the same bits.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
+    !defined(__SANITIZE_ADDRESS__)
+#define SNOWBOUGH_KERNEL __attribute__((target_clones("avx2", "default"), flatten))
+#else
+#define SNOWBOUGH_KERNEL
+#endif
+
+namespace snowbough::shared {
+
+/// Elements of views with one component.
+struct Word {
+  uint x;
+};
+struct Number {
+  float x;
+};
+
+}  // namespace snowbough::shared
+
+namespace snowbough::snow::kernel {
+
+using namespace glm;     // NOLINT(google-build-using-namespace): the shaders' names
+using namespace shared;  // NOLINT(google-build-using-namespace)
+
+/// A value and what it was found by.
+template <typename Value>
+class Kept {
+ public:
+  template <typename Find>
+  const Value& get(uint key, const Find& find) {
+    if (key != key_) {
+      value_ = find();
+      key_ = key;
+    }
+    return value_;
+  }
+
+ private:
+  uint key_ = kNowhere;
+  Value value_{};
+};
+
+// Number by number: glm's vectors are unions, which the compiler copies through memory.
+inline Word texelFetch(const Word* view, int index) {
+  return {view[index].x};
+}
+inline Number texelFetch(const Number* view, int index) {
+  return {view[index].x};
+}
+inline uvec2 texelFetch(const uvec2* view, int index) {
+  return {view[index].x, view[index].y};
+}
+inline uvec4 texelFetch(const uvec4* view, int index) {
+  return {view[index].x, view[index].y, view[index].z, view[index].w};
+}
+inline vec4 texelFetch(const vec4* view, int index) {
+  return {view[index].x, view[index].y, view[index].z, view[index].w};
+}
+
+inline uint atomicAdd(uint& sum, uint value) {
+  return std::atomic_ref(sum).fetch_add(value, std::memory_order_relaxed);
+}
+
+}  // namespace snowbough::snow::kernel
+
+namespace snowbough::snow {
+
+/// Calls `work(item)` for items 0 to count - 1, in any order, `run` of them in a row on one thread.
+template <typename Work>
+void for_each_in_parallel(int32_t count, int32_t run, const Work& work) {
+  std::atomic<int32_t> next = 0;
+  const int32_t threads = std::min(default_threads(), (count + run - 1) / run);
+  in_parallel(std::max(threads, 1), [&](size_t, size_t) {
+    for (int32_t item; (item = next.fetch_add(run)) < count;) {
+      for (const int32_t end = std::min(item + run, count); item < end; ++item) work(item);
+    }
+  });
+}
+
+}  // namespace snowbough::snow

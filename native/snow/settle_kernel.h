@@ -1,0 +1,14 @@
+#pragma once
+
+#include "snow/stability.h"
+
+namespace snowbough::snow {
+
+/// What stability.comp.glsl does to a batch, by the same source (shaders/texel_settle.h) on the
+/// processor, for scenes whose kernels run there. `partials` parts of a work group's texels have
+/// sums of their own. GPU thread.
+void settle_on_processor(SceneBuffers& scene, const StabilitySettings& settings,
+                         const PendingShares& pending, const StepSnow& snow, float dt,
+                         TexelBatch& batch, int32_t partials);
+
+}  // namespace snowbough::snow

@@ -1,0 +1,42 @@
+#pragma once
+
+// What lets one source be a part of a GLSL shader and of a C++ class: a kernel that software renderers run on
+// the processor, see native/snow/processor_kernel.h. There the inputs are members, views are pointers, and
+// KERNEL_VIEW's formats are the elements that texelFetch returns. Such a source gives every number of type
+// float its f, builds short vectors from long ones by their constructors instead of swizzles, and has no
+// parameters but plain inputs.
+#ifdef SNOWBOUGH_GLSL
+#define KERNEL_CONSTANT const
+/// What was found last, for a kernel that finds it again: neighbouring texels lie in the same triangle.
+#define KERNEL_MEMORY(type, name)
+#define KERNEL_KEPT(name, key, found) found
+#define KERNEL_CONST_REF(type) const type
+/// A shader's variants have all of their blocks bound, a kernel's may be null.
+#define KERNEL_IS_BOUND(name) true
+#define KERNEL_UNIFORM(type, name) uniform type name
+#define KERNEL_UNIFORM_BLOCK(block, type, name) layout(std140) uniform block { type name; }
+#define KERNEL_BLOCK(block, type, name) layout(std430) buffer block { type name[]; }
+#define KERNEL_BLOCK_WRITEONLY(block, type, name) layout(std430) writeonly buffer block { type name[]; }
+/// A buffer texture of one, two or four numbers an element. llvmpipe reads a whole vector at once from them,
+/// and OpenGL 4.1 has no storage blocks.
+#define KERNEL_VIEW_R32UI(name) uniform usamplerBuffer name
+#define KERNEL_VIEW_RG32UI(name) uniform usamplerBuffer name
+#define KERNEL_VIEW_RGBA32UI(name) uniform usamplerBuffer name
+#define KERNEL_VIEW_R32F(name) uniform samplerBuffer name
+#define KERNEL_VIEW_RGBA32F(name) uniform samplerBuffer name
+#else
+#define KERNEL_CONSTANT static constexpr
+#define KERNEL_MEMORY(type, name) kernel::Kept<type> name
+#define KERNEL_CONST_REF(type) const type&
+#define KERNEL_KEPT(name, key, found) (name).get(key, [&] { return found; })
+#define KERNEL_IS_BOUND(name) ((name) != nullptr)
+#define KERNEL_UNIFORM(type, name) type name
+#define KERNEL_UNIFORM_BLOCK(block, type, name) type name
+#define KERNEL_BLOCK(block, type, name) type* name
+#define KERNEL_BLOCK_WRITEONLY(block, type, name) type* name
+#define KERNEL_VIEW_R32UI(name) const shared::Word* name
+#define KERNEL_VIEW_RG32UI(name) const uvec2* name
+#define KERNEL_VIEW_RGBA32UI(name) const uvec4* name
+#define KERNEL_VIEW_R32F(name) const shared::Number* name
+#define KERNEL_VIEW_RGBA32F(name) const vec4* name
+#endif
