@@ -4,4 +4,7 @@
 
 layout(local_size_x = 64) in;
 
-void main() { weigh_texel(listed_texel()); }
+void main() {
+  const int index = listed_texel();
+  weigh_texel(index, texel_object(index));
+}

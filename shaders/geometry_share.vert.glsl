@@ -9,7 +9,7 @@ uniform sampler2D weight_map;
 uniform int resolution;
 
 void main() {
-  const TexelStep step = step_of(gl_VertexID);
+  const TexelStep step = step_of(gl_VertexID, texel_object(gl_VertexID));
   thickness = 0.0;
   map_place = ivec3(-1);
   gl_Position = vec4(0.0, 0.0, 0.0, 1.0);

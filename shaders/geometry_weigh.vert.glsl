@@ -6,7 +6,7 @@
 flat out float weight;
 
 void main() {
-  const TexelStep step = step_of(gl_VertexID);
+  const TexelStep step = step_of(gl_VertexID, texel_object(gl_VertexID));
   weight = float(step.weight) / float(kPixelWeight);
   const vec2 at = vec2(unpacked_pixel(step.pixel)) + 0.5;
   // Outside the clip volume where the texel takes no part.

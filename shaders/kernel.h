@@ -7,7 +7,8 @@
 // parameters but plain inputs.
 #ifdef SNOWBOUGH_GLSL
 #define KERNEL_CONSTANT const
-/// What was found last, for a kernel that finds it again: neighbouring texels lie in the same triangle.
+/// What was found last, by two numbers, for a kernel that asks for it again: neighbouring texels lie in the
+/// same triangle.
 #define KERNEL_MEMORY(type, name)
 #define KERNEL_KEPT(name, key, found) found
 #define KERNEL_CONST_REF(type) const type
@@ -26,7 +27,7 @@
 #define KERNEL_VIEW_RGBA32F(name) uniform samplerBuffer name
 #else
 #define KERNEL_CONSTANT static constexpr
-#define KERNEL_MEMORY(type, name) kernel::Kept<type> name
+#define KERNEL_MEMORY(type, name) kernel::Kept<type> name;
 #define KERNEL_CONST_REF(type) const type&
 #define KERNEL_KEPT(name, key, found) (name).get(key, [&] { return found; })
 #define KERNEL_IS_BOUND(name) ((name) != nullptr)

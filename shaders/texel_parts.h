@@ -19,11 +19,11 @@ struct TexelParts {
   float up;
 };
 
-TexelParts parts_of(int index) {
+KERNEL_MEMORY(TexelParts, last_parts)
+
+TexelParts sum_of_parts(int i, int end) {
   TexelParts sum = TexelParts(0.0f, 0.0f, 0.0f);
   float upper = 0.0f;
-  int i = int(texelFetch(fragment_begin, index).x);
-  const int end = int(texelFetch(fragment_begin, index + 1).x);
   // The end is asked for at the end: llvmpipe runs a loop's body once more for a test at its head.
   do {
     const uvec2 fragment = uvec2(texelFetch(fragments, i));
@@ -36,4 +36,17 @@ TexelParts parts_of(int index) {
   } while (++i < end);
   sum.up = sum.area > 0.0f ? (upper > 0.0f ? upper : sum.up) / sum.area : 0.0f;
   return sum;
+}
+
+TexelParts parts_of(int index) {
+  const int begin = int(texelFetch(fragment_begin, index).x);
+  const int end = int(texelFetch(fragment_begin, index + 1).x);
+#ifndef SNOWBOUGH_GLSL
+  // Texels that lie in one triangle as wholes are alike.
+  if (begin + 1 == end) {
+    const uvec2 fragment = texelFetch(fragments, begin);
+    return KERNEL_KEPT(last_parts, fragment, sum_of_parts(begin, end));
+  }
+#endif
+  return sum_of_parts(begin, end);
 }

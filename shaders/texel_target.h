@@ -48,8 +48,8 @@ struct ShownTriangle {
   uint object;
 };
 
-KERNEL_MEMORY(TexelTriangle, last_own);
-KERNEL_MEMORY(ShownTriangle, last_shown);
+KERNEL_MEMORY(TexelTriangle, last_own)
+KERNEL_MEMORY(ShownTriangle, last_shown)
 
 TexelTriangle texel_triangle(int triangle) {
   const vec4 a = texelFetch(triangle_corners, 3 * triangle);
@@ -92,16 +92,20 @@ struct TexelPoint {
 
 TexelPoint texel_point(int index) {
   const uvec4 texel = texelFetch(texels, index);
-  KERNEL_CONST_REF(TexelTriangle) own = KERNEL_KEPT(last_own, texel.x, texel_triangle(int(texel.x)));
+  KERNEL_CONST_REF(TexelTriangle) own = KERNEL_KEPT(last_own, uvec2(texel.x, 0u), texel_triangle(int(texel.x)));
   const vec3 point =
       own.corner + uintBitsToFloat(texel.z) * own.edge_b + uintBitsToFloat(texel.w) * own.edge_c;
   const vec2 corner = floor(vec2(point));
   return TexelPoint(corner, vec2(point) - corner, point.z, own.plane);
 }
 
+/// The object of a texel, with kReceives.
+uint texel_object(int index) { return texelFetch(group_slots, index / int(kTexelGroup)).x | kReceives; }
+
 /// The pixel that the texel's sample point projects to, if it takes part there: the pixel shows its map
 /// and its place on the surface, and some of it faces the fall.
-TexelStep step_of(int index) {
+/// `object`: the texel's, with kReceives.
+TexelStep step_of(int index, uint object) {
   const TexelParts parts = parts_of(index);
   const TexelStep none = TexelStep(0u, 0u, parts.area, parts.up);
   const TexelPoint point = texel_point(index);
@@ -118,9 +122,8 @@ TexelStep step_of(int index) {
   if (seen.x == 0u || (seen.x & kBackFace) != 0u) {
     return none;
   }
-  KERNEL_CONST_REF(ShownTriangle) shown = KERNEL_KEPT(last_shown, seen.x, shown_triangle(seen.x - 1u));
-  const uint slot = texelFetch(group_slots, index / int(kTexelGroup)).x | kReceives;
-  if (shown.object != slot ||
+  KERNEL_CONST_REF(ShownTriangle) shown = KERNEL_KEPT(last_shown, uvec2(seen.x, 0u), shown_triangle(seen.x - 1u));
+  if (shown.object != object ||
       !is_shown(point.offset - 0.5f, point.depth, point.plane, uintBitsToFloat(seen.y), shown.plane)) {
     return none;
   }

@@ -11,8 +11,9 @@ KERNEL_BLOCK_WRITEONLY(TexelSteps, uvec4, texel_steps);
 /// Per pixel of the tile.
 KERNEL_BLOCK(WeightSums, uint, weight_sums);
 
-void weigh_texel(int index) {
-  const TexelStep step = step_of(index);
+/// `object`: see texel_object.
+void weigh_texel(int index, uint object) {
+  const TexelStep step = step_of(index, object);
   texel_steps[index] =
       uvec4(step.pixel, step.weight, floatBitsToUint(step.area), floatBitsToUint(step.up));
   if (step.weight != 0u) {

@@ -50,8 +50,8 @@ template <typename Value>
 class Kept {
  public:
   template <typename Find>
-  const Value& get(uint key, const Find& find) {
-    if (key != key_) {
+  const Value& get(uvec2 key, const Find& find) {
+    if (key.x != key_.x || key.y != key_.y) {
       value_ = find();
       key_ = key;
     }
@@ -59,7 +59,7 @@ class Kept {
   }
 
  private:
-  uint key_ = kNowhere;
+  uvec2 key_{kNowhere};
   Value value_{};
 };
 

@@ -15,15 +15,25 @@ struct Settle {
 
   float* height_map;
   const Texel* texels;
+  int32_t texel_count;
 };
 
 /// Settles texels from `index` to `end` or the object's last; returns their sums and sets
 /// `holds_snow` where some lies after the step.
 SNOWBOUGH_KERNEL vec4 settle_texels(Settle settle, int32_t index, int32_t end, bool& holds_snow) {
   const Settle::WholeStep whole = settle.whole_step();
+  // A row of the map lies in another page: it is asked for some texels before it is needed.
+  constexpr int32_t kAhead = 64;
   vec4 sums(0.0f);
   float highest = 0.0f;
   for (; index < end && settle.texels[index].place != kNowhere; ++index) {
+    if (index + kAhead < settle.texel_count) {
+      // Nobody's place lies behind the map, which does no harm here.
+      __builtin_prefetch(&settle.height_map[settle.texels[index + kAhead].place], 1);
+      const uint pixel = settle.texel_steps[index + kAhead].x;
+      if (settle.weight_sum != nullptr)
+        __builtin_prefetch(&settle.weight_sum[settle.pixel_index(settle.unpacked_pixel(pixel))]);
+    }
     float& height = settle.height_map[settle.texels[index].place];
     const uvec4 step = settle.texel_steps[index];
     const Settle::SettledTexel settled =
@@ -54,6 +64,7 @@ void settle_on_processor(SceneBuffers& scene, const StabilitySettings& settings,
   std::optional<BufferMap> weight_sum;
   kernel::Settle settle{};
   settle.texels = texels.as<shared::Texel>();
+  settle.texel_count = batch.count;
   settle.texel_steps = steps.as<glm::uvec4>();
   settle.deposit_units = units.as<uint32_t>();
   settle.units_before = units.as<shared::Word>();

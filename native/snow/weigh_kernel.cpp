@@ -12,7 +12,10 @@ struct Weigh {
 
 SNOWBOUGH_KERNEL void weigh_group(Weigh weigh, int32_t group) {
   const auto first = group * static_cast<int32_t>(kTexelGroup);
-  for (int32_t i = first; i < first + static_cast<int32_t>(kTexelGroup); ++i) weigh.weigh_texel(i);
+  const uint object = weigh.texel_object(first);
+  for (int32_t i = first; i < first + static_cast<int32_t>(kTexelGroup); ++i) {
+    weigh.weigh_texel(i, object);
+  }
 }
 
 }  // namespace
