@@ -5,19 +5,14 @@
 // WALKERS: invocations of a work group; see snow/walkers.h.
 #include "packed_pixel.h"
 #include "pixel_counts.h"
-#include "tile_pixel.h"
-#include "triangle_object.h"
+#include "pixel_look.h"
 
 layout(local_size_x = WALKERS) in;
 layout(std430) buffer PixelListSize { ListSize pixel_list_size; };
 /// Packed pixels.
 layout(std430) writeonly buffer PixelList { uint pixel_list[]; };
-/// A SeenPixel each.
-uniform usamplerBuffer occlusion;
-uniform usamplerBuffer weight_sum;
 /// Slots of the objects whose maps are in this group: [first, end).
 uniform uvec2 group_objects;
-uniform ivec2 tile_origin;
 
 /// Lists the pixels of a walk from `pixel` whose bits are set, in one go: a counter that all invocations
 /// share is slow.
@@ -63,9 +58,9 @@ void main() {
         next = (own & kReceives) != 0u && (own & ~kReceives) > slot ? min(next, own & ~kReceives) : next;
         count.back_facing += mine && !front ? 1u : 0u;
         count.visible += front ? 1u : 0u;
-        const bool snows = front && snow_of_pixel(pixel + tile_origin) > 0.0;
+        const bool snows = front && gives_snow(pixel);
         count.snowed += snows ? 1u : 0u;
-        bare |= snows && texelFetch(weight_sum, pixel_index(pixel)).x < kPixelWeight / 2u ? bit : 0u;
+        bare |= snows && is_bare(pixel) ? bit : 0u;
         pixel.x += WALKERS;
         bit <<= 1u;
       } while (bit != 0u && pixel.x < end);

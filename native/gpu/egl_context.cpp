@@ -212,6 +212,10 @@ bool is_software(std::string_view renderer) {
          renderer.find("softpipe") != std::string_view::npos;
 }
 
+bool renders_in_software() {
+  return is_software(gl_string(GL_RENDERER));
+}
+
 EglContext::EglContext(const std::string& device) {
   require_libraries();
   const char* variable = std::getenv("SNOWBOUGH_EGL_DEVICE");

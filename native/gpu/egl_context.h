@@ -22,6 +22,8 @@ struct GpuInfo {
 
 /// Whether a renderer of that name computes on the processor: Mesa's llvmpipe and softpipe.
 bool is_software(std::string_view renderer);
+/// Whether that of the current context does. GPU thread.
+bool renders_in_software();
 
 /// An off-screen OpenGL 4.5 core context without a surface, current on the thread that made it.
 /// Creating and destroying it leaves every other context of the process alone.

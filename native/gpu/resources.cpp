@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "gpu/egl_context.h"
+
 namespace snowbough::gpu {
 namespace {
 
@@ -33,17 +35,29 @@ int64_t texel_bytes(GLenum format) {
 
 }  // namespace
 
-Buffer::Buffer(int64_t bytes, const void* data) : bytes_(bytes) {
+void Buffer::allocate(const void* data) {
   glCreateBuffers(1, &id_);
-  const int64_t room = std::max<int64_t>(bytes, 16);
-  glNamedBufferStorage(id_, room, bytes >= 16 ? data : nullptr,
-                       GL_DYNAMIC_STORAGE_BIT | GL_MAP_READ_BIT | GL_MAP_WRITE_BIT);
+  const int64_t room = std::max<int64_t>(bytes_, 16);
+  // Elsewhere a buffer that can be mapped may come to lie far from the GPU.
+  const GLbitfield mapping = renders_in_software() ? GL_MAP_READ_BIT | GL_MAP_WRITE_BIT : 0;
+  glNamedBufferStorage(id_, room, bytes_ >= 16 ? data : nullptr, GL_DYNAMIC_STORAGE_BIT | mapping);
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) {
     glDeleteBuffers(1, &id_);
     throw std::runtime_error("the GPU has no room for a buffer of " + std::to_string(room >> 20) +
                              " MiB: use smaller maps, fewer receivers or a larger pixel_size");
   }
+}
+
+Buffer Buffer::unfilled(int64_t bytes) {
+  Buffer buffer;
+  buffer.bytes_ = bytes;
+  buffer.allocate(nullptr);
+  return buffer;
+}
+
+Buffer::Buffer(int64_t bytes, const void* data) : bytes_(bytes) {
+  allocate(data);
   if (data == nullptr) {
     glClearNamedBufferData(id_, GL_R32UI, GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   } else if (bytes > 0 && bytes < 16) {

@@ -38,6 +38,8 @@ class Buffer : public Handle {
   template <typename Element>
   explicit Buffer(const std::vector<Element>& elements)
       : Buffer(static_cast<int64_t>(elements.size() * sizeof(Element)), elements.data()) {}
+  /// A buffer of whatever content. @throws as above.
+  static Buffer unfilled(int64_t bytes);
   Buffer(Buffer&&) noexcept = default;
   Buffer& operator=(Buffer&&) noexcept = default;
   ~Buffer();
@@ -55,11 +57,14 @@ class Buffer : public Handle {
   }
 
  private:
+  void allocate(const void* data);
+
   int64_t bytes_ = 0;
 };
 
 /// A buffer's memory in the processor's reach, to read and to write, while this lives; the buffer
-/// is left alone in the meantime. Only software renderers have it there without copying it.
+/// is left alone in the meantime. Only buffers of software
+/// renderers can be mapped: they have them there without copying them.
 class BufferMap {
  public:
   /// Waits until the GPU is done with the buffer. @throws std::runtime_error when the driver

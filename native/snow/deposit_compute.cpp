@@ -1,5 +1,6 @@
 #include "snow/deposit_compute.h"
 
+#include "snow/pixels_kernel.h"
 #include "snow/texel_groups.h"
 #include "snow/weigh_kernel.h"
 
@@ -53,6 +54,11 @@ void DepositComputePass::weigh(SceneBuffers& scene, const gpu::Buffer& fall, con
 void DepositComputePass::list_pixels(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                                      const OcclusionTarget& occlusion, const MapGroup& group,
                                      const StepSnow& snow) {
+  if (scene.on_processor) {
+    list_pixels_on_processor(scene, group, fall, tile, occlusion, weight_sum_, pixel_list_size_,
+                             pixel_list_);
+    return;
+  }
   const glm::ivec2 size = tile.pixels.size();
   pixel_list_size_.write(0, sizeof kEmptyList, &kEmptyList);
   std::vector<std::string> defines = snow.defines();

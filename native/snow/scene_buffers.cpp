@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "gpu/buffer_writer.h"
 #include "snow/group_triangles.h"
 #include "snow/surface_order.h"
 
@@ -18,11 +19,11 @@ using shared::kTexelGroup;
 /// Bytes of fragments after which a batch is closed.
 constexpr size_t kBatchFragments = size_t{12} << 20;
 
-/// The texels of a group or of a batch of it, on their way to the GPU.
+/// The texels of a batch on their way to the GPU.
 struct TexelArrays {
-  std::vector<shared::Texel> texels;
-  std::vector<uint32_t> fragment_begin;
-  std::vector<shared::Fragment> fragments;
+  gpu::BufferWriter<shared::Texel> texels;
+  gpu::BufferWriter<uint32_t> fragment_begin;
+  gpu::BufferWriter<shared::Fragment> fragments;
   std::vector<shared::StatisticsSegment> segments;
 };
 
@@ -51,12 +52,12 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
   batch.group = group;
   batch.first = first;
   batch.count = static_cast<int32_t>(arrays.texels.size());
-  arrays.fragment_begin.push_back(static_cast<uint32_t>(arrays.fragments.size()));
+  *arrays.fragment_begin.add(1) = static_cast<uint32_t>(arrays.fragments.size());
   // What fills up a work group has no fragments; see shaders/texel_parts.h, which reads one.
-  arrays.fragments.push_back({0, 0.0f});
-  batch.texels = gpu::Buffer(arrays.texels);
-  batch.fragment_begin = gpu::Buffer(arrays.fragment_begin);
-  batch.fragments = gpu::Buffer(arrays.fragments);
+  *arrays.fragments.add(1) = {0, 0.0f};
+  batch.texels = arrays.texels.take();
+  batch.fragment_begin = arrays.fragment_begin.take();
+  batch.fragments = arrays.fragments.take();
   batch.segment_buffer = gpu::Buffer(arrays.segments);
   batch.segments = std::move(arrays.segments);
   const int64_t count = batch.count;
@@ -87,14 +88,9 @@ TexelBatch upload_batch(TexelArrays&& arrays, int32_t group, int32_t first) {
 /// Splits a group's texels into batches while they are made, object by object.
 class BatchWriter {
  public:
-  /// The group has about that many texels and fragments.
+  /// The group has that many fragments, and that many texels, whole work groups for each object.
   BatchWriter(SceneBuffers& scene, int32_t group, size_t texel_count, size_t fragment_count)
-      : scene_(scene), group_(group) {
-    const size_t texels = std::min(texel_count, static_cast<size_t>(kBatchTexels));
-    arrays_.texels.reserve(texels);
-    arrays_.fragment_begin.reserve(texels + 1);
-    arrays_.fragments.reserve(std::min(fragment_count, kBatchFragments));
-  }
+      : scene_(scene), group_(group), texels_left_(texel_count), fragments_left_(fragment_count) {}
 
   /// An object's texels share a batch unless they fill one alone: where batches end then depends on
   /// the object only, and so does what its passes compute.
@@ -111,17 +107,23 @@ class BatchWriter {
   /// that `order` lists. Their triangles and places on the map group begin at these numbers.
   void add_group(const TexelTable& table, std::span<const int32_t> order, uint32_t first_triangle,
                  uint32_t first_place) {
-    if (in_batch() == kBatchTexels || arrays_.fragments.size() > kBatchFragments) {
+    size_t own_fragments = 0;
+    for (const int32_t index : order) {
+      const auto i = static_cast<size_t>(index);
+      own_fragments += static_cast<size_t>(table.fragment_begin[i + 1] - table.fragment_begin[i]);
+    }
+    if (in_batch() == kBatchTexels ||
+        (in_batch() > 0 && arrays_.fragments.size() + own_fragments > kBatchFragments)) {
       flush();
       open_segment();
     }
-    const size_t first = arrays_.texels.size();
-    arrays_.texels.resize(first + order.size());
-    arrays_.fragment_begin.resize(first + order.size());
-    shared::Texel* texel = &arrays_.texels[first];
-    uint32_t* begin = &arrays_.fragment_begin[first];
+    if (in_batch() == 0) open_batch(own_fragments);
     auto fragment_count = static_cast<uint32_t>(arrays_.fragments.size());
-    const size_t first_fragment = fragment_count;
+    shared::Texel* texel = arrays_.texels.add(order.size());
+    uint32_t* begin = arrays_.fragment_begin.add(order.size());
+    shared::Fragment* fragment = arrays_.fragments.add(own_fragments);
+    texels_left_ -= order.size();
+    fragments_left_ -= own_fragments;
     for (const int32_t index : order) {
       const auto i = static_cast<size_t>(index);
       *texel++ = {static_cast<uint32_t>(table.triangle[i]) + first_triangle,
@@ -131,8 +133,6 @@ class BatchWriter {
       fragment_count +=
           static_cast<uint32_t>(table.fragment_begin[i + 1] - table.fragment_begin[i]);
     }
-    arrays_.fragments.resize(fragment_count);
-    shared::Fragment* fragment = arrays_.fragments.data() + first_fragment;
     for (const int32_t index : order) {
       const auto i = static_cast<size_t>(index);
       const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
@@ -144,9 +144,9 @@ class BatchWriter {
   }
 
   void end_object() {
-    while (in_batch() % kTexelGroup != 0) {
-      arrays_.fragment_begin.push_back(static_cast<uint32_t>(arrays_.fragments.size()));
-      arrays_.texels.push_back({0, shared::kNowhere, 0.0f, 0.0f});
+    for (; in_batch() % kTexelGroup != 0; --texels_left_) {
+      *arrays_.fragment_begin.add(1) = static_cast<uint32_t>(arrays_.fragments.size());
+      *arrays_.texels.add(1) = {0, shared::kNowhere, 0.0f, 0.0f};
     }
     close_segment();
     slot_ = -1;
@@ -162,7 +162,7 @@ class BatchWriter {
     if (slot_ >= 0) {
       close_segment();
     }
-    if (!arrays_.texels.empty()) {
+    if (in_batch() > 0) {
       const int32_t end = next();
       scene_.batches.push_back(upload_batch(std::move(arrays_), group_, first_));
       arrays_ = {};
@@ -181,6 +181,15 @@ class BatchWriter {
   }
 
  private:
+  /// `first_fragments`: those of the first work group, which may be more than a batch should have.
+  void open_batch(size_t first_fragments) {
+    const size_t texels = std::min(texels_left_, static_cast<size_t>(kBatchTexels));
+    const size_t fragments = std::max(std::min(fragments_left_, kBatchFragments), first_fragments);
+    arrays_.texels = gpu::BufferWriter<shared::Texel>(texels);
+    arrays_.fragment_begin = gpu::BufferWriter<uint32_t>(texels + 1);
+    arrays_.fragments = gpu::BufferWriter<shared::Fragment>(fragments + 1);
+  }
+
   void upload_group_triangles(TexelBatch& batch) const {
     const auto first = triangles_.begin.begin() + batch.first / static_cast<int32_t>(kTexelGroup);
     std::vector<uint32_t> begin(first, first + batch.group_count() + 1);
@@ -209,6 +218,9 @@ class BatchWriter {
   int32_t first_ = 0;
   int32_t slot_ = -1;
   int32_t segment_begin_ = 0;
+  /// What is still to come.
+  size_t texels_left_;
+  size_t fragments_left_;
   TexelArrays arrays_;
   GroupTriangles triangles_;
 };
@@ -367,7 +379,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
     size_t fragment_count = 0;
     for (int32_t slot = group.first_slot; slot < group.end_slot; ++slot) {
       const TexelTable& table = objects[by_slot[static_cast<size_t>(slot)]]->table;
-      texel_count += table.texel.size() + kTexelGroup;
+      texel_count += (table.texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
       fragment_count += table.fragment_share.size();
     }
     BatchWriter writer(scene, static_cast<int32_t>(g), texel_count, fragment_count);

@@ -423,6 +423,8 @@ TEST(ProcessorKernels, GiveTheBitsOfTheirShaders) {
         std::vector<std::vector<float>> heights;
         std::vector<std::vector<glm::vec4>> sums;
         std::vector<std::vector<uint32_t>> states;
+        std::vector<std::vector<uint32_t>> units;
+        std::vector<std::vector<uint32_t>> counts;
         for (const bool on_processor : {false, true}) {
           FallSettings fall = falling({0.3, -0.2, -1}, pixel_size);
           fall.noise_density = noise_density;
@@ -433,6 +435,12 @@ TEST(ProcessorKernels, GiveTheBitsOfTheirShaders) {
           // As if the tile had been one of several, and then as the last.
           for (const bool is_last : {false, true}) {
             deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, snow, is_last);
+          }
+          counts.push_back(bench.scene.pixel_counts.read_all<uint32_t>());
+          units.emplace_back();
+          for (const TexelBatch& batch : bench.scene.batches) {
+            const auto sums = batch.units.read_all<uint32_t>();
+            units.back().insert(units.back().end(), sums.begin(), sums.end());
           }
           StabilityPass().run(bench.scene, {0.015f, 2.0f},
                               {&deposit.weight_sum(), &deposit.weight_sum_view(), &bench.fall,
@@ -456,6 +464,8 @@ TEST(ProcessorKernels, GiveTheBitsOfTheirShaders) {
         EXPECT_EQ(steps[0], steps[1]) << pixel_size;
         EXPECT_EQ(weights[0], weights[1]) << pixel_size;
         EXPECT_EQ(states[0], states[1]) << pixel_size;
+        EXPECT_EQ(units[0], units[1]) << pixel_size;
+        EXPECT_EQ(counts[0], counts[1]) << pixel_size;
         // The drivers' exponential functions differ in their last bits.
         float most = 0.0f;
         for (size_t i = 0; i < heights[0].size(); ++i) {
