@@ -5,6 +5,7 @@
 
 #include "bindings.h"
 #include "gpu/gpu_thread.h"
+#include "snow/in_parallel.h"
 
 namespace py = pybind11;
 
@@ -16,6 +17,7 @@ class HeldGpu {
  public:
   explicit HeldGpu(const std::string& device) {
     const py::gil_scoped_release release;
+    snow::start_helpers();
     thread_ = gpu::GpuThread::begin(device);
   }
   HeldGpu(const HeldGpu&) = delete;

@@ -7,6 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "snow/in_parallel.h"
 #include "snow/simulation_gpu.h"
 
 namespace snowbough::snow {
@@ -53,6 +54,7 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
 
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
   check_settings(settings);
+  start_helpers();
   thread_ = settings.wait_for_gpu ? gpu::GpuThread::shared(settings.device)
                                   : gpu::GpuThread::begin(settings.device);
 }

@@ -3,8 +3,11 @@
 #include <gtest/gtest.h>
 
 #include <array>
+#include <atomic>
 #include <stdexcept>
 #include <string>
+#include <thread>
+#include <vector>
 
 namespace snowbough::snow {
 namespace {
@@ -29,6 +32,32 @@ TEST(InParallel, throwsWhatTheFirstPartThatFailedThrew) {
   } catch (const std::runtime_error& error) {
     EXPECT_STREQ(error.what(), "2");
   }
+}
+
+TEST(InParallel, canBeCalledByManyAndFromWithin) {
+  start_helpers();
+  std::atomic<int> calls = 0;
+  std::vector<std::jthread> callers;
+  for (int caller = 0; caller < 8; ++caller) {
+    callers.emplace_back([&] {
+      for (int round = 0; round < 50; ++round) {
+        in_parallel(3, [&](size_t, size_t) { in_parallel(2, [&](size_t, size_t) { ++calls; }); });
+      }
+    });
+  }
+  callers.clear();
+  EXPECT_EQ(calls, 8 * 50 * 3 * 2);
+}
+
+TEST(InParallel, runsItsPartsAtTheSameTime) {
+  if (default_threads() < 2) GTEST_SKIP() << "one core";
+  // Each part waits for the other: they run on two threads.
+  std::atomic<int> begun = 0;
+  in_parallel(2, [&](size_t, size_t) {
+    ++begun;
+    while (begun < 2) std::this_thread::yield();
+  });
+  EXPECT_EQ(begun, 2);
 }
 
 TEST(InParallel, hasAtLeastOneThread) {

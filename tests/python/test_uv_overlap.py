@@ -26,7 +26,7 @@ def test_neighbouring_triangles_share_no_cell():
         [np.stack([a, b, c], -2).reshape(-1, 3, 2), np.stack([c, d, a], -2).reshape(-1, 3, 2)]
     )
     assert uv_overlap.overlap_share(triangles) == 0.0
-    assert uv_overlap._cover_counts(triangles * 64, 64).sum() == 64 * 64
+    assert uv_overlap._count_cells(triangles * 64, 64) == (64 * 64, 0)
 
 
 def test_half_overlapping_squares_are_found():
