@@ -75,13 +75,27 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
     if (own == own_end || *own != texel_[i]) continue;
     foreign_.emplace_back(static_cast<int32_t>(i), number[own - levelling.texel.begin()]);
   }
+  looker_begin_.assign(static_cast<size_t>(unknowns_) + 2, 0);
+  const auto for_each_look = [&](const auto& visit) {
+    for (size_t p = 0; p < points_.size(); ++p) {
+      for (const int32_t texel : points_[p].source) {
+        if (texel < unknowns_) visit(texel, static_cast<int32_t>(p));
+      }
+    }
+  };
+  // Shifted by one place, so that the second walk leaves the beginnings where they belong.
+  for_each_look([&](int32_t texel, int32_t) { ++looker_begin_[texel + 2]; });
+  std::partial_sum(looker_begin_.begin(), looker_begin_.end(), looker_begin_.begin());
+  lookers_.resize(static_cast<size_t>(looker_begin_.back()));
+  for_each_look([&](int32_t texel, int32_t p) { lookers_[looker_begin_[texel + 1]++] = p; });
+  sight_of_.assign(points_.size(), -1);
   factorised_ = factor_.compute(points_, unknowns_, kDamping, kMostWork);
   factor_.shrink();
 }
 
 inline SeamLeveller::Sight SeamLeveller::look_at(int32_t point) const {
   const SeamRow& row = points_[point];
-  Sight sight{point, true, 0.0f, 0.0f};
+  Sight sight{point, true, false, 0.0f, 0.0f};
   for (int32_t t = 0; t < kSeamTerms; ++t) {
     const float part = row.weight[t] * heights_[row.source[t]];
     sight.gap += part;
@@ -93,12 +107,17 @@ inline SeamLeveller::Sight SeamLeveller::look_at(int32_t point) const {
 void SeamLeveller::level_all() {
   values_.assign(heights_.size(), 0.0f);
   std::fill(limits_.begin(), limits_.end(), 0.0f);
+  for (const Sight& sight : seen_) sight_of_[sight.point] = -1;
   seen_.clear();
+  foreign_sights_.clear();
   for (size_t p = 0; p < points_.size(); ++p) {
     const Sight sight = look_at(static_cast<int32_t>(p));
     if (sight.height == 0.0f) continue;
-    seen_.push_back(sight);
+    const auto at = static_cast<int32_t>(seen_.size());
     const SeamRow& point = points_[p];
+    seen_.push_back(sight);
+    sight_of_[p] = at;
+    if (looks_at_foreign(point)) foreign_sights_.push_back(at);
     float limit = 0.0f;
     for (const int32_t texel : point.source) limit = std::max(limit, heights_[texel]);
     for (int32_t t = 0; t < kSeamTerms; ++t) {
@@ -125,28 +144,56 @@ void SeamLeveller::refresh_foreign() {
 /// Marks the texels that change for a point whose sides differ by more than a part `within` of the
 /// height, and takes the points that look at a marked texel.
 void SeamLeveller::mark(float within) {
-  std::fill(marks_.begin(), marks_.end(), 0.0f);
-  for (Sight& sight : seen_) {
-    if (sight.may_differ) {
-      sight = look_at(sight.point);
-      sight.height = std::max(0.5f * sight.height, least_height_);
-    }
-    const float over = std::fabs(sight.gap) / sight.height - within;
-    const float mark = std::min(over / kLevelFade, 1.0f);
-    if (mark <= 0.0f) continue;
-    for (const int32_t texel : points_[sight.point].source) {
-      marks_[texel] = std::max(marks_[texel], mark);
+  for (const int32_t texel : marked_) marks_[texel] = 0.0f;
+  marked_.clear();
+  if (within == marked_within_) {
+    // What has not changed since then has no mark now either: what had one has changed.
+    for (const int32_t at : unsettled_) mark_for(seen_[at], within);
+  } else {
+    for (Sight& sight : seen_) mark_for(sight, within);
+  }
+  marked_within_ = within;
+  std::sort(marked_.begin(), marked_.end());
+  take_points();
+}
+
+void SeamLeveller::mark_for(Sight& sight, float within) {
+  if (sight.may_differ) {
+    sight = look_at(sight.point);
+    sight.height = std::max(0.5f * sight.height, least_height_);
+  }
+  const float over = std::fabs(sight.gap) / sight.height - within;
+  const float mark = std::min(over / kLevelFade, 1.0f);
+  if (mark <= 0.0f) return;
+  for (const int32_t texel : points_[sight.point].source) {
+    if (texel >= unknowns_) continue;
+    if (marks_[texel] == 0.0f) marked_.push_back(texel);
+    marks_[texel] = std::max(marks_[texel], mark);
+  }
+}
+
+void SeamLeveller::take_points() {
+  looked_on_.clear();
+  for (const int32_t texel : marked_) {
+    for (int32_t k = looker_begin_[texel]; k < looker_begin_[texel + 1]; ++k) {
+      const int32_t at = sight_of_[lookers_[k]];
+      if (at < 0 || std::exchange(seen_[at].is_noted, true)) continue;
+      looked_on_.push_back(at);
     }
   }
-  std::fill(marks_.begin() + unknowns_, marks_.end(), 0.0f);
+  std::sort(looked_on_.begin(), looked_on_.end());
+  for (const int32_t at : unsettled_) seen_[at].may_differ = false;
   fine_points_.clear();
-  for (Sight& sight : seen_) {
-    const SeamRow& point = points_[sight.point];
+  for (const int32_t at : looked_on_) {
+    Sight& sight = seen_[at];
     float share = 0.0f;
-    for (const int32_t texel : point.source) share = std::max(share, marks_[texel]);
-    if (share > 0.0f) fine_points_.push_back({sight.point, share / sight.height});
-    sight.may_differ = share > 0.0f || looks_at_foreign(point);
+    for (const int32_t texel : points_[sight.point].source) share = std::max(share, marks_[texel]);
+    fine_points_.push_back({sight.point, share / sight.height});
+    sight.is_noted = false;
   }
+  unsettled_ = looked_on_;
+  unsettled_.insert(unsettled_.end(), foreign_sights_.begin(), foreign_sights_.end());
+  for (const int32_t at : unsettled_) seen_[at].may_differ = true;
 }
 
 inline bool SeamLeveller::looks_at_foreign(const SeamRow& point) const {
@@ -163,7 +210,7 @@ inline float SeamLeveller::fine_reach(int32_t texel) const {
 /// Writes down the second problem for the texels that have a mark.
 void SeamLeveller::assemble() {
   fine_texels_.clear();
-  for (int32_t i = 0; i < unknowns_; ++i) {
+  for (const int32_t i : marked_) {
     if (marks_[i] == 0.0f) continue;
     fine_number_[i] = static_cast<int32_t>(fine_texels_.size());
     fine_texels_.push_back(i);
@@ -246,6 +293,7 @@ void SeamLeveller::run(std::vector<float>& map) {
   for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
   level_all();
   refresh_foreign();
+  marked_within_ = -1.0f;
   bool differs = level_fine(kLevelWithin);
   for (int32_t repeat = 0; repeat < kMostRepeats && differs; ++repeat) {
     refresh_foreign();
@@ -259,8 +307,10 @@ int64_t SeamLeveller::bytes() const {
     return static_cast<int64_t>(values.capacity() * sizeof(values[0]));
   };
   return of(texel_) + of(points_) + of(heights_) + of(values_) + of(seen_) + of(marks_) +
-         of(fine_number_) + of(foreign_) + of(fine_texels_) + of(fine_points_) + of(fine_rows_) +
-         of(limits_) + 8 * (factor_.entries() + fine_factor_.entries());
+         of(fine_number_) + of(marked_) + of(looker_begin_) + of(lookers_) + of(sight_of_) +
+         of(foreign_sights_) + of(unsettled_) + of(looked_on_) + of(foreign_) + of(fine_texels_) +
+         of(fine_points_) + of(fine_rows_) + of(limits_) +
+         8 * (factor_.entries() + fine_factor_.entries());
 }
 
 }  // namespace snowbough::snow

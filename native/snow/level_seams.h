@@ -44,6 +44,8 @@ class SeamLeveller {
     int32_t point;
     /// Whether it may have changed since it was looked at.
     bool may_differ;
+    /// Whether it is among looked_on_.
+    bool is_noted;
     float gap;
     float height;
   };
@@ -59,6 +61,8 @@ class SeamLeveller {
   /// Returns false where no point was further apart than a part `within` of the height.
   bool level_fine(float within);
   void mark(float within);
+  void mark_for(Sight& sight, float within);
+  void take_points();
   bool looks_at_foreign(const SeamRow& point) const;
   void assemble();
   bool solve_fine();
@@ -72,6 +76,9 @@ class SeamLeveller {
   int32_t unknowns_ = 0;
   float least_height_ = 0.0f;
   std::vector<SeamRow> points_;
+  /// The points that look at unknown i: [looker_begin_[i], looker_begin_[i + 1]) of lookers_.
+  std::vector<int32_t> looker_begin_;
+  std::vector<int32_t> lookers_;
   /// Texels that are only read because they are another chart's, and what they are there.
   std::vector<std::pair<int32_t, int32_t>> foreign_;
   bool factorised_ = false;
@@ -83,8 +90,19 @@ class SeamLeveller {
   /// What a solution is asked for, then what it is.
   std::vector<float> values_;
   std::vector<Sight> seen_;
+  /// Per point: its index in seen_; -1 = it sees no snow.
+  std::vector<int32_t> sight_of_;
+  /// In seen_: those that look at other charts' texels; those that may differ; those that look at a
+  /// marked texel.
+  std::vector<int32_t> foreign_sights_;
+  std::vector<int32_t> unsettled_;
+  std::vector<int32_t> looked_on_;
+  /// What marks were last made within; negative: none yet in this map.
+  float marked_within_ = -1.0f;
   /// The second problem. Per texel: how much it takes part, 0 to 1, and its number there.
   std::vector<float> marks_;
+  /// The unknowns that have a mark, and maybe some that have lost it, ascending.
+  std::vector<int32_t> marked_;
   std::vector<int32_t> fine_number_;
   std::vector<int32_t> fine_texels_;
   std::vector<FinePoint> fine_points_;
