@@ -80,42 +80,28 @@ bool is_shown(vec2 offset, float depth, Plane own, float shown_depth, Plane show
   return below >= min(bend, 0.0f) - slack && below <= max(bend, 0.0f) + slack;
 }
 
-/// Where a texel's sample point lies on the grid.
-struct TexelPoint {
-  /// The lower left corner of its pixel, and from there, to the point, 0 to 1.
-  vec2 corner;
-  vec2 offset;
-  /// In metres along the fall.
-  float depth;
-  Plane plane;
-};
-
-TexelPoint texel_point(int index) {
-  const uvec4 texel = texelFetch(texels, index);
-  KERNEL_CONST_REF(TexelTriangle) own = KERNEL_KEPT(last_own, uvec2(texel.x, 0u), texel_triangle(int(texel.x)));
-  const vec3 point =
-      own.corner + uintBitsToFloat(texel.z) * own.edge_b + uintBitsToFloat(texel.w) * own.edge_c;
-  const vec2 corner = floor(vec2(point));
-  return TexelPoint(corner, vec2(point) - corner, point.z, own.plane);
-}
-
 /// The object of a texel, with kReceives.
 uint texel_object(int index) { return texelFetch(group_slots, index / int(kTexelGroup)).x | kReceives; }
 
 /// The pixel that the texel's sample point projects to, if it takes part there: the pixel shows its map
-/// and its place on the surface, and some of it faces the fall.
-/// `object`: the texel's, with kReceives.
+/// and its place on the surface, and some of it faces the fall. `object`: see texel_object.
 TexelStep step_of(int index, uint object) {
   const TexelParts parts = parts_of(index);
   const TexelStep none = TexelStep(0u, 0u, parts.area, parts.up);
-  const TexelPoint point = texel_point(index);
+  const uvec4 texel = texelFetch(texels, index);
+  KERNEL_CONST_REF(TexelTriangle) own = KERNEL_KEPT(last_own, uvec2(texel.x, 0u), texel_triangle(int(texel.x)));
   // Where its point faces away, the texel may reach round an edge into the fall.
-  const float area = point.plane.facing > 0.0f ? parts.area * point.plane.facing : parts.facing_area;
+  const float area = own.plane.facing > 0.0f ? parts.area * own.plane.facing : parts.facing_area;
   const float weight = area / (fall.direction.w * fall.direction.w) * float(kPixelWeight);
-  const ivec2 pixel = ivec2(point.corner) - tile_origin;
   // A texel of hundreds of pixels is met by the pixels' centres as well as can be.
-  if (weight < 0.5f || weight >= 256.0f * float(kPixelWeight) || any(lessThan(pixel, ivec2(0))) ||
-      any(greaterThanEqual(pixel, tile_size))) {
+  if (weight < 0.5f || weight >= 256.0f * float(kPixelWeight)) {
+    return none;
+  }
+  const vec3 point =
+      own.corner + uintBitsToFloat(texel.z) * own.edge_b + uintBitsToFloat(texel.w) * own.edge_c;
+  const vec2 corner = floor(vec2(point));
+  const ivec2 pixel = ivec2(corner) - tile_origin;
+  if (any(lessThan(pixel, ivec2(0))) || any(greaterThanEqual(pixel, tile_size))) {
     return none;
   }
   const uvec2 seen = uvec2(texelFetch(occlusion, pixel_index(pixel)));
@@ -124,7 +110,7 @@ TexelStep step_of(int index, uint object) {
   }
   KERNEL_CONST_REF(ShownTriangle) shown = KERNEL_KEPT(last_shown, uvec2(seen.x, 0u), shown_triangle(seen.x - 1u));
   if (shown.object != object ||
-      !is_shown(point.offset - 0.5f, point.depth, point.plane, uintBitsToFloat(seen.y), shown.plane)) {
+      !is_shown(vec2(point) - corner - 0.5f, point.z, own.plane, uintBitsToFloat(seen.y), shown.plane)) {
     return none;
   }
   return TexelStep(packed_pixel(pixel), uint(weight + 0.5f), parts.area, parts.up);
