@@ -57,12 +57,14 @@ template <bool kAdd, int32_t kWidth>
       const float tap_scale = kFilterScaleStep * static_cast<float>(scale[i]);
       const float inner = kInnerOffset * tap_scale;
       const float outer = kOuterOffset * tap_scale;
-      const float w1 = kInnerWeight * positive(1.0f - std::fabs(1.0f - inner)) +
+      // A tap's part in a texel at distance d is what is left of 1 - |d - tap|; inner taps lie
+      // between 0 and 1.4, outer ones between 0 and 3.3.
+      const float w1 = kInnerWeight * (1.0f - std::fabs(1.0f - inner)) +
                        kOuterWeight * positive(1.0f - std::fabs(1.0f - outer));
-      const float w2 = kInnerWeight * positive(1.0f - std::fabs(2.0f - inner)) +
+      const float w2 = kInnerWeight * positive(inner - 1.0f) +
                        kOuterWeight * positive(1.0f - std::fabs(2.0f - outer));
       const float w3 = kOuterWeight * positive(1.0f - std::fabs(3.0f - outer));
-      const float w4 = kOuterWeight * positive(1.0f - std::fabs(4.0f - outer));
+      const float w4 = kOuterWeight * positive(outer - 3.0f);
       const float w0 = 1.0f - 2.0f * (w1 + w2 + w3 + w4);
       const float* at = from + i;
       const float sum =
