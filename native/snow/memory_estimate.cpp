@@ -85,10 +85,11 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
         texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
         static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
   }
-  // What is seen and its depth, both drawn and copied; the sums, the list of pixels and that of
+  // What is seen, drawn and copied; the depth test's own; the sums, the list of pixels and that of
   // snow to spread.
   estimate.tile = int64_t{tile_size} * tile_size *
-                  (2 * (4 + 4) + 4 + 4 + static_cast<int64_t>(sizeof(shared::SpreadSnow)));
+                  static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4 + 4 + 4 +
+                                       sizeof(shared::SpreadSnow));
   // Three heights, a normal and its tables.
   estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;
