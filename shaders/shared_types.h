@@ -19,5 +19,5 @@ using glm::uvec4;
 using glm::vec2;
 using glm::vec4;
 }  // namespace snowbough::shared
-#define SNOWBOUGH_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == bytes)
+#define SNOWBOUGH_SHARED_SIZE(type, bytes) static_assert(sizeof(type) == bytes);
 #endif

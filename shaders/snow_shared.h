@@ -15,7 +15,7 @@ struct SceneTriangle {
   uint c;
   uint object;
 };
-SNOWBOUGH_SHARED_SIZE(SceneTriangle, 16);
+SNOWBOUGH_SHARED_SIZE(SceneTriangle, 16)
 
 /// How a receiver's triangle lies on its map.
 struct MapTriangle {
@@ -27,7 +27,7 @@ struct MapTriangle {
   /// Number of its chart within its object.
   uint chart;
 };
-SNOWBOUGH_SHARED_SIZE(MapTriangle, 32);
+SNOWBOUGH_SHARED_SIZE(MapTriangle, 32)
 
 /// How a triangle lies on the image whose alpha cuts holes into it.
 struct AlphaTriangle {
@@ -38,7 +38,7 @@ struct AlphaTriangle {
   uint mask;
   uint unused_row_end;
 };
-SNOWBOUGH_SHARED_SIZE(AlphaTriangle, 32);
+SNOWBOUGH_SHARED_SIZE(AlphaTriangle, 32)
 
 /// An alpha mask among all masks' bits.
 struct AlphaMaskPlace {
@@ -48,7 +48,7 @@ struct AlphaMaskPlace {
   /// kAlphaRepeat and so on.
   uint extension;
 };
-SNOWBOUGH_SHARED_SIZE(AlphaMaskPlace, 16);
+SNOWBOUGH_SHARED_SIZE(AlphaMaskPlace, 16)
 
 /// What never changes about an owned texel.
 struct Texel {
@@ -60,14 +60,14 @@ struct Texel {
   float weight_b;
   float weight_c;
 };
-SNOWBOUGH_SHARED_SIZE(Texel, 16);
+SNOWBOUGH_SHARED_SIZE(Texel, 16)
 
 /// A part of a triangle that a texel holds.
 struct Fragment {
   uint triangle;
   float share;
 };
-SNOWBOUGH_SHARED_SIZE(Fragment, 8);
+SNOWBOUGH_SHARED_SIZE(Fragment, 8)
 
 /// What a step finds out about a texel.
 struct TexelStep {
@@ -80,7 +80,7 @@ struct TexelStep {
   /// Upward part of the normal, 1 on level ground.
   float up;
 };
-SNOWBOUGH_SHARED_SIZE(TexelStep, 16);
+SNOWBOUGH_SHARED_SIZE(TexelStep, 16)
 
 /// What the sky sees in a pixel.
 struct SeenPixel {
@@ -89,7 +89,7 @@ struct SeenPixel {
   /// In metres along the fall.
   float depth;
 };
-SNOWBOUGH_SHARED_SIZE(SeenPixel, 8);
+SNOWBOUGH_SHARED_SIZE(SeenPixel, 8)
 
 /// One step's fall and grid. Local pixels are counted from the grid pixel `base`, so that floats stay
 /// exact far away from the world's origin.
@@ -109,7 +109,7 @@ struct FallFrame {
   uint seed;
   uint step_number;
 };
-SNOWBOUGH_SHARED_SIZE(FallFrame, 96);
+SNOWBOUGH_SHARED_SIZE(FallFrame, 96)
 
 /// Pixels an object showed in this step.
 struct PixelCounts {
@@ -120,7 +120,7 @@ struct PixelCounts {
   /// Visible, and snow fell through the pixel: all of them at a noise density of 1.
   uint snowed;
 };
-SNOWBOUGH_SHARED_SIZE(PixelCounts, 16);
+SNOWBOUGH_SHARED_SIZE(PixelCounts, 16)
 
 /// How long a list is: the arguments of the dispatch that works on it, in work groups of kBlock, and the
 /// number of its entries. A list that needs more groups than kMostGroups is walked in strides.
@@ -130,14 +130,14 @@ struct ListSize {
   uint groups_z;
   uint count;
 };
-SNOWBOUGH_SHARED_SIZE(ListSize, 16);
+SNOWBOUGH_SHARED_SIZE(ListSize, 16)
 
 /// Snow for a texel of the batch and its neighbours, in m3.
 struct SpreadSnow {
   uint texel;
   float volume;
 };
-SNOWBOUGH_SHARED_SIZE(SpreadSnow, 8);
+SNOWBOUGH_SHARED_SIZE(SpreadSnow, 8)
 
 /// Work groups of texels that a pass works on: the arguments of its dispatch, in blocks of 64 invocations
 /// and whole, and behind them the groups' numbers.
@@ -151,7 +151,7 @@ struct GroupListHeader {
   uint whole_one_too;
   uint unused_end;
 };
-SNOWBOUGH_SHARED_SIZE(GroupListHeader, 32);
+SNOWBOUGH_SHARED_SIZE(GroupListHeader, 32)
 
 /// Which work groups of a batch hold an object's texels.
 struct StatisticsSegment {
@@ -160,7 +160,7 @@ struct StatisticsSegment {
   uint group_count;
   uint unused_row_end;
 };
-SNOWBOUGH_SHARED_SIZE(StatisticsSegment, 16);
+SNOWBOUGH_SHARED_SIZE(StatisticsSegment, 16)
 
 /// One receiver's balance. Volumes in m3 unless they are pixel counts.
 struct ObjectSums {
@@ -185,7 +185,7 @@ struct ObjectSums {
   double total_homeless;
   double total_fallen;
 };
-SNOWBOUGH_SHARED_SIZE(ObjectSums, 128);
+SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
 
 const uint kReceives = 0x80000000u;
 const uint kNowhere = 0xFFFFFFFFu;
