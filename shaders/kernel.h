@@ -7,6 +7,10 @@
 // parameters but plain inputs.
 #ifdef SNOWBOUGH_GLSL
 #define KERNEL_CONSTANT const
+/// A struct of that many members.
+#define KERNEL_MAKE2(type, a, b) type(a, b)
+#define KERNEL_MAKE3(type, a, b, c) type(a, b, c)
+#define KERNEL_MAKE4(type, a, b, c, d) type(a, b, c, d)
 /// What was found last, by two numbers, for a kernel that asks for it again: neighbouring texels lie in the
 /// same triangle.
 #define KERNEL_MEMORY(type, name)
@@ -27,6 +31,9 @@
 #define KERNEL_VIEW_RGBA32F(name) uniform samplerBuffer name
 #else
 #define KERNEL_CONSTANT static constexpr
+#define KERNEL_MAKE2(type, a, b) type{a, b}
+#define KERNEL_MAKE3(type, a, b, c) type{a, b, c}
+#define KERNEL_MAKE4(type, a, b, c, d) type{a, b, c, d}
 #define KERNEL_MEMORY(type, name) kernel::Kept<type> name;
 #define KERNEL_CONST_REF(type) const type&
 #define KERNEL_KEPT(name, key, found) (name).get(key, [&] { return found; })

@@ -22,7 +22,7 @@ struct TexelParts {
 KERNEL_MEMORY(TexelParts, last_parts)
 
 TexelParts sum_of_parts(int i, int end) {
-  TexelParts sum = TexelParts(0.0f, 0.0f, 0.0f);
+  TexelParts sum = KERNEL_MAKE3(TexelParts, 0.0f, 0.0f, 0.0f);
   float upper = 0.0f;
   // The end is asked for at the end: llvmpipe runs a loop's body once more for a test at its head.
   do {

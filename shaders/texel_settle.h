@@ -42,7 +42,7 @@ struct WholeStep {
   float stays;
 };
 
-WholeStep whole_step() { return WholeStep(1.0f - exp2(-dt / half_life), staying_part(dt)); }
+WholeStep whole_step() { return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt)); }
 
 float settle(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
@@ -70,12 +70,13 @@ struct TexelDeposit {
 TexelDeposit take_deposit(int index, uvec4 step) {
   const uint units = texelFetch(units_before, index).x;
   TexelDeposit deposit =
-      TexelDeposit(float(units) * (step_depth / kDepthUnits), units == kNowhere ? 1.0f : 0.0f);
+      KERNEL_MAKE2(
+      TexelDeposit, float(units) * (step_depth / kDepthUnits), units == kNowhere ? 1.0f : 0.0f);
   if (units != 0u) {
     deposit_units[index] = 0u;
   }
 #ifdef LAST_TILE
-  if (step.y != 0u) {
+  if (KERNEL_IS_BOUND(weight_sum) && step.y != 0u) {
     deposit.thickness += share_of(uvec2(step), uintBitsToFloat(step.z));
   }
 #endif
@@ -100,6 +101,7 @@ struct SettledTexel {
 SettledTexel settle_texel(float height, TexelDeposit deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.z);
   const float settled = settle(height, deposit.thickness, max_depth * uintBitsToFloat(step.w), whole);
-  return SettledTexel(settled, vec4(deposit.thickness * area, (height + deposit.thickness - settled) * area,
-                                    settled * area, deposit.saturated));
+  const vec4 sums = vec4(deposit.thickness * area, (height + deposit.thickness - settled) * area,
+                         settled * area, deposit.saturated);
+  return KERNEL_MAKE2(SettledTexel, settled, sums);
 }

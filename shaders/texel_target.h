@@ -55,15 +55,16 @@ TexelTriangle texel_triangle(int triangle) {
   const vec4 a = texelFetch(triangle_corners, 3 * triangle);
   const vec4 b = texelFetch(triangle_corners, 3 * triangle + 1);
   const vec4 c = texelFetch(triangle_corners, 3 * triangle + 2);
-  return TexelTriangle(vec3(a), vec3(b) - vec3(a), vec3(c) - vec3(a), Plane(vec2(a.w, b.w), c.w));
+  const Plane plane = KERNEL_MAKE2(Plane, vec2(a.w, b.w), c.w);
+  return KERNEL_MAKE4(TexelTriangle, vec3(a), vec3(b) - vec3(a), vec3(c) - vec3(a), plane);
 }
 
 ShownTriangle shown_triangle(uint triangle) {
   const int first = 12 * int(triangle);
-  return ShownTriangle(
-      Plane(vec2(texelFetch(corner_words, first + 3).x, texelFetch(corner_words, first + 7).x),
-            texelFetch(corner_words, first + 11).x),
-      object_of(triangle));
+  const vec2 gradient =
+      vec2(texelFetch(corner_words, first + 3).x, texelFetch(corner_words, first + 7).x);
+  const Plane plane = KERNEL_MAKE2(Plane, gradient, texelFetch(corner_words, first + 11).x);
+  return KERNEL_MAKE2(ShownTriangle, plane, object_of(triangle));
 }
 
 /// Whether a texel's point, `offset` pixels from the centre of a pixel, lies on what the pixel shows at
@@ -87,7 +88,7 @@ uint texel_object(int index) { return texelFetch(group_slots, index / int(kTexel
 /// and its place on the surface, and some of it faces the fall. `object`: see texel_object.
 TexelStep step_of(int index, uint object) {
   const TexelParts parts = parts_of(index);
-  const TexelStep none = TexelStep(0u, 0u, parts.area, parts.up);
+  const TexelStep none = KERNEL_MAKE4(TexelStep, 0u, 0u, parts.area, parts.up);
   const uvec4 texel = texelFetch(texels, index);
   KERNEL_CONST_REF(TexelTriangle) own = KERNEL_KEPT(last_own, uvec2(texel.x, 0u), texel_triangle(int(texel.x)));
   // Where its point faces away, the texel may reach round an edge into the fall.
@@ -113,5 +114,5 @@ TexelStep step_of(int index, uint object) {
       !is_shown(vec2(point) - corner - 0.5f, point.z, own.plane, uintBitsToFloat(seen.y), shown.plane)) {
     return none;
   }
-  return TexelStep(packed_pixel(pixel), uint(weight + 0.5f), parts.area, parts.up);
+  return KERNEL_MAKE4(TexelStep, packed_pixel(pixel), uint(weight + 0.5f), parts.area, parts.up);
 }

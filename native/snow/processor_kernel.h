@@ -15,9 +15,9 @@
 #include "snow/in_parallel.h"
 
 // What a C++ class needs in order to include a part of a shader as its members: such a kernel runs
-// on the processor where the driver is a software renderer, which takes three times as long for the
-// same source. One class a source file, since the parts are included once. Uses glm's names, so it
-// is for .cpp files only.
+// on the processor where the driver is a software renderer, which makes one and a half to three
+// times as much work of the same source. One class a source file, since the parts are included
+// once. Uses glm's names, so it is for .cpp files only.
 
 // Inner loops are built twice and chosen at run time, with all that they call; without fused
 // multiply-add both give the same bits.

@@ -135,7 +135,8 @@ SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, fl
   const double full_size = pass_radius / full_filter_sigma();
   const auto level = [&](float texel_size) {
     if (texel_size <= 0.0f) return uint8_t{0};
-    return static_cast<uint8_t>(std::min(full_size / texel_size, 1.0) * (kFilterLevels - 1) + 0.5);
+    return static_cast<uint8_t>(
+        std::lround(std::min(full_size / texel_size, 1.0) * (kFilterLevels - 1)));
   };
   plan.level_u.reserve(seams.texel_size.size());
   plan.level_v.reserve(seams.texel_size.size());
