@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "gpu/buffer_writer.h"
+#include "snow/group_triangles.h"
+#include "snow/scene_buffers.h"
+
+namespace snowbough::snow {
+
+/// Splits a map group's texels into batches while they are made, object by object, and uploads
+/// them. GPU thread.
+class BatchWriter {
+ public:
+  /// The group has that many fragments, and that many texels, whole work groups for each object.
+  BatchWriter(SceneBuffers& scene, int32_t group, size_t texel_count, size_t fragment_count)
+      : scene_(scene), group_(group), texels_left_(texel_count), fragments_left_(fragment_count) {}
+
+  /// An object's texels share a batch unless they fill one alone: where batches end then depends on
+  /// the object only, and so does what its passes compute.
+  void begin_object(int32_t slot, size_t texel_count, size_t fragment_count);
+  /// Adds the object's next texels, a work group of them or, at its end, less: those of `table`
+  /// that `order` lists. Their triangles and places on the map group begin at these numbers.
+  void add_group(const TexelTable& table, std::span<const int32_t> order, uint32_t first_triangle,
+                 uint32_t first_place);
+  void end_object();
+
+  /// Where the triangles of the work groups are noted, in the order of the groups.
+  GroupTriangles& triangles() { return triangles_; }
+  /// Index within the map group of the next texel.
+  int32_t next() const { return first_ + in_batch(); }
+
+  /// Uploads the rest, and what was noted.
+  void finish();
+
+ private:
+  /// The texels of a batch on their way to the GPU.
+  struct Arrays {
+    gpu::BufferWriter<shared::Texel> texels;
+    gpu::BufferWriter<uint32_t> fragment_begin;
+    gpu::BufferWriter<shared::Fragment> fragments;
+    std::vector<shared::StatisticsSegment> segments;
+  };
+
+  /// `first_fragments`: those of the first work group, which may be more than a batch should have.
+  void open_batch(size_t first_fragments);
+  void flush();
+  static TexelBatch upload(Arrays&& arrays, int32_t group, int32_t first);
+  void upload_group_triangles(TexelBatch& batch) const;
+  int32_t in_batch() const { return static_cast<int32_t>(arrays_.texels.size()); }
+  void open_segment();
+  void close_segment();
+
+  SceneBuffers& scene_;
+  int32_t group_;
+  int32_t first_ = 0;
+  int32_t slot_ = -1;
+  int32_t segment_begin_ = 0;
+  /// What is still to come.
+  size_t texels_left_;
+  size_t fragments_left_;
+  Arrays arrays_;
+  GroupTriangles triangles_;
+};
+
+}  // namespace snowbough::snow
