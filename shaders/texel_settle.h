@@ -69,9 +69,8 @@ struct TexelDeposit {
 /// The texel's deposit of the whole step; leaves the sums at 0.
 TexelDeposit take_deposit(int index, uvec4 step) {
   const uint units = texelFetch(units_before, index).x;
-  TexelDeposit deposit =
-      KERNEL_MAKE2(
-      TexelDeposit, float(units) * (step_depth / kDepthUnits), units == kNowhere ? 1.0f : 0.0f);
+  const float laid = float(units) * (step_depth / kDepthUnits);
+  TexelDeposit deposit = KERNEL_MAKE2(TexelDeposit, laid, units == kNowhere ? 1.0f : 0.0f);
   if (units != 0u) {
     deposit_units[index] = 0u;
   }

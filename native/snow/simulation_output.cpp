@@ -37,7 +37,7 @@ std::string number(double value) {
 /// Lines "name=value" of all that decides about the bits of the result.
 std::string describe(const SimulationSettings& s,
                      const std::map<std::string, std::shared_ptr<SceneObject>>& objects,
-                     const gpu::GpuInfo& gpu) {
+                     const gpu::GpuInfo& gpu, bool kernels_on_processor) {
   std::string text;
   text += "pixel_size=" + number(s.pixel_size) + "\n";
   text += "noise_density=" + number(s.noise_density) + "\n";
@@ -47,7 +47,8 @@ std::string describe(const SimulationSettings& s,
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
-  text += "driver=" + gpu.renderer + ", " + gpu.version + "\n";
+  text += "driver=" + gpu.renderer + ", " + gpu.version +
+          (kernels_on_processor ? ", kernels on the processor" : "") + "\n";
   for (const auto& [name, object] : objects) {
     const MapTopology& topology = object->description.topology;
     uint64_t hash = digest(topology.triangles.data(), topology.triangles.size() * 4);
@@ -189,7 +190,7 @@ void SnowSimulation::save(const std::string& path) {
   CheckpointData data;
   {
     const std::scoped_lock lock(mutex_);
-    data.settings_hash = describe(settings_, objects_, thread_->info());
+    data.settings_hash = describe(settings_, objects_, thread_->info(), kernels_on_processor());
   }
   data.step_number = now.step_number;
   for (const ObjectState& object : now.objects) {
@@ -207,8 +208,9 @@ void SnowSimulation::restore(const std::string& path, bool any_driver) {
   {
     const std::scoped_lock lock(mutex_);
     require_open();
-    const std::string changed =
-        differences(data.settings_hash, describe(settings_, objects_, thread_->info()), any_driver);
+    const std::string changed = differences(
+        data.settings_hash, describe(settings_, objects_, thread_->info(), kernels_on_processor()),
+        any_driver);
     if (!changed.empty()) {
       throw std::invalid_argument(path +
                                   " belongs to another simulation; what differs: " + changed);
