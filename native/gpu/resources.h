@@ -63,8 +63,8 @@ class Buffer : public Handle {
 };
 
 /// A buffer's memory in the processor's reach, to read and to write, while this lives; the buffer
-/// is left alone in the meantime. Only buffers of software
-/// renderers can be mapped: they have them there without copying them.
+/// is left alone in the meantime. Only buffers of software renderers can be mapped: they have them
+/// there without copying them.
 class BufferMap {
  public:
   /// Waits until the GPU is done with the buffer. @throws std::runtime_error when the driver

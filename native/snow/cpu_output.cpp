@@ -7,15 +7,7 @@
 
 #include "snow/in_parallel.h"
 #include "snow/normals.h"
-
-// Two builds of the inner loops, chosen at run time; without fused multiply-add both give the same
-// bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define SNOWBOUGH_WIDE __attribute__((target_clones("avx2", "default")))
-#else
-#define SNOWBOUGH_WIDE
-#endif
+#include "snow/wide.h"
 
 namespace snowbough::snow {
 namespace {

@@ -67,8 +67,9 @@ class Helpers {
 };
 
 Helpers& helpers() {
-  static Helpers all;
-  return all;
+  // Never destroyed: work that goes on while the process ends must not find them gone.
+  static auto* all = new Helpers();
+  return *all;
 }
 
 }  // namespace

@@ -87,9 +87,9 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   }
   // What is seen, drawn and copied; the depth test's own; the sums, the list of pixels and that of
   // snow to spread.
-  estimate.tile = int64_t{tile_size} * tile_size *
-                  static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4 + 4 + 4 +
-                                       sizeof(shared::SpreadSnow));
+  estimate.tile =
+      int64_t{tile_size} * tile_size *
+      static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4 + 4 + 4 + sizeof(shared::SpreadSnow));
   // Three heights, a normal and its tables.
   estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;

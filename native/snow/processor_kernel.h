@@ -13,19 +13,18 @@
 #include "shaders/kernel.h"
 #include "shaders/snow_shared.h"
 #include "snow/in_parallel.h"
+#include "snow/wide.h"
 
 // What a C++ class needs in order to include a part of a shader as its members: such a kernel runs
 // on the processor where the driver is a software renderer, which makes one and a half to three
 // times as much work of the same source. One class a source file, since the parts are included
 // once. Uses glm's names, so it is for .cpp files only.
 
-// Inner loops are built twice and chosen at run time, with all that they call; without fused
-// multiply-add both give the same bits.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && \
-    !defined(__SANITIZE_ADDRESS__)
-#define SNOWBOUGH_KERNEL __attribute__((target_clones("avx2", "default"), flatten))
+/// An inner loop, with all that it calls.
+#if defined(__GNUC__)
+#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE __attribute__((flatten))
 #else
-#define SNOWBOUGH_KERNEL
+#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE
 #endif
 
 namespace snowbough::shared {
