@@ -26,19 +26,23 @@ uvec3 pcg3d(uvec3 v) {
   return v;
 }
 
-/// Snow that falls through a pixel of the grid in this step, as thickness perpendicular to the fall:
-/// depth / |d.z| times a noise of mean 1 that depends on seed, step and grid pixel alone. WITHOUT_NOISE: for
-/// a noise density of 1, since software renderers run every branch.
-float snow_of_pixel(ivec2 local_pixel) {
+/// Whether snow falls through a pixel of the grid in this step: with the probability of the noise density,
+/// by seed, step and grid pixel alone. WITHOUT_NOISE: for a density of 1, since software renderers run every
+/// branch.
+bool gives_snow(ivec2 local_pixel) {
 #ifdef WITHOUT_NOISE
-  return fall.range.z;
+  return true;
 #else
   const float density = fall.range.w;
   if (density >= 1.0f) {
-    return fall.range.z;
+    return true;
   }
   const uvec2 pixel = uvec2(local_pixel + fall.base);
   const uint random = pcg3d(uvec3(pixel, fall.seed ^ (fall.step_number * 0x9E3779B9u))).x;
-  return float(random >> 8u) * (1.0f / 16777216.0f) < density ? fall.range.z / density : 0.0f;
+  return float(random >> 8u) * (1.0f / 16777216.0f) < density;
 #endif
 }
+
+/// Thickness perpendicular to the fall that a pixel through which snow falls brings in this step: depth /
+/// |d.z|, so much more as fewer pixels do.
+float snow_thickness() { return fall.range.z / min(fall.range.w, 1.0f); }

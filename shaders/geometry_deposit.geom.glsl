@@ -10,7 +10,7 @@ flat out float deposit;
 uniform float map_size;
 
 void main() {
-  if (map_place[0].z >= 0 && thickness[0] > 0.0) {
+  if (map_place[0].z >= 0) {
     deposit = thickness[0];
     gl_Layer = map_place[0].z;
     gl_Position = vec4((vec2(map_place[0].xy) + 0.5) / map_size * 2.0 - 1.0, 0.0, 1.0);

@@ -1,4 +1,4 @@
-// Counts what the sky sees of every object, for the formulation without a compute pass over pixels.
+// Counts what the sky sees of every object.
 // WALKERS: invocations of a work group; see snow/walkers.h.
 #include "pixel_counts.h"
 #include "tile_pixel.h"
@@ -7,14 +7,14 @@
 layout(local_size_x = WALKERS) in;
 /// A SeenPixel each.
 uniform usamplerBuffer occlusion;
-uniform ivec2 tile_origin;
 
 void main() {
-  const int y = int(gl_WorkGroupID.y);
-  const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x);
-  const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x);
+  // A work group walks along a row, each lane every WALKERS-th pixel.
+  const int y = int(gl_WorkGroupID.y) + kTileMargin;
+  const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x) + kTileMargin;
+  const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x - 2 * kTileMargin) + kTileMargin;
   uint current = 0u;
-  PixelCounts count = PixelCounts(0u, 0u, 0u, 0u);
+  PixelCounts count = PixelCounts(0u, 0u);
   for (ivec2 pixel = ivec2(begin, y); pixel.x < end; pixel.x += WALKERS) {
     const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
     const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
@@ -30,7 +30,6 @@ void main() {
       count.back_facing += 1u;
     } else {
       count.visible += 1u;
-      count.snowed += snow_of_pixel(pixel + tile_origin) > 0.0 ? 1u : 0u;
     }
   }
   flush(current, count);

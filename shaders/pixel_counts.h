@@ -1,5 +1,5 @@
 // GLSL only: counters of what the sky sees of every object.
-#include "fall_frame.h"
+#include "snow_shared.h"
 
 layout(std430) buffer Counts { PixelCounts counts[]; };
 
@@ -10,11 +10,5 @@ void flush(uint slot, inout PixelCounts count) {
   if (count.back_facing > 0u) {
     atomicAdd(counts[slot].back_facing, count.back_facing);
   }
-  if (count.homeless > 0u) {
-    atomicAdd(counts[slot].homeless, count.homeless);
-  }
-  if (count.snowed > 0u) {
-    atomicAdd(counts[slot].snowed, count.snowed);
-  }
-  count = PixelCounts(0u, 0u, 0u, 0u);
+  count = PixelCounts(0u, 0u);
 }

@@ -17,7 +17,7 @@ struct SceneTriangle {
 };
 SNOWBOUGH_SHARED_SIZE(SceneTriangle, 16)
 
-/// How a receiver's triangle lies on its map.
+/// How a receiver's triangle lies on its map. `home` and `chart` are for GEOMETRY only.
 struct MapTriangle {
   vec2 uv_a;
   vec2 uv_b;
@@ -50,35 +50,28 @@ struct AlphaMaskPlace {
 };
 SNOWBOUGH_SHARED_SIZE(AlphaMaskPlace, 16)
 
-/// What never changes about an owned texel.
-struct Texel {
-  uint triangle;
-  /// layer * resolution^2 + row * resolution + column within the map group; kNowhere fills up the
-  /// work group behind an object's last texel.
-  uint place;
-  /// Weights of the triangle's second and third corner at the sample point.
-  float weight_b;
-  float weight_c;
-};
-SNOWBOUGH_SHARED_SIZE(Texel, 16)
-
 /// A part of a triangle that a texel holds.
 struct Fragment {
   uint triangle;
+  /// Of the triangle's area, 0 to 1.
   float share;
+  /// Weights of the triangle's second and third corner at the part's centroid.
+  float weight_b;
+  float weight_c;
 };
-SNOWBOUGH_SHARED_SIZE(Fragment, 8)
+SNOWBOUGH_SHARED_SIZE(Fragment, 16)
 
 /// What a step finds out about a texel.
 struct TexelStep {
-  /// The pixel of the tile that it takes its snow from, row << 16 | column, and its projected area in
-  /// units of pixel area / kPixelWeight, 0 = it takes none.
-  uint pixel;
-  uint weight;
+  /// What falls on it, in units of the step's thickness perpendicular to the fall / kGainUnits: a texel
+  /// that faces the fall and is seen as a whole gains kGainUnits. Integers, so that the sum over tiles does
+  /// not depend on how they were cut.
+  uint gain;
   /// Covered area in m2.
   float area;
   /// Upward part of the normal, 1 on level ground.
   float up;
+  uint unused_row_end;
 };
 SNOWBOUGH_SHARED_SIZE(TexelStep, 16)
 
@@ -96,6 +89,8 @@ SNOWBOUGH_SHARED_SIZE(SeenPixel, 8)
 struct FallFrame {
   /// xyz: a point near the scene's middle, subtracted first.
   vec4 anchor;
+  /// xy: where in its cell a texel's samples lie in this step, 0 to 1.
+  vec4 sampling;
   /// xyz: the grid's axes divided by the pixel size; w: the anchor's place in local pixels.
   vec4 grid_x;
   vec4 grid_y;
@@ -109,35 +104,14 @@ struct FallFrame {
   uint seed;
   uint step_number;
 };
-SNOWBOUGH_SHARED_SIZE(FallFrame, 96)
+SNOWBOUGH_SHARED_SIZE(FallFrame, 112)
 
 /// Pixels an object showed in this step.
 struct PixelCounts {
   uint visible;
   uint back_facing;
-  /// Of `snowed`, those on a triangle without room on the map.
-  uint homeless;
-  /// Visible, and snow fell through the pixel: all of them at a noise density of 1.
-  uint snowed;
 };
-SNOWBOUGH_SHARED_SIZE(PixelCounts, 16)
-
-/// How long a list is: the arguments of the dispatch that works on it, in work groups of kBlock, and the
-/// number of its entries. A list that needs more groups than kMostGroups is walked in strides.
-struct ListSize {
-  uint groups_x;
-  uint groups_y;
-  uint groups_z;
-  uint count;
-};
-SNOWBOUGH_SHARED_SIZE(ListSize, 16)
-
-/// Snow for a texel of the batch and its neighbours, in m3.
-struct SpreadSnow {
-  uint texel;
-  float volume;
-};
-SNOWBOUGH_SHARED_SIZE(SpreadSnow, 8)
+SNOWBOUGH_SHARED_SIZE(PixelCounts, 8)
 
 /// Work groups of texels that a pass works on: the arguments of its dispatch, in blocks of 64 invocations
 /// and whole, and behind them the groups' numbers.
@@ -169,21 +143,15 @@ struct ObjectSums {
   double slid;
   double held;
   double held_before;
-  /// Texels whose fixed-point sum was full.
-  double saturated;
   /// Pixels.
   double visible;
   double back_facing;
-  double homeless;
-  double fallen;
   /// Of all steps. `total_stretched` is the change of volume by stretching surfaces.
   double total_deposited;
   double total_slid;
   double total_stretched;
-  double total_saturated;
   double total_visible_area;
-  double total_homeless;
-  double total_fallen;
+  double unused_end[6];
 };
 SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
 
@@ -195,10 +163,10 @@ const uint kAlphaMirror = 1u;
 const uint kAlphaExtend = 2u;
 const uint kAlphaClip = 3u;
 const uint kBackFace = 0x80000000u;
-/// Fixed-point units of one pixel's area.
-const uint kPixelWeight = 1u << 20;
-/// Fixed-point units of one step's depth on level ground.
-const float kDepthUnits = 262144.0f;
+/// See TexelStep::gain.
+const float kGainUnits = 268435456.0f;
+/// Pixels on every side of a tile that its neighbours own: what lies at its edge looks at them, too.
+const int kTileMargin = 1;
 /// Texels a work group handles; an object's texels begin at a multiple of it.
 const uint kTexelGroup = 1024u;
 /// Invocations of a work group, and how many such blocks make a group of texels.

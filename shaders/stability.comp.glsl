@@ -1,5 +1,6 @@
-// The stability pass, see texel_settle.h for what it does and its variants.
+// The stability pass, see texel_settle.h for what it does.
 //
+// DEPOSIT_MAP: the deposit lies on a map of its own.
 // WALKERS: invocations of a work group, at most kMostWalkers; see snow/walkers.h.
 #include "texel_group.h"
 #include "texel_place.h"
@@ -14,8 +15,8 @@ layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 /// Per group of texels; kHoldsSnow is set where some lies after the step.
 layout(std430) buffer GroupStates { uint group_states[]; };
-/// Texels, word by word.
-uniform usamplerBuffer texel_words;
+/// Per texel: layer * resolution^2 + row * resolution + column, kNowhere behind an object's last.
+uniform usamplerBuffer places;
 
 void main() {
   // An invocation takes every WALKERS-th texel of the work group's, so that no barrier is needed.
@@ -28,16 +29,16 @@ void main() {
   float highest = 0.0;
   for (uint i = 0u; i < kTexelGroup; i += gl_WorkGroupSize.x) {
     const int index = begin + int(i);
-    const uint place = texelFetch(texel_words, 4 * index + 1).x;
+    const uint place = texelFetch(places, index).x;
     if (place == kNowhere) {
       break;
     }
     const uvec4 step = texelFetch(texel_steps, index);
     const ivec3 at = decoded_place(place, resolution, one_over_resolution);
 #ifdef DEPOSIT_MAP
-    const TexelDeposit deposit = TexelDeposit(texelFetch(deposit_map, at, 0).x, 0.0);
+    const float deposit = texelFetch(deposit_map, at, 0).x;
 #else
-    const TexelDeposit deposit = take_deposit(index, step);
+    const float deposit = deposit_of(step);
 #endif
     const float height = imageLoad(height_map, at).x;
     const SettledTexel settled = settle_texel(height, deposit, step, whole);

@@ -26,6 +26,5 @@ void main() {
     sums[segment.slot].deposited += sum.x;
     sums[segment.slot].slid += sum.y;
     sums[segment.slot].held += sum.z;
-    sums[segment.slot].saturated += sum.w;
   }
 }

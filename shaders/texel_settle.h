@@ -3,28 +3,13 @@
 // Adds a texel's deposit of the step to its height and lets slide what the slope cannot hold: equation 4.2.2
 // of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved in closed form, so
 // that the result does not depend on the length of a step.
-//
-// LAST_TILE: the shares of the step's last (mostly only) tile are worked out here, which saves a pass.
-// DEPOSIT_MAP: the deposit lies on a map of its own.
-// EARLIER_TILES: shares of further tiles wait in DepositShare.
 #include "kernel.h"
 #include "snow_shared.h"
-#ifdef LAST_TILE
-#include "texel_share.h"
-#endif
 
-#ifndef DEPOSIT_MAP
-/// Left at 0 for the next step; read as a texture, which llvmpipe reads a whole vector at once from.
-KERNEL_BLOCK_WRITEONLY(DepositUnits, uint, deposit_units);
-KERNEL_VIEW_R32UI(units_before);
-KERNEL_UNIFORM(float, step_depth);
-#endif
-#ifdef EARLIER_TILES
-/// Read, and left at 0 for the next step.
-KERNEL_BLOCK(DepositShare, float, deposit_share);
-#endif
 /// A TexelStep each.
 KERNEL_VIEW_RGBA32UI(texel_steps);
+/// Metres that a texel which gains kGainUnits is given.
+KERNEL_UNIFORM(float, full_gain);
 KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
@@ -57,50 +42,20 @@ float settle(float height, float deposit, float capacity, WholeStep whole) {
   return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
 }
 
-/// A texel's deposit in a step.
-struct TexelDeposit {
-  /// In metres.
-  float thickness;
-  /// 1 where its fixed-point sum was full, else 0.
-  float saturated;
-};
-
-#ifndef DEPOSIT_MAP
-/// The texel's deposit of the whole step; leaves the sums at 0.
-TexelDeposit take_deposit(int index, uvec4 step) {
-  const uint units = texelFetch(units_before, index).x;
-  const float laid = float(units) * (step_depth / kDepthUnits);
-  TexelDeposit deposit = KERNEL_MAKE2(TexelDeposit, laid, units == kNowhere ? 1.0f : 0.0f);
-  if (units != 0u) {
-    deposit_units[index] = 0u;
-  }
-#ifdef LAST_TILE
-  if (KERNEL_IS_BOUND(weight_sum) && step.y != 0u) {
-    deposit.thickness += share_of(uvec2(step), uintBitsToFloat(step.z));
-  }
-#endif
-#ifdef EARLIER_TILES
-  const float share = KERNEL_IS_BOUND(deposit_share) ? deposit_share[index] : 0.0f;
-  if (share != 0.0f) {
-    deposit.thickness += share;
-    deposit_share[index] = 0.0f;
-  }
-#endif
-  return deposit;
-}
-#endif
+/// Thickness in metres that a step brings.
+float deposit_of(uvec4 step) { return float(step.x) * (full_gain / kGainUnits); }
 
 /// What a step does to a texel.
 struct SettledTexel {
   float height;
-  /// What it adds to the step's sums: deposited, slid and held volume in m3, number of saturated texels.
+  /// What it adds to the step's sums: deposited, slid and held volume in m3; w = 0.
   vec4 sums;
 };
 
-SettledTexel settle_texel(float height, TexelDeposit deposit, uvec4 step, WholeStep whole) {
-  const float area = uintBitsToFloat(step.z);
-  const float settled = settle(height, deposit.thickness, max_depth * uintBitsToFloat(step.w), whole);
-  const vec4 sums = vec4(deposit.thickness * area, (height + deposit.thickness - settled) * area,
-                         settled * area, deposit.saturated);
+SettledTexel settle_texel(float height, float deposit, uvec4 step, WholeStep whole) {
+  const float area = uintBitsToFloat(step.y);
+  const float settled = settle(height, deposit, max_depth * uintBitsToFloat(step.z), whole);
+  const vec4 sums =
+      vec4(deposit * area, (height + deposit - settled) * area, settled * area, 0.0f);
   return KERNEL_MAKE2(SettledTexel, settled, sums);
 }

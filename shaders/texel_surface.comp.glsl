@@ -1,6 +1,6 @@
-// Area and upward part of texels on the current vertices, in steps whose deposit does not find them.
+// Area and upward part of texels on the current vertices, in steps without a deposit that finds them.
 #include "texel_group.h"
-#include "texel_parts.h"
+#include "texel_surface.h"
 
 layout(local_size_x = 64) in;
 /// A TexelStep each, as one vector: llvmpipe stores it in one go.
@@ -8,6 +8,7 @@ layout(std430) writeonly buffer TexelSteps { uvec4 texel_steps[]; };
 
 void main() {
   const int index = listed_texel();
-  const TexelParts parts = parts_of(index);
-  texel_steps[index] = uvec4(0u, 0u, floatBitsToUint(parts.area), floatBitsToUint(parts.up));
+  const TexelSurface surface =
+      surface_of(int(texelFetch(fragment_begin, index).x), int(texelFetch(fragment_begin, index + 1).x));
+  texel_steps[index] = uvec4(0u, floatBitsToUint(surface.area), floatBitsToUint(surface.up), 0u);
 }

@@ -1,4 +1,4 @@
-// GLSL only: the texel under a pixel's centre. Both formulations of the deposit include it.
+// GLSL only: the texel under a pixel's centre.
 #include "fall_frame.h"
 #include "tile_pixel.h"
 

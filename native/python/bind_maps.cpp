@@ -49,6 +49,8 @@ py::dict texel_table(const InputArray<int32_t>& triangles, const InputArray<floa
   result["fragment_begin"] = to_numpy<int32_t>(std::move(table.fragment_begin), {texels + 1});
   result["fragment_triangle"] = to_numpy<int32_t>(std::move(table.fragment_triangle), {fragments});
   result["fragment_share"] = to_numpy<float>(std::move(table.fragment_share), {fragments});
+  result["fragment_barycentric"] =
+      to_numpy<float>(std::move(table.fragment_barycentric), {fragments, 2});
   result["chart_count"] = table.chart_count;
   result["degenerate_triangles"] = table.degenerate_triangles;
   result["homeless_charts"] = table.homeless_charts;

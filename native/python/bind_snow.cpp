@@ -196,13 +196,9 @@ void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
   dict["slid_volume"] = balance.slid_volume;
   dict["held_volume"] = balance.held_volume;
   dict["stretched_volume"] = balance.stretched_volume;
-  dict["fallen_volume"] = balance.fallen_volume;
-  dict["lost_volume"] = balance.lost_volume;
   dict["visible_area"] = balance.visible_area;
   dict["back_face_area"] = balance.back_face_area;
   dict["back_face_share"] = balance.back_face_share();
-  dict["saturated_texels"] = static_cast<int64_t>(balance.saturated_texels);
-  dict["homeless_pixels"] = static_cast<int64_t>(balance.homeless_pixels);
 }
 
 py::dict balance_dict(const snow::StatisticsPair& pair) {

@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "snow/union_find.h"
 
 namespace snowbough::snow {
 namespace {
@@ -61,29 +62,6 @@ EdgeUv edge_uv(const MapTopology& topology, const EdgeRecord& record) {
 bool same_uv(glm::vec2 a, glm::vec2 b) {
   return std::abs(a.x - b.x) <= kSameUv && std::abs(a.y - b.y) <= kSameUv;
 }
-
-class UnionFind {
- public:
-  explicit UnionFind(int32_t count) : parent_(static_cast<size_t>(count)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int32_t root(int32_t i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  /// The lower index stays the root, so that a set is named after its first member.
-  void join(int32_t a, int32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int32_t> parent_;
-};
 
 }  // namespace
 

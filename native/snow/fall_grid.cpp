@@ -69,6 +69,13 @@ glm::dvec2 grid_jitter(uint32_t seed, uint32_t step_number) {
           fraction(shift_of(seed, 1) + n * 0.5698402909980532)};
 }
 
+glm::dvec2 sample_shift(uint32_t seed, uint32_t step_number) {
+  // The fifth and sixth dimension of the R6 sequence.
+  const double n = step_number;
+  return {fraction(shift_of(seed, 4) + n * 0.5860866975779692),
+          fraction(shift_of(seed, 5) + n * 0.5266889867007356)};
+}
+
 glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32_t seed,
                              uint32_t step_number) {
   const double angle = std::acos(std::clamp(-direction.z, -1.0, 1.0));
@@ -120,6 +127,8 @@ shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& sc
 
   shared::FallFrame frame;
   frame.anchor = glm::vec4(anchor, 0.0f);
+  frame.sampling = glm::vec4(
+      glm::vec2(sample_shift(settings.seed, settings.step_number)), 0.0f, 0.0f);
   frame.grid_x = glm::vec4(glm::vec3(x / settings.pixel_size), place.x - base.x);
   frame.grid_y = glm::vec4(glm::vec3(y / settings.pixel_size), place.y - base.y);
   frame.direction = glm::vec4(glm::vec3(direction), settings.pixel_size);

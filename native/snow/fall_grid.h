@@ -33,6 +33,11 @@ struct Tile {
   /// Lower left corner of the viewport in local pixels. It is the same for every tile of a block,
   /// so that a triangle is clipped in the same way whatever the tile size.
   glm::ivec2 viewport_origin{0};
+
+  /// What is rendered: the tile's own pixels and those that points at its edge look at, too.
+  PixelRect with_margin() const {
+    return {pixels.low - shared::kTileMargin, pixels.high + shared::kTileMargin};
+  }
 };
 
 /// How one step falls.
@@ -52,7 +57,7 @@ struct FallSettings {
 /// Width of the viewport in pixels and of a block: a block and a margin of half a block around it.
 inline constexpr int32_t kViewportSize = 16384;
 inline constexpr int32_t kBlockSize = 8192;
-/// Largest edge of a tile: its pixels' sums fit llvmpipe's largest storage block (128 MiB).
+/// Largest edge of a tile.
 inline constexpr int32_t kLargestTile = 4096;
 static_assert(kLargestTile <= kBlockSize);
 
@@ -65,6 +70,10 @@ glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32
 /// Sub-pixel offset of the grid in a step, in [0, 1): the R2 sequence, shifted by the seed.
 /// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
 glm::dvec2 grid_jitter(uint32_t seed, uint32_t step_number);
+
+/// Where in its cell a sample of a texel that is much larger than a pixel lies in a step, in
+/// [0, 1): uniform, by seed and step.
+glm::dvec2 sample_shift(uint32_t seed, uint32_t step_number);
 
 /// Builds the frame that the shaders use: the grid lies perpendicular to the (fluttering) fall and
 /// is anchored at the world's origin; `scene` are the bounds of all objects.

@@ -62,8 +62,9 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   const shared::FallFrame frame = make_fall_frame(input.fall, bounds);
   fall_.write(0, sizeof frame, &frame);
   triangles_.run(scene, fall_);
+  const bool by_geometry = input.mapping == DepositMapping::kGeometry;
   // GEOMETRY draws all texels.
-  groups_.run(scene, input.mapping == DepositMapping::kGeometry);
+  groups_.run(scene, by_geometry);
 
   std::vector<PixelRect> rects;
   std::vector<PixelRect> receivers;
@@ -73,41 +74,35 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
       receivers.push_back(rects.back());
     }
   }
+  const std::vector<Tile> tiles = input.fall.depth > 0.0
+                                      ? make_tiles(receivers, input.tile_size)
+                                      : std::vector<Tile>{};
 
   statistics_.open(scene);
-  const StepSnow snow{static_cast<float>(input.fall.depth), input.fall.noise_density < 1.0};
-  PendingShares pending;
-  if (input.mapping == DepositMapping::kGeometry || snow.depth <= 0.0f) {
+  if (by_geometry || tiles.empty()) {
     surface_.run(scene);
   }
-  if (input.mapping == DepositMapping::kGeometry) {
+  if (by_geometry) {
     if (deposit_geometry_ == nullptr) {
       deposit_geometry_ = std::make_unique<DepositGeometryPass>();
     }
     deposit_geometry_->begin(scene);
-    pending.on_deposit_maps = true;
   }
-  if (snow.depth > 0.0f) {
-    const std::vector<Tile> tiles = make_tiles(receivers, input.tile_size);
-    for (const Tile& tile : tiles) {
-      const bool is_last = &tile == &tiles.back();
-      occlusion_.run(scene, fall_, tile, ranges_in(objects, scene, rects, tile.pixels), target_);
-      if (input.mapping == DepositMapping::kGeometry) {
-        deposit_geometry_->run(scene, fall_, tile, target_);
-        continue;
-      }
-      deposit_compute_.run(scene, fall_, tile, target_, snow, is_last);
-      if (is_last) {
-        pending = {&deposit_compute_.weight_sum(), &deposit_compute_.weight_sum_view(), &fall_,
-                   tile.pixels, tiles.size() > 1};
-      }
+  const double density = std::min(1.0, input.fall.noise_density);
+  for (const Tile& tile : tiles) {
+    occlusion_.run(scene, fall_, tile, ranges_in(objects, scene, rects, tile.with_margin()),
+                   target_);
+    counts_.run(scene, tile, target_);
+    if (by_geometry) {
+      deposit_geometry_->run(scene, fall_, tile, target_);
+    } else {
+      deposit_.run(scene, fall_, tile, target_, density < 1.0, &tile == &tiles.front());
     }
   }
-  stability_.run(scene, input.stability, pending, snow, static_cast<float>(input.dt));
+  stability_.run(scene, input.stability, static_cast<float>(frame.range.z / density),
+                 static_cast<float>(input.dt), by_geometry);
   const double pixel_area = input.fall.pixel_size * input.fall.pixel_size;
-  const double thickness = frame.range.z / std::min(1.0, input.fall.noise_density);
-  statistics_.close(scene, static_cast<float>(pixel_area),
-                    static_cast<float>(pixel_area * thickness));
+  statistics_.close(scene, static_cast<float>(pixel_area));
 }
 
 }  // namespace snowbough::snow

@@ -3,10 +3,11 @@
 #include <memory>
 #include <vector>
 
-#include "snow/deposit_compute.h"
+#include "snow/deposit.h"
 #include "snow/deposit_geometry.h"
 #include "snow/fall_grid.h"
 #include "snow/occlusion.h"
+#include "snow/pixel_counts.h"
 #include "snow/scene_buffers.h"
 #include "snow/stability.h"
 #include "snow/statistics.h"
@@ -16,11 +17,12 @@
 
 namespace snowbough::snow {
 
-/// How a deposit is computed; both give the same result.
+/// How a deposit is computed.
 enum class DepositMapping {
-  /// Compute shaders and integer atomics: bit-deterministic.
+  /// Texels gather what they see of the sky (DepositPass): smooth, and bit-deterministic.
   kCompute,
-  /// Points, a geometry shader and additive blending, as in the thesis's Algorithm 1.
+  /// Pixels scatter their snow onto the texels under them (DepositGeometryPass): the thesis's
+  /// Algorithm 1, for comparison.
   kGeometry,
 };
 
@@ -44,7 +46,8 @@ class FrameStep {
   TexelGroupsPass groups_;
   TexelSurfacePass surface_;
   OcclusionPass occlusion_;
-  DepositComputePass deposit_compute_;
+  PixelCountsPass counts_;
+  DepositPass deposit_;
   /// Made when it is first asked for.
   std::unique_ptr<DepositGeometryPass> deposit_geometry_;
   StabilityPass stability_;

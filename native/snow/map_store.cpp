@@ -55,7 +55,7 @@ void MapGroup::write_height(int32_t layer, const std::vector<float>& heights) {
   }
 }
 
-MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor) {
+MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor, bool with_owners) {
   MapGroup group;
   group.resolution = plan.resolution;
   group.first_slot = plan.first_slot;
@@ -65,7 +65,9 @@ MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor) {
   } else {
     group.height = gpu::Texture(GL_R32F, plan.resolution, plan.resolution, group.layers());
   }
-  group.owners = gpu::Texture(GL_RG32UI, plan.resolution, plan.resolution, group.layers());
+  if (with_owners) {
+    group.owners = gpu::Texture(GL_RG32UI, plan.resolution, plan.resolution, group.layers());
+  }
   return group;
 }
 

@@ -21,9 +21,9 @@ struct MapGroup {
   /// layer by layer and row by row.
   gpu::Texture height;
   gpu::Buffer height_rows;
-  /// Who owns a texel, RG32UI: x = 1 + index in the group (0 = nobody), y = chart << 8 | coverage.
+  /// Only for the deposit's mapping GEOMETRY: who owns a texel, RG32UI: x = 1 + index in the group
+  /// (0 = nobody), y = chart << 8 | coverage; a step's deposit in metres, R32F, and its target.
   gpu::Texture owners;
-  /// Only for the deposit's formulation GEOMETRY: a step's deposit in metres, R32F, and its target.
   gpu::Texture deposit;
   gpu::Framebuffer deposit_target;
 
@@ -32,12 +32,6 @@ struct MapGroup {
   /// Copies one layer's heights out or in. GPU thread.
   void read_height(int32_t layer, std::vector<float>& heights) const;
   void write_height(int32_t layer, const std::vector<float>& heights);
-};
-
-/// Where an object's map lies.
-struct MapPlace {
-  int32_t group = -1;
-  int32_t layer = 0;
 };
 
 /// The plan of which map lies where: receivers sorted by size, then name, get slots 0, 1, ...; what
@@ -58,6 +52,6 @@ struct MapPlan {
 MapPlan plan_maps(const std::vector<const SceneObject*>& objects, int32_t max_layers);
 
 /// Allocates a group's maps, empty. GPU thread.
-MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor);
+MapGroup make_map_group(const MapPlan::Group& plan, bool on_processor, bool with_owners);
 
 }  // namespace snowbough::snow

@@ -52,8 +52,9 @@ std::string MemoryEstimate::text() const {
          mebibytes(output) + ", seams " + mebibytes(seams) + ")";
 }
 
-MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size) {
-  constexpr int64_t kPerTexel = sizeof(shared::Texel) + 4 + sizeof(shared::TexelStep) + 4 + 4;
+MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
+                               bool with_owners) {
+  constexpr int64_t kPerTexel = 4 + 4 + sizeof(shared::TexelStep);
   MemoryEstimate estimate;
   int64_t largest_map = 0;
   std::set<const AlphaMask*> masks;  // never iterated over
@@ -62,7 +63,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     const auto triangles = static_cast<int64_t>(object->triangle_count());
     const int64_t vertices =
         std::max<int64_t>(static_cast<int64_t>(object->positions.size()), topology.vertex_count);
-    estimate.geometry += vertices * 12 + triangles * (16 + 48 + 16);
+    estimate.geometry += vertices * 12 + triangles * (16 + 48 + 16 + 4);
     const ObjectAlpha& alpha = object->description.alpha;
     estimate.geometry += static_cast<int64_t>(alpha.mask.size() * sizeof(shared::AlphaTriangle));
     for (const std::shared_ptr<const AlphaMask>& mask : alpha.masks) {
@@ -75,7 +76,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     }
     const int64_t map = int64_t{topology.resolution} * topology.resolution;
     largest_map = std::max(largest_map, map);
-    estimate.maps += map * (4 + 8);
+    estimate.maps += map * (with_owners ? 4 + 8 : 4);
     estimate.seams += levelling_bytes(object->table);
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
     const int64_t group = shared::kTexelGroup;
@@ -85,11 +86,9 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
         texels * kPerTexel + texels / group * (16 + 4 * 4) + triangles * 2 * 4 +
         static_cast<int64_t>(object->table.fragment_triangle.size() * sizeof(shared::Fragment));
   }
-  // What is seen, drawn and copied; the depth test's own; the sums, the list of pixels and that of
-  // snow to spread.
+  // What is seen, drawn and copied; the depth test's own.
   estimate.tile =
-      int64_t{tile_size} * tile_size *
-      static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4 + 4 + 4 + sizeof(shared::SpreadSnow));
+      int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
   // Three heights, a normal and its tables.
   estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
   return estimate;

@@ -12,7 +12,7 @@ namespace snowbough::snow {
 /// What a simulation will take on the GPU (with llvmpipe: in main memory), in bytes, told before
 /// anything is allocated.
 struct MemoryEstimate {
-  /// Height maps and owner tables.
+  /// Height maps, and owner tables where there are any.
   int64_t maps = 0;
   /// What the passes keep per owned texel.
   int64_t texels = 0;
@@ -31,7 +31,9 @@ struct MemoryEstimate {
   std::string text() const;
 };
 
-MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size);
+/// `with_owners`: see SceneLayout.
+MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
+                               bool with_owners = false);
 
 /// Free memory of the GPU in bytes, of the machine where the driver is a software one or does not
 /// tell; 0 = unknown. GPU thread.

@@ -40,7 +40,7 @@ void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const 
   program.bind_texture("triangle_corners", scene.views.triangle_corners);
   program.set("viewport_origin", glm::vec2(tile.viewport_origin));
   program.set("viewport_size", static_cast<float>(kViewportSize));
-  program.set("tile_origin", tile.pixels.low);
+  program.set("tile_origin", tile.with_margin().low);
   if (&program != &program_) {
     program.bind_texture("alpha_triangles", scene.views.alpha_triangles);
     program.bind_texture("alpha_places", scene.views.alpha_places);
@@ -50,7 +50,8 @@ void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const 
 
 void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
                         const std::vector<TriangleRange>& ranges, OcclusionTarget& target) {
-  const glm::ivec2 size = tile.pixels.size();
+  const PixelRect shown = tile.with_margin();
+  const glm::ivec2 size = shown.size();
   target.require_size(size);
   glBindFramebuffer(GL_DRAW_FRAMEBUFFER, target.framebuffer.id());
   glBindVertexArray(vertices_.id());
@@ -66,7 +67,7 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, cons
   const GLfloat far_away = 1.0f;
   glClearBufferuiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &far_away);
-  glViewport(tile.viewport_origin.x - tile.pixels.low.x, tile.viewport_origin.y - tile.pixels.low.y,
+  glViewport(tile.viewport_origin.x - shown.low.x, tile.viewport_origin.y - shown.low.y,
              kViewportSize, kViewportSize);
 
   gpu::Program* used = nullptr;

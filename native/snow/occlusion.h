@@ -17,7 +17,7 @@ struct OcclusionTarget {
   gpu::Texture visible_texture;
   gpu::Texture depth_texture;
   gpu::Framebuffer framebuffer;
-  /// Per pixel of the tile: a shared::SeenPixel.
+  /// Per pixel of the tile with its margin: a shared::SeenPixel.
   gpu::Buffer visible;
   struct Views {
     gpu::BufferTexture visible;
@@ -38,7 +38,7 @@ struct TriangleRange {
   int32_t alpha_offset = 0;
 };
 
-/// Renders the scene along the fall onto one tile of the grid.
+/// Renders the scene along the fall onto one tile of the grid, with its margin.
 class OcclusionPass {
  public:
   /// `fall` holds the FallFrame, the triangles are those of its TriangleFallPass. Clears and fills

@@ -7,6 +7,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "snow/sheets.h"
 #include "snow/surface_order.h"
 #include "snow/texel_batches.h"
 
@@ -49,13 +50,38 @@ void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners,
   }
 }
 
-/// Adds one receiver's texels to its group and fills in its owners and map triangles.
-void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
+/// Fills in where GEOMETRY finds texels: a layer of the group's `owners`, and per map triangle the
+/// texel that holds most of it. `order`: the receiver's texels as they lie in the group, from
+/// `first_owner` on.
+void add_owners(const TexelTable& table, const std::vector<int32_t>& order, uint32_t first_owner,
+                int32_t layer, MapGroup& group, std::span<shared::MapTriangle> map_triangles) {
+  std::vector<uint32_t> owners(
+      static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution), 0);
+  std::vector<float> home_share(map_triangles.size(), 0.0f);
+  for (size_t at = 0; at < order.size(); ++at) {
+    const auto i = static_cast<size_t>(order[at]);
+    const auto owner = first_owner + static_cast<uint32_t>(at);
+    owners[static_cast<size_t>(table.texel[i])] = owner;
+    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
+    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
+      const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
+      if (table.fragment_share[f] > home_share[triangle]) {
+        home_share[triangle] = table.fragment_share[f];
+        map_triangles[triangle].home = owner;
+        map_triangles[triangle].chart = static_cast<uint32_t>(table.chart[i]);
+      }
+    }
+  }
+  upload_owners(table, owners, layer, group.owners);
+}
+
+/// Adds one receiver's texels to its group, and its map triangles.
+void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer, bool has_owners,
                   BatchWriter& writer, MapGroup& group,
                   std::vector<shared::MapTriangle>& map_triangles) {
   const TexelTable& table = object.table;
-  const int32_t resolution = table.resolution;
-  const auto map_texels = static_cast<uint32_t>(resolution) * static_cast<uint32_t>(resolution);
+  const auto map_texels =
+      static_cast<uint32_t>(table.resolution) * static_cast<uint32_t>(table.resolution);
   const size_t first_map = map_triangles.size();
   const MapTopology& topology = object.description.topology;
   for (int32_t t = 0; t < object.triangle_count(); ++t) {
@@ -71,26 +97,10 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
                      static_cast<uint32_t>(first_triangle),
                      static_cast<uint32_t>(layer) * map_texels);
   }
-
-  std::vector<uint32_t> owners(static_cast<size_t>(map_texels), 0);
-  std::vector<float> home_share(static_cast<size_t>(object.triangle_count()), 0.0f);
-  for (size_t at = 0; at < order.size(); ++at) {
-    const auto i = static_cast<size_t>(order[at]);
-    const auto owner = first_owner + static_cast<uint32_t>(at);
-    owners[static_cast<size_t>(table.texel[i])] = owner;
-    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
-    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
-      const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
-      if (table.fragment_share[f] > home_share[triangle]) {
-        home_share[triangle] = table.fragment_share[f];
-        map_triangles[first_map + triangle].home = owner;
-        map_triangles[first_map + triangle].chart = static_cast<uint32_t>(table.chart[i]);
-      }
-    }
+  add_group_triangles(table, order, static_cast<uint32_t>(first_triangle), writer.triangles());
+  if (has_owners) {
+    add_owners(table, order, first_owner, layer, group, std::span(map_triangles).subspan(first_map));
   }
-  upload_owners(table, owners, layer, group.owners);
-  add_group_triangles(table, order, owners, static_cast<uint32_t>(first_triangle),
-                      writer.triangles());
 }
 
 /// Uploads the objects' alpha; masks that several objects share lie there once.
@@ -135,14 +145,17 @@ void add_alpha(const std::vector<const SceneObject*>& objects, const gpu::GpuInf
 }  // namespace
 
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
-                                 const gpu::GpuInfo& info, bool on_processor) {
+                                 const gpu::GpuInfo& info, SceneLayout layout) {
   SceneBuffers scene;
-  scene.on_processor = on_processor;
+  scene.on_processor = layout.on_processor;
+  scene.has_owners = layout.with_owners;
   const MapPlan plan = plan_maps(objects, info.max_array_layers);
   scene.slot = plan.slot;
   scene.group = plan.group;
 
   std::vector<shared::SceneTriangle> triangles;
+  std::vector<uint32_t> triangle_sheets;
+  uint32_t first_sheet = 0;
   int32_t vertex_count = 0;
   for (size_t i = 0; i < objects.size(); ++i) {
     const MapTopology& topology = objects[i]->description.topology;
@@ -157,12 +170,18 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
                            base + static_cast<uint32_t>(topology.triangles[t + 2]), slot});
     }
     vertex_count += static_cast<int32_t>(objects[i]->positions.size());
+    const Sheets sheets = find_sheets(topology.triangles, topology.vertex_count);
+    for (const int32_t sheet : sheets.sheet) {
+      triangle_sheets.push_back(first_sheet + static_cast<uint32_t>(sheet));
+    }
+    first_sheet += static_cast<uint32_t>(sheets.count);
   }
   scene.triangle_count = static_cast<int32_t>(triangles.size());
   require_room(static_cast<int64_t>(triangles.size()) * 16, info, "triangles");
   require_room(static_cast<int64_t>(vertex_count) * 12, info, "vertices");
   scene.positions = gpu::Buffer(static_cast<int64_t>(vertex_count) * 12);
   scene.triangles = gpu::Buffer(triangles);
+  scene.triangle_sheets = gpu::Buffer(triangle_sheets);
   scene.triangle_corners = gpu::Buffer(static_cast<int64_t>(triangles.size()) * 48);
   scene.triangle_surface = gpu::Buffer(static_cast<int64_t>(triangles.size()) * 16);
 
@@ -173,7 +192,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   std::vector<shared::MapTriangle> map_triangles;
   std::vector<int32_t> map_offsets(objects.size(), 0);
   for (size_t g = 0; g < plan.groups.size(); ++g) {
-    scene.groups.push_back(make_map_group(plan.groups[g], on_processor));
+    scene.groups.push_back(make_map_group(plan.groups[g], layout.on_processor, layout.with_owners));
     MapGroup& group = scene.groups.back();
     size_t texel_count = 0;
     size_t fragment_count = 0;
@@ -189,8 +208,8 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
           static_cast<int32_t>(map_triangles.size()) - scene.first_triangle[i];
       const TexelTable& table = objects[i]->table;
       writer.begin_object(slot, table.texel.size(), table.fragment_share.size());
-      add_receiver(*objects[i], scene.first_triangle[i], slot - group.first_slot, writer, group,
-                   map_triangles);
+      add_receiver(*objects[i], scene.first_triangle[i], slot - group.first_slot, scene.has_owners,
+                   writer, group, map_triangles);
       writer.end_object();
     }
     writer.finish();
@@ -205,9 +224,9 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
   scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);
   scene.views.triangle_words = gpu::BufferTexture(scene.triangles, GL_R32UI);
-  scene.views.corner_words = gpu::BufferTexture(scene.triangle_corners, GL_R32F);
   scene.views.triangle_corners = gpu::BufferTexture(scene.triangle_corners, GL_RGBA32F);
   scene.views.triangle_surface = gpu::BufferTexture(scene.triangle_surface, GL_RGBA32F);
+  scene.views.triangle_sheets = gpu::BufferTexture(scene.triangle_sheets, GL_R32UI);
   scene.views.map_triangles = gpu::BufferTexture(scene.map_triangles, GL_RGBA32F);
   scene.views.map_offsets = gpu::BufferTexture(scene.map_offsets, GL_R32I);
   add_alpha(objects, info, scene);

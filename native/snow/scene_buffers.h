@@ -11,8 +11,7 @@
 
 namespace snowbough::snow {
 
-/// Texels of a batch: its widest array, 16 bytes a texel, fits llvmpipe's largest storage buffer
-/// (128 MiB) with room for the fragments.
+/// Texels of a batch: its steps, 16 bytes a texel, fit llvmpipe's largest storage buffer (128 MiB).
 inline constexpr int32_t kBatchTexels = (1 << 22) - static_cast<int32_t>(shared::kTexelGroup);
 /// OpenGL promises dispatches of 65,535 work groups; the smallest work groups take 64 texels.
 static_assert(kBatchTexels / 64 <= 65535 && kBatchTexels % shared::kTexelGroup == 0);
@@ -26,13 +25,13 @@ struct TexelBatch {
   /// Which work groups belong to which object; counted from the batch's beginning.
   std::vector<shared::StatisticsSegment> segments;
 
-  gpu::Buffer texels;
+  /// layer * resolution^2 + row * resolution + column within the map group; shared::kNowhere fills
+  /// up the work group behind an object's last texel.
+  gpu::Buffer places;
   gpu::Buffer fragment_begin;
   gpu::Buffer fragments;
   /// shared::TexelStep, of the step that is being computed.
   gpu::Buffer steps;
-  gpu::Buffer share;
-  gpu::Buffer units;
   gpu::Buffer partials;
   gpu::Buffer segment_buffer;
   gpu::Buffer group_slots;
@@ -46,15 +45,10 @@ struct TexelBatch {
 
   /// The buffers above as buffer textures, which llvmpipe reads a whole vector at a time.
   struct Views {
-    gpu::BufferTexture texels;
-    /// The same, number by number.
-    gpu::BufferTexture texel_words;
+    gpu::BufferTexture places;
     gpu::BufferTexture fragment_begin;
     gpu::BufferTexture fragments;
     gpu::BufferTexture steps;
-    /// The same as floats, for their areas.
-    gpu::BufferTexture step_floats;
-    gpu::BufferTexture units;
     gpu::BufferTexture group_slots;
     gpu::BufferTexture group_begin;
     gpu::BufferTexture group_triangles;
@@ -68,6 +62,8 @@ struct SceneBuffers {
   /// Whether the kernels of the deposit and the stability pass run on the processor instead of as
   /// shaders, see snow/processor_kernel.h; heights lie in buffers then.
   bool on_processor = false;
+  /// Whether the groups have `owners` and map triangles a home, for DepositGeometryPass.
+  bool has_owners = false;
   /// Per object, in drawing order (by name): where its vertices and triangles begin, and its slot.
   std::vector<int32_t> first_vertex;
   std::vector<int32_t> first_triangle;
@@ -82,6 +78,8 @@ struct SceneBuffers {
   /// Triangles as the step's fall meets them, see shaders/triangle_fall.h.
   gpu::Buffer triangle_corners;
   gpu::Buffer triangle_surface;
+  /// Per triangle: its sheet (snow/sheets.h), numbered through all objects.
+  gpu::Buffer triangle_sheets;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
   /// Of the objects with alpha only: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks'
@@ -97,11 +95,11 @@ struct SceneBuffers {
   struct Views {
     gpu::BufferTexture positions;
     gpu::BufferTexture triangles;
-    /// `triangles` and `triangle_corners` number by number.
+    /// `triangles` number by number.
     gpu::BufferTexture triangle_words;
-    gpu::BufferTexture corner_words;
     gpu::BufferTexture triangle_corners;
     gpu::BufferTexture triangle_surface;
+    gpu::BufferTexture triangle_sheets;
     gpu::BufferTexture map_triangles;
     gpu::BufferTexture map_offsets;
     gpu::BufferTexture alpha_triangles;
@@ -110,10 +108,17 @@ struct SceneBuffers {
   } views;
 };
 
+/// How a scene is laid out.
+struct SceneLayout {
+  /// See SceneBuffers.
+  bool on_processor = false;
+  bool with_owners = false;
+};
+
 /// Lays out and uploads the scene, positions excepted. `objects` are sorted by name and have
-/// positions. `on_processor`: where kernels run. GPU thread. @throws std::runtime_error when a
-/// buffer would exceed the driver's limit (with the figure and what to do).
+/// positions. GPU thread.
+/// @throws std::runtime_error when a buffer would exceed the driver's limit (with the figure).
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
-                                 const gpu::GpuInfo& info, bool on_processor = false);
+                                 const gpu::GpuInfo& info, SceneLayout layout = {});
 
 }  // namespace snowbough::snow

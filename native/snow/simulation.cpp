@@ -88,13 +88,16 @@ std::vector<const SceneObject*> SnowSimulation::all_objects() const {
 }
 
 void SnowSimulation::build_scene() {
-  require_memory(estimate_memory(all_objects(), settings_.tile_size),
+  require_memory(estimate_memory(all_objects(), settings_.tile_size,
+                                 settings_.mapping == DepositMapping::kGeometry),
                  available_memory(thread_->info()));
   if (gpu_ == nullptr) {
     gpu_ = std::make_unique<Gpu>();
   }
   gpu_->scene = SceneBuffers{};
-  gpu_->scene = build_scene_buffers(all_objects(), thread_->info(), kernels_on_processor());
+  gpu_->scene = build_scene_buffers(
+      all_objects(), thread_->info(),
+      {kernels_on_processor(), settings_.mapping == DepositMapping::kGeometry});
   for (auto& [name, object] : objects_) {
     object->moved = true;
   }
@@ -264,7 +267,8 @@ SnowStatistics SnowSimulation::statistics() {
 
 MemoryEstimate SnowSimulation::memory_estimate() const {
   const std::scoped_lock lock(mutex_);
-  return estimate_memory(all_objects(), settings_.tile_size);
+  return estimate_memory(all_objects(), settings_.tile_size,
+                                 settings_.mapping == DepositMapping::kGeometry);
 }
 
 const gpu::GpuInfo& SnowSimulation::gpu_info() const {

@@ -47,6 +47,8 @@ std::string describe(const SimulationSettings& s,
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
+  // The first deposit shared pixels out among texels and was not written here.
+  text += "deposit=gathered\n";
   text += "driver=" + gpu.renderer + ", " + gpu.version +
           (kernels_on_processor ? ", kernels on the processor" : "") + "\n";
   for (const auto& [name, object] : objects) {

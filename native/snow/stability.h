@@ -5,8 +5,6 @@
 #include <vector>
 
 #include "gpu/program_variants.h"
-#include "snow/deposit_compute.h"
-#include "snow/fall_grid.h"
 #include "snow/scene_buffers.h"
 #include "snow/walkers.h"
 
@@ -25,33 +23,18 @@ inline float reckoned_half_life(const StabilitySettings& settings) {
   return std::max(settings.half_life, 1e-6f);
 }
 
-/// What the deposit of the step's last tile left to be shared out.
-struct PendingShares {
-  /// DepositComputePass::weight_sum and weight_sum_view; null = no tile is pending.
-  const gpu::Buffer* weight_sum = nullptr;
-  const gpu::BufferTexture* weight_sum_view = nullptr;
-  /// The step's FallFrame, and the tile's pixels.
-  const gpu::Buffer* fall = nullptr;
-  PixelRect tile;
-  /// Shares of further tiles wait in the batches' `share`.
-  bool earlier_tiles = false;
-  /// The whole deposit lies on the groups' `deposit` maps; nothing of the above counts.
-  bool on_deposit_maps = false;
-};
-
-/// Adds the step's deposit (the batches' `units` and `share`, left at zero, and what is pending in
-/// their `steps`) to the height maps and lets slide what the slope cannot hold, in closed form over
-/// `dt` seconds; leaves the volumes in the batches' `partials`, as many a work group of texels as
-/// there are walkers.
+/// Adds the step's deposit (`gain` of the batches' `steps`) to the height maps and lets slide what
+/// the slope cannot hold, in closed form over `dt` seconds; leaves the volumes in the batches'
+/// `partials`, as many a work group of texels as there are walkers.
 class StabilityPass {
  public:
   /// `walkers`: at most shared::kMostWalkers. GPU thread.
   explicit StabilityPass(int32_t walkers = snow::walkers()) : walkers_(walkers) {}
 
-  /// `snow.depth` is what the step's `units` refer to. Without a pending tile only `units` and
-  /// `share` count. GPU thread.
-  void run(SceneBuffers& scene, const StabilitySettings& settings, const PendingShares& pending,
-           const StepSnow& snow, float dt);
+  /// `full_gain`: thickness in metres that a texel which gains shared::kGainUnits is given.
+  /// `on_deposit_maps`: the deposit lies on the groups' `deposit` maps instead. GPU thread.
+  void run(SceneBuffers& scene, const StabilitySettings& settings, float full_gain, float dt,
+           bool on_deposit_maps = false);
 
  private:
   int32_t walkers_;

@@ -8,12 +8,8 @@ void add(SnowBalance& sum, const SnowBalance& other) {
   sum.slid_volume += other.slid_volume;
   sum.held_volume += other.held_volume;
   sum.stretched_volume += other.stretched_volume;
-  sum.fallen_volume += other.fallen_volume;
-  sum.lost_volume += other.lost_volume;
   sum.visible_area += other.visible_area;
   sum.back_face_area += other.back_face_area;
-  sum.saturated_texels += other.saturated_texels;
-  sum.homeless_pixels += other.homeless_pixels;
 }
 
 }  // namespace
@@ -25,25 +21,17 @@ StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area) {
   step.slid_volume = sums.slid;
   step.held_volume = sums.held;
   step.stretched_volume = sums.held - (sums.held_before + sums.deposited - sums.slid);
-  step.fallen_volume = sums.fallen;
-  step.lost_volume = sums.fallen - sums.deposited;
   step.visible_area = sums.visible * pixel_area;
   step.back_face_area = sums.back_facing * pixel_area;
-  step.saturated_texels = sums.saturated;
-  step.homeless_pixels = sums.homeless;
 
   SnowBalance& total = pair.total;
   total.deposited_volume = sums.total_deposited;
   total.slid_volume = sums.total_slid;
   total.held_volume = sums.held;
   total.stretched_volume = sums.total_stretched;
-  total.fallen_volume = sums.total_fallen;
-  total.lost_volume = sums.total_fallen - sums.total_deposited;
   total.visible_area = sums.total_visible_area;
   // Back faces have no total of their own: what counts is whether they show now.
   total.back_face_area = step.back_face_area;
-  total.saturated_texels = sums.total_saturated;
-  total.homeless_pixels = sums.total_homeless;
   return pair;
 }
 
@@ -61,7 +49,7 @@ void StatisticsPass::open(SceneBuffers& scene) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void StatisticsPass::close(SceneBuffers& scene, float pixel_area, float pixel_volume) {
+void StatisticsPass::close(SceneBuffers& scene, float pixel_area) {
   for (const TexelBatch& batch : scene.batches) {
     sums_.use();
     sums_.bind("Partials", batch.partials);
@@ -75,7 +63,6 @@ void StatisticsPass::close(SceneBuffers& scene, float pixel_area, float pixel_vo
   close_.bind("Counts", scene.pixel_counts);
   close_.set("object_count", static_cast<uint32_t>(scene.slot.size()));
   close_.set("pixel_area", pixel_area);
-  close_.set("pixel_volume", pixel_volume);
   close_.dispatch(gpu::group_count(static_cast<int64_t>(scene.slot.size()), 64));
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_BUFFER_UPDATE_BARRIER_BIT);
 }

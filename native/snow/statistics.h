@@ -19,18 +19,10 @@ struct SnowBalance {
   double held_volume = 0.0;
   /// Change of volume because surfaces stretched or shrank under the snow.
   double stretched_volume = 0.0;
-  /// Volume that fell on visible front faces, and what of it found no place on a map (triangles
-  /// without UV area, saturated texels) or was lost in rounding.
-  double fallen_volume = 0.0;
-  double lost_volume = 0.0;
   /// Area seen from the sky, measured perpendicular to the fall: of front faces, and of back faces,
   /// which gather nothing.
   double visible_area = 0.0;
   double back_face_area = 0.0;
-  /// Number of texels whose fixed-point sum was full; of pixels that give snow, but to triangles
-  /// without UV area.
-  double saturated_texels = 0.0;
-  double homeless_pixels = 0.0;
 
   /// Which share of what the sky sees is back faces: much of it hints at flipped normals.
   double back_face_share() const {
@@ -66,9 +58,9 @@ class StatisticsPass {
 
   /// Sets the step's sums to zero; before the deposit. GPU thread.
   void open(SceneBuffers& scene);
-  /// Adds up the stability pass's work groups and brings the totals up to date. `pixel_volume` is
-  /// the snow that falls through a pixel that is not left out by noise, in m3. GPU thread.
-  void close(SceneBuffers& scene, float pixel_area, float pixel_volume);
+  /// Adds up the stability pass's work groups and brings the totals up to date. `pixel_area` in m2.
+  /// GPU thread.
+  void close(SceneBuffers& scene, float pixel_area);
 
  private:
   gpu::Program sums_;

@@ -8,8 +8,8 @@ namespace {
 
 using shared::kTexelGroup;
 
-/// Bytes of fragments after which a batch is closed.
-constexpr size_t kBatchFragments = size_t{12} << 20;
+/// Fragments after which a batch is closed: 112 of llvmpipe's 128 MiB.
+constexpr size_t kBatchFragments = size_t{7} << 20;
 
 /// Until the first step chooses: every group.
 std::vector<uint32_t> list_of_all_groups(int32_t count) {
@@ -26,7 +26,7 @@ std::vector<uint32_t> list_of_all_groups(int32_t count) {
 void BatchWriter::open_batch(size_t first_fragments) {
   const size_t texels = std::min(texels_left_, static_cast<size_t>(kBatchTexels));
   const size_t fragments = std::max(std::min(fragments_left_, kBatchFragments), first_fragments);
-  arrays_.texels = gpu::BufferWriter<shared::Texel>(texels);
+  arrays_.places = gpu::BufferWriter<uint32_t>(texels);
   arrays_.fragment_begin = gpu::BufferWriter<uint32_t>(texels + 1);
   arrays_.fragments = gpu::BufferWriter<shared::Fragment>(fragments + 1);
 }
@@ -54,16 +54,14 @@ void BatchWriter::add_group(const TexelTable& table, std::span<const int32_t> or
   }
   if (in_batch() == 0) open_batch(own_fragments);
   auto fragment_count = static_cast<uint32_t>(arrays_.fragments.size());
-  shared::Texel* texel = arrays_.texels.add(order.size());
+  uint32_t* place = arrays_.places.add(order.size());
   uint32_t* begin = arrays_.fragment_begin.add(order.size());
   shared::Fragment* fragment = arrays_.fragments.add(own_fragments);
   texels_left_ -= order.size();
   fragments_left_ -= own_fragments;
   for (const int32_t index : order) {
     const auto i = static_cast<size_t>(index);
-    *texel++ = {static_cast<uint32_t>(table.triangle[i]) + first_triangle,
-                static_cast<uint32_t>(table.texel[i]) + first_place, table.barycentric[i].x,
-                table.barycentric[i].y};
+    *place++ = static_cast<uint32_t>(table.texel[i]) + first_place;
     *begin++ = fragment_count;
     fragment_count += static_cast<uint32_t>(table.fragment_begin[i + 1] - table.fragment_begin[i]);
   }
@@ -71,8 +69,9 @@ void BatchWriter::add_group(const TexelTable& table, std::span<const int32_t> or
     const auto i = static_cast<size_t>(index);
     const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
     for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
+      const glm::vec2 weights = table.fragment_barycentric[f];
       *fragment++ = {static_cast<uint32_t>(table.fragment_triangle[f]) + first_triangle,
-                     table.fragment_share[f]};
+                     table.fragment_share[f], weights.x, weights.y};
     }
   }
 }
@@ -80,7 +79,7 @@ void BatchWriter::add_group(const TexelTable& table, std::span<const int32_t> or
 void BatchWriter::end_object() {
   for (; in_batch() % kTexelGroup != 0; --texels_left_) {
     *arrays_.fragment_begin.add(1) = static_cast<uint32_t>(arrays_.fragments.size());
-    *arrays_.texels.add(1) = {0, shared::kNowhere, 0.0f, 0.0f};
+    *arrays_.places.add(1) = shared::kNowhere;
   }
   close_segment();
   slot_ = -1;
@@ -102,19 +101,17 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   TexelBatch batch;
   batch.group = group;
   batch.first = first;
-  batch.count = static_cast<int32_t>(arrays.texels.size());
+  batch.count = static_cast<int32_t>(arrays.places.size());
   *arrays.fragment_begin.add(1) = static_cast<uint32_t>(arrays.fragments.size());
-  // What fills up a work group has no fragments; see shaders/texel_parts.h, which reads one.
-  *arrays.fragments.add(1) = {0, 0.0f};
-  batch.texels = arrays.texels.take();
+  // What fills up a work group has no fragments; see shaders/texel_surface.h, which reads one.
+  *arrays.fragments.add(1) = {0, 0.0f, 0.0f, 0.0f};
+  batch.places = arrays.places.take();
   batch.fragment_begin = arrays.fragment_begin.take();
   batch.fragments = arrays.fragments.take();
   batch.segment_buffer = gpu::Buffer(arrays.segments);
   batch.segments = std::move(arrays.segments);
   const int64_t count = batch.count;
   batch.steps = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelStep)));
-  batch.share = gpu::Buffer(count * 4);
-  batch.units = gpu::Buffer(count * 4);
   batch.partials = gpu::Buffer(count / kTexelGroup * shared::kMostWalkers * 16);
   std::vector<uint32_t> group_slots(static_cast<size_t>(count / kTexelGroup), 0);
   for (const shared::StatisticsSegment& segment : batch.segments) {
@@ -125,13 +122,10 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
       std::vector<uint32_t>(static_cast<size_t>(batch.group_count()), shared::kHoldsSnow));
   batch.active_groups = gpu::Buffer(list_of_all_groups(batch.group_count()));
   batch.views.active_groups = gpu::BufferTexture(batch.active_groups, GL_R32UI);
-  batch.views.texels = gpu::BufferTexture(batch.texels, GL_RGBA32UI);
-  batch.views.texel_words = gpu::BufferTexture(batch.texels, GL_R32UI);
+  batch.views.places = gpu::BufferTexture(batch.places, GL_R32UI);
   batch.views.fragment_begin = gpu::BufferTexture(batch.fragment_begin, GL_R32UI);
-  batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RG32UI);
+  batch.views.fragments = gpu::BufferTexture(batch.fragments, GL_RGBA32UI);
   batch.views.steps = gpu::BufferTexture(batch.steps, GL_RGBA32UI);
-  batch.views.step_floats = gpu::BufferTexture(batch.steps, GL_RGBA32F);
-  batch.views.units = gpu::BufferTexture(batch.units, GL_R32UI);
   batch.views.group_slots = gpu::BufferTexture(batch.group_slots, GL_R32UI);
   return batch;
 }

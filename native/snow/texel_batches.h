@@ -38,7 +38,7 @@ class BatchWriter {
  private:
   /// The texels of a batch on their way to the GPU.
   struct Arrays {
-    gpu::BufferWriter<shared::Texel> texels;
+    gpu::BufferWriter<uint32_t> places;
     gpu::BufferWriter<uint32_t> fragment_begin;
     gpu::BufferWriter<shared::Fragment> fragments;
     std::vector<shared::StatisticsSegment> segments;
@@ -49,7 +49,7 @@ class BatchWriter {
   void flush();
   static TexelBatch upload(Arrays&& arrays, int32_t group, int32_t first);
   void upload_group_triangles(TexelBatch& batch) const;
-  int32_t in_batch() const { return static_cast<int32_t>(arrays_.texels.size()); }
+  int32_t in_batch() const { return static_cast<int32_t>(arrays_.places.size()); }
   void open_segment();
   void close_segment();
 

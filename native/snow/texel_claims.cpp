@@ -6,6 +6,13 @@
 namespace snowbough::snow {
 namespace {
 
+/// A point of a triangle, in texels of the map.
+glm::dvec2 on_map(const MapTopology& topology, int32_t triangle, glm::vec2 barycentric) {
+  const UvTriangle uv = texel_triangle(topology, triangle);
+  const glm::dvec2 weight(barycentric);
+  return uv[0] + weight.x * (uv[1] - uv[0]) + weight.y * (uv[2] - uv[0]);
+}
+
 /// Gives each texel of `takings` (owned index, ascending after sorting) to the chart of the
 /// fragments beside it; what its old owner held there is displaced.
 void hand_over(TexelDraft& draft, std::vector<std::pair<size_t, std::vector<Fragment>>>& takings) {
@@ -26,10 +33,11 @@ void hand_over(TexelDraft& draft, std::vector<std::pair<size_t, std::vector<Frag
     const int32_t begin = before.fragment_begin[i];
     const int32_t end = before.fragment_begin[i + 1];
     if (next != takings.end() && next->first == i) {
-      const glm::dvec2 centre = texel_centre(before.texel[i], before.resolution);
       for (int32_t f = begin; f < end; ++f) {
-        draft.displaced.push_back({before.texel[i], before.fragment_triangle[f],
-                                   static_cast<double>(before.fragment_share[f]), centre, 0});
+        const int32_t triangle = before.fragment_triangle[f];
+        draft.displaced.push_back(
+            {before.texel[i], triangle, static_cast<double>(before.fragment_share[f]),
+             on_map(draft.topology, triangle, before.fragment_barycentric[f]), 0});
       }
       const std::vector<Fragment>& own = next->second;
       const TexelSample sample = sampler.of(own);
@@ -41,6 +49,7 @@ void hand_over(TexelDraft& draft, std::vector<std::pair<size_t, std::vector<Frag
       for (const Fragment& f : own) {
         draft.table.fragment_triangle.push_back(f.triangle);
         draft.table.fragment_share.push_back(static_cast<float>(f.area));
+        draft.table.fragment_barycentric.push_back(sampler.centroid(f));
       }
       draft.table.fragment_begin.push_back(
           static_cast<int32_t>(draft.table.fragment_triangle.size()));
@@ -58,6 +67,9 @@ void hand_over(TexelDraft& draft, std::vector<std::pair<size_t, std::vector<Frag
     draft.table.fragment_share.insert(draft.table.fragment_share.end(),
                                       before.fragment_share.begin() + begin,
                                       before.fragment_share.begin() + end);
+    draft.table.fragment_barycentric.insert(draft.table.fragment_barycentric.end(),
+                                            before.fragment_barycentric.begin() + begin,
+                                            before.fragment_barycentric.begin() + end);
     draft.table.fragment_begin.push_back(
         static_cast<int32_t>(draft.table.fragment_triangle.size()));
   }

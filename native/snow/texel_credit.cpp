@@ -50,11 +50,16 @@ void credit_displaced_fragments(TexelDraft& draft) {
     std::vector<int32_t>& texels = own[draft.table.chart[i]];
     if (!texels.empty()) texels.push_back(draft.table.texel[i]);
   }
-  struct Credit {
-    size_t owned;
+  struct Part {
     int32_t triangle;
     float area;
+    glm::vec2 barycentric;
   };
+  struct Credit {
+    size_t owned;
+    Part part;
+  };
+  TexelSampler sampler(draft.topology);
   std::vector<Credit> credits;
   credits.reserve(draft.displaced.size());
   for (const Fragment& f : draft.displaced) {
@@ -64,38 +69,44 @@ void credit_displaced_fragments(TexelDraft& draft) {
     const size_t owned =
         texels.empty() ? draft.owned_index(f.texel) : nearest_own_texel(draft, texels, f.centroid);
     if (texels.empty()) texels.push_back(-1);
-    credits.push_back({owned, f.triangle, static_cast<float>(f.area)});
+    credits.push_back({owned, {f.triangle, static_cast<float>(f.area), sampler.centroid(f)}});
   }
   std::stable_sort(credits.begin(), credits.end(), [](const Credit& a, const Credit& b) {
-    return a.owned != b.owned ? a.owned < b.owned : a.triangle < b.triangle;
+    return a.owned != b.owned ? a.owned < b.owned : a.part.triangle < b.part.triangle;
   });
 
   std::vector<int32_t> begin{0};
   std::vector<int32_t> triangle;
   std::vector<float> area;
+  std::vector<glm::vec2> barycentric;
   begin.reserve(draft.table.fragment_begin.size());
   triangle.reserve(draft.table.fragment_triangle.size() + credits.size());
   area.reserve(draft.table.fragment_triangle.size() + credits.size());
-  std::vector<std::pair<int32_t, float>> merged;
+  barycentric.reserve(draft.table.fragment_triangle.size() + credits.size());
+  std::vector<Part> merged;
   auto credit = credits.begin();
   for (size_t i = 0; i < draft.table.texel.size(); ++i) {
     merged.clear();
     for (int32_t f = draft.table.fragment_begin[i]; f < draft.table.fragment_begin[i + 1]; ++f) {
-      merged.emplace_back(draft.table.fragment_triangle[f], draft.table.fragment_share[f]);
+      merged.push_back({draft.table.fragment_triangle[f], draft.table.fragment_share[f],
+                        draft.table.fragment_barycentric[f]});
     }
     if (credit != credits.end() && credit->owned == i) {
       for (; credit != credits.end() && credit->owned == i; ++credit) {
-        merged.emplace_back(credit->triangle, credit->area);
+        merged.push_back(credit->part);
       }
       std::stable_sort(merged.begin(), merged.end(),
-                       [](const auto& a, const auto& b) { return a.first < b.first; });
+                       [](const Part& a, const Part& b) { return a.triangle < b.triangle; });
     }
     for (size_t m = 0; m < merged.size(); ++m) {
-      if (m > 0 && merged[m].first == merged[m - 1].first) {
-        area.back() += merged[m].second;
+      const Part& part = merged[m];
+      if (m > 0 && part.triangle == merged[m - 1].triangle) {
+        area.back() += part.area;
+        barycentric.back() += (part.barycentric - barycentric.back()) * (part.area / area.back());
       } else {
-        triangle.push_back(merged[m].first);
-        area.push_back(merged[m].second);
+        triangle.push_back(part.triangle);
+        area.push_back(part.area);
+        barycentric.push_back(part.barycentric);
       }
     }
     begin.push_back(static_cast<int32_t>(triangle.size()));
@@ -103,6 +114,7 @@ void credit_displaced_fragments(TexelDraft& draft) {
   draft.table.fragment_begin = std::move(begin);
   draft.table.fragment_triangle = std::move(triangle);
   draft.table.fragment_share = std::move(area);
+  draft.table.fragment_barycentric = std::move(barycentric);
 }
 
 }  // namespace snowbough::snow

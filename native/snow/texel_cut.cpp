@@ -66,6 +66,7 @@ struct BandTexel {
 struct BandFragment {
   int32_t triangle;
   float area;
+  glm::vec2 barycentric;
 };
 
 /// What a band of rows holds, texels ascending.
@@ -136,9 +137,10 @@ class BandCutter {
         if (part_begin_[i] < part_begin_[i + 1]) {
           add_parts(i, band);
         } else if (triangle >= 0) {
-          band.fragments.push_back({triangle, 1.0f});
-          add_texel(i, draft_.chart_of(triangle),
-                    sampler_.whole(triangle, glm::dvec2(column + 0.5, row + 0.5)), band);
+          const TexelSample sample =
+              sampler_.whole(triangle, glm::dvec2(column + 0.5, row + 0.5));
+          band.fragments.push_back({triangle, 1.0f, sample.barycentric});
+          add_texel(i, draft_.chart_of(triangle), sample, band);
           band.covered_samples += 64;
         }
       }
@@ -215,7 +217,8 @@ class BandCutter {
     }
     texel_.erase(own_end, texel_.end());
     for (const Fragment& f : texel_) {
-      band.fragments.push_back({f.triangle, static_cast<float>(f.area)});
+      band.fragments.push_back(
+          {f.triangle, static_cast<float>(f.area), sampler_.centroid(f)});
     }
     add_texel(i, owner, sampler_.of(texel_), band);
   }
@@ -244,7 +247,7 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
   const size_t texels = first_texel.back();
   const size_t fragments = first_fragment.back();
   // Most of the time that this takes is the system's, for fresh memory.
-  const std::array<std::function<void()>, 8> arrays{
+  const std::array<std::function<void()>, 9> arrays{
       [&] { table.texel.resize(texels); },
       [&] { table.triangle.resize(texels); },
       [&] { table.barycentric.resize(texels); },
@@ -252,7 +255,8 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
       [&] { table.coverage.resize(texels); },
       [&] { table.fragment_begin.resize(texels + 1); },
       [&] { table.fragment_triangle.resize(fragments); },
-      [&] { table.fragment_share.resize(fragments); }};
+      [&] { table.fragment_share.resize(fragments); },
+      [&] { table.fragment_barycentric.resize(fragments); }};
   in_parallel(threads, [&](size_t part, size_t parts) {
     for (size_t array = part; array < arrays.size(); array += parts) arrays[array]();
   });
@@ -272,6 +276,7 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
       for (const BandFragment& own : bands[b].fragments) {
         table.fragment_triangle[f] = own.triangle;
         table.fragment_share[f] = own.area;
+        table.fragment_barycentric[f] = own.barycentric;
         ++f;
       }
     }

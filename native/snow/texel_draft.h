@@ -54,6 +54,8 @@ class TexelSampler {
   TexelSample whole(int32_t triangle, glm::dvec2 centre);
   /// Of a texel with its chart's fragments: all in one texel, at least one, ascending.
   TexelSample of(const std::vector<Fragment>& own);
+  /// Weights of the second and third corner at a fragment's centroid.
+  glm::vec2 centroid(const Fragment& fragment);
 
  private:
   /// A triangle on the map, prepared for barycentric weights.

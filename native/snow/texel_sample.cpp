@@ -57,6 +57,10 @@ TexelSample TexelSampler::whole(int32_t triangle, glm::dvec2 centre) {
   return {triangle, clamped(barycentric_at(triangle, centre)), 1.0f};
 }
 
+glm::vec2 TexelSampler::centroid(const Fragment& fragment) {
+  return clamped(barycentric_at(fragment.triangle, fragment.centroid));
+}
+
 TexelSample TexelSampler::of(const std::vector<Fragment>& own) {
   TexelSample sample{};
   double area = 0.0;

@@ -46,6 +46,8 @@ struct TexelTable {
   /// area in m2 is the sum of share * current area of the triangle.
   std::vector<int32_t> fragment_triangle;
   std::vector<float> fragment_share;
+  /// Where the fragment's centroid lies in its triangle: weights of the second and third corner.
+  std::vector<glm::vec2> fragment_barycentric;
 
   int32_t chart_count = 0;
   /// Number of triangles without area in UV space (less than a millionth of a texel high): they can

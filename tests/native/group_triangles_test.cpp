@@ -32,39 +32,15 @@ MapTopology quads(int32_t cells, int32_t resolution, bool split) {
   return topology;
 }
 
-std::vector<uint32_t> owners_of(const TexelTable& table, const std::vector<int32_t>& order,
-                                uint32_t first_owner) {
-  std::vector<uint32_t> owners(static_cast<size_t>(table.resolution) * table.resolution, 0);
-  for (size_t at = 0; at < order.size(); ++at) {
-    owners[table.texel[order[at]]] = first_owner + static_cast<uint32_t>(at);
-  }
-  return owners;
-}
-
 /// What the header says, texel by texel.
 std::vector<std::set<uint32_t>> expected(const TexelTable& table,
                                          const std::vector<int32_t>& order) {
-  const int32_t size = table.resolution;
-  std::vector<int32_t> at_of(static_cast<size_t>(size) * size, -1);
-  for (size_t at = 0; at < order.size(); ++at) {
-    at_of[table.texel[order[at]]] = static_cast<int32_t>(at);
-  }
   const auto group_count = (order.size() + shared::kTexelGroup - 1) / shared::kTexelGroup;
   std::vector<std::set<uint32_t>> groups(group_count);
   for (size_t at = 0; at < order.size(); ++at) {
     const int32_t i = order[at];
-    for (int32_t dy = -1; dy <= 1; ++dy) {
-      for (int32_t dx = -1; dx <= 1; ++dx) {
-        const int32_t x = table.texel[i] % size + dx;
-        const int32_t y = table.texel[i] / size + dy;
-        if (x < 0 || y < 0 || x >= size || y >= size || at_of[y * size + x] < 0) continue;
-        const int32_t other = order[at_of[y * size + x]];
-        if (table.chart[other] != table.chart[i]) continue;
-        for (int32_t f = table.fragment_begin[other]; f < table.fragment_begin[other + 1]; ++f) {
-          groups[at / shared::kTexelGroup].insert(
-              static_cast<uint32_t>(table.fragment_triangle[f]));
-        }
-      }
+    for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
+      groups[at / shared::kTexelGroup].insert(static_cast<uint32_t>(table.fragment_triangle[f]));
     }
   }
   return groups;
@@ -75,7 +51,7 @@ std::set<uint32_t> group(const GroupTriangles& groups, size_t g) {
           groups.triangles.begin() + groups.begin[g + 1]};
 }
 
-TEST(GroupTriangles, areThoseOnTheGroupAndBesideIt) {
+TEST(GroupTriangles, areThoseOnTheGroup) {
   for (const bool split : {false, true}) {
     for (const int32_t resolution : {64, 100}) {
       SCOPED_TRACE(std::to_string(resolution) + (split ? ", two charts" : ", one chart"));
@@ -83,7 +59,7 @@ TEST(GroupTriangles, areThoseOnTheGroupAndBesideIt) {
       ASSERT_EQ(table.chart_count, split ? 2 : 1);
       const std::vector<int32_t> order = surface_order(table);
       GroupTriangles groups;
-      add_group_triangles(table, order, owners_of(table, order, 1), 0, groups);
+      add_group_triangles(table, order, 0, groups);
       const auto wanted = expected(table, order);
       ASSERT_EQ(groups.begin.size(), wanted.size() + 1);
       for (size_t g = 0; g < wanted.size(); ++g) EXPECT_EQ(group(groups, g), wanted[g]);
@@ -96,9 +72,8 @@ TEST(GroupTriangles, ofASecondReceiverFollowWithTheirOwnNumbers) {
   const TexelTable table = build_texel_table(quads(16, 64, false));
   const std::vector<int32_t> order = surface_order(table);
   GroupTriangles groups;
-  add_group_triangles(table, order, owners_of(table, order, 1), 0, groups);
-  const uint32_t first_owner = 4 * shared::kTexelGroup + 1;
-  add_group_triangles(table, order, owners_of(table, order, first_owner), 1000, groups);
+  add_group_triangles(table, order, 0, groups);
+  add_group_triangles(table, order, 1000, groups);
   ASSERT_EQ(groups.begin.size(), 9u);
   std::set<uint32_t> moved;
   for (const uint32_t triangle : group(groups, 1)) moved.insert(triangle + 1000);
@@ -109,7 +84,7 @@ TEST(GroupTriangles, ofNothingAreNone) {
   TexelTable table;
   table.resolution = 64;
   GroupTriangles groups;
-  add_group_triangles(table, {}, std::vector<uint32_t>(64 * 64, 0), 0, groups);
+  add_group_triangles(table, {}, 0, groups);
   EXPECT_EQ(groups.begin.size(), 1u);
 }
 

@@ -73,7 +73,7 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
     OcclusionTarget target;
     OcclusionPass().run(scene, fall, tiles.front(), ranges, target);
     const auto all = target.visible.read_all<shared::SeenPixel>();
-    const glm::ivec2 size = tiles.front().pixels.size();
+    const glm::ivec2 size = tiles.front().with_margin().size();
     if (width != nullptr) {
       *width = static_cast<size_t>(size.x);
     }

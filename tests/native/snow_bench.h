@@ -51,7 +51,7 @@ struct Bench {
       pointers.push_back(&object);
       bounds.include(object.bounds);
     }
-    scene = build_scene_buffers(pointers, info, on_processor);
+    scene = build_scene_buffers(pointers, info, {on_processor, true});
     for (size_t i = 0; i < objects.size(); ++i) {
       scene.positions.write(int64_t{12} * scene.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
@@ -69,17 +69,19 @@ struct Bench {
     OcclusionPass().run(scene, fall, tiles.front(), {{0, scene.triangle_count}}, target);
   }
 
-  /// What the tile's pixels show, and their depths in metres.
-  std::vector<shared::SeenPixel> visible() const {
-    return of_tile(target.visible.read_all<shared::SeenPixel>());
-  }
+  /// What the tile's own pixels show, row by row, and their depths in metres.
+  std::vector<shared::SeenPixel> visible() const { return visible_in(tiles.front()); }
 
-  /// Without what buffers hold behind the tile's pixels.
-  template <typename T>
-  std::vector<T> of_tile(std::vector<T> values) const {
-    const glm::ivec2 size = tiles.front().pixels.size();
-    values.resize(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
-    return values;
+  /// The same of a tile that `target` shows.
+  std::vector<shared::SeenPixel> visible_in(const Tile& tile) const {
+    const auto all = target.visible.read_all<shared::SeenPixel>();
+    const int32_t width = tile.with_margin().size().x;
+    std::vector<shared::SeenPixel> own;
+    for (int32_t y = 0; y < tile.pixels.size().y; ++y) {
+      const auto row = all.begin() + (y + shared::kTileMargin) * width + shared::kTileMargin;
+      own.insert(own.end(), row, row + tile.pixels.size().x);
+    }
+    return own;
   }
 
   gpu::GpuInfo info = gpu::GpuThread::shared()->info();

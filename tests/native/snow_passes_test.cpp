@@ -163,7 +163,7 @@ TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
     part.pixels = {all.low + glm::ivec2(10, 5), all.low + glm::ivec2(30, 50)};
     OcclusionPass().run(bench.scene, bench.fall, part, {{0, bench.scene.triangle_count}},
                         bench.target);
-    const auto visible = bench.target.visible.read_all<shared::SeenPixel>();
+    const std::vector<shared::SeenPixel> visible = bench.visible_in(part);
     for (int32_t y = 0; y < 45; ++y) {
       for (int32_t x = 0; x < 20; ++x) {
         const auto at = static_cast<size_t>(y * 20 + x);
@@ -175,88 +175,170 @@ TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
   });
 }
 
-TEST(DepositCompute, PixelSumsAreTheTexelsProjectedAreas) {
+/// What texels gain in the bench's first tile.
+std::vector<shared::TexelStep> gathered(Bench& bench, bool has_noise = false) {
+  DepositPass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, has_noise, true);
+  return bench.scene.batches[0].steps.read_all<shared::TexelStep>();
+}
+
+TEST(Deposit, IsTheCosineEverywhereOnAPlaneWhateverThePixels) {
   gpu::GpuThread::shared()->run([] {
     for (const bool on_processor : where_kernels_run()) {
-      // Pixels of four by four texels: every inner pixel's texels fill it.
-      Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 16.0),
-                  on_processor);
-      DepositComputePass deposit;
-      deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, false);
-      const auto weights = deposit.weight_sum().read_all<uint32_t>();
-      const glm::ivec2 size = bench.tiles[0].pixels.size();
-      for (int32_t y = 4; y < size.y - 4; ++y) {
-        for (int32_t x = 4; x < size.x - 4; ++x) {
-          EXPECT_NEAR(weights[static_cast<size_t>(y * size.x + x)] / double(shared::kPixelWeight),
-                      1.0, 0.26);
+      for (const double pixel_size : {1.0 / 250.0, 1.0 / 90.0, 1.0 / 64.0, 1.0 / 20.0}) {
+        Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.75, 0, -1}, pixel_size),
+                    on_processor);
+        for (const shared::TexelStep& step : gathered(bench)) {
+          EXPECT_NEAR(step.gain / shared::kGainUnits, 0.8, 1e-6) << pixel_size;
         }
       }
-      double volume = 0.0;
-      const auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
-      const auto share = bench.scene.batches[0].share.read_all<float>();
-      const auto units = bench.scene.batches[0].units.read_all<uint32_t>();
-      for (size_t i = 0; i < steps.size(); ++i) {
-        volume += steps[i].area * (share[i] + units[i] * (0.01 / shared::kDepthUnits));
+    }
+  });
+}
+
+TEST(Deposit, AtGrazingFallIsTheCosineStill) {
+  gpu::GpuThread::shared()->run([] {
+    const double angle = 89.0 * std::numbers::pi / 180.0;
+    Bench bench(objects_of(square("a", 1.0f, 0.0f)),
+                falling({std::sin(angle), 0, -std::cos(angle)}, 0.002));
+    for (const shared::TexelStep& step : gathered(bench)) {
+      EXPECT_NEAR(step.gain / shared::kGainUnits, std::cos(angle), 1e-6);
+    }
+  });
+}
+
+/// The gain of the 64 x 64 map's texel at a column and row.
+float gain_at(const Bench& bench, const std::vector<shared::TexelStep>& steps, int32_t column,
+              int32_t row) {
+  const auto places = bench.scene.batches[0].places.read_all<uint32_t>();
+  const auto found =
+      std::find(places.begin(), places.end(), static_cast<uint32_t>(row * 64 + column));
+  return static_cast<float>(steps[static_cast<size_t>(found - places.begin())].gain) /
+         shared::kGainUnits;
+}
+
+TEST(Deposit, IsNoneBelowARoofAndWholeBesideIt) {
+  gpu::GpuThread::shared()->run([] {
+    for (const bool on_processor : where_kernels_run()) {
+      Bench bench(objects_of(square("a", 1.0f, 0.0f), square("roof", 0.5f, 2.0f, 64, false)),
+                  falling({0, 0, -1}, 1.0 / 64.0), on_processor);
+      const auto steps = gathered(bench);
+      EXPECT_EQ(gain_at(bench, steps, 32, 32), 0.0f);
+      EXPECT_EQ(gain_at(bench, steps, 18, 32), 0.0f);
+      EXPECT_EQ(gain_at(bench, steps, 13, 32), 1.0f);
+      EXPECT_EQ(gain_at(bench, steps, 2, 60), 1.0f);
+    }
+  });
+}
+
+TEST(Deposit, IsNoneUnderAClothThatLiesCloserThanAPixel) {
+  gpu::GpuThread::shared()->run([] {
+    for (const glm::dvec3 direction : {glm::dvec3(0, 0, -1), glm::dvec3(0.6, 0, -1)}) {
+      Bench bench(objects_of(square("a", 1.0f, 0.0f), square("cloth", 0.5f, 0.001f, 64, false)),
+                  falling(direction, 1.0 / 64.0));
+      const auto steps = gathered(bench);
+      EXPECT_EQ(gain_at(bench, steps, 32, 32), 0.0f);
+      EXPECT_EQ(gain_at(bench, steps, 20, 40), 0.0f);
+      EXPECT_GT(gain_at(bench, steps, 4, 32), 0.8f);
+    }
+  });
+}
+
+TEST(Deposit, OfAStripThinnerThanAPixelIsItsOwnShare) {
+  gpu::GpuThread::shared()->run([] {
+    for (const float width : {0.3f, 0.05f}) {
+      SceneObject twig = square("a", 1.0f, 1.0f);
+      for (glm::vec3& point : twig.positions) point.y *= width / 64.0f;
+      Bench bench(objects_of(std::move(twig), square("ground", 4.0f, 0.0f, 64, false)),
+                  falling({0, 0, -1}, 1.0 / 64.0));
+      for (const shared::TexelStep& step : gathered(bench)) {
+        EXPECT_NEAR(step.gain / shared::kGainUnits, 1.0, 1e-6) << width;
       }
-      EXPECT_NEAR(volume, 0.01, 0.01 * 0.13);  // the square's outline is cut by whole pixels
     }
   });
 }
 
-TEST(DepositCompute, LeavesTexelsFullThatRunOver) {
+TEST(Deposit, OfTexelsLargerThanPixelsIsThePartOfThemThatIsLit) {
   gpu::GpuThread::shared()->run([] {
-    // Some twenty pixels a texel, each of which gives more than there is room for.
-    Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0, 0, -1}, 1.0 / 300.0));
-    TexelBatch& batch = bench.scene.batches[0];
-    const std::vector<uint32_t> nearly_full(static_cast<size_t>(batch.count), ~0u - 100u);
-    batch.units.write(0, int64_t{4} * batch.count, nearly_full.data());
-    DepositComputePass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, true);
-    for (const uint32_t units : batch.units.read_all<uint32_t>()) {
-      EXPECT_EQ(units, ~0u);
+    // Texels of 8 pixels; the roof's edge cuts through them at a quarter.
+    SceneObject roof = square("roof", 1.0f, 2.0f, 64, false);
+    for (glm::vec3& point : roof.positions) point.x -= 0.5f - 0.25f / 64.0f;
+    Bench bench(objects_of(square("a", 1.0f, 0.0f), std::move(roof)),
+                falling({0, 0, -1}, 1.0 / 512.0));
+    const auto steps = gathered(bench);
+    EXPECT_EQ(gain_at(bench, steps, 31, 20), 0.0f);
+    EXPECT_NEAR(gain_at(bench, steps, 32, 20), 0.75f, 0.07f);
+    EXPECT_FLOAT_EQ(gain_at(bench, steps, 33, 20), 1.0f);
+  });
+}
+
+TEST(Deposit, OnAFaceThatTurnsAwayIsNone) {
+  gpu::GpuThread::shared()->run([] {
+    Bench bench(objects_of(plate()), falling({0, 0, -1}, 1.0 / 64.0));
+    const auto steps = gathered(bench);
+    EXPECT_EQ(gain_at(bench, steps, 10, 20), 1.0f);
+    EXPECT_EQ(gain_at(bench, steps, 50, 20), 0.0f);
+  });
+}
+
+TEST(Deposit, IsTheSameBitsHoweverTheTilesAreCut) {
+  gpu::GpuThread::shared()->run([] {
+    for (const bool on_processor : where_kernels_run()) {
+      std::vector<std::vector<uint32_t>> gains;
+      for (const int32_t tile_size : {2048, 64}) {
+        Bench bench(objects_of(square("a", 1.0f, 0.0f), square("roof", 0.5f, 0.4f)),
+                    falling({0.3, 0.2, -1}, 1.0 / 200.0), on_processor);
+        std::vector<PixelRect> rects;
+        for (const SceneObject& object : bench.objects) {
+          rects.push_back(pixels_of(object.bounds, bench.frame));
+        }
+        DepositPass deposit;
+        OcclusionPass occlusion;
+        const std::vector<Tile> tiles = make_tiles(rects, tile_size);
+        for (const Tile& tile : tiles) {
+          occlusion.run(bench.scene, bench.fall, tile, {{0, bench.scene.triangle_count}},
+                        bench.target);
+          deposit.run(bench.scene, bench.fall, tile, bench.target, false, &tile == &tiles.front());
+        }
+        gains.emplace_back();
+        for (const auto& step : bench.scene.batches[0].steps.read_all<shared::TexelStep>()) {
+          gains.back().push_back(step.gain);
+        }
+      }
+      EXPECT_EQ(gains[0], gains[1]);
+      EXPECT_GT(*std::max_element(gains[0].begin(), gains[0].end()), 0u);
     }
   });
 }
 
-TEST(DepositCompute, CountsAsHomelessOnlyPixelsThatGiveSnow) {
-  SimulationSettings settings;
-  settings.pixel_size = 1.0 / 128.0;
-  settings.noise_density = 0.25;
-  SnowSimulation simulation(settings);
-  const SceneObject object = square("a", 1.0f, 0.0f);
-  ObjectDescription description = object.description;
-  // The second triangle is a point where the map shows nothing.
-  for (size_t corner = 3; corner < 6; ++corner) {
-    description.topology.corner_uv[corner] = {0.1f, 0.9f};
-  }
-  simulation.add_object(description);
-  simulation.step({{"a", object.positions}}, 0.01, {0.0, 0.0, -1.0}, 0.0);
-  const SnowBalance step = simulation.statistics().all.step;
-  EXPECT_NEAR(step.visible_area, 1.0, 0.02);
-  EXPECT_NEAR(step.homeless_pixels, 0.25 * 128 * 128 / 2, 150);
-  EXPECT_NEAR(step.fallen_volume, 0.01, 0.0005);
+TEST(Deposit, WithNoiseComesThroughAsManyPixelsAsTheDensitySays) {
+  gpu::GpuThread::shared()->run([] {
+    FallSettings settings = falling({0, 0, -1}, 1.0 / 64.0);
+    settings.noise_density = 0.25;
+    Bench bench(objects_of(square("a", 1.0f, 0.0f)), settings);
+    double sum = 0.0;
+    const auto steps = gathered(bench, true);
+    for (const shared::TexelStep& step : steps) sum += step.gain / double(shared::kGainUnits);
+    EXPECT_NEAR(sum / static_cast<double>(steps.size()), 0.25, 0.02);
+  });
 }
 
-TEST(DepositGeometry, LaysWhatComputeLays) {
+TEST(DepositGeometry, PutsEveryPixelsSnowOnTheTexelUnderIt) {
   gpu::GpuThread::shared()->run([] {
-    // Pixels smaller than texels, as large, and larger: by the texel under them, and by sharing.
     for (const double pixel_size : {1.0 / 300.0, 1.0 / 64.0, 1.0 / 16.0}) {
       Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.3, 0, -1}, pixel_size));
-      DepositComputePass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f},
-                               false);
       DepositGeometryPass geometry;
       geometry.begin(bench.scene);
       geometry.run(bench.scene, bench.fall, bench.tiles[0], bench.target);
       std::vector<float> laid(64 * 64);
       bench.scene.groups[0].deposit.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, laid.data());
-      const TexelBatch& batch = bench.scene.batches[0];
-      const auto share = batch.share.read_all<float>();
-      const auto units = batch.units.read_all<uint32_t>();
-      const auto texels = batch.texels.read_all<shared::Texel>();
-      for (size_t i = 0; i < laid.size(); ++i) {
-        EXPECT_NEAR(laid[texels[i].place], share[i] + units[i] * (0.01 / shared::kDepthUnits), 1e-6)
-            << "texel " << i << ", pixels of " << pixel_size;
-      }
-      EXPECT_NEAR(laid[32 * 64 + 32], 0.01f, 0.004f);
+      double volume = 0.0;
+      for (const float thickness : laid) volume += thickness / (64.0 * 64.0);
+      int64_t pixels = 0;
+      for (const shared::SeenPixel& pixel : bench.visible()) pixels += pixel.triangle != 0 ? 1 : 0;
+      const double thickness = 0.01 * std::sqrt(1.09);  // perpendicular to the fall
+      EXPECT_NEAR(volume, static_cast<double>(pixels) * pixel_size * pixel_size * thickness,
+                  1e-5 * volume)
+          << pixel_size;
     }
   });
 }
@@ -275,11 +357,12 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
       Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1), on_processor);
       std::vector<float> heights(64 * 64, height);
       bench.scene.groups[0].write_height(0, heights);
-      std::vector<float> shares(static_cast<size_t>(bench.scene.batches[0].count), deposit);
-      bench.scene.batches[0].share = gpu::Buffer(shares);
-      StabilityPass().run(bench.scene, {max_depth, 2.0f}, {}, {0.01f}, dt);
+      auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
+      for (shared::TexelStep& step : steps) step.gain = 1u << 28;
+      bench.scene.batches[0].steps.write(
+          0, static_cast<int64_t>(steps.size() * sizeof(shared::TexelStep)), steps.data());
+      StabilityPass().run(bench.scene, {max_depth, 2.0f}, deposit, dt);
       bench.scene.groups[0].read_height(0, heights);
-      EXPECT_EQ(bench.scene.batches[0].share.read_all<float>()[0], 0.0f);
       return heights[1000];
     };
     const double k = std::numbers::ln2 / 2.0;
@@ -317,7 +400,7 @@ TEST(TexelGroups, LeaveOutWhatFacesAwayOnceItIsKnownToBeBare) {
     groups.run(bench.scene, false);
     // Nobody has looked yet whether snow lies there.
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2, 3}));
-    StabilityPass().run(bench.scene, {}, {}, {0.01f}, 1.0f);
+    StabilityPass().run(bench.scene, {}, 0.01f, 1.0f);
     groups.run(bench.scene, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
     groups.run(bench.scene, true);
@@ -334,11 +417,11 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
     bench.scene.groups[0].write_height(0, heights);
     TexelGroupsPass groups;
     groups.run(bench.scene, false);
-    StabilityPass().run(bench.scene, {}, {}, {0.01f}, 0.01f);
+    StabilityPass().run(bench.scene, {}, 0.01f, 0.01f);
     groups.run(bench.scene, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1, 2}));
     // It slides off within a thousand half-lives.
-    StabilityPass().run(bench.scene, {}, {}, {0.01f}, 2000.0f);
+    StabilityPass().run(bench.scene, {}, 0.01f, 2000.0f);
     groups.run(bench.scene, false);
     EXPECT_EQ(listed(batch.active_groups), (std::vector<uint32_t>{0, 1}));
   });
@@ -346,41 +429,30 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
 
 TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
   gpu::GpuThread::shared()->run([] {
-    // Pixels that texels fill, and pixels without any, which lay their snow on the one below.
-    for (const double pixel_size : {1.0 / 16.0, 1.0 / 200.0}) {
-      std::vector<std::vector<uint32_t>> units;
-      std::vector<std::vector<float>> heights;
-      std::vector<shared::ObjectSums> sums;
-      for (const int32_t walkers : {8, 64}) {
-        Bench bench(objects_of(square("a", 1.0f, 0.0f, 128), square("b", 0.4f, 0.3f, 64)),
-                    falling({0.3, 0, -1}, pixel_size));
-        StatisticsPass statistics(walkers);
-        statistics.open(bench.scene);
-        DepositComputePass deposit(walkers);
-        deposit.run(bench.scene, bench.fall, bench.tiles[0], bench.target, {0.01f}, true);
-        units.push_back(bench.scene.batches[0].units.read_all<uint32_t>());
-        StabilityPass(walkers).run(bench.scene, {},
-                                   {&deposit.weight_sum(), &deposit.weight_sum_view(), &bench.fall,
-                                    bench.tiles[0].pixels, false},
-                                   {0.01f}, 1.0f);
-        const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.group[0])];
-        heights.emplace_back(128 * 128);
-        group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());
-        statistics.close(bench.scene, 1.0f, 1.0f);
-        sums.push_back(
-            bench.scene.sums
-                .read_all<shared::ObjectSums>()[static_cast<size_t>(bench.scene.slot[0])]);
-      }
-      EXPECT_EQ(units[0], units[1]);
-      EXPECT_EQ(heights[0], heights[1]);
-      EXPECT_EQ(sums[0].visible, sums[1].visible);
-      // What the smaller square covers is not seen; areas are measured across the fall.
-      EXPECT_NEAR(sums[0].visible * pixel_size * pixel_size, (1.0 - 0.4 * 0.4) / std::sqrt(1.09),
-                  pixel_size);
-      // These are added up in floats first.
-      EXPECT_NEAR(sums[0].deposited, sums[1].deposited, 1e-5 * sums[0].deposited);
-      EXPECT_GT(sums[0].deposited, 0.008);
+    std::vector<std::vector<float>> heights;
+    std::vector<shared::ObjectSums> sums;
+    for (const int32_t walkers : {8, 64}) {
+      Bench bench(objects_of(square("a", 1.0f, 0.0f, 128), square("b", 0.4f, 0.3f, 64)),
+                  falling({0.3, 0, -1}, 1.0 / 200.0));
+      StatisticsPass statistics(walkers);
+      statistics.open(bench.scene);
+      PixelCountsPass(walkers).run(bench.scene, bench.tiles[0], bench.target);
+      DepositPass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, false, true);
+      StabilityPass(walkers).run(bench.scene, {}, 0.01f, 1.0f);
+      const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.group[0])];
+      heights.emplace_back(128 * 128);
+      group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());
+      statistics.close(bench.scene, 1.0f);
+      sums.push_back(bench.scene.sums
+                         .read_all<shared::ObjectSums>()[static_cast<size_t>(bench.scene.slot[0])]);
     }
+    EXPECT_EQ(heights[0], heights[1]);
+    EXPECT_EQ(sums[0].visible, sums[1].visible);
+    // What the smaller square covers is not seen; areas are measured across the fall.
+    EXPECT_NEAR(sums[0].visible / (200.0 * 200.0), (1.0 - 0.4 * 0.4) / std::sqrt(1.09), 0.005);
+    // These are added up in floats first.
+    EXPECT_NEAR(sums[0].deposited, sums[1].deposited, 1e-5 * sums[0].deposited);
+    EXPECT_NEAR(sums[0].deposited, 0.01 * (1.0 - 0.4 * 0.4) / std::sqrt(1.09), 1e-4);
   });
 }
 
@@ -443,7 +515,8 @@ TEST(MemoryEstimate, CountsAtLeastWhatLevellingKeeps) {
 TEST(MemoryEstimate, RefusesWhatDoesNotFitWithTheFigure) {
   SceneObject object = square("a", 1.0f, 0.0f, 256);
   const MemoryEstimate estimate = estimate_memory({&object}, 1024);
-  EXPECT_EQ(estimate.maps, 256 * 256 * 12);
+  EXPECT_EQ(estimate.maps, 256 * 256 * 4);
+  EXPECT_EQ(estimate_memory({&object}, 1024, true).maps, 256 * 256 * 12);
   EXPECT_GT(estimate.texels, 256 * 256 * 40);
   EXPECT_NO_THROW(require_memory(estimate, int64_t{1} << 32));
   try {

@@ -1,0 +1,41 @@
+#include "snow/deposit.h"
+
+#include "snow/deposit_kernel.h"
+#include "snow/texel_groups.h"
+
+namespace snowbough::snow {
+
+void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+                      const OcclusionTarget& occlusion, bool has_noise, bool is_first) {
+  const PixelRect shown = tile.with_margin();
+  for (TexelBatch& batch : scene.batches) {
+    if (scene.on_processor) {
+      deposit_on_processor(scene, fall, tile, occlusion, is_first, batch);
+      continue;
+    }
+    gpu::Program& program = programs_.with(has_noise ? std::vector<std::string>{}
+                                                     : std::vector<std::string>{"WITHOUT_NOISE"});
+    program.use();
+    program.bind("Fall", fall);
+    program.bind_texture("groups", batch.views.active_groups);
+    program.bind_texture("group_slots", batch.views.group_slots);
+    program.bind_texture("map_offsets", scene.views.map_offsets);
+    program.bind_texture("triangle_corners", scene.views.triangle_corners);
+    program.bind_texture("triangle_surface", scene.views.triangle_surface);
+    program.bind_texture("triangle_sheets", scene.views.triangle_sheets);
+    program.bind_texture("map_triangles", scene.views.map_triangles);
+    program.bind_texture("fragment_begin", batch.views.fragment_begin);
+    program.bind_texture("fragments", batch.views.fragments);
+    program.bind_texture("occlusion", occlusion.views.visible);
+    program.bind("TexelSteps", batch.steps);
+    program.set("tile_origin", shown.low);
+    program.set("tile_size", shown.size());
+    program.set("goes_on", is_first ? 0 : 1);
+    program.set("resolution",
+                static_cast<float>(scene.groups[static_cast<size_t>(batch.group)].resolution));
+    program.dispatch_indirect(batch.active_groups, kBlocks);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_TEXTURE_FETCH_BARRIER_BIT);
+}
+
+}  // namespace snowbough::snow

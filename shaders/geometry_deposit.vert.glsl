@@ -1,0 +1,41 @@
+#version 410 core
+#extension GL_ARB_shading_language_420pack : require
+// GEOMETRY, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the pixel's snow for the
+// texel under its centre.
+#include "texel_place.h"
+#include "texel_under.h"
+#include "triangle_object.h"
+
+/// By texel of the group's batch: its place on the map, and a TexelStep.
+uniform usamplerBuffer places;
+uniform usamplerBuffer texel_steps;
+/// Texels of the group in this batch: [first, end).
+uniform uvec2 batch_texels;
+
+/// In metres.
+flat out float thickness;
+/// Place on the layered map; z = -1 where there is nothing to deposit.
+flat out ivec3 map_place;
+
+void main() {
+  const ivec2 pixel = ivec2(gl_VertexID % tile_size.x, gl_VertexID / tile_size.x);
+  thickness = 0.0;
+  map_place = ivec3(-1);
+  gl_Position = vec4(0.0, 0.0, 0.0, 1.0);
+  const uint seen = texelFetch(occlusion, gl_VertexID).x;
+  const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
+  const uint slot = object & ~kReceives;
+  if (seen == 0u || (seen & kBackFace) != 0u || (object & kReceives) == 0u || slot < group_objects.x ||
+      slot >= group_objects.y || !is_in_tile(pixel) || !gives_snow(pixel + tile_origin)) {
+    return;
+  }
+  const uint owner = texel_under(pixel, seen - 1u, slot);
+  if (owner == 0u || owner - 1u < batch_texels.x || owner - 1u >= batch_texels.y) {
+    return;
+  }
+  const int texel = int(owner - 1u - batch_texels.x);
+  const int resolution = textureSize(owners, 0).x;
+  const float area = uintBitsToFloat(texelFetch(texel_steps, texel).y);
+  thickness = snow_thickness() * fall.direction.w * fall.direction.w / area;
+  map_place = decoded_place(texelFetch(places, texel).x, resolution, 1.0 / float(resolution));
+}
