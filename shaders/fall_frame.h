@@ -6,13 +6,6 @@
 
 KERNEL_UNIFORM_BLOCK(Fall, FallFrame, fall);
 
-/// Local pixel coordinates (xy) and depth along the fall in metres (z).
-vec3 project(vec3 position) {
-  const vec3 offset = position - vec3(fall.anchor);
-  return vec3(dot(offset, vec3(fall.grid_x)) + fall.grid_x.w,
-              dot(offset, vec3(fall.grid_y)) + fall.grid_y.w, dot(offset, vec3(fall.direction)));
-}
-
 /// pcg3d: M. Jarzynski, M. Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
 uvec3 pcg3d(uvec3 v) {
   v = v * 1664525u + 1013904223u;

@@ -1,9 +1,11 @@
 // What the sky sees in a pixel. Depth comes from the triangle's own plane instead of the rasteriser's
 // interpolation, which depends on the tile's origin in its last bits.
 #include "fall_frame.h"
+#include "lib/occlusion_pixel.h"
 
 uniform ivec2 tile_origin;
 
+/// A DepthPlane.
 flat in uint visible_triangle;
 flat in vec4 corner_gradient;
 flat in vec3 depth_range;
@@ -14,39 +16,28 @@ layout(location = 0) out uvec2 visible;
 #ifdef WITH_ALPHA
 uniform usamplerBuffer alpha_bits;
 
+/// An AlphaPlane and an AlphaMaskPlace.
 flat in vec2 alpha_corner;
 flat in vec4 alpha_gradient;
 flat in uvec4 alpha_place;
 
-/// Whether the image lets snow through at uv: the texel that uv lies in decides.
-bool is_hole(vec2 uv) {
-  const uint extension = alpha_place.w;
-  if (extension == kAlphaClip && (min(uv.x, uv.y) < 0.0 || max(uv.x, uv.y) > 1.0)) {
-    return true;
-  }
-  if (extension == kAlphaRepeat) {
-    uv -= floor(uv);
-  } else if (extension == kAlphaMirror) {
-    uv = 1.0 - abs(uv - 2.0 * floor(0.5 * uv) - 1.0);
-  }
-  const ivec2 size = ivec2(alpha_place.yz);
-  const ivec2 texel = clamp(ivec2(clamp(uv, 0.0, 1.0) * vec2(size)), ivec2(0), size - 1);
-  const uint bit = uint(texel.y * size.x + texel.x);
-  const uint word = texelFetch(alpha_bits, int(alpha_place.x + (bit >> 5u))).x;
-  return ((word >> (bit & 31u)) & 1u) == 0u;
+bool is_cut_away(vec2 offset) {
+  const AlphaMaskPlace mask =
+      AlphaMaskPlace(alpha_place.x, alpha_place.y, alpha_place.z, alpha_place.w);
+  const uint bit = mask_bit(alpha_uv(offset.x, offset.y, alpha_corner, alpha_gradient), mask);
+  return bit == kNowhere ||
+         is_hole(texelFetch(alpha_bits, int(mask.first_word + (bit >> 5u))).x, bit);
 }
 #endif
 
 void main() {
   const vec2 offset = gl_FragCoord.xy + vec2(tile_origin) - corner_gradient.xy;
 #ifdef WITH_ALPHA
-  const vec2 uv = alpha_corner + offset.x * alpha_gradient.xz + offset.y * alpha_gradient.yw;
-  if (alpha_place.y != 0u && is_hole(uv)) {
+  if (alpha_place.y != 0u && is_cut_away(offset)) {
     discard;
   }
 #endif
-  const float depth = clamp(depth_range.x + offset.x * corner_gradient.z + offset.y * corner_gradient.w,
-                            depth_range.y, depth_range.z);
+  const float depth = depth_at(offset.x, offset.y, corner_gradient, depth_range);
   gl_FragDepth = (depth - fall.range.x) * fall.range.y;
   visible = uvec2(visible_triangle, floatBitsToUint(depth));
 }

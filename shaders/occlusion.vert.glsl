@@ -1,6 +1,6 @@
-// Projects a triangle's corner onto the grid, snapped to 1/256 pixel, so that every tile rasterises
-// the same triangle bit for bit, whatever its origin.
-#include "snow_shared.h"
+// Projects a triangle's corner onto the grid, snapped, so that every tile rasterises the same triangle bit for
+// bit, whatever its origin.
+#include "lib/occlusion_pixel.h"
 
 /// See triangle_fall.h.
 uniform samplerBuffer triangle_corners;
@@ -8,11 +8,9 @@ uniform samplerBuffer triangle_corners;
 uniform vec2 viewport_origin;
 uniform float viewport_size;
 
-/// 1 + triangle with kBackFace.
+/// A DepthPlane.
 flat out uint visible_triangle;
-/// First corner in local pixels, and the gradient of depth.
 flat out vec4 corner_gradient;
-/// Depth at the first corner, smallest and largest depth.
 flat out vec3 depth_range;
 
 #ifdef WITH_ALPHA
@@ -21,47 +19,36 @@ uniform usamplerBuffer alpha_places;
 /// From a triangle's index to that of its alpha.
 uniform int alpha_offset;
 
-/// First corner in the image, and the gradient of u (xy) and v (zw) over local pixels.
+/// An AlphaPlane.
 flat out vec2 alpha_corner;
 flat out vec4 alpha_gradient;
 /// An AlphaMaskPlace; width 0 = opaque.
 flat out uvec4 alpha_place;
 
-void find_alpha(int index, vec2 ab, vec2 ac, float area) {
+void find_alpha(int index, vec3 a, vec3 b, vec3 c) {
   const uvec4 low = texelFetch(alpha_triangles, 2 * (index + alpha_offset));
   const uvec4 high = texelFetch(alpha_triangles, 2 * (index + alpha_offset) + 1);
-  alpha_corner = uintBitsToFloat(low.xy);
-  const vec2 uv_ab = uintBitsToFloat(low.zw) - alpha_corner;
-  const vec2 uv_ac = uintBitsToFloat(high.xy) - alpha_corner;
-  const vec4 across = vec4(uv_ab.x * ac.y - uv_ac.x * ab.y, ab.x * uv_ac.x - ac.x * uv_ab.x,
-                           uv_ab.y * ac.y - uv_ac.y * ab.y, ab.x * uv_ac.y - ac.x * uv_ab.y);
-  alpha_gradient = area == 0.0 ? vec4(0.0) : across / area;
+  const AlphaPlane plane = alpha_plane(a, b, c, uintBitsToFloat(low.xy), uintBitsToFloat(low.zw),
+                                       uintBitsToFloat(high.xy));
+  alpha_corner = plane.corner;
+  alpha_gradient = plane.gradient;
   alpha_place = high.z == 0u ? uvec4(0u) : texelFetch(alpha_places, int(high.z) - 1);
 }
 #endif
 
-vec3 snapped(uint corner) {
-  const vec3 p = texelFetch(triangle_corners, int(corner)).xyz;
-  return vec3(floor(p.xy * 256.0 + 0.5) * (1.0 / 256.0), p.z);
-}
+vec3 snapped_corner(uint corner) { return snapped(texelFetch(triangle_corners, int(corner))); }
 
 void main() {
   const uint index = uint(gl_VertexID) / 3u;
-  const vec3 a = snapped(3u * index);
-  const vec3 b = snapped(3u * index + 1u);
-  const vec3 c = snapped(3u * index + 2u);
-  const vec3 ab = b - a;
-  const vec3 ac = c - a;
-  const float area = ab.x * ac.y - ab.y * ac.x;
-  const vec2 gradient =
-      area == 0.0 ? vec2(0.0)
-                  : vec2(ab.z * ac.y - ac.z * ab.y, ab.x * ac.z - ac.x * ab.z) / area;
-  // The cross product of the grid's axes points to the sky: faces turned there wind anticlockwise.
-  visible_triangle = (index + 1u) | (area > 0.0 ? 0u : kBackFace);
-  corner_gradient = vec4(a.xy, gradient);
-  depth_range = vec3(a.z, min(a.z, min(b.z, c.z)), max(a.z, max(b.z, c.z)));
+  const vec3 a = snapped_corner(3u * index);
+  const vec3 b = snapped_corner(3u * index + 1u);
+  const vec3 c = snapped_corner(3u * index + 2u);
+  const DepthPlane plane = depth_plane(a, b, c, index);
+  visible_triangle = plane.seen;
+  corner_gradient = plane.corner_gradient;
+  depth_range = plane.range;
 #ifdef WITH_ALPHA
-  find_alpha(int(index), ab.xy, ac.xy, area);
+  find_alpha(int(index), a, b, c);
 #endif
   const uint corner = uint(gl_VertexID) % 3u;
   const vec3 own = corner == 0u ? a : corner == 1u ? b : c;

@@ -8,6 +8,7 @@
 #include "gpu/resources.h"
 #include "snow/fall_grid.h"
 #include "snow/scene_buffers.h"
+#include "snow/triangle_range.h"
 
 namespace snowbough::snow {
 
@@ -27,15 +28,6 @@ struct OcclusionTarget {
   void require_size(glm::ivec2 size);
   /// Fills the buffer from the lower left `size` pixels of the texture. GPU thread.
   void copy_pixels(glm::ivec2 size);
-};
-
-/// A run of triangles to draw.
-struct TriangleRange {
-  int32_t first = 0;
-  int32_t count = 0;
-  /// Whether they may have holes, and then what leads from their index to that of their alpha.
-  bool has_alpha = false;
-  int32_t alpha_offset = 0;
 };
 
 /// Renders the scene along the fall onto one tile of the grid, with its margin.

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "shaders/snow_shared.h"
+#include "snow/fall_grid.h"
+#include "snow/step/cpu/draw_list.h"
+#include "snow/step/cpu/occlusion_scene.h"
+
+namespace snowbough::snow::cpu {
+
+/// Pixels to draw into.
+struct SeenPixels {
+  /// That at `rect`'s lower left; rows are `pitch` elements apart.
+  shared::SeenPixel* first;
+  ptrdiff_t pitch;
+  PixelRect rect;
+};
+
+/// Draws `numbers`, ascending and counted from `first_draw`, into the pixels of one bin.
+/// `is_blank`: the pixels hold nothing yet and may be of any content; else drawing goes on over
+/// what they hold.
+void raster_bin(const OcclusionScene& scene, const DrawList& draws, int64_t first_draw,
+                std::span<const uint32_t> numbers, const SeenPixels& pixels, bool is_blank);
+
+}  // namespace snowbough::snow::cpu

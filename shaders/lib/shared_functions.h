@@ -1,0 +1,28 @@
+#pragma once
+
+// What lets C++ and GLSL compile the same functions: GLSL's own by the same names, and `inline`. Such a function
+// has plain inputs (KERNEL_CONST_REF for structs), gives every number of type float its f, and builds short
+// vectors from long ones by their constructors instead of swizzles.
+#include "../kernel.h"
+#include "../shared_types.h"
+
+#ifdef SNOWBOUGH_GLSL
+#define SNOWBOUGH_SHARED_FUNCTION
+#else
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+#define SNOWBOUGH_SHARED_FUNCTION inline
+namespace snowbough::shared {
+using glm::abs;
+using glm::clamp;
+using glm::cross;
+using glm::dot;
+using glm::floor;
+using glm::length;
+using glm::max;
+using glm::min;
+using glm::vec3;
+}  // namespace snowbough::shared
+#endif

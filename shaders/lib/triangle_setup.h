@@ -1,0 +1,56 @@
+#pragma once
+
+// A triangle as the fall meets it in a step, from its vertices. For C++ and GLSL.
+#include "../snow_shared.h"
+#include "shared_functions.h"
+
+#ifndef SNOWBOUGH_GLSL
+namespace snowbough::shared {
+#endif
+
+/// What the passes of a step read of a triangle.
+struct TriangleSetup {
+  /// xyz: local pixel and depth in metres along the fall. w of the first two: depth that the plane gains in one
+  /// pixel along the grid's axes; w of the third: facing.
+  vec4 corner_a;
+  vec4 corner_b;
+  vec4 corner_c;
+  /// x: cosine between the normal and the way to the sky ("facing"), y: area in m2, z: upward part of the
+  /// normal. All are 0 for a triangle without area.
+  vec4 surface;
+};
+SNOWBOUGH_SHARED_SIZE(TriangleSetup, 64)
+
+/// Faces that turn nearly edge-on have slopes too steep to reckon with.
+KERNEL_CONSTANT float kLeastFacing = 1e-4f;
+
+/// Local pixel coordinates (xy) and depth along the fall in metres (z).
+SNOWBOUGH_SHARED_FUNCTION vec3 projected(vec3 position, KERNEL_CONST_REF(FallFrame) frame) {
+  const vec3 offset = position - vec3(frame.anchor);
+  return vec3(dot(offset, vec3(frame.grid_x)) + frame.grid_x.w,
+              dot(offset, vec3(frame.grid_y)) + frame.grid_y.w, dot(offset, vec3(frame.direction)));
+}
+
+/// The triangle a, b, c, corners in metres.
+SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c,
+                                                        KERNEL_CONST_REF(FallFrame) frame) {
+  const vec3 ab = b - a;
+  const vec3 ac = c - a;
+  // Scaled before the product: the square of a micrometre's area is out of float's range.
+  const float scale = max(max(abs(ab.x), max(abs(ab.y), abs(ab.z))),
+                          max(abs(ac.x), max(abs(ac.y), abs(ac.z))));
+  vec3 normal = scale > 0.0f ? cross(ab / scale, ac / scale) : vec3(0.0f);
+  const float size = length(normal);
+  normal = size > 0.0f ? normal / size : vec3(0.0f);
+  const float facing = -dot(normal, vec3(frame.direction));
+  const float metres_a_pixel = frame.direction.w;
+  const vec2 gradient = vec2(dot(normal, vec3(frame.grid_x)), dot(normal, vec3(frame.grid_y))) *
+                        (metres_a_pixel * metres_a_pixel / max(facing, kLeastFacing));
+  return KERNEL_MAKE4(TriangleSetup, vec4(projected(a, frame), gradient.x),
+                      vec4(projected(b, frame), gradient.y), vec4(projected(c, frame), facing),
+                      vec4(facing, 0.5f * size * scale * scale, normal.z, 0.0f));
+}
+
+#ifndef SNOWBOUGH_GLSL
+}  // namespace snowbough::shared
+#endif
