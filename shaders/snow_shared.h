@@ -106,13 +106,6 @@ struct FallFrame {
 };
 SNOWBOUGH_SHARED_SIZE(FallFrame, 112)
 
-/// Pixels an object showed in this step.
-struct PixelCounts {
-  uint visible;
-  uint back_facing;
-};
-SNOWBOUGH_SHARED_SIZE(PixelCounts, 8)
-
 /// Work groups of texels that a pass works on: the arguments of its dispatch, in blocks of 64 invocations
 /// and whole, and behind them the groups' numbers.
 struct GroupListHeader {
@@ -136,16 +129,16 @@ struct StatisticsSegment {
 };
 SNOWBOUGH_SHARED_SIZE(StatisticsSegment, 16)
 
-/// One receiver's balance. Volumes in m3 unless they are pixel counts.
+/// One receiver's balance. Volumes in m3.
 struct ObjectSums {
   /// Of the last step. `held_before` is what lay there when it began, measured then.
   double deposited;
   double slid;
   double held;
   double held_before;
-  /// Pixels.
-  double visible;
-  double back_facing;
+  /// Perpendicular to the fall, in m2: seen by the sky, of front and of back faces.
+  double visible_area;
+  double back_face_area;
   /// Of all steps. `total_stretched` is the change of volume by stretching surfaces.
   double total_deposited;
   double total_slid;

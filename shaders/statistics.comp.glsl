@@ -26,5 +26,6 @@ void main() {
     sums[segment.slot].deposited += sum.x;
     sums[segment.slot].slid += sum.y;
     sums[segment.slot].held += sum.z;
+    sums[segment.slot].visible_area += sum.w;
   }
 }

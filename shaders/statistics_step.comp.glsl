@@ -4,7 +4,8 @@
 
 layout(local_size_x = 64) in;
 layout(std430) buffer Sums { ObjectSums sums[]; };
-layout(std430) buffer Counts { PixelCounts counts[]; };
+/// Pixels of back faces, by slot.
+layout(std430) buffer BackPixels { uint back_pixels[]; };
 uniform uint object_count;
 #ifndef OPENING
 /// In m2.
@@ -22,15 +23,14 @@ void main() {
   sum.deposited = 0.0lf;
   sum.slid = 0.0lf;
   sum.held = 0.0lf;
-  counts[slot] = PixelCounts(0u, 0u);
+  sum.visible_area = 0.0lf;
+  back_pixels[slot] = 0u;
 #else
-  const PixelCounts count = counts[slot];
-  sum.visible = double(count.visible);
-  sum.back_facing = double(count.back_facing);
+  sum.back_face_area = double(back_pixels[slot]) * double(pixel_area);
   sum.total_deposited += sum.deposited;
   sum.total_slid += sum.slid;
   sum.total_stretched += sum.held - (sum.held_before + sum.deposited - sum.slid);
-  sum.total_visible_area += sum.visible * double(pixel_area);
+  sum.total_visible_area += sum.visible_area;
 #endif
   sums[slot] = sum;
 }

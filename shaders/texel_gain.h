@@ -10,6 +10,10 @@
 
 /// A MapTriangle each, in two vectors.
 KERNEL_VIEW_RGBA32F(map_triangles);
+#ifdef WITH_OPACITY
+/// Per fragment: the part of it that is there for snow.
+KERNEL_VIEW_R32F(fragment_opacity);
+#endif
 /// A TexelStep each, as one vector: llvmpipe stores it in one go.
 KERNEL_BLOCK(TexelSteps, uvec4, texel_steps);
 /// Texels a side of the map.
@@ -132,7 +136,10 @@ void gather_texel(int index, int map_offset) {
   for (int i = begin; i < end; ++i) {
     const uvec4 fragment = uvec4(texelFetch(fragments, i));
     const vec4 of_triangle = texelFetch(triangle_surface, int(fragment.x));
-    const float area = uintBitsToFloat(fragment.y) * of_triangle.y;
+    float area = uintBitsToFloat(fragment.y) * of_triangle.y;
+#ifdef WITH_OPACITY
+    area *= KERNEL_IS_BOUND(fragment_opacity) ? texelFetch(fragment_opacity, i).x : 1.0f;
+#endif
     if (of_triangle.x > 0.0f && area > 0.0f) {
       KERNEL_CONST_REF(GainTriangle) own =
           KERNEL_KEPT(last_triangle, uvec2(fragment.x, 0u),

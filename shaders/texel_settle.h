@@ -8,7 +8,7 @@
 
 /// A TexelStep each.
 KERNEL_VIEW_RGBA32UI(texel_steps);
-/// Metres that a texel which gains kGainUnits is given.
+/// Metres that a texel which gains kGainUnits is given: the step's thickness perpendicular to the fall.
 KERNEL_UNIFORM(float, full_gain);
 KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
@@ -48,14 +48,15 @@ float deposit_of(uvec4 step) { return float(step.x) * (full_gain / kGainUnits); 
 /// What a step does to a texel.
 struct SettledTexel {
   float height;
-  /// What it adds to the step's sums: deposited, slid and held volume in m3; w = 0.
+  /// What it adds to the step's sums: deposited, slid and held volume in m3, visible area in m2.
   vec4 sums;
 };
 
 SettledTexel settle_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
   const float settled = settle(height, deposit, max_depth * uintBitsToFloat(step.z), whole);
+  const float visible = full_gain > 0.0f ? deposit / full_gain : 0.0f;
   const vec4 sums =
-      vec4(deposit * area, (height + deposit - settled) * area, settled * area, 0.0f);
+      vec4(deposit * area, (height + deposit - settled) * area, settled * area, visible * area);
   return KERNEL_MAKE2(SettledTexel, settled, sums);
 }

@@ -13,8 +13,11 @@ void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& 
       deposit_on_processor(scene, fall, tile, occlusion, is_first, batch);
       continue;
     }
-    gpu::Program& program = programs_.with(has_noise ? std::vector<std::string>{}
-                                                     : std::vector<std::string>{"WITHOUT_NOISE"});
+    const bool has_opacity = batch.fragment_opacity.id() != 0;
+    std::vector<std::string> defines;
+    if (!has_noise) defines.emplace_back("WITHOUT_NOISE");
+    if (has_opacity) defines.emplace_back("WITH_OPACITY");
+    gpu::Program& program = programs_.with(defines);
     program.use();
     program.bind("Fall", fall);
     program.bind_texture("groups", batch.views.active_groups);
@@ -26,6 +29,7 @@ void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& 
     program.bind_texture("map_triangles", scene.views.map_triangles);
     program.bind_texture("fragment_begin", batch.views.fragment_begin);
     program.bind_texture("fragments", batch.views.fragments);
+    if (has_opacity) program.bind_texture("fragment_opacity", batch.views.fragment_opacity);
     program.bind_texture("occlusion", occlusion.views.visible);
     program.bind("TexelSteps", batch.steps);
     program.set("tile_origin", shown.low);

@@ -1,11 +1,14 @@
 #include "snow/deposit_kernel.h"
 
+#include <optional>
+
 #include "snow/processor_kernel.h"
 
 namespace snowbough::snow {
 namespace kernel {
 namespace {
 
+#define WITH_OPACITY
 struct Gain {
 #include "shaders/texel_gain.h"
 };
@@ -32,6 +35,7 @@ void deposit_on_processor(const SceneBuffers& scene, const gpu::Buffer& fall, co
   const BufferMap map_triangles(scene.map_triangles);
   const BufferMap fragment_begin(batch.fragment_begin);
   const BufferMap fragments(batch.fragments);
+  std::optional<BufferMap> opacity;
   const BufferMap visible(occlusion.visible);
   const BufferMap steps(batch.steps);
   kernel::Gain gain{};
@@ -42,6 +46,9 @@ void deposit_on_processor(const SceneBuffers& scene, const gpu::Buffer& fall, co
   gain.map_triangles = map_triangles.as<glm::vec4>();
   gain.fragment_begin = fragment_begin.as<shared::Word>();
   gain.fragments = fragments.as<glm::uvec4>();
+  if (batch.fragment_opacity.id() != 0) {
+    gain.fragment_opacity = opacity.emplace(batch.fragment_opacity).as<shared::Number>();
+  }
   gain.occlusion = visible.as<glm::uvec2>();
   gain.texel_steps = steps.as<glm::uvec4>();
   gain.tile_origin = tile.with_margin().low;

@@ -92,7 +92,7 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
   for (const Tile& tile : tiles) {
     occlusion_.run(scene, fall_, tile, ranges_in(objects, scene, rects, tile.with_margin()),
                    target_);
-    counts_.run(scene, tile, target_);
+    back_pixels_.run(scene, tile, target_);
     if (by_geometry) {
       deposit_geometry_->run(scene, fall_, tile, target_);
     } else {

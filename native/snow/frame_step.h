@@ -7,7 +7,7 @@
 #include "snow/deposit_geometry.h"
 #include "snow/fall_grid.h"
 #include "snow/occlusion.h"
-#include "snow/pixel_counts.h"
+#include "snow/back_pixels.h"
 #include "snow/scene_buffers.h"
 #include "snow/stability.h"
 #include "snow/statistics.h"
@@ -46,7 +46,7 @@ class FrameStep {
   TexelGroupsPass groups_;
   TexelSurfacePass surface_;
   OcclusionPass occlusion_;
-  PixelCountsPass counts_;
+  BackPixelsPass back_pixels_;
   DepositPass deposit_;
   /// Made when it is first asked for.
   std::unique_ptr<DepositGeometryPass> deposit_geometry_;

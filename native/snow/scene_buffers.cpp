@@ -93,7 +93,7 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
   const auto first_owner = static_cast<uint32_t>(writer.next()) + 1;
   for (size_t begin = 0; begin < order.size(); begin += kTexelGroup) {
     const size_t count = std::min<size_t>(kTexelGroup, order.size() - begin);
-    writer.add_group(table, std::span(order).subspan(begin, count),
+    writer.add_group(object, std::span(order).subspan(begin, count),
                      static_cast<uint32_t>(first_triangle),
                      static_cast<uint32_t>(layer) * map_texels);
   }
@@ -196,12 +196,14 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
     MapGroup& group = scene.groups.back();
     size_t texel_count = 0;
     size_t fragment_count = 0;
+    bool has_opacity = false;
     for (int32_t slot = group.first_slot; slot < group.end_slot; ++slot) {
       const TexelTable& table = objects[by_slot[static_cast<size_t>(slot)]]->table;
       texel_count += (table.texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
       fragment_count += table.fragment_share.size();
+      has_opacity |= !objects[by_slot[static_cast<size_t>(slot)]]->fragment_opacity.empty();
     }
-    BatchWriter writer(scene, static_cast<int32_t>(g), texel_count, fragment_count);
+    BatchWriter writer(scene, {static_cast<int32_t>(g), texel_count, fragment_count, has_opacity});
     for (int32_t slot = group.first_slot; slot < group.end_slot; ++slot) {
       const size_t i = by_slot[static_cast<size_t>(slot)];
       map_offsets[static_cast<size_t>(slot)] =
@@ -218,8 +220,8 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
                "receivers' triangles");
   scene.map_triangles = gpu::Buffer(map_triangles);
   scene.map_offsets = gpu::Buffer(map_offsets);
-  scene.pixel_counts =
-      gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::PixelCounts)));
+  scene.back_pixels =
+      gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(uint32_t)));
   scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
   scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
   scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);

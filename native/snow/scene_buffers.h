@@ -30,6 +30,8 @@ struct TexelBatch {
   gpu::Buffer places;
   gpu::Buffer fragment_begin;
   gpu::Buffer fragments;
+  /// Per fragment, see snow/fragment_opacity.h; empty where all objects of the group are opaque.
+  gpu::Buffer fragment_opacity;
   /// shared::TexelStep, of the step that is being computed.
   gpu::Buffer steps;
   gpu::Buffer partials;
@@ -48,6 +50,7 @@ struct TexelBatch {
     gpu::BufferTexture places;
     gpu::BufferTexture fragment_begin;
     gpu::BufferTexture fragments;
+    gpu::BufferTexture fragment_opacity;
     gpu::BufferTexture steps;
     gpu::BufferTexture group_slots;
     gpu::BufferTexture group_begin;
@@ -87,7 +90,7 @@ struct SceneBuffers {
   gpu::Buffer alpha_triangles;
   gpu::Buffer alpha_places;
   gpu::Buffer alpha_bits;
-  gpu::Buffer pixel_counts;
+  gpu::Buffer back_pixels;
   gpu::Buffer sums;
   std::vector<MapGroup> groups;
   std::vector<TexelBatch> batches;

@@ -37,6 +37,8 @@ struct SceneObject {
   ObjectDescription description;
   /// Receivers only.
   TexelTable table;
+  /// See fragment_opacity.h; empty: opaque.
+  std::vector<float> fragment_opacity;
   /// Current world positions in metres; empty before the first step that names the object.
   std::vector<glm::vec3> positions;
   Bounds bounds;

@@ -258,7 +258,7 @@ SnowStatistics SnowSimulation::statistics() {
         std::memcpy(&own, saved.sums.data(), sizeof own);
       }
     }
-    const StatisticsPair pair = balance_of(own, settings_.pixel_size * settings_.pixel_size);
+    const StatisticsPair pair = balance_of(own);
     statistics.objects[name] = pair;
     add_balance(statistics.all, pair);
   }

@@ -4,6 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
+#include "snow/fragment_opacity.h"
 #include "snow/simulation.h"
 
 namespace snowbough::snow {
@@ -61,6 +62,7 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
     }
     if (description.receive) {
       object.table = build_texel_table(topology);
+      object.fragment_opacity = fragment_opacity(object.table, topology, description.alpha);
     }
   } catch (const std::invalid_argument& error) {
     refuse("object '" + description.name + "': " + error.what());

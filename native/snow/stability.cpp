@@ -25,9 +25,8 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
     program.bind_texture("texel_steps", batch.views.steps);
     if (on_deposit_maps) {
       program.bind_texture("deposit_map", group.deposit);
-    } else {
-      program.set("full_gain", full_gain);
     }
+    program.set("full_gain", full_gain);
     program.bind("Partials", batch.partials);
     program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);

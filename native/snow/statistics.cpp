@@ -14,15 +14,15 @@ void add(SnowBalance& sum, const SnowBalance& other) {
 
 }  // namespace
 
-StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area) {
+StatisticsPair balance_of(const shared::ObjectSums& sums) {
   StatisticsPair pair;
   SnowBalance& step = pair.step;
   step.deposited_volume = sums.deposited;
   step.slid_volume = sums.slid;
   step.held_volume = sums.held;
   step.stretched_volume = sums.held - (sums.held_before + sums.deposited - sums.slid);
-  step.visible_area = sums.visible * pixel_area;
-  step.back_face_area = sums.back_facing * pixel_area;
+  step.visible_area = sums.visible_area;
+  step.back_face_area = sums.back_face_area;
 
   SnowBalance& total = pair.total;
   total.deposited_volume = sums.total_deposited;
@@ -43,7 +43,7 @@ void add_balance(StatisticsPair& sum, const StatisticsPair& other) {
 void StatisticsPass::open(SceneBuffers& scene) {
   open_.use();
   open_.bind("Sums", scene.sums);
-  open_.bind("Counts", scene.pixel_counts);
+  open_.bind("BackPixels", scene.back_pixels);
   open_.set("object_count", static_cast<uint32_t>(scene.slot.size()));
   open_.dispatch(gpu::group_count(static_cast<int64_t>(scene.slot.size()), 64));
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
@@ -60,7 +60,7 @@ void StatisticsPass::close(SceneBuffers& scene, float pixel_area) {
   }
   close_.use();
   close_.bind("Sums", scene.sums);
-  close_.bind("Counts", scene.pixel_counts);
+  close_.bind("BackPixels", scene.back_pixels);
   close_.set("object_count", static_cast<uint32_t>(scene.slot.size()));
   close_.set("pixel_area", pixel_area);
   close_.dispatch(gpu::group_count(static_cast<int64_t>(scene.slot.size()), 64));

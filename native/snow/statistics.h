@@ -44,8 +44,8 @@ struct SnowStatistics {
   uint32_t step_number = 0;
 };
 
-/// Turns sums as they lie on the GPU into a balance. `pixel_area` in m2.
-StatisticsPair balance_of(const shared::ObjectSums& sums, double pixel_area);
+/// Turns sums as they lie on the GPU into a balance.
+StatisticsPair balance_of(const shared::ObjectSums& sums);
 /// Adds `other` to `sum`.
 void add_balance(StatisticsPair& sum, const StatisticsPair& other);
 

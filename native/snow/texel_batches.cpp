@@ -29,6 +29,7 @@ void BatchWriter::open_batch(size_t first_fragments) {
   arrays_.places = gpu::BufferWriter<uint32_t>(texels);
   arrays_.fragment_begin = gpu::BufferWriter<uint32_t>(texels + 1);
   arrays_.fragments = gpu::BufferWriter<shared::Fragment>(fragments + 1);
+  if (has_opacity_) arrays_.opacity = gpu::BufferWriter<float>(fragments + 1);
 }
 
 void BatchWriter::begin_object(int32_t slot, size_t texel_count, size_t fragment_count) {
@@ -40,8 +41,9 @@ void BatchWriter::begin_object(int32_t slot, size_t texel_count, size_t fragment
   open_segment();
 }
 
-void BatchWriter::add_group(const TexelTable& table, std::span<const int32_t> order,
+void BatchWriter::add_group(const SceneObject& object, std::span<const int32_t> order,
                             uint32_t first_triangle, uint32_t first_place) {
+  const TexelTable& table = object.table;
   size_t own_fragments = 0;
   for (const int32_t index : order) {
     const auto i = static_cast<size_t>(index);
@@ -57,6 +59,17 @@ void BatchWriter::add_group(const TexelTable& table, std::span<const int32_t> or
   uint32_t* place = arrays_.places.add(order.size());
   uint32_t* begin = arrays_.fragment_begin.add(order.size());
   shared::Fragment* fragment = arrays_.fragments.add(own_fragments);
+  if (has_opacity_) {
+    float* opacity = arrays_.opacity.add(own_fragments);
+    for (const int32_t index : order) {
+      const int32_t* begin_of = &table.fragment_begin[static_cast<size_t>(index)];
+      for (int32_t f = begin_of[0]; f < begin_of[1]; ++f) {
+        *opacity++ = object.fragment_opacity.empty()
+                         ? 1.0f
+                         : object.fragment_opacity[static_cast<size_t>(f)];
+      }
+    }
+  }
   texels_left_ -= order.size();
   fragments_left_ -= own_fragments;
   for (const int32_t index : order) {
@@ -108,6 +121,10 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   batch.places = arrays.places.take();
   batch.fragment_begin = arrays.fragment_begin.take();
   batch.fragments = arrays.fragments.take();
+  if (arrays.opacity.size() > 0) {
+    batch.fragment_opacity = arrays.opacity.take();
+    batch.views.fragment_opacity = gpu::BufferTexture(batch.fragment_opacity, GL_R32F);
+  }
   batch.segment_buffer = gpu::Buffer(arrays.segments);
   batch.segments = std::move(arrays.segments);
   const int64_t count = batch.count;

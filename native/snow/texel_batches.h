@@ -14,17 +14,30 @@ namespace snowbough::snow {
 /// them. GPU thread.
 class BatchWriter {
  public:
-  /// The group has that many fragments, and that many texels, whole work groups for each object.
-  BatchWriter(SceneBuffers& scene, int32_t group, size_t texel_count, size_t fragment_count)
-      : scene_(scene), group_(group), texels_left_(texel_count), fragments_left_(fragment_count) {}
+  /// What comes in.
+  struct Plan {
+    int32_t group = 0;
+    /// Whole work groups of texels for each object.
+    size_t texel_count = 0;
+    size_t fragment_count = 0;
+    /// Whether one of the objects has a fragment_opacity.
+    bool has_opacity = false;
+  };
+
+  BatchWriter(SceneBuffers& scene, const Plan& plan)
+      : scene_(scene),
+        group_(plan.group),
+        has_opacity_(plan.has_opacity),
+        texels_left_(plan.texel_count),
+        fragments_left_(plan.fragment_count) {}
 
   /// An object's texels share a batch unless they fill one alone: where batches end then depends on
   /// the object only, and so does what its passes compute.
   void begin_object(int32_t slot, size_t texel_count, size_t fragment_count);
-  /// Adds the object's next texels, a work group of them or, at its end, less: those of `table`
+  /// Adds the object's next texels, a work group of them or, at its end, less: those of its table
   /// that `order` lists. Their triangles and places on the map group begin at these numbers.
-  void add_group(const TexelTable& table, std::span<const int32_t> order, uint32_t first_triangle,
-                 uint32_t first_place);
+  void add_group(const SceneObject& object, std::span<const int32_t> order,
+                 uint32_t first_triangle, uint32_t first_place);
   void end_object();
 
   /// Where the triangles of the work groups are noted, in the order of the groups.
@@ -41,6 +54,7 @@ class BatchWriter {
     gpu::BufferWriter<uint32_t> places;
     gpu::BufferWriter<uint32_t> fragment_begin;
     gpu::BufferWriter<shared::Fragment> fragments;
+    gpu::BufferWriter<float> opacity;
     std::vector<shared::StatisticsSegment> segments;
   };
 
@@ -55,6 +69,7 @@ class BatchWriter {
 
   SceneBuffers& scene_;
   int32_t group_;
+  bool has_opacity_;
   int32_t first_ = 0;
   int32_t slot_ = -1;
   int32_t segment_begin_ = 0;

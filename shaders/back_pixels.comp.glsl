@@ -1,12 +1,19 @@
-// Counts what the sky sees of every object.
+// Counts the pixels in which the sky sees back faces, of every receiver: a hint at flipped normals.
 // WALKERS: invocations of a work group; see snow/walkers.h.
-#include "pixel_counts.h"
 #include "tile_pixel.h"
 #include "triangle_object.h"
 
 layout(local_size_x = WALKERS) in;
+/// By slot.
+layout(std430) buffer BackPixels { uint back_pixels[]; };
 /// A SeenPixel each.
 uniform usamplerBuffer occlusion;
+
+void add(uint slot, uint count) {
+  if (count > 0u) {
+    atomicAdd(back_pixels[slot], count);
+  }
+}
 
 void main() {
   // A work group walks along a row, each lane every WALKERS-th pixel.
@@ -14,23 +21,20 @@ void main() {
   const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x) + kTileMargin;
   const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x - 2 * kTileMargin) + kTileMargin;
   uint current = 0u;
-  PixelCounts count = PixelCounts(0u, 0u);
-  for (ivec2 pixel = ivec2(begin, y); pixel.x < end; pixel.x += WALKERS) {
-    const uint seen = texelFetch(occlusion, pixel_index(pixel)).x;
-    const uint object = seen == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
+  uint count = 0u;
+  for (int x = begin; x < end; x += WALKERS) {
+    const uint seen = texelFetch(occlusion, pixel_index(ivec2(x, y))).x;
+    const uint object = (seen & kBackFace) == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
     if ((object & kReceives) == 0u) {
       continue;
     }
     const uint slot = object & ~kReceives;
     if (slot != current) {
-      flush(current, count);
+      add(current, count);
       current = slot;
+      count = 0u;
     }
-    if ((seen & kBackFace) != 0u) {
-      count.back_facing += 1u;
-    } else {
-      count.visible += 1u;
-    }
+    ++count;
   }
-  flush(current, count);
+  add(current, count);
 }

@@ -1,11 +1,11 @@
-#include "snow/pixel_counts.h"
+#include "snow/back_pixels.h"
 
 namespace snowbough::snow {
 
-void PixelCountsPass::run(SceneBuffers& scene, const Tile& tile, const OcclusionTarget& occlusion) {
+void BackPixelsPass::run(SceneBuffers& scene, const Tile& tile, const OcclusionTarget& occlusion) {
   const glm::ivec2 own = tile.pixels.size();
   program_.use();
-  program_.bind("Counts", scene.pixel_counts);
+  program_.bind("BackPixels", scene.back_pixels);
   program_.bind_texture("occlusion", occlusion.views.visible);
   program_.bind_texture("triangle_words", scene.views.triangle_words);
   program_.set("tile_size", tile.with_margin().size());

@@ -8,14 +8,15 @@
 
 namespace snowbough::snow {
 
-/// Counts what the sky sees of every receiver: pixels of its front and of its back faces.
-class PixelCountsPass {
+/// Counts the pixels in which the sky sees back faces of every receiver, which gather nothing: many
+/// of them hint at flipped normals.
+class BackPixelsPass {
  public:
   /// `walkers`: at most shared::kMostWalkers. GPU thread.
-  explicit PixelCountsPass(int32_t walkers = snow::walkers())
-      : program_({"pixel_counts.comp.glsl"}, {walkers_define(walkers)}) {}
+  explicit BackPixelsPass(int32_t walkers = snow::walkers())
+      : program_({"back_pixels.comp.glsl"}, {walkers_define(walkers)}) {}
 
-  /// Adds a tile's own pixels to the scene's `pixel_counts`. GPU thread.
+  /// Adds a tile's own pixels to the scene's `back_pixels`. GPU thread.
   void run(SceneBuffers& scene, const Tile& tile, const OcclusionTarget& occlusion);
 
  private:
