@@ -107,7 +107,7 @@ struct Side {
   /// Corners in steps from the first pixel's centre, anticlockwise.
   Side(glm::ivec2 from, glm::ivec2 to) {
     const glm::ivec2 way = to - from;
-    // A centre on the line belongs to the triangle on its upper right.
+    // A centre on the line belongs to the triangle at its right or, if it is level, above it.
     const bool holds_line = way.y < 0 || (way.y == 0 && way.x > 0);
     value = way.y * from.x - way.x * from.y - (holds_line ? 0 : 1);
     right = -way.y * kSteps;
