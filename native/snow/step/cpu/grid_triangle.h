@@ -19,7 +19,7 @@ static_assert(static_cast<float>(kSteps) == shared::kStepsAPixel);
 inline constexpr float kFarPixel = 4194304.0f;
 
 /// The first pixel of a row or column whose centre is not before `step`; the last is the one before
-/// the first of the other end, which makes edges belong to the pixels at their upper right.
+/// the first of the other end, which makes a side belong to the triangle at its right or above it.
 inline int32_t first_pixel_from(int32_t step) {
   return (step + kSteps / 2 - 1) >> 8;
 }

@@ -15,9 +15,9 @@ namespace snowbough::snow::cpu {
 /// triangles into bins of 64 x 64 pixels, then draws bin by bin on all cores.
 ///
 /// Corners lie on steps of 1/256 pixel and their sides are evaluated in whole numbers, at pixels'
-/// centres; a centre on a side belongs to the triangle at its upper right, so that neighbours share
-/// none and leave none out. Nothing depends on the rectangle, the bins or the number of threads: a
-/// part of a rectangle has the bits that the whole has there.
+/// centres; a centre on a side belongs to the triangle at its right, on a level side to that above,
+/// so that neighbours share none and leave none out. Nothing depends on the rectangle, the bins or
+/// the number of threads: a part of a rectangle has the bits that the whole has there.
 class OcclusionPass {
  public:
   struct Options {

@@ -79,6 +79,25 @@ struct GridTriangle {
         plane(shared::depth_plane(a, b, c, index)) {}
 };
 
+/// Draws into a row's pixels from x on, those where `beyond(k)` is not negative, in whole vectors:
+/// `count` rounded up to kLanes. `offset_y`: of their centres from the plane's corner; `depth` and
+/// `seen`: those of the first.
+template <typename Beyond>
+inline void draw_lanes(const shared::DepthPlane& plane, int32_t x, int32_t count, float offset_y,
+                       const Beyond& beyond, float* __restrict depth, uint32_t* __restrict seen) {
+  const glm::vec4 corner_gradient = plane.corner_gradient;
+  const glm::vec3 range = plane.range;
+  const uint32_t own_seen = plane.seen;
+  const int32_t end = (count + kLanes - 1) / kLanes * kLanes;
+  for (int32_t k = 0; k < end; ++k) {
+    const float offset_x = static_cast<float>(x + k) + 0.5f - corner_gradient.x;
+    const float own = shared::depth_at(offset_x, offset_y, corner_gradient, range);
+    const bool shows = (beyond(k) >= 0) & (own < depth[k]);
+    depth[k] = shows ? own : depth[k];
+    seen[k] = shows ? own_seen : seen[k];
+  }
+}
+
 /// One side of a small triangle: negative beyond it, at the centre of the first pixel of a row.
 struct Side {
   int32_t value;
@@ -88,12 +107,15 @@ struct Side {
   /// Corners in steps from the first pixel's centre, anticlockwise.
   Side(glm::ivec2 from, glm::ivec2 to) {
     const glm::ivec2 way = to - from;
-    // A centre on the line belongs to the triangle on its upper right.
+    // A centre on the line belongs to the triangle at its right or, if it is level, above it.
     const bool holds_line = way.y < 0 || (way.y == 0 && way.x > 0);
     value = way.y * from.x - way.x * from.y - (holds_line ? 0 : 1);
     right = -way.y * kSteps;
     up = way.x * kSteps;
   }
+
+  /// At the centre of the k-th pixel of the row.
+  int32_t at(int32_t k) const { return value + k * right; }
 };
 
 /// Draws one that is at most kSmallPixels wide and high, into the pixels `covered` by its bounds.
@@ -125,17 +147,9 @@ inline void draw_small(const GridTriangle& triangle, const PixelRect& covered,
   uint32_t* seen = bin.seen + (depth - bin.depth);
   for (int32_t y = covered.low.y; y < covered.high.y; ++y) {
     const float offset_y = static_cast<float>(y) + 0.5f - plane.corner_gradient.y;
-    for (int32_t x = 0; first_x + x < covered.high.x; x += kLanes) {
-      for (int32_t k = x; k < x + kLanes; ++k) {
-        const int32_t beyond =
-            (ab.value + k * ab.right) | (bc.value + k * bc.right) | (ca.value + k * ca.right);
-        const float offset_x = static_cast<float>(first_x + k) + 0.5f - plane.corner_gradient.x;
-        const float own = shared::depth_at(offset_x, offset_y, plane.corner_gradient, plane.range);
-        const bool shows = (beyond >= 0) & (own < depth[k]);
-        depth[k] = shows ? own : depth[k];
-        seen[k] = shows ? plane.seen : seen[k];
-      }
-    }
+    draw_lanes(
+        plane, first_x, covered.high.x - first_x, offset_y,
+        [=](int32_t k) { return ab.at(k) | bc.at(k) | ca.at(k); }, depth, seen);
     ab.value += ab.up;
     bc.value += bc.up;
     ca.value += ca.up;
@@ -226,16 +240,9 @@ inline void draw_row(const shared::DepthPlane& plane, int32_t first, int32_t end
   float* depth = bin.depth + (y - rect.low.y) * kBinSize + first - rect.low.x;
   uint32_t* seen = bin.seen + (depth - bin.depth);
   const float offset_y = static_cast<float>(y) + 0.5f - plane.corner_gradient.y;
-  const int32_t count = end - first;
-  for (int32_t x = 0; x < count; x += kLanes) {
-    for (int32_t k = x; k < x + kLanes; ++k) {
-      const float offset_x = static_cast<float>(first + k) + 0.5f - plane.corner_gradient.x;
-      const float own = shared::depth_at(offset_x, offset_y, plane.corner_gradient, plane.range);
-      const bool shows = (k < count) & (own < depth[k]);
-      depth[k] = shows ? own : depth[k];
-      seen[k] = shows ? plane.seen : seen[k];
-    }
-  }
+  const int32_t last = end - first - 1;
+  draw_lanes(
+      plane, first, end - first, offset_y, [=](int32_t k) { return last - k; }, depth, seen);
 }
 
 inline void draw_large(const GridTriangle& triangle, const PixelRect& covered,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>
+#include <string>
 
 #include "shaders/lib/triangle_setup.h"
 #include "snow/processor_kernel.h"
@@ -11,7 +12,7 @@ namespace snowbough::snow::cpu {
 namespace {
 
 /// Triangles that a thread takes at a time.
-constexpr size_t kRun = 4096;
+constexpr size_t kRun = 1024;
 
 SNOWBOUGH_KERNEL void set_up_run(const glm::vec3* positions, const shared::SceneTriangle* triangles,
                                  const shared::FallFrame& frame, size_t count, glm::vec4* corners,
