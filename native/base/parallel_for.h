@@ -1,13 +1,15 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <functional>
 
-#include "tree/progress.h"
+#include "base/progress.h"
+#include "base/thread_pool.h"
 
-namespace snowbough::tree {
+namespace snowbough::base {
 
-/// How a stage of the import may work.
+/// How long work may be done.
 struct Execution {
   /// Threads that may share the work, the calling one included; 0 = one a core. The result does not
   /// depend on it.
@@ -19,13 +21,23 @@ struct Execution {
   Execution part(float from, float to) const;
 };
 
+/// Calls work(part, parts) for all parts 0 to parts - 1, at the same time as far as the shared pool
+/// has threads: ThreadPool::run.
+/// @throws what the first part that failed threw.
+template <typename Work>
+void parallel_for(int32_t parts, const Work& work) {
+  const auto count = static_cast<size_t>(parts);
+  ThreadPool::shared().run(count, [&](size_t part) { work(part, count); });
+}
+
 /// Calls work(begin, end) for consecutive blocks of [0, count), no longer than `block`, on several
-/// threads at once. What a block writes must depend on its range alone and concern no other block.
+/// threads of the shared pool at once. What a block writes must depend on its range alone and
+/// concern no other block.
 ///
 /// Progress is reported from the calling thread, which works too; when it says stop, blocks under
 /// way are finished and no new one is begun.
 /// @throws Cancelled when progress says stop; else what the first block that failed threw.
-void parallel_blocks(size_t count, size_t block, const Execution& execution,
-                     const std::function<void(size_t begin, size_t end)>& work);
+void parallel_for(size_t count, size_t block, const Execution& execution,
+                  const std::function<void(size_t begin, size_t end)>& work);
 
-}  // namespace snowbough::tree
+}  // namespace snowbough::base

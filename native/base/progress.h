@@ -2,8 +2,9 @@
 
 #include <functional>
 #include <stdexcept>
+#include <utility>
 
-namespace snowbough::tree {
+namespace snowbough::base {
 
 /// Called now and then with the share done, 0 to 1, from the calling thread; false asks to stop.
 using Progress = std::function<bool(float)>;
@@ -20,4 +21,13 @@ inline void report_progress(const Progress& progress, float share) {
   }
 }
 
-}  // namespace snowbough::tree
+/// The progress of work that is the part from `from` to `to` of a longer one; empty for an empty
+/// one.
+inline Progress part_of(Progress whole, float from, float to) {
+  if (!whole) return {};
+  return [whole = std::move(whole), from, to](float share) {
+    return whole(from + share * (to - from));
+  };
+}
+
+}  // namespace snowbough::base

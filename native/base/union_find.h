@@ -5,13 +5,13 @@
 #include <utility>
 #include <vector>
 
-namespace snowbough::tree {
+namespace snowbough::base {
 
 /// Union-find whose representative is the smallest index of its set: independent of the union
 /// order.
-class SmallestRepresentative {
+class UnionFind {
  public:
-  explicit SmallestRepresentative(size_t count) : parent_(count) {
+  explicit UnionFind(size_t count) : parent_(count) {
     std::iota(parent_.begin(), parent_.end(), 0);
   }
 
@@ -46,4 +46,4 @@ class SmallestRepresentative {
   std::vector<int32_t> parent_;
 };
 
-}  // namespace snowbough::tree
+}  // namespace snowbough::base

@@ -5,15 +5,15 @@
 #include <stdexcept>
 #include <string>
 
-#include "tree/bones.h"
-#include "tree/lod.h"
-#include "tree/parallel.h"
-#include "tree/snow_uvs.h"
-#include "tree/surface.h"
-#include "tree/surface_bark_uvs.h"
-#include "tree/surface_path.h"
-#include "tree/surface_relief.h"
-#include "tree/weights.h"
+#include "base/parallel_for.h"
+#include "tree/crossings/relief.h"
+#include "tree/mesh/bones.h"
+#include "tree/mesh/lod.h"
+#include "tree/mesh/weights.h"
+#include "tree/surface/limb_path.h"
+#include "tree/surface/surface.h"
+#include "tree/uv/bark_uvs.h"
+#include "tree/uv/snow_uvs.h"
 
 namespace snowbough::tree {
 namespace {
@@ -111,10 +111,10 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options,
                          BuildReport* report) {
   check_options(options);
-  const Execution whole{options.threads, options.progress};
+  const base::Execution whole{options.threads, options.progress};
   const float base_done = base_share(options.lod);
-  const Execution execution = whole.part(0.0f, base_done);
-  report_progress(execution.progress, 0.0f);
+  const base::Execution execution = whole.part(0.0f, base_done);
+  base::report_progress(execution.progress, 0.0f);
   const SurfaceScale scale = surface_scale(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
   const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
@@ -146,9 +146,9 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   mesh.bone_weights = std::move(rest.weights.weights);
   mesh.bones = std::move(rest.bones);
   mesh.uv_bark = std::move(rest.uv_bark);
-  report_progress(execution.progress, kChartsDone);
+  base::report_progress(execution.progress, kChartsDone);
   subdivide(mesh, surface, options.lod, options.max_influences, whole.part(base_done, 1.0f));
-  report_progress(whole.progress, 1.0f);
+  base::report_progress(whole.progress, 1.0f);
   if (report != nullptr) {
     report->check = std::move(rest.check);
     report->junctions = static_cast<int32_t>(surface.junctions.size());

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "tree/bones_reduce.h"
-#include "tree/mesh_check.h"
-#include "tree/progress.h"
-#include "tree/skeleton.h"
-#include "tree/tree_mesh.h"
-#include "tree/width.h"
+#include "base/progress.h"
+#include "tree/mesh/bones_reduce.h"
+#include "tree/mesh/mesh_check.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/skeleton/width.h"
 
 namespace snowbough::tree {
 
@@ -24,7 +24,7 @@ struct TreeMeshOptions {
   /// Threads that may share the work, the calling one included; 0 = one a core. The mesh does not
   /// depend on it.
   int threads = 0;
-  Progress progress = {};
+  base::Progress progress = {};
 };
 
 /// What the finished mesh was checked for.

@@ -7,29 +7,23 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tree/attach.h"
-#include "tree/classify.h"
-#include "tree/foliage.h"
-#include "tree/limbs.h"
-#include "tree/loose_faces.h"
-#include "tree/mtl_reader.h"
-#include "tree/obj_reader.h"
-#include "tree/parallel.h"
-#include "tree/part_names.h"
-#include "tree/parts.h"
-#include "tree/up_axis.h"
+#include "base/parallel_for.h"
+#include "tree/obj/mtl_reader.h"
+#include "tree/obj/obj_reader.h"
+#include "tree/obj/parts.h"
+#include "tree/read/classify.h"
+#include "tree/read/foliage.h"
+#include "tree/read/limbs.h"
+#include "tree/read/loose_faces.h"
+#include "tree/read/part_names.h"
+#include "tree/read/up_axis.h"
+#include "tree/skeleton/attach.h"
 
 namespace snowbough::tree {
 namespace {
 
 /// Level names are believed while no more than this share of the branches finds no parent by them.
 constexpr double kMostUnattached = 0.2;
-
-/// The part of the progress bar from `from` to `to`.
-Progress part_of(const Progress& progress, float from, float to) {
-  if (!progress) return {};
-  return [&progress, from, to](float share) { return progress(from + share * (to - from)); };
-}
 
 std::string part_name(const PartLabels& labels, int32_t part) {
   return labels.label[part] >= 0 ? labels.names[labels.label[part]] : "(unnamed)";
@@ -73,9 +67,9 @@ float extent_of(const std::vector<Branch>& branches) {
 
 /// Connects by level names, and again by thickness if the names turn out to tell no levels.
 void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings,
-             const Progress& progress) {
+             const base::Progress& progress) {
   const float size = extent_of(traced.branches);
-  attach_branches(traced.branches, traced.reversible, size, part_of(progress, 0.0f, 0.5f));
+  attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.0f, 0.5f));
   const bool may_doubt =
       !levels_given && std::any_of(traced.branches.begin(), traced.branches.end(),
                                    [](const Branch& b) { return b.level > 0; });
@@ -86,7 +80,7 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
   }
   if (unattached <= kMostUnattached * static_cast<double>(traced.branches.size())) return;
   for (Branch& branch : traced.branches) branch.level = -1;
-  attach_branches(traced.branches, traced.reversible, size, part_of(progress, 0.5f, 1.0f));
+  attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.5f, 1.0f));
   warnings.emplace_back(
       "the groups' names tell no levels; branches were connected by thickness (set level names to "
       "overrule)");
@@ -137,20 +131,20 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
   read_options.threads = options.threads;
-  read_options.progress = part_of(options.progress, 0.0f, 0.5f);
+  read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
   Skeleton skeleton;
   ImportReport& report = skeleton.report;
   TracedBranches traced;
   {
     const ObjScene scene = read_obj_file(path, read_options);
-    Parts parts = split_parts(scene, part_of(options.progress, 0.5f, 0.55f));
+    Parts parts = split_parts(scene, base::part_of(options.progress, 0.5f, 0.55f));
     PartLabels labels = label_parts(scene, parts, options.foliage_names);
     const int32_t split_count = parts.count();
-    parts =
-        join_loose_faces(scene, std::move(parts), labels, part_of(options.progress, 0.55f, 0.6f));
+    parts = join_loose_faces(scene, std::move(parts), labels,
+                             base::part_of(options.progress, 0.55f, 0.6f));
     if (parts.count() < split_count) labels = label_parts(scene, parts, options.foliage_names);
     ClassifiedParts classified = classify_parts(
-        scene, parts, labels, Execution{options.threads, options.progress}.part(0.6f, 0.8f));
+        scene, parts, labels, base::Execution{options.threads, options.progress}.part(0.6f, 0.8f));
     report.form = form_name(classified.form);
     report.foliage_parts = classified.foliage_count;
     report_scene(scene, report);
@@ -186,8 +180,9 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
                       report.form == form_name(TreeForm::kMaterials) ||
                       report.form == form_name(TreeForm::kMergedSquares);
 
-  connect(traced, !options.levels.empty(), report.warnings, part_of(options.progress, 0.8f, 0.85f));
-  report_progress(options.progress, 0.85f);
+  connect(traced, !options.levels.empty(), report.warnings,
+          base::part_of(options.progress, 0.8f, 0.85f));
+  base::report_progress(options.progress, 0.85f);
   const bool y_up = options.up_axis == UpAxis::kY ||
                     (options.up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
   report.up_axis = y_up ? "Y" : "Z";
@@ -204,9 +199,9 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
     if (skeleton.branches[b].parent < 0) report.extra_roots.push_back(skeleton.branches[b].name);
   }
   attach_leaves(skeleton.branches, skeleton.foliage,
-                Execution{options.threads, options.progress}.part(0.85f, 0.98f));
+                base::Execution{options.threads, options.progress}.part(0.85f, 0.98f));
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
-  report_progress(options.progress, 1.0f);
+  base::report_progress(options.progress, 1.0f);
   return skeleton;
 }
 

@@ -1,4 +1,4 @@
-#include "tree/surface_crossings.h"
+#include "tree/crossings/crossings.h"
 
 #include <algorithm>
 #include <array>
@@ -10,12 +10,16 @@
 #include <utility>
 #include <vector>
 
-#include "tree/four_lanes.h"
-#include "tree/surface_faces.h"
-#include "tree/surface_neighbourhoods.h"
+#include "base/simd.h"
+#include "tree/crossings/faces.h"
+#include "tree/crossings/neighbourhoods.h"
 
 namespace snowbough::tree {
 namespace {
+
+using base::bits;
+using base::Float4;
+using base::Int4;
 
 /// Junctions a thread looks at before it takes the next ones: many enough that most find faces of
 /// the one before, few enough that the threads end together.
@@ -188,7 +192,7 @@ class SearchPool {
 }  // namespace
 
 JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only,
-                                 const Execution& execution) {
+                                 const base::Execution& execution) {
   const VertexFaces around(surface);
   JunctionCrossings crossings(surface.junctions.size());
   std::vector<size_t> wanted;
@@ -198,7 +202,7 @@ JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8
     }
   }
   SearchPool pool(surface, around);
-  parallel_blocks(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
+  base::parallel_for(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
     std::unique_ptr<CrossingSearch> search = pool.take();
     search->begin();
     for (size_t i = begin; i < end; ++i) {

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "tree/parallel.h"
-#include "tree/surface.h"
+#include "base/parallel_for.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 
@@ -18,7 +18,7 @@ using JunctionCrossings = std::vector<std::vector<std::pair<int32_t, int32_t>>>;
 /// test is exact.
 /// @param only per junction, 0 skips it; empty = look at all.
 JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only = {},
-                                 const Execution& execution = {});
+                                 const base::Execution& execution = {});
 
 /// Branches that the surface was built without and whose faces belong to what find_crossings looks
 /// at; ascending.

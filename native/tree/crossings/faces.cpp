@@ -1,4 +1,4 @@
-#include "tree/surface_faces.h"
+#include "tree/crossings/faces.h"
 
 #include <algorithm>
 #include <array>
@@ -7,10 +7,18 @@
 #include <glm/geometric.hpp>
 #include <limits>
 
-#include "tree/surface_triangles.h"
+#include "tree/crossings/triangles.h"
 
 namespace snowbough::tree {
 namespace {
+
+using base::bits;
+using base::Float4;
+using base::four;
+using base::Int4;
+using base::largest;
+using base::rotated;
+using base::smallest;
 
 /// Distance from a plane, as a share of the coordinates that went into it, that rounding can not
 /// make up; of floats and of doubles.

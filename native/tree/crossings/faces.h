@@ -3,17 +3,17 @@
 #include <cstdint>
 #include <glm/vec3.hpp>
 
-#include "tree/four_lanes.h"
-#include "tree/surface.h"
+#include "base/simd.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 
 /// A face of a surface with all that the tests for crossings read of it.
 struct CrossingFace {
   /// The four corners as floats, which is what the mesh has.
-  Float4 x, y, z;
+  base::Float4 x, y, z;
   /// Their vertices.
-  Int4 corners;
+  base::Int4 corners;
   /// Sum of the corners.
   glm::vec3 sum;
   /// The box around them, and its three sides together.

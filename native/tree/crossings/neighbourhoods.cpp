@@ -1,4 +1,4 @@
-#include "tree/surface_neighbourhoods.h"
+#include "tree/crossings/neighbourhoods.h"
 
 namespace snowbough::tree {
 

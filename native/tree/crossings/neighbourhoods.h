@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tree/surface.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

@@ -1,9 +1,9 @@
-#include "tree/surface_relief.h"
+#include "tree/crossings/relief.h"
 
 #include <algorithm>
 
-#include "tree/surface_builder.h"
-#include "tree/surface_crossings.h"
+#include "tree/crossings/crossings.h"
+#include "tree/surface/builder.h"
 
 namespace snowbough::tree {
 namespace {
@@ -109,13 +109,13 @@ std::vector<int32_t> crossing_children(const Surface& surface, const JunctionCro
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
                                          const SurfaceScale& scale, const SurfaceOptions& options,
-                                         const Execution& execution) {
+                                         const base::Execution& execution) {
   std::vector<uint8_t> relief(paths.size(), 0);
   UncrossedSurface best;
   SurfaceBuilder builder(skeleton, paths, scale, options, execution.threads);
   builder.build(relief);
   best.surface = builder.surface();
-  report_progress(execution.progress, 0.3f);
+  base::report_progress(execution.progress, 0.3f);
   JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f));
   best.crossing = crossing_children(best.surface, crossings);
   std::vector<uint8_t> best_relief = relief;
@@ -124,7 +124,7 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
   int idle = 0;
   for (int round = 0; round < kRounds && idle < kPatience && !best.crossing.empty(); ++round) {
     const float share = 0.7f + 0.2f * static_cast<float>(round) / kRounds;
-    report_progress(execution.progress, share);
+    base::report_progress(execution.progress, share);
     std::vector<uint8_t> changed(relief.size(), 0);
     relieve(round == 0 ? best.surface : around, crossings, round, relief, changed);
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
@@ -145,7 +145,7 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     }
   }
   if (!best.narrowed.empty()) {
-    report_progress(execution.progress, 0.9f);
+    base::report_progress(execution.progress, 0.9f);
     builder.build(best_relief);
     best.surface = builder.surface();
   }

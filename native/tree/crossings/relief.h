@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "tree/parallel.h"
-#include "tree/surface.h"
+#include "base/parallel_for.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 
@@ -24,6 +24,6 @@ struct UncrossedSurface {
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
                                          const SurfaceScale& scale, const SurfaceOptions& options,
-                                         const Execution& execution = {});
+                                         const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

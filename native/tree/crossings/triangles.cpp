@@ -1,4 +1,4 @@
-#include "tree/surface_triangles.h"
+#include "tree/crossings/triangles.h"
 
 #include <algorithm>
 #include <cmath>

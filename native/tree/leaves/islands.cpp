@@ -1,10 +1,10 @@
-#include "tree/leaf_sheets.h"
+#include "tree/leaves/islands.h"
 
 #include <algorithm>
 #include <cstddef>
 #include <utility>
 
-#include "tree/smallest_representative.h"
+#include "base/union_find.h"
 
 namespace snowbough::tree {
 namespace {
@@ -68,7 +68,7 @@ void FaceConnections::find_outline() {
 }
 
 void FaceConnections::find_sheets(int32_t face_count) {
-  SmallestRepresentative sheets(static_cast<size_t>(face_count));
+  base::UnionFind sheets(static_cast<size_t>(face_count));
   for (size_t i = 1; i < edges_.size(); ++i) {
     if (edges_[i].vertices == edges_[i - 1].vertices) {
       sheets.join(edges_[i].face, edges_[i - 1].face);

@@ -1,4 +1,4 @@
-#include "tree/leaf_charts.h"
+#include "tree/leaves/leaf_charts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,7 +12,7 @@
 #include <span>
 #include <utility>
 
-#include "tree/leaf_sheets.h"
+#include "tree/leaves/islands.h"
 
 namespace snowbough::tree {
 namespace {
@@ -284,7 +284,7 @@ std::vector<int32_t> faces_by_leaf(const Foliage& foliage) {
 
 }  // namespace
 
-LeafCharts flatten_leaves(const Foliage& foliage, const Execution& execution) {
+LeafCharts flatten_leaves(const Foliage& foliage, const base::Execution& execution) {
   LeafCharts result;
   result.faces = faces_by_leaf(foliage);
   result.points.assign(foliage.corner_vertex.size(), glm::vec2(0.0f));
@@ -298,7 +298,7 @@ LeafCharts flatten_leaves(const Foliage& foliage, const Execution& execution) {
   const size_t leaf_count = leaves.size();
   leaves.push_back(static_cast<int32_t>(result.faces.size()));
   std::vector<std::vector<LeafChart>> parts((leaf_count + kLeafBlock - 1) / kLeafBlock);
-  parallel_blocks(leaf_count, kLeafBlock, execution, [&](size_t begin, size_t end) {
+  base::parallel_for(leaf_count, kLeafBlock, execution, [&](size_t begin, size_t end) {
     std::vector<LeafChart>& charts = parts[begin / kLeafBlock];
     charts.reserve(end - begin);
     LeafFlattener flattener(foliage, result, charts);

@@ -4,8 +4,8 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "tree/parallel.h"
-#include "tree/skeleton.h"
+#include "base/parallel_for.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 
@@ -34,6 +34,6 @@ struct LeafCharts {
 /// face without area becomes a regular polygon of next to no size.
 /// @param foliage  arrays that do not contradict each other.
 /// @throws Cancelled when execution's progress says stop.
-LeafCharts flatten_leaves(const Foliage& foliage, const Execution& execution = {});
+LeafCharts flatten_leaves(const Foliage& foliage, const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

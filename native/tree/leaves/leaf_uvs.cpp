@@ -1,4 +1,4 @@
-#include "tree/leaf_uvs.h"
+#include "tree/leaves/leaf_uvs.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <string>
 #include <utility>
 
-#include "tree/chart_shape.h"
-#include "tree/leaf_charts.h"
+#include "tree/leaves/leaf_charts.h"
+#include "tree/uv/chart_shape.h"
 
 namespace snowbough::tree {
 namespace {
@@ -138,12 +138,12 @@ double search_scale(const Shelves& shelves, int resolution, std::vector<glm::ive
 
 }  // namespace
 
-LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const Execution& execution) {
+LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const base::Execution& execution) {
   check(foliage, resolution);
   LeafUvs result;
   result.resolution = resolution;
   LeafCharts flat = flatten_leaves(foliage, execution.part(0.0f, kFlatDone));
-  report_progress(execution.progress, kFlatDone);
+  base::report_progress(execution.progress, kFlatDone);
   result.corner_uv = std::move(flat.points);
   result.chart_count = static_cast<int64_t>(flat.charts.size());
   if (flat.charts.empty()) {

@@ -4,8 +4,8 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "tree/parallel.h"
-#include "tree/skeleton.h"
+#include "base/parallel_for.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 
@@ -38,6 +38,7 @@ struct LeafUvs {
 /// @throws Cancelled when execution's progress says stop.
 /// @throws std::invalid_argument if resolution is out of range, if the foliage's arrays contradict
 ///   each other, or if the charts fit on no map up to 16384.
-LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const Execution& execution = {});
+LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution,
+                        const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

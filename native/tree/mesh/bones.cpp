@@ -1,4 +1,4 @@
-#include "tree/bones.h"
+#include "tree/mesh/bones.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/skeleton.h"
-#include "tree/surface_path.h"
-#include "tree/tree_mesh.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 

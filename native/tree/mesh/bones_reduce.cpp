@@ -1,4 +1,4 @@
-#include "tree/bones_reduce.h"
+#include "tree/mesh/bones_reduce.h"
 
 #include <algorithm>
 #include <numeric>

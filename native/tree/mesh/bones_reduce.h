@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/tree_mesh.h"
+#include "tree/skeleton/tree_mesh.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/lod.h"
+#include "tree/mesh/lod.h"
 
 #include <algorithm>
 #include <array>
@@ -8,7 +8,7 @@
 #include <span>
 #include <utility>
 
-#include "tree/weights.h"
+#include "tree/mesh/weights.h"
 
 namespace snowbough::tree {
 namespace {
@@ -190,7 +190,7 @@ class Subdivider {
     }
   }
 
-  void split(const Execution& execution) {
+  void split(const base::Execution& execution) {
     const Edges edges(mesh_.quads, points_.size());
     const auto old_count = static_cast<int32_t>(points_.size());
     const auto edge_count = static_cast<int32_t>(edges.all.size());
@@ -200,17 +200,18 @@ class Subdivider {
     mesh_.bone_indices.resize(points_.size());
     mesh_.bone_weights.resize(points_.size());
     // Every new vertex depends on older ones alone, a face's on its edges' too.
-    parallel_blocks(edges.all.size(), kBlock, execution.part(0.0f, 0.4f),
-                    [&](size_t begin, size_t end) {
-                      for (size_t e = begin; e < end; ++e) {
-                        split_edge(edges.all[e], old_count + static_cast<int32_t>(e));
-                      }
-                    });
-    parallel_blocks(face_count, kBlock, execution.part(0.4f, 0.7f), [&](size_t begin, size_t end) {
-      for (size_t f = begin; f < end; ++f) {
-        place_centre(f, edges, old_count, old_count + edge_count + static_cast<int32_t>(f));
-      }
-    });
+    base::parallel_for(edges.all.size(), kBlock, execution.part(0.0f, 0.4f),
+                       [&](size_t begin, size_t end) {
+                         for (size_t e = begin; e < end; ++e) {
+                           split_edge(edges.all[e], old_count + static_cast<int32_t>(e));
+                         }
+                       });
+    base::parallel_for(
+        face_count, kBlock, execution.part(0.4f, 0.7f), [&](size_t begin, size_t end) {
+          for (size_t f = begin; f < end; ++f) {
+            place_centre(f, edges, old_count, old_count + edge_count + static_cast<int32_t>(f));
+          }
+        });
     split_faces(edges, old_count, edge_count, execution.part(0.7f, 1.0f));
     smooth_rims();
   }
@@ -285,14 +286,14 @@ class Subdivider {
   }
 
   void split_faces(const Edges& edges, int32_t old_count, int32_t edge_count,
-                   const Execution& execution) {
+                   const base::Execution& execution) {
     const size_t face_count = mesh_.quads.size();
     std::vector<Quad> quads(face_count * 4);
     std::vector<FaceOrigin> origins(face_count * 4);
     std::vector<int32_t> levels(face_count * 4);
     std::vector<QuadUv> uv_bark(face_count * 4);
     std::vector<QuadUv> uv_snow(mesh_.uv_snow.empty() ? 0 : face_count * 4);
-    parallel_blocks(face_count, kBlock, execution, [&](size_t begin, size_t end) {
+    base::parallel_for(face_count, kBlock, execution, [&](size_t begin, size_t end) {
       for (size_t f = begin; f < end; ++f) {
         const int32_t centre = old_count + edge_count + static_cast<int32_t>(f);
         for (int k = 0; k < 4; ++k) {
@@ -368,7 +369,7 @@ class Subdivider {
 }  // namespace
 
 void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences,
-               const Execution& execution) {
+               const base::Execution& execution) {
   if (levels <= 0) {
     return;
   }

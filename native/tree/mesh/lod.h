@@ -1,8 +1,8 @@
 #pragma once
 
-#include "tree/parallel.h"
-#include "tree/surface.h"
-#include "tree/tree_mesh.h"
+#include "base/parallel_for.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 
@@ -22,6 +22,6 @@ namespace snowbough::tree {
 ///
 /// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, eq. 3.4.2.
 void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences,
-               const Execution& execution = {});
+               const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

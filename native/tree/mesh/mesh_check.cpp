@@ -1,4 +1,4 @@
-#include "tree/mesh_check.h"
+#include "tree/mesh/mesh_check.h"
 
 #include <OpenMesh/Core/Mesh/PolyMesh_ArrayKernelT.hh>
 #include <algorithm>
@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "tree/smallest_representative.h"
+#include "base/union_find.h"
 
 namespace snowbough::tree {
 namespace {
@@ -121,7 +121,7 @@ double quad_volume(const std::vector<glm::vec3>& vertices, const Quad& quad,
 
 /// The smallest vertex of each vertex's piece.
 std::vector<int32_t> pieces(size_t vertex_count, const std::vector<Quad>& quads) {
-  SmallestRepresentative sets(vertex_count);
+  base::UnionFind sets(vertex_count);
   for (const Quad& quad : quads) {
     int32_t first = quad[0];
     for (int k = 1; k < 4; ++k) {

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "tree/tree_mesh.h"
+#include "tree/skeleton/tree_mesh.h"
 
 namespace snowbough::tree {
 

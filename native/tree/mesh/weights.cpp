@@ -1,4 +1,4 @@
-#include "tree/weights.h"
+#include "tree/mesh/weights.h"
 
 #include <algorithm>
 #include <numeric>

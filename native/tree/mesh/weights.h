@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/bones.h"
-#include "tree/surface.h"
+#include "tree/mesh/bones.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

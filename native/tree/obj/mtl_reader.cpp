@@ -1,4 +1,4 @@
-#include "tree/mtl_reader.h"
+#include "tree/obj/mtl_reader.h"
 
 #include <algorithm>
 #include <cctype>

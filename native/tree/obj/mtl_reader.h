@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 

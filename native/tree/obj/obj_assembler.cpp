@@ -1,11 +1,11 @@
-#include "tree/obj_assembler.h"
+#include "tree/obj/obj_assembler.h"
 
 #include <algorithm>
 #include <limits>
 #include <stdexcept>
 #include <utility>
 
-#include "tree/parallel.h"
+#include "base/parallel_for.h"
 
 namespace snowbough::tree {
 namespace {
@@ -85,7 +85,7 @@ void ObjAssembler::append(std::vector<ObjFragment> fragments, double share, int 
   grow(scene_.corner_vertex, corner_count_, share);
   if (has_uvs) grow(scene_.corner_uv, corner_count_, share, -1);
   grow(scene_.face_begin, int64_t{face_count_} + 1, share);
-  parallel_blocks(fragments.size(), 1, {threads, {}}, [&](size_t i, size_t) {
+  base::parallel_for(fragments.size(), 1, {threads, {}}, [&](size_t i, size_t) {
     const ObjScene& part = fragments[i].scene;
     const Begin& begin = begins[i];
     const auto copy = [](const auto& from, auto& to, size_t at) {

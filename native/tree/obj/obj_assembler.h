@@ -6,8 +6,8 @@
 #include <unordered_map>
 #include <vector>
 
-#include "tree/obj_fragment.h"
-#include "tree/obj_scene.h"
+#include "tree/obj/obj_fragment.h"
+#include "tree/obj/obj_scene.h"
 
 namespace snowbough::tree {
 

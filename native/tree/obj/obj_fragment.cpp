@@ -1,4 +1,4 @@
-#include "tree/obj_fragment.h"
+#include "tree/obj/obj_fragment.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tree/obj_reader.h"
+#include "tree/obj/obj_reader.h"
 
 #include <algorithm>
 #include <cstring>
@@ -10,9 +10,9 @@
 #include <utility>
 #include <vector>
 
-#include "tree/obj_assembler.h"
-#include "tree/obj_fragment.h"
-#include "tree/parallel.h"
+#include "base/parallel_for.h"
+#include "tree/obj/obj_assembler.h"
+#include "tree/obj/obj_fragment.h"
 
 namespace snowbough::tree {
 namespace {
@@ -81,7 +81,7 @@ void read_lines(char* begin, char* end, double share, int threads,
   const std::vector<char*> cuts = cut_pieces(begin, end);
   const ObjCounts known = all.counts();
   std::vector<ObjFragment> fragments(cuts.size() - 1);
-  parallel_blocks(fragments.size() + 1, 1, {threads, {}}, [&](size_t block, size_t) {
+  base::parallel_for(fragments.size() + 1, 1, {threads, {}}, [&](size_t block, size_t) {
     if (block == 0) {
       beside();
     } else {
@@ -98,7 +98,7 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
   size_t bytes_read = 0;
   Chunk now, next;
   now.buffer.resize(std::max<size_t>(options.buffer_size, 1));
-  report_progress(options.progress, 0.0f);
+  base::report_progress(options.progress, 0.0f);
   now.read(stream, name, bytes_read);
   bool first = true;
   while (true) {
@@ -106,7 +106,7 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
                              ? 0.0
                              : std::min(1.0, static_cast<double>(bytes_read) /
                                                  static_cast<double>(options.total_size));
-    report_progress(options.progress, static_cast<float>(share));
+    base::report_progress(options.progress, static_cast<float>(share));
     char* begin = now.buffer.data();
     char* end = begin + now.held;
     if (first && now.held >= 3 && std::memcmp(begin, "\xEF\xBB\xBF", 3) == 0) {

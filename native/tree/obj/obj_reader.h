@@ -4,8 +4,8 @@
 #include <istream>
 #include <string>
 
-#include "tree/obj_scene.h"
-#include "tree/progress.h"
+#include "base/progress.h"
+#include "tree/obj/obj_scene.h"
 
 namespace snowbough::tree {
 
@@ -15,7 +15,7 @@ struct ObjReadOptions {
   size_t buffer_size = size_t{4} << 20;
   /// Bytes the stream holds, for the progress; 0 = unknown.
   size_t total_size = 0;
-  Progress progress = {};
+  base::Progress progress = {};
   /// Threads that share the work, the calling one included; 0 = one a core. The scene and the
   /// errors do not depend on it.
   int threads = 0;

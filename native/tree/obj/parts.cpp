@@ -1,9 +1,9 @@
-#include "tree/parts.h"
+#include "tree/obj/parts.h"
 
 #include <numeric>
 #include <utility>
 
-#include "tree/smallest_representative.h"
+#include "base/union_find.h"
 
 namespace snowbough::tree {
 namespace {
@@ -27,19 +27,19 @@ void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vect
 /// How many faces or vertices pass between two calls of the progress callback.
 constexpr int32_t kProgressStep = 1 << 20;
 
-void report_step(const Progress& progress, int32_t i, int32_t count, float from, float to) {
+void report_step(const base::Progress& progress, int32_t i, int32_t count, float from, float to) {
   if (i % kProgressStep == 0) {
-    report_progress(progress,
-                    from + (to - from) * static_cast<float>(i) / static_cast<float>(count));
+    base::report_progress(progress,
+                          from + (to - from) * static_cast<float>(i) / static_cast<float>(count));
   }
 }
 
 }  // namespace
 
-Parts split_parts(const ObjScene& scene, const Progress& progress) {
+Parts split_parts(const ObjScene& scene, const base::Progress& progress) {
   const int32_t face_count = scene.face_count();
   const auto vertex_count = static_cast<int32_t>(scene.positions.size());
-  SmallestRepresentative sets(scene.positions.size());
+  base::UnionFind sets(scene.positions.size());
   for (int32_t f = 0; f < face_count; ++f) {
     report_step(progress, f, face_count, 0.0f, 0.4f);
     int32_t first = scene.corner_vertex[scene.face_begin[f]];
@@ -68,17 +68,17 @@ Parts split_parts(const ObjScene& scene, const Progress& progress) {
   // Every vertex of a used set learns the number: representatives are the smallest, hence come
   // first.
   for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[representative[v]];
-  report_progress(progress, 0.7f);
+  base::report_progress(progress, 0.7f);
 
   bucket_sort(
       face_count, parts.count(),
       [&](int32_t f) { return part_of[scene.corner_vertex[scene.face_begin[f]]]; }, parts.faces,
       parts.face_begin);
-  report_progress(progress, 0.9f);
+  base::report_progress(progress, 0.9f);
   bucket_sort(
       vertex_count, parts.count(), [&](int32_t v) { return part_of[v]; }, parts.vertices,
       parts.vertex_begin);
-  report_progress(progress, 1.0f);
+  base::report_progress(progress, 1.0f);
   return parts;
 }
 

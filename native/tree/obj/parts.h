@@ -4,8 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "tree/obj_scene.h"
-#include "tree/progress.h"
+#include "base/progress.h"
+#include "tree/obj/obj_scene.h"
 
 namespace snowbough::tree {
 
@@ -34,6 +34,6 @@ struct Parts {
 
 /// Splits by vertex index; vertices that no face uses belong to no part.
 /// @param progress receives 0..1.
-Parts split_parts(const ObjScene& scene, const Progress& progress = {});
+Parts split_parts(const ObjScene& scene, const base::Progress& progress = {});
 
 }  // namespace snowbough::tree

@@ -1,4 +1,4 @@
-#include "tree/classify.h"
+#include "tree/read/classify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,8 +6,8 @@
 #include <optional>
 #include <set>
 
-#include "tree/loose_squares.h"
-#include "tree/squares.h"
+#include "tree/rings/loose_squares.h"
+#include "tree/rings/squares.h"
 
 namespace snowbough::tree {
 namespace {
@@ -47,7 +47,7 @@ struct Shapes {
 
 /// Traces everything that no name calls foliage.
 Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                   ClassifiedParts& result, const Execution& execution) {
+                   ClassifiedParts& result, const base::Execution& execution) {
   const auto count = static_cast<size_t>(parts.count());
   Shapes shapes;
   shapes.shape.assign(count, Shape::kUnknown);
@@ -71,7 +71,7 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
       }
     }
   };
-  parallel_blocks(count, block, execution, trace);
+  base::parallel_for(count, block, execution, trace);
   result.limb.assign(count, -1);
   for (auto& limbs : traced) {
     for (auto& [part, limb] : limbs) {
@@ -242,7 +242,7 @@ std::string form_name(TreeForm form) {
 }
 
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                               const Execution& execution) {
+                               const base::Execution& execution) {
   ClassifiedParts result;
   result.role.assign(parts.count(), PartRole::kFoliage);
   const Shapes shapes = find_shapes(scene, parts, labels, result, execution);
@@ -288,7 +288,7 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
       tubes.size() * 2 < static_cast<size_t>(std::count(result.role.begin(), result.role.end(),
                                                         PartRole::kCrossSection));
   result.form = squares_lead ? *squares : form_of_tubes(scene, parts, labels, result);
-  report_progress(execution.progress, 1.0f);
+  base::report_progress(execution.progress, 1.0f);
   return result;
 }
 

@@ -5,11 +5,11 @@
 #include <utility>
 #include <vector>
 
-#include "tree/obj_scene.h"
-#include "tree/parallel.h"
-#include "tree/part_names.h"
-#include "tree/parts.h"
-#include "tree/rings.h"
+#include "base/parallel_for.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
+#include "tree/read/part_names.h"
+#include "tree/rings/rings.h"
 
 namespace snowbough::tree {
 
@@ -52,6 +52,6 @@ struct ClassifiedParts {
 /// Decides what each part is - by what its names say, then by its shape - and which form the file
 /// has. Planes count as cross-sections where they stand in rows across limbs, otherwise as leaves.
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                               const Execution& execution = {});
+                               const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

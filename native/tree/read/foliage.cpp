@@ -1,4 +1,4 @@
-#include "tree/foliage.h"
+#include "tree/read/foliage.h"
 
 #include <algorithm>
 #include <array>
@@ -7,7 +7,7 @@
 #include <map>
 #include <utility>
 
-#include "tree/segment_tree.h"
+#include "tree/skeleton/segment_tree.h"
 
 namespace snowbough::tree {
 namespace {
@@ -150,7 +150,7 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
   for (size_t i = 0; i < count; ++i) sample.push_back(leaves[members[i * members.size() / count]]);
 
   std::vector<int32_t> nearest(sample.size(), 0);
-  parallel_blocks(sample.size(), kSampleBlock, {threads, {}}, [&](size_t begin, size_t end) {
+  base::parallel_for(sample.size(), kSampleBlock, {threads, {}}, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       nearest_vertex(segments, foliage, sample[i], nearest[i]);
     }
@@ -192,8 +192,8 @@ LeafBase find_base(const SegmentTree& segments, const Foliage& foliage,
              2.0 * reach * static_cast<double>(step + 1) / static_cast<double>(kPetioleSteps);
     };
     std::array<double, kPetioleSteps> with{};
-    parallel_blocks(kPetioleSteps, 1, {threads, {}},
-                    [&](size_t step, size_t) { with[step] = distance_with(petiole_of(step)); });
+    base::parallel_for(kPetioleSteps, 1, {threads, {}},
+                       [&](size_t step, size_t) { with[step] = distance_with(petiole_of(step)); });
     for (size_t step = 0; step < kPetioleSteps; ++step) {
       if (with[step] < best) {
         best = with[step];
@@ -252,12 +252,12 @@ Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
 }
 
 void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
-                   const Execution& execution) {
+                   const base::Execution& execution) {
   const std::vector<Leaf> leaves = leaves_of(foliage);
   if (leaves.empty()) {
     foliage.leaf_branch.clear();
     foliage.leaf_attach_point.clear();
-    report_progress(execution.progress, 1.0f);
+    base::report_progress(execution.progress, 1.0f);
     return;
   }
   const SegmentTree segments(branches, std::vector<int32_t>(branches.size(), 0), 0.0f);
@@ -269,7 +269,7 @@ void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
   };
   size_t done = 0;
   for (const auto& [key, members] : leaves_by_shape(foliage, leaves)) {
-    report_progress(execution.progress, share(done));
+    base::report_progress(execution.progress, share(done));
     const LeafBase base = find_base(segments, foliage, leaves, members, execution.threads);
     const auto attach = [&, &of = members](size_t begin, size_t end) {
       NearestSegment found{};
@@ -284,11 +284,11 @@ void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
         foliage.leaf_attach_point[i] = found.point;
       }
     };
-    parallel_blocks(members.size(), kLeafBlock,
-                    execution.part(share(done), share(done + members.size())), attach);
+    base::parallel_for(members.size(), kLeafBlock,
+                       execution.part(share(done), share(done + members.size())), attach);
     done += members.size();
   }
-  report_progress(execution.progress, 1.0f);
+  base::report_progress(execution.progress, 1.0f);
 }
 
 }  // namespace snowbough::tree

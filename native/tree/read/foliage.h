@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "tree/classify.h"
-#include "tree/obj_scene.h"
-#include "tree/parallel.h"
-#include "tree/parts.h"
-#include "tree/skeleton.h"
+#include "base/parallel_for.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
+#include "tree/read/classify.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 
@@ -30,6 +30,6 @@ Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
 ///
 /// @param branches at least one; before any simplification.
 void attach_leaves(const std::vector<Branch>& branches, Foliage& foliage,
-                   const Execution& execution = {});
+                   const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

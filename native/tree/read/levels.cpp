@@ -1,4 +1,4 @@
-#include "tree/levels.h"
+#include "tree/read/levels.h"
 
 #include <algorithm>
 #include <cctype>

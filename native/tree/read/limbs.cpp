@@ -1,13 +1,13 @@
-#include "tree/limbs.h"
+#include "tree/read/limbs.h"
 
 #include <algorithm>
 #include <map>
 #include <span>
 #include <utility>
 
-#include "tree/levels.h"
-#include "tree/loose_squares.h"
-#include "tree/squares.h"
+#include "tree/read/levels.h"
+#include "tree/rings/loose_squares.h"
+#include "tree/rings/squares.h"
 
 namespace snowbough::tree {
 namespace {

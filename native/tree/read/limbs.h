@@ -4,11 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "tree/classify.h"
-#include "tree/obj_scene.h"
-#include "tree/part_names.h"
-#include "tree/parts.h"
-#include "tree/skeleton.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
+#include "tree/read/classify.h"
+#include "tree/read/part_names.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/loose_faces.h"
+#include "tree/read/loose_faces.h"
 
 #include <algorithm>
 #include <array>
@@ -7,8 +7,8 @@
 #include <utility>
 #include <vector>
 
-#include "tree/rings.h"
-#include "tree/smallest_representative.h"
+#include "base/union_find.h"
+#include "tree/rings/rings.h"
 
 namespace snowbough::tree {
 namespace {
@@ -59,8 +59,8 @@ std::vector<Edge> sorted_edges(const ObjScene& scene, const Parts& parts,
 }
 
 /// Joins the two owners of every edge that has two.
-SmallestRepresentative join_at_edges(const std::vector<Edge>& edges, int32_t part_count) {
-  SmallestRepresentative sets(static_cast<size_t>(part_count));
+base::UnionFind join_at_edges(const std::vector<Edge>& edges, int32_t part_count) {
+  base::UnionFind sets(static_cast<size_t>(part_count));
   for (size_t i = 0; i < edges.size();) {
     size_t j = i + 1;
     while (j < edges.size() && edges[j].place() == edges[i].place()) ++j;
@@ -109,18 +109,18 @@ bool are_wood(const ObjScene& scene, const Parts& parts, const std::vector<int32
 }  // namespace
 
 Parts join_loose_faces(const ObjScene& scene, Parts parts, const PartLabels& labels,
-                       const Progress& progress) {
+                       const base::Progress& progress) {
   const std::vector<Edge> edges = sorted_edges(scene, parts, labels);
-  report_progress(progress, 0.5f);
-  SmallestRepresentative sets = join_at_edges(edges, parts.count());
+  base::report_progress(progress, 0.5f);
+  base::UnionFind sets = join_at_edges(edges, parts.count());
   // Every part's family stands at its first member.
   std::vector<std::vector<int32_t>> families(static_cast<size_t>(parts.count()));
   for (int32_t p = 0; p < parts.count(); ++p) families[sets.find(p)].push_back(p);
   bool joined = false;
   for (int32_t p = 0; p < parts.count(); ++p) {
     if ((p & 0xfff) == 0) {
-      report_progress(progress,
-                      0.5f + 0.5f * static_cast<float>(p) / static_cast<float>(parts.count()));
+      base::report_progress(
+          progress, 0.5f + 0.5f * static_cast<float>(p) / static_cast<float>(parts.count()));
     }
     if (families[p].size() < 2) continue;
     if (families[p].size() >= kFewestFaces && are_wood(scene, parts, families[p])) {
@@ -130,7 +130,7 @@ Parts join_loose_faces(const ObjScene& scene, Parts parts, const PartLabels& lab
     const std::vector<int32_t> members = std::move(families[p]);
     for (const int32_t q : members) families[q] = {q};
   }
-  report_progress(progress, 1.0f);
+  base::report_progress(progress, 1.0f);
   if (!joined) return parts;
   return regroup(parts, families);
 }

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "tree/obj_scene.h"
-#include "tree/part_names.h"
-#include "tree/parts.h"
-#include "tree/progress.h"
+#include "base/progress.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
+#include "tree/read/part_names.h"
 
 namespace snowbough::tree {
 
@@ -19,6 +19,6 @@ namespace snowbough::tree {
 /// @param progress receives 0..1.
 /// @return the parts, numbered by their first face; those that were joined count as one.
 Parts join_loose_faces(const ObjScene& scene, Parts parts, const PartLabels& labels,
-                       const Progress& progress = {});
+                       const base::Progress& progress = {});
 
 }  // namespace snowbough::tree

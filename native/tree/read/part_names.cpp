@@ -1,4 +1,4 @@
-#include "tree/part_names.h"
+#include "tree/read/part_names.h"
 
 #include <algorithm>
 #include <array>

@@ -5,8 +5,8 @@
 #include <string_view>
 #include <vector>
 
-#include "tree/obj_scene.h"
-#include "tree/parts.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/up_axis.h"
+#include "tree/read/up_axis.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "tree/closed_ends.h"
+#include "tree/rings/closed_ends.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

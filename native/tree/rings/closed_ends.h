@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/local_mesh.h"
+#include "tree/rings/local_mesh.h"
 
 namespace snowbough::tree {
 

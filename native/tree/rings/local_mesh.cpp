@@ -1,4 +1,4 @@
-#include "tree/local_mesh.h"
+#include "tree/rings/local_mesh.h"
 
 #include <algorithm>
 #include <array>

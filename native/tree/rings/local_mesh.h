@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "tree/obj_scene.h"
+#include "tree/obj/obj_scene.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/loose_squares.h"
+#include "tree/rings/loose_squares.h"
 
 #include <algorithm>
 #include <array>

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "tree/squares.h"
+#include "tree/rings/squares.h"
 
 namespace snowbough::tree {
 

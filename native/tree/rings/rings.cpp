@@ -1,12 +1,12 @@
-#include "tree/rings.h"
+#include "tree/rings/rings.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "tree/closed_ends.h"
-#include "tree/local_mesh.h"
+#include "tree/rings/closed_ends.h"
+#include "tree/rings/local_mesh.h"
 
 namespace snowbough::tree {
 namespace {

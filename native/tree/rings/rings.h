@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tree/obj_scene.h"
+#include "tree/obj/obj_scene.h"
 
 namespace snowbough::tree {
 

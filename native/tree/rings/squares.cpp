@@ -1,4 +1,4 @@
-#include "tree/squares.h"
+#include "tree/rings/squares.h"
 
 #include <algorithm>
 #include <array>

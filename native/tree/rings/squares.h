@@ -6,9 +6,9 @@
 #include <span>
 #include <vector>
 
-#include "tree/obj_scene.h"
-#include "tree/parts.h"
-#include "tree/rings.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
+#include "tree/rings/rings.h"
 
 namespace snowbough::tree {
 

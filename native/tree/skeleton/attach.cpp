@@ -1,4 +1,4 @@
-#include "tree/attach.h"
+#include "tree/skeleton/attach.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -7,8 +7,8 @@
 #include <tuple>
 #include <utility>
 
-#include "tree/centreline.h"
-#include "tree/segment_tree.h"
+#include "tree/skeleton/centreline.h"
+#include "tree/skeleton/segment_tree.h"
 
 namespace snowbough::tree {
 namespace {
@@ -156,7 +156,7 @@ void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>&
 }  // namespace
 
 void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size,
-                     const Progress& progress) {
+                     const base::Progress& progress) {
   if (branches.empty()) return;
   const bool by_level = branches.front().level >= 0;
   std::vector<int32_t> order;
@@ -176,7 +176,8 @@ void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversibl
   size_t done = 0;
   for (const int32_t b : sequence) {
     if ((done++ & 0xfff) == 0) {
-      report_progress(progress, static_cast<float>(done) / static_cast<float>(sequence.size()));
+      base::report_progress(progress,
+                            static_cast<float>(done) / static_cast<float>(sequence.size()));
     }
     Branch& branch = branches[b];
     NearestSegment found = segments.nearest(branch.points.front(), order[b], measure);

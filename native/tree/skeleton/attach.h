@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/progress.h"
-#include "tree/skeleton.h"
+#include "base/progress.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 
@@ -32,6 +32,6 @@ namespace snowbough::tree {
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, 3.2.2.
 void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size,
-                     const Progress& progress = {});
+                     const base::Progress& progress = {});
 
 }  // namespace snowbough::tree

@@ -1,4 +1,4 @@
-#include "tree/centreline.h"
+#include "tree/skeleton/centreline.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/segment_tree.h"
+#include "tree/skeleton/segment_tree.h"
 
 #include <algorithm>
 #include <bit>
@@ -10,6 +10,14 @@
 
 namespace snowbough::tree {
 namespace {
+
+using base::bits;
+using base::Float4;
+using base::four;
+using base::Int4;
+using base::larger;
+using base::smaller;
+using base::square_root;
 
 constexpr int32_t kLeafSize = 8;
 /// Weight of the distance to the centreline beside that to the surface.

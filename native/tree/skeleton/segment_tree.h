@@ -6,8 +6,8 @@
 #include <limits>
 #include <vector>
 
-#include "tree/four_lanes.h"
-#include "tree/skeleton.h"
+#include "base/simd.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 
@@ -63,23 +63,23 @@ class SegmentTree {
   /// Four boxes around segments, with the largest radius and the smallest order in each. A lane
   /// that is not used has the largest order there is.
   struct Node {
-    std::array<Float4, 3> low, high;
-    Float4 radius;
-    Int4 order;
+    std::array<base::Float4, 3> low, high;
+    base::Float4 radius;
+    base::Int4 order;
     /// The node, or the first of `count` entries of fours_, that a box is around.
     std::array<int32_t, 4> child;
     std::array<int32_t, 4> count;
   };
   /// Up to four segments_ from `first` on, as floats, to tell most of those that are too far.
   struct Four {
-    std::array<Float4, 3> from, along;
+    std::array<base::Float4, 3> from, along;
     /// One over the squared length, 0 for a segment of none.
-    Float4 inverse;
+    base::Float4 inverse;
     /// The larger of both ends' radii.
-    Float4 radius;
+    base::Float4 radius;
     /// By how much rounding may enlarge a distance.
-    Float4 slack;
-    Int4 order;
+    base::Float4 slack;
+    base::Int4 order;
     int32_t first;
   };
   class Search;

@@ -1,4 +1,4 @@
-#include "tree/simplify.h"
+#include "tree/skeleton/simplify.h"
 
 #include <algorithm>
 #include <cmath>
@@ -8,8 +8,8 @@
 #include <utility>
 #include <vector>
 
-#include "tree/centreline.h"
-#include "tree/width.h"
+#include "tree/skeleton/centreline.h"
+#include "tree/skeleton/width.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 

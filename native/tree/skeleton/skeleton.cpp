@@ -1,12 +1,10 @@
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <stdexcept>
 #include <unordered_set>
-
-#include "tree/read_tree.h"
 
 namespace snowbough::tree {
 namespace {

@@ -81,4 +81,11 @@ struct Skeleton {
   ImportReport report;
 };
 
+/// Checks a skeleton that was put together elsewhere, makes names unique and fills `height` and the
+/// report's `branches_per_level`.
+/// @throws std::invalid_argument naming the branch and what is wrong with it: no points, arrays of
+///   different length, non-finite values, negative radii or areas, a parent that does not come
+///   before it.
+void complete_skeleton(Skeleton& skeleton);
+
 }  // namespace snowbough::tree

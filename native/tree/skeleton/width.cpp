@@ -1,4 +1,4 @@
-#include "tree/width.h"
+#include "tree/skeleton/width.h"
 
 #include <algorithm>
 #include <cmath>
@@ -6,7 +6,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "tree/centreline.h"
+#include "tree/skeleton/centreline.h"
 
 namespace snowbough::tree {
 namespace {

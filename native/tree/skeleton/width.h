@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 

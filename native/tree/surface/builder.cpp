@@ -1,11 +1,11 @@
-#include "tree/surface_builder.h"
+#include "tree/surface/builder.h"
 
 #include <algorithm>
 #include <array>
 #include <iterator>
 #include <utility>
 
-#include "tree/parallel.h"
+#include "base/parallel_for.h"
 
 namespace snowbough::tree {
 namespace {
@@ -84,7 +84,7 @@ void SurfaceBuilder::build(const std::vector<uint8_t>& relief) {
     std::vector<int32_t> limbs;
     std::copy_if(generation.begin(), generation.end(), std::back_inserter(limbs),
                  [&](int32_t b) { return due[b] != 0; });
-    parallel_blocks(limbs.size(), kBuildBlock, {threads_, {}}, [&](size_t begin, size_t end) {
+    base::parallel_for(limbs.size(), kBuildBlock, {threads_, {}}, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) {
         build_anew(limbs[i], relief, due);
       }
@@ -138,7 +138,7 @@ Surface SurfaceBuilder::surface(const std::vector<uint8_t>& only) const {
   surface.origins.resize(next.quad);
   surface.junctions.resize(next.junction);
   surface.limbs.resize(parts_.size());
-  parallel_blocks(parts_.size(), kPlaceBlock, {threads_, {}}, [&](size_t begin, size_t end) {
+  base::parallel_for(parts_.size(), kPlaceBlock, {threads_, {}}, [&](size_t begin, size_t end) {
     for (size_t b = begin; b < end; ++b) {
       const LimbPart& part = parts_[b];
       const Place& place = places[b];

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/surface.h"
-#include "tree/surface_limb.h"
+#include "tree/surface/limb.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

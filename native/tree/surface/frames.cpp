@@ -1,4 +1,4 @@
-#include "tree/frames.h"
+#include "tree/surface/frames.h"
 
 #include <cmath>
 #include <glm/geometric.hpp>

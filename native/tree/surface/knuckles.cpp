@@ -1,4 +1,4 @@
-#include "tree/knuckles.h"
+#include "tree/surface/knuckles.h"
 
 #include <algorithm>
 #include <cmath>

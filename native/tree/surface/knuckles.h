@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "tree/surface_path.h"
+#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/surface_limb.h"
+#include "tree/surface/limb.h"
 
 #include <algorithm>
 #include <array>
@@ -6,8 +6,8 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
-#include "tree/knuckles.h"
-#include "tree/surface_stations.h"
+#include "tree/surface/knuckles.h"
+#include "tree/surface/stations.h"
 
 namespace snowbough::tree {
 namespace {

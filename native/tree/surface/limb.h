@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/frames.h"
-#include "tree/skeleton.h"
-#include "tree/surface.h"
-#include "tree/surface_base.h"
-#include "tree/surface_path.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/surface/frames.h"
+#include "tree/surface/limb_base.h"
+#include "tree/surface/limb_path.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

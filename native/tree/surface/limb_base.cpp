@@ -1,12 +1,12 @@
-#include "tree/surface_base.h"
+#include "tree/surface/limb_base.h"
 
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <vector>
 
-#include "tree/frames.h"
-#include "tree/surface_stations.h"
+#include "tree/surface/frames.h"
+#include "tree/surface/stations.h"
 
 namespace snowbough::tree {
 namespace {

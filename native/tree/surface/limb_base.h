@@ -3,9 +3,9 @@
 #include <array>
 #include <glm/vec3.hpp>
 
-#include "tree/knuckles.h"
-#include "tree/surface.h"
-#include "tree/surface_path.h"
+#include "tree/surface/knuckles.h"
+#include "tree/surface/limb_path.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/surface_path.h"
+#include "tree/surface/limb_path.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,8 +4,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "tree/skeleton.h"
-#include "tree/width.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/width.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/surface_stations.h"
+#include "tree/surface/stations.h"
 
 #include <algorithm>
 #include <array>

@@ -4,8 +4,8 @@
 #include <utility>
 #include <vector>
 
-#include "tree/knuckles.h"
-#include "tree/surface_path.h"
+#include "tree/surface/knuckles.h"
+#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 

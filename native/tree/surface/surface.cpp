@@ -1,6 +1,6 @@
-#include "tree/surface.h"
+#include "tree/surface/surface.h"
 
-#include "tree/surface_builder.h"
+#include "tree/surface/builder.h"
 
 namespace snowbough::tree {
 

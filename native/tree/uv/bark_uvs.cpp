@@ -1,4 +1,4 @@
-#include "tree/surface_bark_uvs.h"
+#include "tree/uv/bark_uvs.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

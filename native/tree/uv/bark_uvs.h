@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "tree/surface.h"
-#include "tree/tree_mesh.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/chart_layout.h"
+#include "tree/uv/chart_layout.h"
 
 #include <algorithm>
 #include <cmath>
@@ -138,7 +138,7 @@ class Shaper {
 }  // namespace
 
 std::optional<ChartLayout> lay_out_charts(const std::vector<Strip>& strips, int resolution,
-                                          const Execution& execution) {
+                                          const base::Execution& execution) {
   const int cell_size = (resolution + kMaxGrid - 1) / kMaxGrid;
   const int grid = resolution / cell_size;
   const double cells = static_cast<double>(grid) * grid;
@@ -154,7 +154,7 @@ std::optional<ChartLayout> lay_out_charts(const std::vector<Strip>& strips, int 
   double high = 2.0 * largest;
   double scale = demand.scale_for(kAim * kUsualFill * cells, largest);
   for (int attempt = 0; attempt < kMaxAttempts; ++attempt) {
-    report_progress(execution.progress, static_cast<float>(attempt) / (attempt + 1.0f));
+    base::report_progress(execution.progress, static_cast<float>(attempt) / (attempt + 1.0f));
     scale = attempt + 1 == kMaxAttempts && !best ? tiny : std::max(scale, tiny);
     shaper.shape(scale, layout);
     std::optional<Packing> packing = pack_charts(layout.outlines, grid, columns);

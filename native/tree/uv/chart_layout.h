@@ -3,11 +3,11 @@
 #include <optional>
 #include <vector>
 
-#include "tree/chart_shape.h"
-#include "tree/chart_uvs.h"
-#include "tree/pack_charts.h"
-#include "tree/parallel.h"
-#include "tree/strip_rows.h"
+#include "base/parallel_for.h"
+#include "tree/uv/chart_shape.h"
+#include "tree/uv/chart_uvs.h"
+#include "tree/uv/pack_charts.h"
+#include "tree/uv/strip_rows.h"
 
 namespace snowbough::tree {
 
@@ -29,6 +29,6 @@ struct ChartLayout {
 /// @return nothing if not even charts of the smallest size fit.
 /// @throws Cancelled when execution's progress says stop.
 std::optional<ChartLayout> lay_out_charts(const std::vector<Strip>& strips, int resolution,
-                                          const Execution& execution);
+                                          const base::Execution& execution);
 
 }  // namespace snowbough::tree

@@ -1,4 +1,4 @@
-#include "tree/chart_measure.h"
+#include "tree/uv/chart_measure.h"
 
 #include <algorithm>
 #include <array>

@@ -1,4 +1,4 @@
-#include "tree/chart_shape.h"
+#include "tree/uv/chart_shape.h"
 
 #include <algorithm>
 

@@ -5,9 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "tree/pack_charts.h"
-#include "tree/strip_pieces.h"
-#include "tree/strip_rows.h"
+#include "tree/uv/pack_charts.h"
+#include "tree/uv/strip_pieces.h"
+#include "tree/uv/strip_rows.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/chart_uvs.h"
+#include "tree/uv/chart_uvs.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 #pragma once
 
-#include "tree/chart_shape.h"
-#include "tree/pack_charts.h"
-#include "tree/strip_rows.h"
-#include "tree/tree_mesh.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/uv/chart_shape.h"
+#include "tree/uv/pack_charts.h"
+#include "tree/uv/strip_rows.h"
 
 namespace snowbough::tree {
 

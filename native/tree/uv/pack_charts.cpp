@@ -1,4 +1,4 @@
-#include "tree/pack_charts.h"
+#include "tree/uv/pack_charts.h"
 
 #include <algorithm>
 #include <array>

@@ -1,13 +1,13 @@
-#include "tree/snow_uvs.h"
+#include "tree/uv/snow_uvs.h"
 
 #include <optional>
 #include <stdexcept>
 #include <string>
 
-#include "tree/chart_layout.h"
-#include "tree/chart_uvs.h"
-#include "tree/strip_pieces.h"
-#include "tree/strip_rows.h"
+#include "tree/uv/chart_layout.h"
+#include "tree/uv/chart_uvs.h"
+#include "tree/uv/strip_pieces.h"
+#include "tree/uv/strip_rows.h"
 
 namespace snowbough::tree {
 namespace {
@@ -22,7 +22,7 @@ constexpr size_t kChartBlock = 64;
 }  // namespace
 
 void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resolution,
-                     const Execution& execution) {
+                     const base::Execution& execution) {
   if (snow_resolution < kMinResolution || snow_resolution > kMaxResolution) {
     throw std::invalid_argument("snow_resolution must be " + std::to_string(kMinResolution) +
                                 " to " + std::to_string(kMaxResolution) + ", not " +
@@ -34,7 +34,7 @@ void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resoluti
   }
   const std::vector<Strip> strips = collect_strips(mesh, skeleton);
   int resolution = snow_resolution;
-  const Execution search = execution.part(0.0f, kLayoutDone);
+  const base::Execution search = execution.part(0.0f, kLayoutDone);
   std::optional<ChartLayout> layout = lay_out_charts(strips, resolution, search);
   for (int larger = kMinResolution; !layout && larger <= kMaxResolution; larger *= 2) {
     if (larger > snow_resolution) {
@@ -55,18 +55,19 @@ void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resoluti
         ", the smallest power of two that has; give the receiver at least "
         "that resolution.");
   }
-  report_progress(execution.progress, kLayoutDone);
+  base::report_progress(execution.progress, kLayoutDone);
   // Every chart has quads of its own.
-  parallel_blocks(layout->shapes.charts.size(), kChartBlock, {execution.threads, {}},
-                  [&](size_t begin, size_t end) {
-                    for (size_t i = begin; i < end; ++i) {
-                      const ChartShape& chart = layout->shapes.charts[i];
-                      const Strip& strip = strips[chart.piece.strip];
-                      write_chart_uvs(strip, layout->shapes, chart, choose_seam(strip, chart.piece),
-                                      layout->outlines.shapes[i], layout->packing.placements[i],
-                                      layout->map, mesh);
-                    }
-                  });
+  base::parallel_for(layout->shapes.charts.size(), kChartBlock, {execution.threads, {}},
+                     [&](size_t begin, size_t end) {
+                       for (size_t i = begin; i < end; ++i) {
+                         const ChartShape& chart = layout->shapes.charts[i];
+                         const Strip& strip = strips[chart.piece.strip];
+                         write_chart_uvs(strip, layout->shapes, chart,
+                                         choose_seam(strip, chart.piece),
+                                         layout->outlines.shapes[i], layout->packing.placements[i],
+                                         layout->map, mesh);
+                       }
+                     });
 }
 
 }  // namespace snowbough::tree

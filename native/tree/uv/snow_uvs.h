@@ -1,8 +1,8 @@
 #pragma once
 
-#include "tree/parallel.h"
-#include "tree/skeleton.h"
-#include "tree/tree_mesh.h"
+#include "base/parallel_for.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/tree_mesh.h"
 
 namespace snowbough::tree {
 
@@ -32,6 +32,6 @@ namespace snowbough::tree {
 /// @throws std::invalid_argument if snow_resolution is out of range, if the origins contradict the
 ///   quads (naming branch, row and side), or if the charts fit on no map up to 16384.
 void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resolution,
-                     const Execution& execution = {});
+                     const base::Execution& execution = {});
 
 }  // namespace snowbough::tree

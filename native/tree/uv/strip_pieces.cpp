@@ -1,4 +1,4 @@
-#include "tree/strip_pieces.h"
+#include "tree/uv/strip_pieces.h"
 
 #include <algorithm>
 #include <array>

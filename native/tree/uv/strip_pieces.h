@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/strip_rows.h"
+#include "tree/uv/strip_rows.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/strip_rows.h"
+#include "tree/uv/strip_rows.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>

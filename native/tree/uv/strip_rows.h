@@ -4,8 +4,8 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/skeleton.h"
-#include "tree/tree_mesh.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/tree_mesh.h"
 
 namespace snowbough::tree {
 

@@ -1,3 +1,5 @@
+#include "base/parallel_for.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,16 +8,14 @@
 #include <string>
 #include <thread>
 
-#include "tree/parallel.h"
-
-namespace snowbough::tree {
+namespace snowbough::base {
 namespace {
 
 TEST(Parallel, EveryBlockIsDoneOnce) {
   for (const int threads : {0, 1, 3, 100}) {
     for (const size_t count : {size_t{0}, size_t{1}, size_t{10}, size_t{101}}) {
       std::vector<int> times(count, 0);
-      parallel_blocks(count, 10, {threads, {}}, [&](size_t begin, size_t end) {
+      parallel_for(count, 10, {threads, {}}, [&](size_t begin, size_t end) {
         EXPECT_LE(end - begin, 10u);
         for (size_t i = begin; i < end; ++i) {
           ++times[i];
@@ -29,7 +29,7 @@ TEST(Parallel, EveryBlockIsDoneOnce) {
 TEST(Parallel, TheFirstBlockThatFailsIsTold) {
   for (const int threads : {1, 4}) {
     try {
-      parallel_blocks(1000, 1, {threads, {}}, [](size_t begin, size_t) {
+      parallel_for(1000, 1, {threads, {}}, [](size_t begin, size_t) {
         if (begin >= 5) {
           throw std::invalid_argument(std::to_string(begin));
         }
@@ -44,7 +44,7 @@ TEST(Parallel, TheFirstBlockThatFailsIsTold) {
 TEST(Parallel, StopsWhenProgressSaysSo) {
   std::atomic<int> done{0};
   const Execution stop{1, [](float share) { return share < 0.25f; }};
-  EXPECT_THROW(parallel_blocks(100, 1, stop, [&](size_t, size_t) { ++done; }), Cancelled);
+  EXPECT_THROW(parallel_for(100, 1, stop, [&](size_t, size_t) { ++done; }), Cancelled);
   EXPECT_EQ(done, 25);
 }
 
@@ -57,7 +57,7 @@ TEST(Parallel, ProgressIsReportedFromTheCallingThread) {
                               EXPECT_TRUE(share >= 0.0f && share <= 1.0f);
                               return true;
                             }};
-  parallel_blocks(1000, 1, execution, [](size_t, size_t) { std::this_thread::yield(); });
+  parallel_for(1000, 1, execution, [](size_t, size_t) { std::this_thread::yield(); });
   EXPECT_GT(calls, 0);
 }
 
@@ -74,4 +74,4 @@ TEST(Parallel, APartOfTheProgressCoversItsOwnRange) {
 }
 
 }  // namespace
-}  // namespace snowbough::tree
+}  // namespace snowbough::base

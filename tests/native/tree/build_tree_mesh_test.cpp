@@ -1,12 +1,13 @@
+#include "tree/build_tree_mesh.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <vector>
 
-#include "tree/build_tree_mesh.h"
-#include "tree/snow_uvs.h"
-#include "tree_surface_skeletons.h"
+#include "native/tree/skeletons.h"
+#include "tree/uv/snow_uvs.h"
 
 namespace snowbough::tree {
 namespace {
@@ -24,7 +25,7 @@ std::vector<float> shares_of(const Work& work) {
 
 TEST(BuildTreeMesh, ProgressRisesFrom0To1) {
   const Skeleton skeleton = RandomSkeleton(3).make();
-  const std::vector<float> shares = shares_of([&](const Progress& progress) {
+  const std::vector<float> shares = shares_of([&](const base::Progress& progress) {
     TreeMeshOptions options;
     options.progress = progress;
     build_tree_mesh(skeleton, options);
@@ -38,7 +39,7 @@ TEST(BuildTreeMesh, ProgressRisesFrom0To1) {
 TEST(BuildTreeMesh, StopsAtWhicheverPlaceItIsAskedTo) {
   // In the surface, its crossings and relief, and the charts: every place that asks is tried.
   const Skeleton skeleton = RandomSkeleton(3).make();
-  const size_t places = shares_of([&](const Progress& progress) {
+  const size_t places = shares_of([&](const base::Progress& progress) {
                           TreeMeshOptions options;
                           options.progress = progress;
                           build_tree_mesh(skeleton, options);
@@ -48,7 +49,7 @@ TEST(BuildTreeMesh, StopsAtWhicheverPlaceItIsAskedTo) {
     TreeMeshOptions options;
     options.progress = [&](float) { return calls++ < place; };
     BuildReport report;
-    EXPECT_THROW(build_tree_mesh(skeleton, options, &report), Cancelled) << "place " << place;
+    EXPECT_THROW(build_tree_mesh(skeleton, options, &report), base::Cancelled) << "place " << place;
     EXPECT_EQ(calls, place + 1) << "it went on after the answer";
     EXPECT_EQ(report.junctions, 0);
   }
@@ -60,7 +61,7 @@ TEST(BuildTreeMesh, StopsWhereverItIsAskedToWhileItIsSubdivided) {
   options.lod = 3;
   // Which blocks' places are asked at follows from the number of threads that take them.
   options.threads = 1;
-  const std::vector<float> shares = shares_of([&](const Progress& progress) {
+  const std::vector<float> shares = shares_of([&](const base::Progress& progress) {
     TreeMeshOptions asking = options;
     asking.progress = progress;
     build_tree_mesh(skeleton, asking);
@@ -70,7 +71,7 @@ TEST(BuildTreeMesh, StopsWhereverItIsAskedToWhileItIsSubdivided) {
   for (auto last = first; last != shares.end(); ++last) {
     size_t calls = 0;
     options.progress = [&](float) { return calls++ < static_cast<size_t>(last - shares.begin()); };
-    EXPECT_THROW(build_tree_mesh(skeleton, options), Cancelled) << "share " << *last;
+    EXPECT_THROW(build_tree_mesh(skeleton, options), base::Cancelled) << "share " << *last;
     EXPECT_EQ(calls, static_cast<size_t>(last - shares.begin()) + 1);
   }
 }
@@ -79,8 +80,8 @@ TEST(BuildTreeMesh, StopsWhileChartsArePacked) {
   const Skeleton skeleton = RandomSkeleton(3).make();
   TreeMesh mesh = build_tree_mesh(skeleton);
   mesh.uv_snow.clear();
-  const Execution stop{0, [](float share) { return share < 0.5f; }};
-  EXPECT_THROW(layout_snow_uvs(mesh, skeleton, 1024, stop), Cancelled);
+  const base::Execution stop{0, [](float share) { return share < 0.5f; }};
+  EXPECT_THROW(layout_snow_uvs(mesh, skeleton, 1024, stop), base::Cancelled);
   // Sized, but none of it written.
   const QuadUv none{};
   EXPECT_THAT(mesh.uv_snow, testing::Each(none));

@@ -3,11 +3,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/mesh_check.h"
-#include "tree/surface.h"
-#include "tree/surface_path.h"
-#include "tree/width.h"
-#include "tree_surface_skeletons.h"
+#include "native/tree/skeletons.h"
+#include "tree/mesh/mesh_check.h"
+#include "tree/skeleton/width.h"
+#include "tree/surface/limb_path.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 

@@ -1,3 +1,5 @@
+#include "tree/read_tree.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,8 +10,7 @@
 #include <limits>
 #include <sstream>
 
-#include "tree/read_tree.h"
-#include "tree_read_test_text.h"
+#include "native/tree/tree_text.h"
 
 namespace snowbough::tree {
 namespace {
@@ -249,7 +250,7 @@ TEST_F(ReadTree, ReportsProgressFromNothingToAllAndStopsWhenAsked) {
     size_t calls = 0;
     EXPECT_THROW(
         read(text.text(), {.buffer_size = 256, .progress = [&](float) { return calls++ < stop; }}),
-        Cancelled);
+        base::Cancelled);
   }
 }
 

@@ -1,6 +1,6 @@
 #include <functional>
 
-#include "tree_read_test_text.h"
+#include "native/tree/tree_text.h"
 
 namespace snowbough::tree {
 namespace {

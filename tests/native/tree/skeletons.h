@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "tree/read_tree.h"
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 

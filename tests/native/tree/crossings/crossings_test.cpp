@@ -1,16 +1,17 @@
+#include "tree/crossings/crossings.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
-#include "tree/mesh_check.h"
-#include "tree/surface_crossings.h"
-#include "tree/surface_path.h"
-#include "tree/surface_relief.h"
-#include "tree/surface_triangles.h"
-#include "tree/width.h"
-#include "tree_surface_skeletons.h"
+#include "native/tree/skeletons.h"
+#include "tree/crossings/relief.h"
+#include "tree/crossings/triangles.h"
+#include "tree/mesh/mesh_check.h"
+#include "tree/skeleton/width.h"
+#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 namespace {
@@ -193,9 +194,9 @@ TEST(Relief, LeavesTheSurfaceClosedAndWhatIsSaidToCrossCrosses) {
 TEST(Relief, StopsWhenAsked) {
   const Plan plan(RandomSkeleton(3).make());
   int calls = 0;
-  const Execution stop_at_third{0, [&](float) { return ++calls < 3; }};
+  const base::Execution stop_at_third{0, [&](float) { return ++calls < 3; }};
   EXPECT_THROW(build_uncrossed_surface(plan.skeleton, plan.paths, plan.scale, {}, stop_at_third),
-               Cancelled);
+               base::Cancelled);
   EXPECT_EQ(calls, 3);
 }
 

@@ -1,7 +1,8 @@
+#include "tree/crossings/faces.h"
+
 #include <gtest/gtest.h>
 
-#include "tree/surface_faces.h"
-#include "tree/surface_neighbourhoods.h"
+#include "tree/crossings/neighbourhoods.h"
 
 namespace snowbough::tree {
 namespace {

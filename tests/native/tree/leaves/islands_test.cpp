@@ -1,8 +1,8 @@
+#include "tree/leaves/islands.h"
+
 #include <gtest/gtest.h>
 
 #include <array>
-
-#include "tree/leaf_sheets.h"
 
 namespace snowbough::tree {
 namespace {

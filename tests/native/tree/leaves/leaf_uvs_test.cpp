@@ -1,10 +1,11 @@
+#include "tree/leaves/leaf_uvs.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <random>
 
-#include "tree/chart_measure.h"
-#include "tree/leaf_uvs.h"
+#include "tree/uv/chart_measure.h"
 
 namespace snowbough::tree {
 namespace {
@@ -210,8 +211,8 @@ TEST(LeafUvs, DoNotDependOnTheNumberOfThreads) {
 TEST(LeafUvs, StopWhenAsked) {
   const Foliage foliage = random_quads(3000);
   for (const float until : {0.1f, 0.5f, 0.8f}) {
-    const Execution stop{0, [until](float share) { return share < until; }};
-    EXPECT_THROW(layout_leaf_uvs(foliage, 512, stop), Cancelled);
+    const base::Execution stop{0, [until](float share) { return share < until; }};
+    EXPECT_THROW(layout_leaf_uvs(foliage, 512, stop), base::Cancelled);
   }
 }
 

@@ -1,9 +1,9 @@
+#include "tree/mesh/mesh_check.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
-
-#include "tree/mesh_check.h"
 
 namespace snowbough::tree {
 namespace {

@@ -6,11 +6,11 @@
 #include <cmath>
 #include <map>
 
-#include "tree/bones.h"
-#include "tree/bones_reduce.h"
+#include "native/tree/built_surface.h"
 #include "tree/build_tree_mesh.h"
-#include "tree/weights.h"
-#include "tree_surface_built.h"
+#include "tree/mesh/bones.h"
+#include "tree/mesh/bones_reduce.h"
+#include "tree/mesh/weights.h"
 
 namespace snowbough::tree {
 namespace {

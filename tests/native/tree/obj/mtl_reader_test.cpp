@@ -1,10 +1,10 @@
+#include "tree/obj/mtl_reader.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <filesystem>
 #include <fstream>
-
-#include "tree/mtl_reader.h"
 
 namespace snowbough::tree {
 namespace {

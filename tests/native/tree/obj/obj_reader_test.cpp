@@ -1,3 +1,5 @@
+#include "tree/obj/obj_reader.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,8 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "tree/obj_reader.h"
-#include "tree/parts.h"
+#include "tree/obj/parts.h"
 
 namespace snowbough::tree {
 namespace {
@@ -246,7 +247,8 @@ TEST(ObjReader, VerticesAloneAreNoTree) {
 
 TEST(ObjReader, StopsWhenAskedTo) {
   std::istringstream stream(kTriangle + "f 1 2 3\n");
-  EXPECT_THROW(read_obj(stream, "t.obj", {.progress = [](float) { return false; }}), Cancelled);
+  EXPECT_THROW(read_obj(stream, "t.obj", {.progress = [](float) { return false; }}),
+               base::Cancelled);
 }
 
 TEST(ObjReader, ReportsTheShareRead) {

@@ -5,8 +5,8 @@
 #include <fstream>
 #include <glm/geometric.hpp>
 
+#include "native/tree/tree_text.h"
 #include "tree/read_tree.h"
-#include "tree_read_test_text.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,3 +1,5 @@
+#include "tree/read/loose_faces.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -6,9 +8,8 @@
 #include <glm/geometric.hpp>
 #include <string>
 
-#include "tree/loose_faces.h"
-#include "tree/part_names.h"
-#include "tree/rings.h"
+#include "tree/read/part_names.h"
+#include "tree/rings/rings.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,3 +1,5 @@
+#include "tree/rings/loose_squares.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -11,7 +13,6 @@
 #include <utility>
 #include <vector>
 
-#include "tree/loose_squares.h"
 #include "tree/read_tree.h"
 
 namespace snowbough::tree {

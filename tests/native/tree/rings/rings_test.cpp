@@ -1,3 +1,5 @@
+#include "tree/rings/rings.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,9 +10,8 @@
 #include <numeric>
 #include <random>
 
-#include "tree/parts.h"
-#include "tree/rings.h"
-#include "tree/squares.h"
+#include "tree/obj/parts.h"
+#include "tree/rings/squares.h"
 
 namespace snowbough::tree {
 namespace {

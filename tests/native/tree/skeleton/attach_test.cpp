@@ -1,3 +1,5 @@
+#include "tree/skeleton/attach.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -8,9 +10,8 @@
 #include <utility>
 #include <vector>
 
-#include "tree/attach.h"
-#include "tree/levels.h"
-#include "tree/part_names.h"
+#include "tree/read/levels.h"
+#include "tree/read/part_names.h"
 #include "tree/read_tree.h"
 
 namespace snowbough::tree {

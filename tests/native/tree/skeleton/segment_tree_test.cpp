@@ -1,4 +1,6 @@
 // What the reader searches with: the tree of segments, the component's own mesh, its ends.
+#include "tree/skeleton/segment_tree.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -7,9 +9,8 @@
 #include <limits>
 #include <random>
 
-#include "tree/closed_ends.h"
-#include "tree/local_mesh.h"
-#include "tree/segment_tree.h"
+#include "tree/rings/closed_ends.h"
+#include "tree/rings/local_mesh.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,3 +1,5 @@
+#include "tree/skeleton/simplify.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -9,10 +11,9 @@
 #include <string>
 #include <vector>
 
-#include "tree/centreline.h"
 #include "tree/read_tree.h"
-#include "tree/simplify.h"
-#include "tree/width.h"
+#include "tree/skeleton/centreline.h"
+#include "tree/skeleton/width.h"
 
 namespace snowbough::tree {
 namespace {

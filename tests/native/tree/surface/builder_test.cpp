@@ -1,11 +1,12 @@
+#include "tree/surface/builder.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 
-#include "tree/surface_builder.h"
-#include "tree/surface_path.h"
-#include "tree/width.h"
-#include "tree_surface_skeletons.h"
+#include "native/tree/skeletons.h"
+#include "tree/skeleton/width.h"
+#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 namespace {

@@ -5,8 +5,8 @@
 #include <array>
 #include <cmath>
 
+#include "native/tree/built_surface.h"
 #include "tree/build_tree_mesh.h"
-#include "tree_surface_built.h"
 
 namespace snowbough::tree {
 namespace {

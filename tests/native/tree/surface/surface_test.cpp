@@ -1,17 +1,18 @@
+#include "tree/surface/surface.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <set>
 
+#include "native/tree/built_surface.h"
 #include "tree/build_tree_mesh.h"
-#include "tree/frames.h"
-#include "tree/surface.h"
-#include "tree/surface_crossings.h"
-#include "tree/surface_path.h"
-#include "tree/surface_relief.h"
-#include "tree/surface_triangles.h"
-#include "tree_surface_built.h"
+#include "tree/crossings/crossings.h"
+#include "tree/crossings/relief.h"
+#include "tree/crossings/triangles.h"
+#include "tree/surface/frames.h"
+#include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,9 +1,9 @@
+#include "tree/uv/chart_layout.h"
+
 #include <gtest/gtest.h>
 
 #include <random>
 #include <vector>
-
-#include "tree/chart_layout.h"
 
 namespace snowbough::tree {
 namespace {
@@ -51,7 +51,7 @@ TEST(ChartLayout, TakesNearlyAllColumnsOfTheMap) {
 TEST(ChartLayout, ASecondOrThirdAttemptSuffices) {
   for (const int count : {100, 1000}) {
     int reports = 0;
-    const Execution counted{1, [&reports](float) { return ++reports > 0; }};
+    const base::Execution counted{1, [&reports](float) { return ++reports > 0; }};
     ASSERT_TRUE(lay_out_charts(cones(count), 1024, counted));
     EXPECT_LE(reports, 3) << count;
   }

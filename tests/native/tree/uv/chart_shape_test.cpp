@@ -1,11 +1,12 @@
+#include "tree/uv/chart_shape.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "tree/chart_shape.h"
-#include "tree/surface_bark_uvs.h"
-#include "tree/surface_path.h"
-#include "tree/width.h"
-#include "tree_surface_skeletons.h"
+#include "native/tree/skeletons.h"
+#include "tree/skeleton/width.h"
+#include "tree/surface/limb_path.h"
+#include "tree/uv/bark_uvs.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,11 +1,11 @@
+#include "tree/uv/pack_charts.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <random>
 #include <vector>
-
-#include "tree/pack_charts.h"
 
 namespace snowbough::tree {
 namespace {

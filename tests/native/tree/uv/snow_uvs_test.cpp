@@ -1,3 +1,5 @@
+#include "tree/uv/snow_uvs.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -5,8 +7,7 @@
 #include <cstring>
 #include <random>
 
-#include "tree/snow_uvs.h"
-#include "tree_uv_test_limbs.h"
+#include "native/tree/uv/limbs.h"
 
 namespace snowbough::tree {
 namespace {

@@ -3,9 +3,9 @@
 
 #include <numbers>
 
-#include "tree/strip_pieces.h"
-#include "tree/strip_rows.h"
-#include "tree_uv_test_limbs.h"
+#include "native/tree/uv/limbs.h"
+#include "tree/uv/strip_pieces.h"
+#include "tree/uv/strip_rows.h"
 
 namespace snowbough::tree {
 namespace {
