@@ -67,17 +67,17 @@ void FaceConnections::find_outline() {
   }
 }
 
-void FaceConnections::find_sheets(int32_t face_count) {
-  base::UnionFind sheets(static_cast<size_t>(face_count));
+void FaceConnections::find_islands(int32_t face_count) {
+  base::UnionFind islands(static_cast<size_t>(face_count));
   for (size_t i = 1; i < edges_.size(); ++i) {
     if (edges_[i].vertices == edges_[i - 1].vertices) {
-      sheets.join(edges_[i].face, edges_[i - 1].face);
+      islands.join(edges_[i].face, edges_[i - 1].face);
     }
   }
-  sheet_of_ = std::move(sheets).all();
-  sheet_count_ = 0;
+  island_of_ = std::move(islands).all();
+  island_count_ = 0;
   for (int32_t face = 0; face < face_count; ++face) {
-    sheet_count_ += sheet_of_[face] == face ? 1 : 0;
+    island_count_ += island_of_[face] == face ? 1 : 0;
   }
 }
 
@@ -98,7 +98,7 @@ void FaceConnections::find(const Foliage& foliage, std::span<const int32_t> face
   std::swap(numbering_, known_numbering_);
   sort_edges();
   find_outline();
-  find_sheets(static_cast<int32_t>(faces.size()));
+  find_islands(static_cast<int32_t>(faces.size()));
 }
 
 }  // namespace snowbough::tree

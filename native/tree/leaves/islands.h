@@ -23,16 +23,16 @@ struct FaceEdge {
   bool shares_vertex(const FaceEdge& other) const;
 };
 
-/// How some faces hang together by edges. Leaves are mostly copies of one another: nothing is done
+/// How some faces hang together by edges: what does is an island. Leaves are mostly copies of one another: nothing is done
 /// for faces that are numbered like those asked about before.
 class FaceConnections {
  public:
   /// @param faces  of three or more corners each.
   void find(const Foliage& foliage, std::span<const int32_t> faces);
 
-  int32_t sheet_count() const { return sheet_count_; }
-  /// Of each face the first one of those that it hangs together with.
-  const std::vector<int32_t>& sheet_of() const { return sheet_of_; }
+  int32_t island_count() const { return island_count_; }
+  /// Of each face the first one of its island.
+  const std::vector<int32_t>& island_of() const { return island_of_; }
   /// Edges that have one face.
   const std::vector<FaceEdge>& outline() const { return outline_; }
   /// Whether all other edges have two, one on either side.
@@ -41,7 +41,7 @@ class FaceConnections {
  private:
   void sort_edges();
   void find_outline();
-  void find_sheets(int32_t face_count);
+  void find_islands(int32_t face_count);
 
   /// Of every face the number of corners and then their vertices, counted from the first face's
   /// first one: what is asked about and what was.
@@ -51,8 +51,8 @@ class FaceConnections {
   std::vector<FaceEdge> edges_;
   std::vector<FaceEdge> outline_;
   bool two_sided_ = true;
-  int32_t sheet_count_ = 0;
-  std::vector<int32_t> sheet_of_;
+  int32_t island_count_ = 0;
+  std::vector<int32_t> island_of_;
 };
 
 }  // namespace snowbough::tree

@@ -19,16 +19,16 @@ namespace {
 
 /// Leaves that a thread takes at a time.
 constexpr size_t kLeafBlock = 512;
-/// A face that shows less than this share of its area along the sheet's normal gets its own chart.
+/// A face that shows less than this share of its area along the island's normal gets its own chart.
 constexpr double kMinFacing = 0.25;
-/// Sheets with a longer outline are taken apart, as testing them for folds grows with its square.
+/// Islands with a longer outline are taken apart, as testing them for folds grows with its square.
 constexpr size_t kMaxOutline = 400;
 /// Size in metres of what stands for a face without area; it is widened later.
 constexpr double kNoSize = 1e-12;
 
 using Point = glm::dvec2;
 
-/// An edge of the outline laid flat, with the sheet on its left.
+/// An edge of the outline laid flat, with the island on its left.
 struct Segment {
   Point a, b;
 };
@@ -112,30 +112,30 @@ class LeafFlattener {
   /// Adds the charts of the leaf that has faces [first, last) of the result's.
   void add_leaf(int32_t first, int32_t last) {
     if (last - first == 1) {
-      add_sheet(first, last);
+      add_island(first, last);
       return;
     }
     connections_.find(foliage_, faces(first, last));
-    if (connections_.sheet_count() == 1) {
-      add_sheet(first, last);
+    if (connections_.island_count() == 1) {
+      add_island(first, last);
       return;
     }
-    // One sheet's faces after another's, each in their order.
-    std::vector<std::pair<int32_t, int32_t>> by_sheet;
+    // One island's faces after another's, each in their order.
+    std::vector<std::pair<int32_t, int32_t>> by_island;
     for (int32_t at = first; at < last; ++at) {
-      by_sheet.emplace_back(connections_.sheet_of()[at - first], result_.faces[at]);
+      by_island.emplace_back(connections_.island_of()[at - first], result_.faces[at]);
     }
-    std::sort(by_sheet.begin(), by_sheet.end());
+    std::sort(by_island.begin(), by_island.end());
     for (int32_t at = first; at < last; ++at) {
-      result_.faces[at] = by_sheet[at - first].second;
+      result_.faces[at] = by_island[at - first].second;
     }
     for (int32_t begin = first; begin < last;) {
       int32_t end = begin + 1;
-      while (end < last && by_sheet[end - first].first == by_sheet[begin - first].first) {
+      while (end < last && by_island[end - first].first == by_island[begin - first].first) {
         ++end;
       }
       connections_.find(foliage_, faces(begin, end));
-      add_sheet(begin, end);
+      add_island(begin, end);
       begin = end;
     }
   }
@@ -148,9 +148,9 @@ class LeafFlattener {
     return std::span(result_.faces).subspan(first, last - first);
   }
 
-  /// Adds a sheet, of which is known how it hangs together, as one chart, or else each of its faces
+  /// Adds an island, of which is known how it hangs together, as one chart, or else each of its faces
   /// as one.
-  void add_sheet(int32_t first, int32_t last) {
+  void add_island(int32_t first, int32_t last) {
     if (project(first, last) && (last - first == 1 || lies_flat())) {
       add_chart(first, last, straighten(points_));
     } else if (last - first == 1) {
@@ -158,7 +158,7 @@ class LeafFlattener {
       add_chart(first, last, Point(2.0 * kNoSize));
     } else {
       for (int32_t at = first; at < last; ++at) {
-        add_sheet(at, at + 1);
+        add_island(at, at + 1);
       }
     }
   }
@@ -205,7 +205,7 @@ class LeafFlattener {
     return true;
   }
 
-  /// Whether the sheet lies flat without covering itself: every face shows its front, every inner
+  /// Whether the island lies flat without covering itself: every face shows its front, every inner
   /// edge has a face on either side, and the outline does not cross itself.
   bool lies_flat() {
     if (!faces_front_ || !connections_.two_sided()) {
@@ -255,7 +255,7 @@ class LeafFlattener {
   LeafCharts& result_;
   std::vector<LeafChart>& charts_;
   FaceConnections connections_;
-  /// The sheet's corners, face by face, and its faces' normals.
+  /// The island's corners, face by face, and its faces' normals.
   std::vector<glm::dvec3> corners_;
   std::vector<glm::dvec3> normals_;
   /// The corners seen flat, and whether all of its faces show their front.

@@ -17,12 +17,12 @@ Foliage triangles(const std::vector<std::array<int32_t, 3>>& faces) {
   return foliage;
 }
 
-TEST(FaceConnections, FacesThatShareAnEdgeAreOneSheetAndThoseThatShareAVertexAreTwo) {
+TEST(FaceConnections, FacesThatShareAnEdgeAreOneIslandAndThoseThatShareAVertexAreTwo) {
   const Foliage foliage = triangles({{0, 1, 2}, {2, 4, 5}, {0, 2, 3}});
   FaceConnections connections;
   connections.find(foliage, std::array<int32_t, 3>{0, 1, 2});
-  EXPECT_EQ(connections.sheet_count(), 2);
-  EXPECT_EQ(connections.sheet_of(), (std::vector<int32_t>{0, 1, 0}));
+  EXPECT_EQ(connections.island_count(), 2);
+  EXPECT_EQ(connections.island_of(), (std::vector<int32_t>{0, 1, 0}));
   EXPECT_EQ(connections.outline().size(), 7u);
   EXPECT_TRUE(connections.two_sided());
 }
@@ -31,7 +31,7 @@ TEST(FaceConnections, AnEdgeThatBothFacesGoAlongTheSameWayIsNotTwoSided) {
   const Foliage foliage = triangles({{0, 1, 2}, {0, 1, 3}});
   FaceConnections connections;
   connections.find(foliage, std::array<int32_t, 2>{0, 1});
-  EXPECT_EQ(connections.sheet_count(), 1);
+  EXPECT_EQ(connections.island_count(), 1);
   EXPECT_FALSE(connections.two_sided());
 }
 
@@ -39,9 +39,9 @@ TEST(FaceConnections, WhatWasFoundForOneLeafIsNotKeptForOneThatIsNumberedOtherwi
   const Foliage foliage = triangles({{0, 1, 2}, {0, 2, 3}, {4, 5, 6}, {7, 8, 9}});
   FaceConnections connections;
   connections.find(foliage, std::array<int32_t, 2>{0, 1});
-  EXPECT_EQ(connections.sheet_count(), 1);
+  EXPECT_EQ(connections.island_count(), 1);
   connections.find(foliage, std::array<int32_t, 2>{2, 3});
-  EXPECT_EQ(connections.sheet_count(), 2);
+  EXPECT_EQ(connections.island_count(), 2);
 }
 
 }  // namespace

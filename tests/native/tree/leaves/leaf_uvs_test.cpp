@@ -92,7 +92,7 @@ TEST(LeafUvs, ABentLeafOfTwoQuadsIsOneChart) {
   EXPECT_EQ(measure(foliage, layout, 4).overlap_texels, 0);
 }
 
-TEST(LeafUvs, CrossedPlanesAndFoldedSheetsAreTakenApart) {
+TEST(LeafUvs, CrossedPlanesAndFoldedIslandsAreTakenApart) {
   Foliage crossed;
   add_face(crossed, 0, {{-1, 0, 0}, {1, 0, 0}, {1, 0, 2}, {-1, 0, 2}});
   add_face(crossed, 0, {{0, -1, 0}, {0, 1, 0}, {0, 1, 2}, {0, -1, 2}});
