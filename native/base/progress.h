@@ -21,8 +21,7 @@ inline void report_progress(const Progress& progress, float share) {
   }
 }
 
-/// The progress of work that is the part from `from` to `to` of a longer one; empty for an empty
-/// one.
+/// The progress of the part from `from` to `to` of a longer work; empty if that one's is.
 inline Progress part_of(Progress whole, float from, float to) {
   if (!whole) return {};
   return [whole = std::move(whole), from, to](float share) {

@@ -7,8 +7,7 @@
 
 namespace snowbough::base {
 
-/// Union-find whose representative is the smallest index of its set: independent of the union
-/// order.
+/// Union-find whose representative is the smallest index of its set, in whatever order they join.
 class UnionFind {
  public:
   explicit UnionFind(size_t count) : parent_(count) {

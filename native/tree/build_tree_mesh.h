@@ -40,11 +40,9 @@ struct BuildReport {
 /// Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh, one component a
 /// root. Same input, same bytes.
 ///
-/// @param check receives what check_mesh finds on the four-sided base (subdivision keeps its
-/// topology).
+/// @param report  receives what the mesh was checked for, which takes time; null checks nothing.
 /// @throws std::invalid_argument for options out of range and for a skeleton that complete_skeleton
-/// would
-///   refuse.
+///   would refuse.
 /// @throws Cancelled when progress says stop.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.

@@ -14,8 +14,7 @@ enum class UpAxis { kAuto, kY, kZ };
 struct ReadTreeOptions {
   UpAxis up_axis = UpAxis::kAuto;
   /// Level names from the trunk on, separated by commas ("trunk,branch,limb"): a group belongs to
-  /// the level whose name it starts with (the longest one wins). Empty: found from the groups
-  /// themselves.
+  /// the level whose name it starts with (the longest one wins). Empty: the groups tell.
   std::string levels = {};
   Simplify simplify = Simplify::kNone;
   /// For kTolerance: how far a limb may stray from the original, in its local radii.
@@ -38,8 +37,7 @@ struct ReadTreeOptions {
 /// file's own units, taken as metres; the result is Z up.
 ///
 /// @throws std::invalid_argument with file and line for malformed content; with the file and what
-/// to do
-///   for one that holds no branches.
+///   to do for one that holds no branches.
 /// @throws Cancelled when progress says stop.
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options = {});
 

@@ -17,8 +17,8 @@ struct UncrossedSurface {
 
 /// build_surface, repeated for the few junctions whose faces cross each other: the branches that
 /// cross there are narrowed at their base, their first ring is moved out, and rings that cut their
-/// neighbours are left out, a step further each round, until nothing crosses, two rounds in a
-/// row bring nothing, or six are over. The round with the fewest crossings wins. Only the branches
+/// neighbours are left out, a step further each round, until nothing crosses, two rounds in a row
+/// bring nothing, or six are over. The round with the fewest crossings wins. Only the branches
 /// around those junctions are built anew in each round.
 /// @throws Cancelled when execution's progress says stop.
 UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,

@@ -23,8 +23,8 @@ struct FaceEdge {
   bool shares_vertex(const FaceEdge& other) const;
 };
 
-/// How some faces hang together by edges: what does is an island. Leaves are mostly copies of one another: nothing is done
-/// for faces that are numbered like those asked about before.
+/// How some faces hang together by edges: what does is an island. Leaves are mostly copies of one
+/// another: nothing is done for faces that are numbered like those asked about before.
 class FaceConnections {
  public:
   /// @param faces  of three or more corners each.

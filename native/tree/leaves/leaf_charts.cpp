@@ -148,8 +148,8 @@ class LeafFlattener {
     return std::span(result_.faces).subspan(first, last - first);
   }
 
-  /// Adds an island, of which is known how it hangs together, as one chart, or else each of its faces
-  /// as one.
+  /// Adds an island, of which is known how it hangs together, as one chart, or else each of its
+  /// faces as one.
   void add_island(int32_t first, int32_t last) {
     if (project(first, last) && (last - first == 1 || lies_flat())) {
       add_chart(first, last, straighten(points_));

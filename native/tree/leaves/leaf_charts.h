@@ -30,8 +30,8 @@ struct LeafCharts {
 
 /// Lays every leaf flat. One that is a flat or slightly bent island keeps its own shape, seen along
 /// its mean normal with its longer side upright. Leaves of several islands (crossed planes) become
-/// one chart an island, and an island that would fold upon itself (needle tubes, spheres) one a face. A
-/// face without area becomes a regular polygon of next to no size.
+/// one chart an island, and an island that would fold upon itself (needle tubes, spheres) one a
+/// face. A face without area becomes a regular polygon of next to no size.
 /// @param foliage  arrays that do not contradict each other.
 /// @throws Cancelled when execution's progress says stop.
 LeafCharts flatten_leaves(const Foliage& foliage, const base::Execution& execution = {});

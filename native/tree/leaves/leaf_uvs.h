@@ -27,12 +27,12 @@ struct LeafUvs {
 /// snow lies on each leaf by itself.
 ///
 /// A leaf that is one flat or slightly bent island keeps its own shape, seen along its mean normal
-/// with its longer side upright; leaves of several islands (crossed planes) take one chart an island,
-/// and an island that would fold upon itself (needle tubes, spheres) one a face. All charts have the
-/// same scale, but at least two texels of width and height. Between two charts at least one texel
-/// stays free, two where the layout has charts wider than four texels, and one along the border.
-/// Every face of three or more corners has positive area. The scale is the largest but for a
-/// thousandth. flatten_leaves makes the charts.
+/// with its longer side upright; leaves of several islands (crossed planes) take one chart an
+/// island, and an island that would fold upon itself (needle tubes, spheres) one a face. All charts
+/// have the same scale, but at least two texels of width and height. Between two charts at least
+/// one texel stays free, two where the layout has charts wider than four texels, and one along the
+/// border. Every face of three or more corners has positive area. The scale is the largest but for
+/// a thousandth. flatten_leaves makes the charts.
 ///
 /// @param resolution  16 to 16384.
 /// @throws Cancelled when execution's progress says stop.

@@ -16,8 +16,8 @@ struct BoneBudget {
 
 struct ReducedBones {
   Bones bones;
-  /// Per old bone: the new index of the bone that does its work, itself or its nearest kept
-  /// ancestor.
+  /// Per old bone: the new index of the bone that does its work, itself or the nearest one kept
+  /// among its ancestors.
   std::vector<int32_t> bone_map;
 };
 

@@ -21,13 +21,11 @@ struct MeshCheck {
   int32_t nonmanifold_faces = 0;
   /// Edges that both their faces run through in the same direction.
   int32_t flipped_edges = 0;
-  /// Faces with a repeated corner, or whose area is not above 1e-14 times the mesh's extent
-  /// squared.
+  /// Faces with a repeated corner, or with an area of at most 1e-14 of the mesh's squared extent.
   int32_t zero_area_faces = 0;
   /// Vertices that no face uses.
   int32_t unused_vertices = 0;
-  /// No edge is flipped and the enclosed volume of every closed piece is positive (outward
-  /// winding).
+  /// No edge is flipped, and every closed piece encloses a positive volume (outward winding).
   bool winding_ok = true;
   /// Enclosed volume, summed over the pieces.
   double volume = 0.0;

@@ -18,8 +18,7 @@ namespace snowbough::tree {
 /// @param obj_path the OBJ file.
 /// @param libraries as the OBJ names them.
 /// @param warnings receives one line for every library and texture that is missing, with its name,
-/// and for
-///   every malformed line, with file and line.
+///   and for every malformed line, with file and line.
 /// @return materials by name; of a name that comes twice, the first.
 ///
 /// Format: Wavefront, "MTL material format (Lightwave, OBJ)", 1995.

@@ -14,8 +14,7 @@ namespace snowbough::tree {
 /// What an index of a face corner points to.
 enum class ObjIndex : int8_t { kVertex, kUv, kNormal };
 
-/// A negative index: it counts back from where it stands, which only those before the fragment
-/// know.
+/// A negative index: it counts back from where it stands, a place that the fragment does not know.
 struct RelativeIndex {
   ObjIndex kind = ObjIndex::kVertex;
   /// Corner of the fragment that it belongs to; -1 = of a normal or of a face that was left out.

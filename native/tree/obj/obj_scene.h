@@ -8,25 +8,21 @@
 
 namespace snowbough::tree {
 
-/// Faces that follow one another in the file under the same names: [first_face, next run's
-/// first_face).
+/// Faces that follow one another in the file under the same names, up to the next run's first one.
 struct FaceRun {
   int32_t first_face = 0;
-  /// Indices into ObjScene::names, -1 where the file names none. `object` is from `o`, `group` from
-  /// `g`.
+  /// Indices into ObjScene::names, -1 where the file names none: from its lines `o` and `g`.
   int32_t object = -1;
   int32_t group = -1;
   /// Index into ObjScene::materials, -1 = none.
   int32_t material = -1;
 };
 
-/// A Wavefront OBJ file as it stands: the file's own units and axes, nothing welded, split or
-/// judged.
+/// A Wavefront OBJ file as it stands: in its own units and axes, nothing welded, split or judged.
 struct ObjScene {
   std::vector<glm::vec3> positions;
   std::vector<glm::vec2> uvs;
-  /// Polygon f owns corners [face_begin[f], face_begin[f + 1]); one entry more than there are
-  /// polygons.
+  /// Polygon f owns corners [face_begin[f], face_begin[f + 1]): one entry more than polygons.
   std::vector<int32_t> face_begin{0};
   /// Per corner: index into positions, always valid.
   std::vector<int32_t> corner_vertex;

@@ -25,8 +25,8 @@ LevelClusters cluster_labels(const std::vector<std::string>& labels);
 /// Clusters labels by level names that the user gives from the trunk on, separated by commas: a
 /// label belongs to the longest name that it starts with (upper and lower case are the same). The
 /// names keep the user's order.
-/// @throws std::invalid_argument when no label starts with any of them, or a name is empty or twice
-/// there.
+/// @throws std::invalid_argument when no label starts with any of them, or for a name that is empty
+///   or stands there twice.
 LevelClusters match_levels(const std::string& levels, const std::vector<std::string>& labels);
 
 /// Ranks clusters from the trunk on by the mean volume of their branches; clusters whose names

@@ -30,8 +30,7 @@ struct PartLabels {
 };
 
 /// @param foliage_names names separated by commas: parts whose group, object or material starts
-/// with
-///   one of them (in any case) are foliage and no others. Empty: told by meaning_of_name.
+///   with one of them (in any case) are foliage and no others. Empty: told by meaning_of_name.
 /// @throws std::invalid_argument where a name is empty or nothing in the file starts with it.
 PartLabels label_parts(const ObjScene& scene, const Parts& parts,
                        const std::string& foliage_names = {});

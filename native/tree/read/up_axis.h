@@ -8,8 +8,7 @@
 namespace snowbough::tree {
 
 /// Whether the tree grows along Y rather than Z: the roots' direction from foot to tip, the
-/// thickest counting most. A tree that leans equally both ways is taken as Y up, as Xfrog writes
-/// it.
+/// thickest counting most. A tree that leans equally both ways is taken as Y up, Xfrog's axis.
 bool grows_along_y(const std::vector<Branch>& branches);
 
 /// Y up to Z up, a rotation by 90 degrees about X: (x, y, z) -> (x, -z, y).

@@ -32,8 +32,7 @@ enum class Measure {
   kDistance,
   /// Distance in radii of the limb found.
   kRadii,
-  /// Metres to the limb's surface; inside and on it, a twentieth of the distance to the centreline
-  /// decides.
+  /// Metres to the limb's surface; inside and on it, a twentieth of those to the centreline.
   kSurface,
 };
 
@@ -41,8 +40,7 @@ enum class Measure {
 class SegmentTree {
  public:
   /// @param order per branch, any numbers: a search sees branches with a smaller order than it asks
-  /// for.
-  ///   Branches of one point count as a segment of no length; branches without points are left out.
+  ///   for. Branches of one point count as a segment of no length; those of none are left out.
   /// @param radius_floor added to radii in kRadii, so that a limb of no thickness can win too.
   SegmentTree(const std::vector<Branch>& branches, std::vector<int32_t> order, float radius_floor);
 

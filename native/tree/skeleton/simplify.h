@@ -22,12 +22,11 @@ enum class Simplify {
 void check_tolerance(float tolerance);
 
 /// Thins out the centrelines in place. Afterwards every attach point of a branch that was thinned
-/// is one of its points; radii and areas there are interpolated. Numbers of branches and parents
-/// stay.
+/// is one of its points; radii and areas there are interpolated. Branches and parents keep their
+/// numbers.
 ///
 /// @param tolerance for kTolerance, in local radii, at least 0. Where a limb has no thickness its
-/// radius
-///   counts as kSmallestRadius of the height (width.h).
+///   radius counts as kSmallestRadius of the height (width.h).
 /// @throws std::invalid_argument as check_tolerance.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, 3.2.3; the points between

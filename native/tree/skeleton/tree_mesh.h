@@ -13,8 +13,7 @@ namespace snowbough::tree {
 enum class FacePart : uint8_t {
   /// Side wall of a limb between two consecutive rings.
   kWall,
-  /// One of the four quads around the smaller hole at a knuckle's side; belongs to the parent's
-  /// limb.
+  /// One of the four quads around the smaller hole at a knuckle's side; the parent limb's.
   kInset,
   /// The quad that closes a tip or a root.
   kTipCap,

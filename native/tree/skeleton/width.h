@@ -13,8 +13,7 @@ inline constexpr float kSmallestRadius = 2e-5f;
 enum class WidthMode {
   /// The export's own radii and areas.
   kOriginal,
-  /// A flare that falls off like 1 / distance, from the parent's width at the attach point to
-  /// nothing.
+  /// A flare that falls off like 1 / distance, from the parent's width at the attach point to 0.
   kInverse,
 };
 
@@ -37,8 +36,7 @@ struct WidthOptions {
 struct Widths {
   /// Metres, at least kSmallestRadius x height.
   std::vector<std::vector<float>> radii;
-  /// m2, at least that of a circle of the smallest radius; with kInverse that of a circle of the
-  /// radius.
+  /// m2, at least a circle's of the smallest radius; with kInverse a circle's of the radius.
   std::vector<std::vector<float>> areas;
 };
 

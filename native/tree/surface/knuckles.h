@@ -14,8 +14,8 @@ struct ChildRequest {
   int32_t child = -1;
   /// Arc length on the parent's path where the child's middle passes through the parent's surface.
   double position = 0.0;
-  /// Arc length on the parent beside which the child is further out: who leans forward more stays
-  /// ahead.
+  /// Arc length on the parent that the child, further out, is beside: who leans forward more stays
+  /// in front.
   double heading = 0.0;
   /// Side of the child's square base, already clamped to the parent's.
   double width = 0.0;
@@ -50,8 +50,7 @@ KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, doub
 
 /// The same for a limb with sharp bends: no knuckle lies across one, unless the children between
 /// two bends need more room than there is.
-/// @param bends per sharp bend, in order: its arc length, and the length to keep free on either
-/// side.
+/// @param bends per sharp bend, in order: its arc length, and the length to keep free beside it.
 KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
                                   double gap, std::vector<std::pair<double, double>> bends,
                                   const SurfaceScale& scale);

@@ -32,8 +32,7 @@ struct LimbPart {
   std::vector<FaceOrigin> origins;
   LimbSurface limb;
   std::vector<Junction> junctions;
-  /// Children that were thicker than the limb where they leave it, and those that lacked room
-  /// there.
+  /// Children that were thicker than the limb where they leave it, and those that lacked room.
   std::vector<int32_t> clamped, squeezed;
   /// One a child, in the plan's order.
   std::vector<LimbStart> starts;

@@ -23,8 +23,7 @@ struct SurfaceScale {
   double smallest_gap = 0.0;
 };
 
-/// @throws std::invalid_argument for a skeleton without branches or with positions that are not
-/// finite.
+/// @throws std::invalid_argument for a skeleton without branches or with a position not finite.
 SurfaceScale surface_scale(const Skeleton& skeleton);
 
 /// A centreline that the surface follows: at least two points, no segment of zero length.
@@ -38,8 +37,8 @@ struct LimbPath {
   /// Arc length of each point along the branch's own centreline, where bones are counted. Differs
   /// from `lengths` once the part inside the parent has been cut away.
   std::vector<double> bone_lengths;
-  /// Arc length from which on the limb's own children may leave: behind it a ring would cut the
-  /// parent.
+  /// Arc length from which on the limb's own children may leave: before it a ring would cut into
+  /// the parent.
   double clear_from = 0.0;
 
   double length() const { return lengths.back(); }
@@ -53,8 +52,8 @@ void measure(LimbPath& path);
 std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
                                  const SurfaceScale& scale);
 
-/// Index of the segment that holds arc length `s`, for ascending `lengths`; at a point the earlier
-/// one.
+/// Index of the segment that holds arc length `s`, for ascending `lengths`; at a point the one
+/// before it.
 int32_t segment_at(const std::vector<double>& lengths, double s);
 
 /// Position, corner radius, bone length and direction at arc length `s` (clamped to the path).

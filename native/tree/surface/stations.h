@@ -29,8 +29,7 @@ struct StationOptions {
   glm::dvec3 first_normal{0.0, 0.0, 1.0};
   /// The first ring is a hole in the parent's side: its plane does not follow the limb.
   bool first_is_hole = false;
-  /// Direction in which the limb goes on behind its end (the end's own direction when nothing
-  /// follows).
+  /// Direction in which the limb goes on behind its end; the end's own one where nothing follows.
   glm::dvec3 end_direction{0.0, 0.0, 1.0};
   /// Joint rings that cut each other are left out too, not only tilted.
   bool drop_all_cutting = false;

@@ -24,8 +24,7 @@ struct Ring {
   double bone_length = 0.0;
 };
 
-/// One branch's strip: ring 0 is the root's own ring, the parent's end ring, or the hole in the
-/// parent.
+/// One branch's strip: ring 0 is the root's own, the parent's end ring, or the hole in the parent.
 struct LimbSurface {
   std::vector<Ring> rings;
   /// Ring 0 is the parent's end ring.
@@ -70,8 +69,7 @@ struct SurfaceOptions {
 ///
 /// @param paths limb_paths(skeleton).
 /// @param relief per branch, 0 by default: how far the base of the branch has been narrowed and
-/// freed of
-///   rings because it crossed other faces.
+///   freed of rings because it crossed other faces.
 /// @param only per branch, 0 leaves it out, which a child of a branch left out must be as well: for
 ///   looking at a part of the surface, whose faces lie where they lie in the whole. Of a branch
 ///   left out only the first ring stands, by its vertices, if its parent is there. Empty = all.

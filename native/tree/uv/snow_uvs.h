@@ -26,8 +26,7 @@ namespace snowbough::tree {
 /// @param skeleton  the tree the mesh was built from: origins index its branches.
 /// @param snow_resolution  side of the map in texels, 16 to 16384. A tree with more charts than
 ///   such a map holds is laid out for the smallest power of two that does hold them, and a warning
-///   says so: an import never fails for its UVs, and the artist reads which resolution the receiver
-///   needs.
+///   says so: an import never fails for its UVs, and the artist reads which resolution is needed.
 /// @throws Cancelled when execution's progress says stop, before any UV is written.
 /// @throws std::invalid_argument if snow_resolution is out of range, if the origins contradict the
 ///   quads (naming branch, row and side), or if the charts fit on no map up to 16384.
