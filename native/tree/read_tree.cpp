@@ -52,6 +52,18 @@ void report_scene(const ObjScene& scene, ImportReport& report) {
   }
 }
 
+void report_squares(const TracedBranches& traced, ImportReport& report) {
+  if (traced.shuffled) {
+    report.warnings.emplace_back(
+        "the squares stand in no order in the file; they were put together to branches by place "
+        "and direction");
+  }
+  if (traced.lone_planes > 0) {
+    report.skipped_parts.emplace_back(
+        "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
+  }
+}
+
 float extent_of(const std::vector<Branch>& branches) {
   glm::vec3 low(std::numeric_limits<float>::max());
   glm::vec3 high(std::numeric_limits<float>::lowest());
@@ -113,8 +125,8 @@ void turn_upside_up(TracedBranches& traced) {
   }
 }
 
-void take_foliage(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
-                  const std::string& path, Skeleton& skeleton) {
+void gather_leaves(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
+                   const std::string& path, Skeleton& skeleton) {
   skeleton.foliage = gather_foliage(scene, parts, classified);
   const std::map<std::string, FoliageMaterial> library =
       read_materials(path, scene.material_libraries, skeleton.report.warnings);
@@ -124,82 +136,107 @@ void take_foliage(const ObjScene& scene, const Parts& parts, const ClassifiedPar
   }
 }
 
-}  // namespace
+/// The file's parts and the names they go by.
+struct NamedParts {
+  Parts parts;
+  PartLabels labels;
+};
 
-Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
-  check_tolerance(options.tolerance);
+NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
+                      const base::Progress& progress) {
+  Parts parts = split_parts(scene, base::part_of(progress, 0.0f, 0.5f));
+  PartLabels labels = label_parts(scene, parts, foliage_names);
+  const int32_t split_count = parts.count();
+  parts = join_loose_faces(scene, std::move(parts), labels, base::part_of(progress, 0.5f, 1.0f));
+  if (parts.count() < split_count) labels = label_parts(scene, parts, foliage_names);
+  return {std::move(parts), std::move(labels)};
+}
+
+/// @throws std::invalid_argument where there are none.
+void check_branches(const TracedBranches& traced, int32_t foliage_count, const std::string& path) {
+  if (!traced.branches.empty()) return;
+  throw std::invalid_argument(
+      path + ": holds no branches, " +
+      (foliage_count > 0 ? "only " + std::to_string(foliage_count) + " leaves or other loose parts"
+                         : std::string("none of its parts is a tube or a row of planes")) +
+      "; export the tree with its trunk and branches");
+}
+
+/// Reads the file and fills the skeleton's foliage and report.
+/// @return the wood, not yet connected.
+TracedBranches read_parts(const std::string& path, const ReadTreeOptions& options,
+                          Skeleton& skeleton) {
+  const base::Execution whole{options.threads, options.progress};
+  ImportReport& report = skeleton.report;
   ObjReadOptions read_options;
   read_options.buffer_size = options.buffer_size;
   read_options.threads = options.threads;
   read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
-  Skeleton skeleton;
-  ImportReport& report = skeleton.report;
-  TracedBranches traced;
-  {
-    const ObjScene scene = read_obj_file(path, read_options);
-    Parts parts = split_parts(scene, base::part_of(options.progress, 0.5f, 0.55f));
-    PartLabels labels = label_parts(scene, parts, options.foliage_names);
-    const int32_t split_count = parts.count();
-    parts = join_loose_faces(scene, std::move(parts), labels,
-                             base::part_of(options.progress, 0.55f, 0.6f));
-    if (parts.count() < split_count) labels = label_parts(scene, parts, options.foliage_names);
-    ClassifiedParts classified = classify_parts(
-        scene, parts, labels, base::Execution{options.threads, options.progress}.part(0.6f, 0.8f));
-    report.form = form_name(classified.form);
-    report.foliage_parts = classified.foliage_count;
-    report_scene(scene, report);
-    report_skipped(labels, classified.skipped, report);
 
-    traced = trace_branches(scene, parts, labels, classified);
-    if (traced.shuffled) {
-      report.warnings.emplace_back(
-          "the squares stand in no order in the file; they were put together to branches by place "
-          "and direction");
-    }
-    if (traced.lone_planes > 0) {
-      report.skipped_parts.emplace_back(
-          "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
-    }
-    if (traced.branches.empty()) {
-      throw std::invalid_argument(
-          path + ": holds no branches, " +
-          (classified.foliage_count > 0
-               ? "only " + std::to_string(classified.foliage_count) + " leaves or other loose parts"
-               : std::string("none of its parts is a tube or a row of planes")) +
-          "; export the tree with its trunk and branches");
-    }
-    assign_levels(traced, labels, classified.form, options.levels, report.warnings);
-    if (options.foliage) {
-      take_foliage(scene, parts, classified, path, skeleton);
-    } else if (classified.foliage_count > 0) {
-      report.skipped_parts.emplace_back(
-          "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
-    }
+  const ObjScene scene = read_obj_file(path, read_options);
+  const auto [parts, labels] =
+      find_parts(scene, options.foliage_names, base::part_of(options.progress, 0.5f, 0.6f));
+  ClassifiedParts classified = classify_parts(scene, parts, labels, whole.part(0.6f, 0.8f));
+  report.form = form_name(classified.form);
+  report.foliage_parts = classified.foliage_count;
+  report_scene(scene, report);
+  report_skipped(labels, classified.skipped, report);
+
+  TracedBranches traced = trace_branches(scene, parts, labels, classified);
+  report_squares(traced, report);
+  check_branches(traced, classified.foliage_count, path);
+  assign_levels(traced, labels, classified.form, options.levels, report.warnings);
+  if (options.foliage) {
+    gather_leaves(scene, parts, classified, path, skeleton);
+  } else if (classified.foliage_count > 0) {
+    report.skipped_parts.emplace_back(
+        "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
   }
-  const bool merged = report.form == form_name(TreeForm::kMergedTubes) ||
-                      report.form == form_name(TreeForm::kMaterials) ||
-                      report.form == form_name(TreeForm::kMergedSquares);
+  return traced;
+}
 
-  connect(traced, !options.levels.empty(), report.warnings,
+/// Turns wood and leaves so that Z is up.
+void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
+  const bool y_up =
+      up_axis == UpAxis::kY || (up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
+  skeleton.report.up_axis.assign(1, y_up ? 'Y' : 'Z');
+  if (!y_up) return;
+  turn_y_up_to_z_up(traced.branches);
+  for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
+}
+
+/// Whether branches have no names of their own in a file of this form.
+bool is_merged(const std::string& form) {
+  return form == form_name(TreeForm::kMergedTubes) || form == form_name(TreeForm::kMaterials) ||
+         form == form_name(TreeForm::kMergedSquares);
+}
+
+void report_extra_roots(Skeleton& skeleton) {
+  for (size_t b = 1; b < skeleton.branches.size(); ++b) {
+    const Branch& branch = skeleton.branches[b];
+    if (branch.parent < 0) skeleton.report.extra_roots.push_back(branch.name);
+  }
+}
+
+}  // namespace
+
+Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
+  check_tolerance(options.tolerance);
+  const base::Execution whole{options.threads, options.progress};
+  Skeleton skeleton;
+  TracedBranches traced = read_parts(path, options, skeleton);
+
+  connect(traced, !options.levels.empty(), skeleton.report.warnings,
           base::part_of(options.progress, 0.8f, 0.85f));
   base::report_progress(options.progress, 0.85f);
-  const bool y_up = options.up_axis == UpAxis::kY ||
-                    (options.up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
-  report.up_axis = y_up ? "Y" : "Z";
-  if (y_up) {
-    turn_y_up_to_z_up(traced.branches);
-    for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
-  }
+  turn_z_up(options.up_axis, traced, skeleton);
   turn_upside_up(traced);
-  if (merged) name_by_level(traced.branches);
+  if (is_merged(skeleton.report.form)) name_by_level(traced.branches);
 
   skeleton.branches = std::move(traced.branches);
   complete_skeleton(skeleton);
-  for (size_t b = 1; b < skeleton.branches.size(); ++b) {
-    if (skeleton.branches[b].parent < 0) report.extra_roots.push_back(skeleton.branches[b].name);
-  }
-  attach_leaves(skeleton.branches, skeleton.foliage,
-                base::Execution{options.threads, options.progress}.part(0.85f, 0.98f));
+  report_extra_roots(skeleton);
+  attach_leaves(skeleton.branches, skeleton.foliage, whole.part(0.85f, 0.98f));
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
   base::report_progress(options.progress, 1.0f);
   return skeleton;
