@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "tree/read_tree.h"
 #include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {

@@ -11,7 +11,6 @@
 #include <string>
 #include <vector>
 
-#include "tree/read_tree.h"
 #include "tree/skeleton/centreline.h"
 #include "tree/skeleton/width.h"
 

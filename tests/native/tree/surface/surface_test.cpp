@@ -10,8 +10,6 @@
 #include "tree/build_tree_mesh.h"
 #include "tree/crossings/crossings.h"
 #include "tree/crossings/relief.h"
-#include "tree/crossings/triangles.h"
-#include "tree/surface/frames.h"
 #include "tree/surface/limb_path.h"
 
 namespace snowbough::tree {
@@ -196,44 +194,6 @@ TEST(Origins, CornersOfAWallAreItsRowsAndSides) {
       EXPECT_EQ(surface.quads[f], (Quad{low[side], low[after], high[after], high[side]}));
     }
   }
-}
-
-TEST(Frames, TransportAlongAQuarterCircleDoesNotTwist) {
-  Frame frame = first_frame({0.0, 0.0, 1.0});
-  const glm::dvec3 start = frame.u;
-  for (int i = 1; i <= 90; ++i) {
-    const double angle = i * M_PI / 180.0;
-    frame = transport(frame, {std::sin(angle), 0.0, std::cos(angle)});
-  }
-  // The component across the plane of the bend stays what it was.
-  EXPECT_NEAR(frame.u.y, start.y, 1e-9);
-  EXPECT_NEAR(glm::length(frame.u), 1.0, 1e-12);
-}
-
-TEST(Triangles, PiercingCountsAndTouchingAtASharedCornerDoesNot) {
-  const Triangle floor = {glm::dvec3(0, 0, 0), glm::dvec3(2, 0, 0), glm::dvec3(0, 2, 0)};
-  const Triangle piercing = {glm::dvec3(0.5, 0.5, -1), glm::dvec3(0.6, 0.5, 1),
-                             glm::dvec3(0.5, 0.6, 1)};
-  const Triangle above = {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 1), glm::dvec3(0, 1, 1)};
-  const Triangle through = {glm::dvec3(0, 0, 0), glm::dvec3(1, 1, 1), glm::dvec3(1, 1, -1)};
-  EXPECT_TRUE(triangles_cross(floor, piercing, {-1, -1, -1}));
-  EXPECT_FALSE(triangles_cross(floor, above, {0, -1, -1}));
-  EXPECT_TRUE(triangles_cross(floor, through, {0, -1, -1}));
-}
-
-TEST(Triangles, ASharedEdgeCrossesOnlyWhenFoldedFlat) {
-  const Triangle floor = {glm::dvec3(0, 0, 0), glm::dvec3(1, 0, 0), glm::dvec3(0, 1, 0)};
-  const Triangle beside = {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 0), glm::dvec3(0, -1, 0)};
-  const Triangle folded = {glm::dvec3(1, 0, 0), glm::dvec3(0, 0, 0), glm::dvec3(0.2, 0.7, 0)};
-  EXPECT_FALSE(triangles_cross(floor, beside, {1, 0, -1}));
-  EXPECT_TRUE(triangles_cross(floor, folded, {1, 0, -1}));
-}
-
-TEST(Triangles, OrientationIsExactNextToThePlane) {
-  const glm::dvec3 a(0.1f, 0.1f, 0.1f), b(12.1f, 0.1f, 0.1f), c(0.1f, 24.1f, 0.1f);
-  const double above = std::nextafter(0.1f, 1.0f);
-  EXPECT_EQ(orientation(a, b, c, {3.3f, 4.7f, 0.1f}), 0);
-  EXPECT_EQ(orientation(a, b, c, {3.3f, 4.7f, above}), -1);
 }
 
 TEST(Crossings, AnOverlapAtAJunctionIsFound) {
