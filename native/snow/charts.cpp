@@ -2,7 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
+
+#include "base/union_find.h"
 
 namespace snowbough::snow {
 namespace {
@@ -62,35 +63,12 @@ bool same_uv(glm::vec2 a, glm::vec2 b) {
   return std::abs(a.x - b.x) <= kSameUv && std::abs(a.y - b.y) <= kSameUv;
 }
 
-class UnionFind {
- public:
-  explicit UnionFind(int32_t count) : parent_(static_cast<size_t>(count)) {
-    std::iota(parent_.begin(), parent_.end(), 0);
-  }
-  int32_t root(int32_t i) {
-    while (parent_[i] != i) {
-      parent_[i] = parent_[parent_[i]];
-      i = parent_[i];
-    }
-    return i;
-  }
-  /// The lower index stays the root, so that a set is named after its first member.
-  void join(int32_t a, int32_t b) {
-    a = root(a);
-    b = root(b);
-    if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-  }
-
- private:
-  std::vector<int32_t> parent_;
-};
-
 }  // namespace
 
 Charts find_charts(const MapTopology& topology) {
   const auto triangle_count = static_cast<int32_t>(topology.triangles.size() / 3);
   const std::vector<EdgeRecord> edges = sorted_edges(topology);
-  UnionFind sets(triangle_count);
+  base::UnionFind sets(static_cast<size_t>(triangle_count));
   Charts charts;
 
   for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
@@ -122,7 +100,7 @@ Charts find_charts(const MapTopology& topology) {
 
   charts.chart.resize(static_cast<size_t>(triangle_count));
   for (int32_t t = 0; t < triangle_count; ++t) {
-    const int32_t root = sets.root(t);
+    const int32_t root = sets.find(t);
     charts.chart[t] = root == t ? charts.count++ : charts.chart[root];
   }
   return charts;

@@ -10,10 +10,10 @@
 #include <glm/vec4.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "base/parallel_for.h"
+#include "base/simd.h"
 #include "shaders/kernel.h"
 #include "shaders/snow_shared.h"
-#include "snow/in_parallel.h"
-#include "snow/wide.h"
 
 // What a C++ class needs in order to include a part of a shader as its members: such a kernel runs
 // on the processor where the driver is a software renderer, which makes one and a half to three
@@ -91,8 +91,8 @@ namespace snowbough::snow {
 template <typename Work>
 void for_each_in_parallel(int32_t count, int32_t run, const Work& work) {
   std::atomic<int32_t> next = 0;
-  const int32_t threads = std::min(default_threads(), (count + run - 1) / run);
-  in_parallel(std::max(threads, 1), [&](size_t, size_t) {
+  const int32_t threads = std::min(base::default_threads(), (count + run - 1) / run);
+  base::parallel_for(std::max(threads, 1), [&](size_t, size_t) {
     for (int32_t item; (item = next.fetch_add(run)) < count;) {
       for (const int32_t end = std::min(item + run, count); item < end; ++item) work(item);
     }

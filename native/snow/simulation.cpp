@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "snow/in_parallel.h"
+#include "base/thread_pool.h"
 #include "snow/simulation_gpu.h"
 
 namespace snowbough::snow {
@@ -54,7 +54,7 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
 
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
   check_settings(settings);
-  start_helpers();
+  base::start_thread_pool();
   thread_ = settings.wait_for_gpu ? gpu::GpuThread::shared(settings.device)
                                   : gpu::GpuThread::begin(settings.device);
 }

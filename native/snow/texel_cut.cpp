@@ -7,7 +7,7 @@
 #include <numeric>
 #include <span>
 
-#include "snow/in_parallel.h"
+#include "base/parallel_for.h"
 #include "snow/texel_draft.h"
 
 namespace snowbough::snow {
@@ -253,10 +253,10 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
       [&] { table.fragment_begin.resize(texels + 1); },
       [&] { table.fragment_triangle.resize(fragments); },
       [&] { table.fragment_share.resize(fragments); }};
-  in_parallel(threads, [&](size_t part, size_t parts) {
+  base::parallel_for(threads, [&](size_t part, size_t parts) {
     for (size_t array = part; array < arrays.size(); array += parts) arrays[array]();
   });
-  in_parallel(threads, [&](size_t part, size_t parts) {
+  base::parallel_for(threads, [&](size_t part, size_t parts) {
     for (size_t b = part; b < bands.size(); b += parts) {
       size_t i = first_texel[b];
       for (const BandTexel& own : bands[b].texels) {
@@ -308,7 +308,7 @@ void cut_map(TexelDraft& draft, int32_t threads) {
   std::vector<BandTexels> done(static_cast<size_t>(band_count));
   std::atomic<int32_t> next{0};
   threads = std::min(threads, band_count);
-  in_parallel(threads, [&](size_t, size_t) {
+  base::parallel_for(threads, [&](size_t, size_t) {
     BandCutter cutter(draft);
     for (int32_t band = next++; band < band_count; band = next++) {
       const int32_t row = band * bands.rows_per_band;
