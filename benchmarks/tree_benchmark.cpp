@@ -2,11 +2,11 @@
 #include <benchmark/benchmark.h>
 
 #include "tree/build_tree_mesh.h"
-#include "tree/chart_layout.h"
-#include "tree/leaf_uvs.h"
+#include "tree/leaves/leaf_uvs.h"
 #include "tree/read_tree.h"
-#include "tree/snow_uvs.h"
-#include "tree/strip_rows.h"
+#include "tree/uv/chart_layout.h"
+#include "tree/uv/snow_uvs.h"
+#include "tree/uv/strip_rows.h"
 
 namespace {
 
@@ -38,7 +38,7 @@ void layout_maple_charts(benchmark::State& state) {
   const TreeMesh mesh = build_tree_mesh(skeleton);
   const auto resolution = static_cast<int>(state.range(0));
   int attempts = 0;
-  const Execution execution{1, [&attempts](float) { return ++attempts > 0; }};
+  const snowbough::base::Execution execution{1, [&attempts](float) { return ++attempts > 0; }};
   for (auto _ : state) {
     attempts = 0;
     const auto layout = lay_out_charts(collect_strips(mesh, skeleton), resolution, execution);

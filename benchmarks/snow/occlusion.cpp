@@ -203,7 +203,7 @@ void print_row(const std::string& triangles, const Scene& scene, int32_t width, 
 
 void print_table(double budget) {
   std::printf("OpenGL: %s; processor: %d threads\n\n",
-              gpu::GpuThread::shared()->info().renderer.c_str(), default_threads());
+              gpu::GpuThread::shared()->info().renderer.c_str(), base::default_threads());
   std::printf(
       "| tile | triangles | set-up, GL (ms) | processor (ms) | times faster | occlusion, GL (ms) "
       "| processor (ms) | times faster |\n|--:|--:|--:|--:|--:|--:|--:|--:|\n");

@@ -3,9 +3,9 @@
 #include <string>
 #include <utility>
 
+#include "base/thread_pool.h"
 #include "bindings.h"
 #include "gpu/gpu_thread.h"
-#include "snow/in_parallel.h"
 
 namespace py = pybind11;
 
@@ -17,7 +17,7 @@ class HeldGpu {
  public:
   explicit HeldGpu(const std::string& device) {
     const py::gil_scoped_release release;
-    snow::start_helpers();
+    base::start_thread_pool();
     thread_ = gpu::GpuThread::begin(device);
   }
   HeldGpu(const HeldGpu&) = delete;

@@ -6,12 +6,12 @@
 #include <utility>
 #include <vector>
 
+#include "base/progress.h"
 #include "bindings.h"
 #include "numpy_arrays.h"
 #include "python_progress.h"
-#include "tree/progress.h"
 #include "tree/read_tree.h"
-#include "tree/skeleton.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace py = pybind11;
 
@@ -67,7 +67,7 @@ Skeleton read_tree(const py::object& path, const std::string& up_axis, const std
   set_foliage(foliage, options);
   // os.fsdecode takes str, bytes and pathlib.Path.
   const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
-  return run_cancellable(progress, [&](const tree::Progress& asked) {
+  return run_cancellable(progress, [&](const base::Progress& asked) {
     options.progress = asked;
     return tree::read_tree(file, options);
   });

@@ -6,10 +6,10 @@
 #include "bindings.h"
 #include "numpy_arrays.h"
 #include "python_progress.h"
-#include "tree/bones.h"
-#include "tree/bones_reduce.h"
 #include "tree/build_tree_mesh.h"
-#include "tree/mesh_check.h"
+#include "tree/mesh/bones.h"
+#include "tree/mesh/bones_reduce.h"
+#include "tree/mesh/mesh_check.h"
 
 namespace py = pybind11;
 
@@ -156,7 +156,7 @@ void bind_mesh_functions(py::module_& module) {
         options.snow_resolution = snow_resolution;
         options.max_influences = max_influences;
         options.threads = threads;
-        return run_cancellable(progress, [&](const Progress& asked) {
+        return run_cancellable(progress, [&](const base::Progress& asked) {
           options.progress = asked;
           auto bound = std::make_unique<BoundMesh>();
           bound->mesh = build_tree_mesh(skeleton, options, &bound->report);

@@ -9,9 +9,9 @@
 #include "bindings.h"
 #include "numpy_arrays.h"
 #include "python_progress.h"
-#include "tree/chart_measure.h"
-#include "tree/leaf_uvs.h"
-#include "tree/skeleton.h"
+#include "tree/leaves/leaf_uvs.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/uv/chart_measure.h"
 
 namespace py = pybind11;
 
@@ -24,7 +24,7 @@ using tree::UvLayoutMeasure;
 using tree::UvSurface;
 
 LeafUvs compute_leaf_uvs(const Skeleton& skeleton, int resolution, const py::object& progress) {
-  return run_cancellable(progress, [&](const tree::Progress& asked) {
+  return run_cancellable(progress, [&](const base::Progress& asked) {
     return tree::layout_leaf_uvs(skeleton.foliage, resolution, {0, asked});
   });
 }

@@ -6,7 +6,7 @@
 #include <optional>
 #include <utility>
 
-#include "tree/progress.h"
+#include "base/progress.h"
 
 namespace snowbough::python {
 
@@ -51,13 +51,13 @@ class PythonProgress {
 template <typename Work>
 auto run_cancellable(const py::object& callback, const Work& work) {
   PythonProgress progress(callback);
-  const tree::Progress asked = [&progress](float share) { return progress(share); };
+  const base::Progress asked = [&progress](float share) { return progress(share); };
   std::optional<decltype(work(asked))> result;
   {
     py::gil_scoped_release release;
     try {
       result.emplace(work(asked));
-    } catch (const tree::Cancelled&) {
+    } catch (const base::Cancelled&) {
       // Told below, with the GIL.
     }
   }

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "snow/union_find.h"
+#include "base/union_find.h"
 
 namespace snowbough::snow {
 namespace {
@@ -68,7 +68,7 @@ bool same_uv(glm::vec2 a, glm::vec2 b) {
 Charts find_charts(const MapTopology& topology) {
   const auto triangle_count = static_cast<int32_t>(topology.triangles.size() / 3);
   const std::vector<EdgeRecord> edges = sorted_edges(topology);
-  UnionFind sets(triangle_count);
+  base::UnionFind sets(static_cast<size_t>(triangle_count));
   Charts charts;
 
   for (size_t begin = 0, end = 0; begin < edges.size(); begin = end) {
@@ -100,7 +100,7 @@ Charts find_charts(const MapTopology& topology) {
 
   charts.chart.resize(static_cast<size_t>(triangle_count));
   for (int32_t t = 0; t < triangle_count; ++t) {
-    const int32_t root = sets.root(t);
+    const int32_t root = sets.find(t);
     charts.chart[t] = root == t ? charts.count++ : charts.chart[root];
   }
   return charts;

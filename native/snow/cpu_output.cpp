@@ -5,9 +5,9 @@
 #include <cmath>
 #include <utility>
 
-#include "snow/in_parallel.h"
+#include "base/parallel_for.h"
+#include "base/simd.h"
 #include "snow/normals.h"
-#include "snow/wide.h"
 
 namespace snowbough::snow {
 namespace {
@@ -248,7 +248,7 @@ void CpuOutput::store(std::vector<float>& map) {
 }
 
 void CpuOutput::for_each_tile_row(const std::function<void(int32_t row)>& work) const {
-  in_parallel(threads_, [&](size_t part, size_t parts) {
+  base::parallel_for(threads_, [&](size_t part, size_t parts) {
     const auto rows = static_cast<size_t>(tiles_.rows);
     for (size_t row = rows * part / parts; row < rows * (part + 1) / parts; ++row) {
       work(static_cast<int32_t>(row));

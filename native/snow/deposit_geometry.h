@@ -8,10 +8,10 @@
 namespace snowbough::snow {
 
 /// Algorithm 1 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, kept
-/// for comparison: a point a pixel of the occlusion map, which a geometry shader places on the texel
-/// under the pixel's centre, added up by blending. A pixel's whole snow goes to that one texel, so
-/// that volumes are kept, and thickness depends on how pixels and texels meet. Sums are floats:
-/// their last bits depend on the driver's order. Needs OpenGL 4.1.
+/// for comparison: a point a pixel of the occlusion map, which a geometry shader places on the
+/// texel under the pixel's centre, added up by blending. A pixel's whole snow goes to that one
+/// texel, so that volumes are kept, and thickness depends on how pixels and texels meet. Sums are
+/// floats: their last bits depend on the driver's order. Needs OpenGL 4.1.
 class DepositGeometryPass {
  public:
   /// Before a step's first tile: empties the groups' deposit maps, and makes them where they are

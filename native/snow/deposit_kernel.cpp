@@ -2,6 +2,7 @@
 
 #include <optional>
 
+#include "base/parallel_for.h"
 #include "snow/processor_kernel.h"
 
 namespace snowbough::snow {
@@ -58,7 +59,7 @@ void deposit_on_processor(const SceneBuffers& scene, const gpu::Buffer& fall, co
   const auto* list = groups.as<uint32_t>();
   const auto* slots = group_slots.as<uint32_t>();
   const auto* offsets = map_offsets.as<int32_t>();
-  for_each_in_parallel(static_cast<int32_t>(list[1]), 4, [&](int32_t i) {
+  base::for_each_item(list[1], 4, [&](size_t i) {
     const uint32_t group = list[shared::kGroupListBegin + i];
     kernel::gather_group(gain, static_cast<int32_t>(group), offsets[slots[group]]);
   });

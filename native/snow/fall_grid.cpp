@@ -127,8 +127,8 @@ shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& sc
 
   shared::FallFrame frame;
   frame.anchor = glm::vec4(anchor, 0.0f);
-  frame.sampling = glm::vec4(
-      glm::vec2(sample_shift(settings.seed, settings.step_number)), 0.0f, 0.0f);
+  frame.sampling =
+      glm::vec4(glm::vec2(sample_shift(settings.seed, settings.step_number)), 0.0f, 0.0f);
   frame.grid_x = glm::vec4(glm::vec3(x / settings.pixel_size), place.x - base.x);
   frame.grid_y = glm::vec4(glm::vec3(y / settings.pixel_size), place.y - base.y);
   frame.direction = glm::vec4(glm::vec3(direction), settings.pixel_size);

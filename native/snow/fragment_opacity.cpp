@@ -4,8 +4,8 @@
 #include <cmath>
 #include <glm/common.hpp>
 
+#include "base/parallel_for.h"
 #include "shaders/lib/occlusion_pixel.h"
-#include "snow/in_parallel.h"
 
 namespace snowbough::snow {
 namespace {
@@ -39,8 +39,8 @@ struct MaskedTriangle {
   bool is_there_at(glm::vec2 weights) const {
     weights = glm::max(weights, 0.0f);
     weights /= std::max(weights.x + weights.y, 1.0f);
-    return is_there(mask, image[0] + weights.x * (image[1] - image[0]) +
-                              weights.y * (image[2] - image[0]));
+    return is_there(
+        mask, image[0] + weights.x * (image[1] - image[0]) + weights.y * (image[2] - image[0]));
   }
 
   const AlphaMask& mask;
@@ -57,10 +57,8 @@ float opacity_of(const MaskedTriangle& triangle, float share, glm::vec2 centre) 
   for (int32_t i = 0; i < kPoints * kPoints; ++i) {
     const float u = (static_cast<float>(i % kPoints) + 0.5f) / kPoints - 0.5f;
     const float v = (static_cast<float>(i / kPoints) + 0.5f) / kPoints - 0.5f;
-    there += triangle.is_there_at(
-                 centre + size * (u * triangle.along_u + v * triangle.along_v))
-                 ? 1
-                 : 0;
+    there +=
+        triangle.is_there_at(centre + size * (u * triangle.along_u + v * triangle.along_v)) ? 1 : 0;
   }
   return static_cast<float>(there) / (kPoints * kPoints);
 }
@@ -71,7 +69,7 @@ std::vector<float> fragment_opacity(const TexelTable& table, const MapTopology& 
                                     const ObjectAlpha& alpha) {
   if (alpha.empty()) return {};
   std::vector<float> opacity(table.fragment_triangle.size(), 1.0f);
-  in_parallel(default_threads(), [&](size_t part, size_t parts) {
+  base::parallel_for(base::default_threads(), [&](size_t part, size_t parts) {
     const size_t end = opacity.size() * (part + 1) / parts;
     for (size_t f = opacity.size() * part / parts; f < end; ++f) {
       const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);

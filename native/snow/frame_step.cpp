@@ -74,9 +74,8 @@ void FrameStep::run(const std::vector<SceneObject*>& objects, SceneBuffers& scen
       receivers.push_back(rects.back());
     }
   }
-  const std::vector<Tile> tiles = input.fall.depth > 0.0
-                                      ? make_tiles(receivers, input.tile_size)
-                                      : std::vector<Tile>{};
+  const std::vector<Tile> tiles =
+      input.fall.depth > 0.0 ? make_tiles(receivers, input.tile_size) : std::vector<Tile>{};
 
   statistics_.open(scene);
   if (by_geometry || tiles.empty()) {

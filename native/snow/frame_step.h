@@ -3,11 +3,11 @@
 #include <memory>
 #include <vector>
 
+#include "snow/back_pixels.h"
 #include "snow/deposit.h"
 #include "snow/deposit_geometry.h"
 #include "snow/fall_grid.h"
 #include "snow/occlusion.h"
-#include "snow/back_pixels.h"
 #include "snow/scene_buffers.h"
 #include "snow/stability.h"
 #include "snow/statistics.h"

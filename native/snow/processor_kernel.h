@@ -10,10 +10,9 @@
 #include <glm/vec4.hpp>
 #include <glm/vector_relational.hpp>
 
+#include "base/simd.h"
 #include "shaders/kernel.h"
 #include "shaders/snow_shared.h"
-#include "snow/in_parallel.h"
-#include "snow/wide.h"
 
 // What a C++ class needs in order to include a part of a shader as its members: such a kernel runs
 // on the processor where the driver is a software renderer, which makes one and a half to three
@@ -84,19 +83,3 @@ inline uint atomicAdd(uint& sum, uint value) {
 }
 
 }  // namespace snowbough::snow::kernel
-
-namespace snowbough::snow {
-
-/// Calls `work(item)` for items 0 to count - 1, in any order, `run` of them in a row on one thread.
-template <typename Work>
-void for_each_in_parallel(int32_t count, int32_t run, const Work& work) {
-  std::atomic<int32_t> next = 0;
-  const int32_t threads = std::min(default_threads(), (count + run - 1) / run);
-  in_parallel(std::max(threads, 1), [&](size_t, size_t) {
-    for (int32_t item; (item = next.fetch_add(run)) < count;) {
-      for (const int32_t end = std::min(item + run, count); item < end; ++item) work(item);
-    }
-  });
-}
-
-}  // namespace snowbough::snow

@@ -99,7 +99,8 @@ void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t lay
   }
   add_group_triangles(table, order, static_cast<uint32_t>(first_triangle), writer.triangles());
   if (has_owners) {
-    add_owners(table, order, first_owner, layer, group, std::span(map_triangles).subspan(first_map));
+    add_owners(table, order, first_owner, layer, group,
+               std::span(map_triangles).subspan(first_map));
   }
 }
 
@@ -220,8 +221,7 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
                "receivers' triangles");
   scene.map_triangles = gpu::Buffer(map_triangles);
   scene.map_offsets = gpu::Buffer(map_offsets);
-  scene.back_pixels =
-      gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(uint32_t)));
+  scene.back_pixels = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(uint32_t)));
   scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
   scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
   scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);

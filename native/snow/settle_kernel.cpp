@@ -1,5 +1,6 @@
 #include "snow/settle_kernel.h"
 
+#include "base/parallel_for.h"
 #include "snow/processor_kernel.h"
 
 namespace snowbough::snow {
@@ -62,7 +63,7 @@ void settle_on_processor(SceneBuffers& scene, const StabilitySettings& settings,
   settle.half_life = reckoned_half_life(settings);
   const auto* list = groups.as<uint32_t>();
   const auto run = static_cast<int32_t>(shared::kTexelGroup) / partials;
-  for_each_in_parallel(static_cast<int32_t>(list[1]), 4, [&](int32_t i) {
+  base::for_each_item(list[1], 4, [&](size_t i) {
     const auto group = static_cast<int32_t>(list[shared::kGroupListBegin + i]);
     bool holds_snow = false;
     for (int32_t part = group * partials; part < (group + 1) * partials; ++part) {

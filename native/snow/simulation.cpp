@@ -7,7 +7,7 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "snow/in_parallel.h"
+#include "base/thread_pool.h"
 #include "snow/simulation_gpu.h"
 
 namespace snowbough::snow {
@@ -54,7 +54,7 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
 
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
   check_settings(settings);
-  start_helpers();
+  base::start_thread_pool();
   thread_ = settings.wait_for_gpu ? gpu::GpuThread::shared(settings.device)
                                   : gpu::GpuThread::begin(settings.device);
 }
@@ -95,9 +95,9 @@ void SnowSimulation::build_scene() {
     gpu_ = std::make_unique<Gpu>();
   }
   gpu_->scene = SceneBuffers{};
-  gpu_->scene = build_scene_buffers(
-      all_objects(), thread_->info(),
-      {kernels_on_processor(), settings_.mapping == DepositMapping::kGeometry});
+  gpu_->scene =
+      build_scene_buffers(all_objects(), thread_->info(),
+                          {kernels_on_processor(), settings_.mapping == DepositMapping::kGeometry});
   for (auto& [name, object] : objects_) {
     object->moved = true;
   }
@@ -268,7 +268,7 @@ SnowStatistics SnowSimulation::statistics() {
 MemoryEstimate SnowSimulation::memory_estimate() const {
   const std::scoped_lock lock(mutex_);
   return estimate_memory(all_objects(), settings_.tile_size,
-                                 settings_.mapping == DepositMapping::kGeometry);
+                         settings_.mapping == DepositMapping::kGeometry);
 }
 
 const gpu::GpuInfo& SnowSimulation::gpu_info() const {

@@ -36,8 +36,8 @@ class BatchWriter {
   void begin_object(int32_t slot, size_t texel_count, size_t fragment_count);
   /// Adds the object's next texels, a work group of them or, at its end, less: those of its table
   /// that `order` lists. Their triangles and places on the map group begin at these numbers.
-  void add_group(const SceneObject& object, std::span<const int32_t> order,
-                 uint32_t first_triangle, uint32_t first_place);
+  void add_group(const SceneObject& object, std::span<const int32_t> order, uint32_t first_triangle,
+                 uint32_t first_place);
   void end_object();
 
   /// Where the triangles of the work groups are noted, in the order of the groups.

@@ -7,7 +7,7 @@
 #include <numeric>
 #include <span>
 
-#include "snow/in_parallel.h"
+#include "base/parallel_for.h"
 #include "snow/texel_draft.h"
 
 namespace snowbough::snow {
@@ -137,8 +137,7 @@ class BandCutter {
         if (part_begin_[i] < part_begin_[i + 1]) {
           add_parts(i, band);
         } else if (triangle >= 0) {
-          const TexelSample sample =
-              sampler_.whole(triangle, glm::dvec2(column + 0.5, row + 0.5));
+          const TexelSample sample = sampler_.whole(triangle, glm::dvec2(column + 0.5, row + 0.5));
           band.fragments.push_back({triangle, 1.0f, sample.barycentric});
           add_texel(i, draft_.chart_of(triangle), sample, band);
           band.covered_samples += 64;
@@ -217,8 +216,7 @@ class BandCutter {
     }
     texel_.erase(own_end, texel_.end());
     for (const Fragment& f : texel_) {
-      band.fragments.push_back(
-          {f.triangle, static_cast<float>(f.area), sampler_.centroid(f)});
+      band.fragments.push_back({f.triangle, static_cast<float>(f.area), sampler_.centroid(f)});
     }
     add_texel(i, owner, sampler_.of(texel_), band);
   }
@@ -257,10 +255,10 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
       [&] { table.fragment_triangle.resize(fragments); },
       [&] { table.fragment_share.resize(fragments); },
       [&] { table.fragment_barycentric.resize(fragments); }};
-  in_parallel(threads, [&](size_t part, size_t parts) {
+  base::parallel_for(threads, [&](size_t part, size_t parts) {
     for (size_t array = part; array < arrays.size(); array += parts) arrays[array]();
   });
-  in_parallel(threads, [&](size_t part, size_t parts) {
+  base::parallel_for(threads, [&](size_t part, size_t parts) {
     for (size_t b = part; b < bands.size(); b += parts) {
       size_t i = first_texel[b];
       for (const BandTexel& own : bands[b].texels) {
@@ -313,7 +311,7 @@ void cut_map(TexelDraft& draft, int32_t threads) {
   std::vector<BandTexels> done(static_cast<size_t>(band_count));
   std::atomic<int32_t> next{0};
   threads = std::min(threads, band_count);
-  in_parallel(threads, [&](size_t, size_t) {
+  base::parallel_for(threads, [&](size_t, size_t) {
     BandCutter cutter(draft);
     for (int32_t band = next++; band < band_count; band = next++) {
       const int32_t row = band * bands.rows_per_band;

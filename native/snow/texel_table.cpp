@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "snow/in_parallel.h"
+#include "base/thread_pool.h"
 #include "snow/texel_draft.h"
 
 namespace snowbough::snow {
@@ -87,7 +87,7 @@ UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle) {
 TexelTable build_texel_table(const MapTopology& topology, int32_t threads) {
   check_topology(topology);
   TexelDraft draft(topology);
-  cut_map(draft, threads > 0 ? threads : default_threads());
+  cut_map(draft, threads > 0 ? threads : base::default_threads());
   give_homeless_charts_a_texel(draft);
   credit_displaced_fragments(draft);
   shares_from_areas(draft);

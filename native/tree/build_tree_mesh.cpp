@@ -1,19 +1,18 @@
 #include "tree/build_tree_mesh.h"
 
 #include <algorithm>
-#include <future>
 #include <stdexcept>
 #include <string>
 
-#include "tree/bones.h"
-#include "tree/lod.h"
-#include "tree/parallel.h"
-#include "tree/snow_uvs.h"
-#include "tree/surface.h"
-#include "tree/surface_bark_uvs.h"
-#include "tree/surface_path.h"
-#include "tree/surface_relief.h"
-#include "tree/weights.h"
+#include "base/parallel_for.h"
+#include "tree/crossings/relief.h"
+#include "tree/mesh/bones.h"
+#include "tree/mesh/lod.h"
+#include "tree/mesh/weights.h"
+#include "tree/surface/limb_path.h"
+#include "tree/surface/surface.h"
+#include "tree/uv/bark_uvs.h"
+#include "tree/uv/snow_uvs.h"
 
 namespace snowbough::tree {
 namespace {
@@ -33,14 +32,6 @@ float base_share(int lod) {
   }
   return 1.0f / (1.0f + levels);
 }
-
-/// What follows from the surface, whatever its charts.
-struct FromSurface {
-  VertexWeights weights;
-  Bones bones;
-  std::vector<QuadUv> uv_bark;
-  MeshCheck check;
-};
 
 void check_range(const char* name, int value, int low, int high) {
   if (value < low || value > high) {
@@ -68,6 +59,14 @@ std::string some_names(const Skeleton& skeleton, const std::vector<int32_t>& bra
              : text;
 }
 
+/// Warns that branches, "a, b, c and 5 more", have something in common; of none it does not.
+void warn_of(const Skeleton& skeleton, const std::vector<int32_t>& branches, const char* what,
+             TreeMesh& mesh) {
+  if (branches.empty()) return;
+  mesh.warnings.push_back(std::to_string(branches.size()) + " branches " + what + ": " +
+                          some_names(skeleton, branches));
+}
+
 TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
   const Surface& surface = uncrossed.surface;
   TreeMesh mesh;
@@ -81,29 +80,24 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
     mesh.continues_parent.push_back(limb.continues_parent ? 1 : 0);
     mesh.branch_rows.push_back(static_cast<int32_t>(limb.rings.size()) - 1);
   }
-  if (!surface.clamped.empty()) {
-    mesh.warnings.push_back(
-        std::to_string(surface.clamped.size()) +
-        " branches are thicker than their parent where they leave it and were narrowed "
-        "to it there: " +
-        some_names(skeleton, surface.clamped));
-  }
-  if (!surface.squeezed.empty()) {
-    mesh.warnings.push_back(std::to_string(surface.squeezed.size()) +
-                            " branches were squeezed for lack of room on their parent: " +
-                            some_names(skeleton, surface.squeezed));
-  }
-  if (!uncrossed.narrowed.empty()) {
-    mesh.warnings.push_back(std::to_string(uncrossed.narrowed.size()) +
-                            " branches were narrowed at their base to get clear of others: " +
-                            some_names(skeleton, uncrossed.narrowed));
-  }
-  if (!uncrossed.crossing.empty()) {
-    mesh.warnings.push_back(std::to_string(uncrossed.crossing.size()) +
-                            " branches cross others where they leave their parent: " +
-                            some_names(skeleton, uncrossed.crossing));
-  }
+  warn_of(skeleton, surface.clamped,
+          "are thicker than their parent where they leave it and were narrowed to it there", mesh);
+  warn_of(skeleton, surface.squeezed, "were squeezed for lack of room on their parent", mesh);
+  warn_of(skeleton, uncrossed.narrowed, "were narrowed at their base to get clear of others", mesh);
+  warn_of(skeleton, uncrossed.crossing, "cross others where they leave their parent", mesh);
   return mesh;
+}
+
+/// Calls both, at the same time where threads allow. What `first` reports comes from the calling
+/// thread.
+template <typename First, typename Second>
+void do_both(int threads, const First& first, const Second& second) {
+  if (threads == 1) {
+    first();
+    second();
+  } else {
+    base::parallel_for(2, [&](size_t part, size_t) { part == 0 ? first() : second(); });
+  }
 }
 
 }  // namespace
@@ -111,46 +105,42 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options,
                          BuildReport* report) {
   check_options(options);
-  const Execution whole{options.threads, options.progress};
+  const base::Execution whole{options.threads, options.progress};
   const float base_done = base_share(options.lod);
-  const Execution execution = whole.part(0.0f, base_done);
-  report_progress(execution.progress, 0.0f);
+  const base::Execution execution = whole.part(0.0f, base_done);
+  base::report_progress(execution.progress, 0.0f);
+
   const SurfaceScale scale = surface_scale(skeleton);
   const Widths widths = limb_widths(skeleton, options.width);
   const std::vector<LimbPath> paths = limb_paths(skeleton, widths, scale);
-
-  const SurfaceOptions surface_options{options.close_root, options.close_tips};
-  const UncrossedSurface uncrossed = build_uncrossed_surface(
-      skeleton, paths, scale, surface_options, execution.part(0.0f, kSurfaceDone));
+  const UncrossedSurface uncrossed =
+      build_uncrossed_surface(skeleton, paths, scale, {options.close_root, options.close_tips},
+                              execution.part(0.0f, kSurfaceDone));
   const Surface& surface = uncrossed.surface;
 
   TreeMesh mesh = to_mesh(skeleton, uncrossed);
-  // Charts take as long as all that follows from the surface otherwise: both at once.
-  FromSurface rest;
-  const auto derive = [&] {
-    Armature armature = make_bones(skeleton, paths, scale);
-    rest.weights = make_weights(surface, paths, armature, options.max_influences);
-    rest.bones = std::move(armature.bones);
-    rest.uv_bark = layout_bark_uvs(surface);
-    if (report != nullptr) {
-      rest.check = check_mesh(mesh.vertices, mesh.quads);
-    }
+  MeshCheck check;
+  const auto unwrap = [&] {
+    layout_snow_uvs(mesh, skeleton, options.snow_resolution,
+                    execution.part(kSurfaceDone, kChartsDone));
   };
-  std::future<void> derived = std::async(
-      options.threads == 1 ? std::launch::deferred : std::launch::async | std::launch::deferred,
-      derive);
-  layout_snow_uvs(mesh, skeleton, options.snow_resolution,
-                  execution.part(kSurfaceDone, kChartsDone));
-  derived.get();
-  mesh.bone_indices = std::move(rest.weights.indices);
-  mesh.bone_weights = std::move(rest.weights.weights);
-  mesh.bones = std::move(rest.bones);
-  mesh.uv_bark = std::move(rest.uv_bark);
-  report_progress(execution.progress, kChartsDone);
+  const auto rig = [&] {
+    Armature armature = make_bones(skeleton, paths, scale);
+    VertexWeights weights = make_weights(surface, paths, armature, options.max_influences);
+    mesh.bone_indices = std::move(weights.indices);
+    mesh.bone_weights = std::move(weights.weights);
+    mesh.bones = std::move(armature.bones);
+    mesh.uv_bark = layout_bark_uvs(surface);
+    if (report != nullptr) check = check_mesh(mesh.vertices, mesh.quads);
+  };
+  // Charts take as long as all that follows from the surface otherwise.
+  do_both(options.threads, unwrap, rig);
+  base::report_progress(execution.progress, kChartsDone);
+
   subdivide(mesh, surface, options.lod, options.max_influences, whole.part(base_done, 1.0f));
-  report_progress(whole.progress, 1.0f);
+  base::report_progress(whole.progress, 1.0f);
   if (report != nullptr) {
-    report->check = std::move(rest.check);
+    report->check = std::move(check);
     report->junctions = static_cast<int32_t>(surface.junctions.size());
     report->crossing_junctions = static_cast<int32_t>(uncrossed.crossing.size());
   }

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "tree/bones_reduce.h"
-#include "tree/mesh_check.h"
-#include "tree/progress.h"
-#include "tree/skeleton.h"
-#include "tree/tree_mesh.h"
-#include "tree/width.h"
+#include "base/progress.h"
+#include "tree/mesh/bones_reduce.h"
+#include "tree/mesh/mesh_check.h"
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/skeleton/width.h"
 
 namespace snowbough::tree {
 
@@ -24,7 +24,7 @@ struct TreeMeshOptions {
   /// Threads that may share the work, the calling one included; 0 = one a core. The mesh does not
   /// depend on it.
   int threads = 0;
-  Progress progress = {};
+  base::Progress progress = {};
 };
 
 /// What the finished mesh was checked for.
@@ -40,11 +40,9 @@ struct BuildReport {
 /// Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh, one component a
 /// root. Same input, same bytes.
 ///
-/// @param check receives what check_mesh finds on the four-sided base (subdivision keeps its
-/// topology).
+/// @param report  receives what the mesh was checked for, which takes time; null checks nothing.
 /// @throws std::invalid_argument for options out of range and for a skeleton that complete_skeleton
-/// would
-///   refuse.
+///   would refuse.
 /// @throws Cancelled when progress says stop.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.

@@ -7,29 +7,23 @@
 #include <stdexcept>
 #include <utility>
 
-#include "tree/attach.h"
-#include "tree/classify.h"
-#include "tree/foliage.h"
-#include "tree/limbs.h"
-#include "tree/loose_faces.h"
-#include "tree/mtl_reader.h"
-#include "tree/obj_reader.h"
-#include "tree/parallel.h"
-#include "tree/part_names.h"
-#include "tree/parts.h"
-#include "tree/up_axis.h"
+#include "base/parallel_for.h"
+#include "tree/obj/mtl_reader.h"
+#include "tree/obj/obj_reader.h"
+#include "tree/obj/parts.h"
+#include "tree/read/classify.h"
+#include "tree/read/foliage.h"
+#include "tree/read/limbs.h"
+#include "tree/read/loose_faces.h"
+#include "tree/read/part_names.h"
+#include "tree/read/up_axis.h"
+#include "tree/skeleton/attach.h"
 
 namespace snowbough::tree {
 namespace {
 
 /// Level names are believed while no more than this share of the branches finds no parent by them.
 constexpr double kMostUnattached = 0.2;
-
-/// The part of the progress bar from `from` to `to`.
-Progress part_of(const Progress& progress, float from, float to) {
-  if (!progress) return {};
-  return [&progress, from, to](float share) { return progress(from + share * (to - from)); };
-}
 
 std::string part_name(const PartLabels& labels, int32_t part) {
   return labels.label[part] >= 0 ? labels.names[labels.label[part]] : "(unnamed)";
@@ -58,6 +52,18 @@ void report_scene(const ObjScene& scene, ImportReport& report) {
   }
 }
 
+void report_squares(const TracedBranches& traced, ImportReport& report) {
+  if (traced.shuffled) {
+    report.warnings.emplace_back(
+        "the squares stand in no order in the file; they were put together to branches by place "
+        "and direction");
+  }
+  if (traced.lone_planes > 0) {
+    report.skipped_parts.emplace_back(
+        "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
+  }
+}
+
 float extent_of(const std::vector<Branch>& branches) {
   glm::vec3 low(std::numeric_limits<float>::max());
   glm::vec3 high(std::numeric_limits<float>::lowest());
@@ -73,9 +79,9 @@ float extent_of(const std::vector<Branch>& branches) {
 
 /// Connects by level names, and again by thickness if the names turn out to tell no levels.
 void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings,
-             const Progress& progress) {
+             const base::Progress& progress) {
   const float size = extent_of(traced.branches);
-  attach_branches(traced.branches, traced.reversible, size, part_of(progress, 0.0f, 0.5f));
+  attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.0f, 0.5f));
   const bool may_doubt =
       !levels_given && std::any_of(traced.branches.begin(), traced.branches.end(),
                                    [](const Branch& b) { return b.level > 0; });
@@ -86,7 +92,7 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
   }
   if (unattached <= kMostUnattached * static_cast<double>(traced.branches.size())) return;
   for (Branch& branch : traced.branches) branch.level = -1;
-  attach_branches(traced.branches, traced.reversible, size, part_of(progress, 0.5f, 1.0f));
+  attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.5f, 1.0f));
   warnings.emplace_back(
       "the groups' names tell no levels; branches were connected by thickness (set level names to "
       "overrule)");
@@ -119,8 +125,8 @@ void turn_upside_up(TracedBranches& traced) {
   }
 }
 
-void take_foliage(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
-                  const std::string& path, Skeleton& skeleton) {
+void gather_leaves(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
+                   const std::string& path, Skeleton& skeleton) {
   skeleton.foliage = gather_foliage(scene, parts, classified);
   const std::map<std::string, FoliageMaterial> library =
       read_materials(path, scene.material_libraries, skeleton.report.warnings);
@@ -130,83 +136,109 @@ void take_foliage(const ObjScene& scene, const Parts& parts, const ClassifiedPar
   }
 }
 
+/// The file's parts and the names they go by.
+struct NamedParts {
+  Parts parts;
+  PartLabels labels;
+};
+
+NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
+                      const base::Progress& progress) {
+  Parts parts = split_parts(scene, base::part_of(progress, 0.0f, 0.5f));
+  PartLabels labels = label_parts(scene, parts, foliage_names);
+  const int32_t split_count = parts.count();
+  parts = join_loose_faces(scene, std::move(parts), labels, base::part_of(progress, 0.5f, 1.0f));
+  if (parts.count() < split_count) labels = label_parts(scene, parts, foliage_names);
+  return {std::move(parts), std::move(labels)};
+}
+
+/// @throws std::invalid_argument where there are none.
+void check_branches(const TracedBranches& traced, int32_t foliage_count, const std::string& path) {
+  if (!traced.branches.empty()) return;
+  throw std::invalid_argument(
+      path + ": holds no branches, " +
+      (foliage_count > 0 ? "only " + std::to_string(foliage_count) + " leaves or other loose parts"
+                         : std::string("none of its parts is a tube or a row of planes")) +
+      "; export the tree with its trunk and branches");
+}
+
+/// Reads the file and fills the skeleton's foliage and report.
+/// @return the wood, not yet connected.
+TracedBranches read_parts(const std::string& path, const ReadTreeOptions& options,
+                          Skeleton& skeleton) {
+  const base::Execution whole{options.threads, options.progress};
+  ImportReport& report = skeleton.report;
+  ObjReadOptions read_options;
+  read_options.buffer_size = options.buffer_size;
+  read_options.threads = options.threads;
+  read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
+
+  const ObjScene scene = read_obj_file(path, read_options);
+  const auto [parts, labels] =
+      find_parts(scene, options.foliage_names, base::part_of(options.progress, 0.5f, 0.6f));
+  ClassifiedParts classified = classify_parts(scene, parts, labels, whole.part(0.6f, 0.8f));
+  report.form = form_name(classified.form);
+  report.foliage_parts = classified.foliage_count;
+  report_scene(scene, report);
+  report_skipped(labels, classified.skipped, report);
+
+  TracedBranches traced = trace_branches(scene, parts, labels, classified);
+  report_squares(traced, report);
+  check_branches(traced, classified.foliage_count, path);
+  assign_levels(traced, labels, classified.form, options.levels, report.warnings);
+  if (options.foliage) {
+    gather_leaves(scene, parts, classified, path, skeleton);
+  } else if (classified.foliage_count > 0) {
+    report.skipped_parts.emplace_back(
+        "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
+  }
+  return traced;
+}
+
+/// Turns wood and leaves so that Z is up.
+void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
+  const bool y_up =
+      up_axis == UpAxis::kY || (up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
+  skeleton.report.up_axis.assign(1, y_up ? 'Y' : 'Z');
+  if (!y_up) return;
+  turn_y_up_to_z_up(traced.branches);
+  for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
+}
+
+/// Whether branches have no names of their own in a file of this form.
+bool is_merged(const std::string& form) {
+  return form == form_name(TreeForm::kMergedTubes) || form == form_name(TreeForm::kMaterials) ||
+         form == form_name(TreeForm::kMergedSquares);
+}
+
+void report_extra_roots(Skeleton& skeleton) {
+  for (size_t b = 1; b < skeleton.branches.size(); ++b) {
+    const Branch& branch = skeleton.branches[b];
+    if (branch.parent < 0) skeleton.report.extra_roots.push_back(branch.name);
+  }
+}
+
 }  // namespace
 
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
-  ObjReadOptions read_options;
-  read_options.buffer_size = options.buffer_size;
-  read_options.threads = options.threads;
-  read_options.progress = part_of(options.progress, 0.0f, 0.5f);
+  const base::Execution whole{options.threads, options.progress};
   Skeleton skeleton;
-  ImportReport& report = skeleton.report;
-  TracedBranches traced;
-  {
-    const ObjScene scene = read_obj_file(path, read_options);
-    Parts parts = split_parts(scene, part_of(options.progress, 0.5f, 0.55f));
-    PartLabels labels = label_parts(scene, parts, options.foliage_names);
-    const int32_t split_count = parts.count();
-    parts =
-        join_loose_faces(scene, std::move(parts), labels, part_of(options.progress, 0.55f, 0.6f));
-    if (parts.count() < split_count) labels = label_parts(scene, parts, options.foliage_names);
-    ClassifiedParts classified = classify_parts(
-        scene, parts, labels, Execution{options.threads, options.progress}.part(0.6f, 0.8f));
-    report.form = form_name(classified.form);
-    report.foliage_parts = classified.foliage_count;
-    report_scene(scene, report);
-    report_skipped(labels, classified.skipped, report);
+  TracedBranches traced = read_parts(path, options, skeleton);
 
-    traced = trace_branches(scene, parts, labels, classified);
-    if (traced.shuffled) {
-      report.warnings.emplace_back(
-          "the squares stand in no order in the file; they were put together to branches by place "
-          "and direction");
-    }
-    if (traced.lone_planes > 0) {
-      report.skipped_parts.emplace_back(
-          "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
-    }
-    if (traced.branches.empty()) {
-      throw std::invalid_argument(
-          path + ": holds no branches, " +
-          (classified.foliage_count > 0
-               ? "only " + std::to_string(classified.foliage_count) + " leaves or other loose parts"
-               : std::string("none of its parts is a tube or a row of planes")) +
-          "; export the tree with its trunk and branches");
-    }
-    assign_levels(traced, labels, classified.form, options.levels, report.warnings);
-    if (options.foliage) {
-      take_foliage(scene, parts, classified, path, skeleton);
-    } else if (classified.foliage_count > 0) {
-      report.skipped_parts.emplace_back(
-          "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
-    }
-  }
-  const bool merged = report.form == form_name(TreeForm::kMergedTubes) ||
-                      report.form == form_name(TreeForm::kMaterials) ||
-                      report.form == form_name(TreeForm::kMergedSquares);
-
-  connect(traced, !options.levels.empty(), report.warnings, part_of(options.progress, 0.8f, 0.85f));
-  report_progress(options.progress, 0.85f);
-  const bool y_up = options.up_axis == UpAxis::kY ||
-                    (options.up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
-  report.up_axis = y_up ? "Y" : "Z";
-  if (y_up) {
-    turn_y_up_to_z_up(traced.branches);
-    for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
-  }
+  connect(traced, !options.levels.empty(), skeleton.report.warnings,
+          base::part_of(options.progress, 0.8f, 0.85f));
+  base::report_progress(options.progress, 0.85f);
+  turn_z_up(options.up_axis, traced, skeleton);
   turn_upside_up(traced);
-  if (merged) name_by_level(traced.branches);
+  if (is_merged(skeleton.report.form)) name_by_level(traced.branches);
 
   skeleton.branches = std::move(traced.branches);
   complete_skeleton(skeleton);
-  for (size_t b = 1; b < skeleton.branches.size(); ++b) {
-    if (skeleton.branches[b].parent < 0) report.extra_roots.push_back(skeleton.branches[b].name);
-  }
-  attach_leaves(skeleton.branches, skeleton.foliage,
-                Execution{options.threads, options.progress}.part(0.85f, 0.98f));
+  report_extra_roots(skeleton);
+  attach_leaves(skeleton.branches, skeleton.foliage, whole.part(0.85f, 0.98f));
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
-  report_progress(options.progress, 1.0f);
+  base::report_progress(options.progress, 1.0f);
   return skeleton;
 }
 

@@ -3,9 +3,9 @@
 #include <cstddef>
 #include <string>
 
-#include "tree/progress.h"
-#include "tree/simplify.h"
-#include "tree/skeleton.h"
+#include "base/progress.h"
+#include "tree/skeleton/simplify.h"
+#include "tree/skeleton/skeleton.h"
 
 namespace snowbough::tree {
 
@@ -14,8 +14,7 @@ enum class UpAxis { kAuto, kY, kZ };
 struct ReadTreeOptions {
   UpAxis up_axis = UpAxis::kAuto;
   /// Level names from the trunk on, separated by commas ("trunk,branch,limb"): a group belongs to
-  /// the level whose name it starts with (the longest one wins). Empty: found from the groups
-  /// themselves.
+  /// the level whose name it starts with (the longest one wins). Empty: the groups tell.
   std::string levels = {};
   Simplify simplify = Simplify::kNone;
   /// For kTolerance: how far a limb may stray from the original, in its local radii.
@@ -30,7 +29,7 @@ struct ReadTreeOptions {
   /// Threads that may share the work, the calling one included; 0 = one a core. The skeleton does
   /// not depend on it.
   int threads = 0;
-  Progress progress = {};
+  base::Progress progress = {};
 };
 
 /// Reads a tree that Xfrog or a similar modeller exported as Wavefront OBJ: finds out which of the
@@ -38,16 +37,8 @@ struct ReadTreeOptions {
 /// file's own units, taken as metres; the result is Z up.
 ///
 /// @throws std::invalid_argument with file and line for malformed content; with the file and what
-/// to do
-///   for one that holds no branches.
+///   to do for one that holds no branches.
 /// @throws Cancelled when progress says stop.
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options = {});
-
-/// Checks a skeleton that was put together elsewhere, makes names unique and fills `height` and the
-/// report's `branches_per_level`.
-/// @throws std::invalid_argument naming the branch and what is wrong with it: no points, arrays of
-///   different length, non-finite values, negative radii or areas, a parent that does not come
-///   before it.
-void complete_skeleton(Skeleton& skeleton);
 
 }  // namespace snowbough::tree

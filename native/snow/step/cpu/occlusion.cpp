@@ -4,7 +4,7 @@
 #include <stdexcept>
 #include <string>
 
-#include "snow/step/cpu/for_each_item.h"
+#include "base/parallel_for.h"
 #include "snow/step/cpu/raster_bin.h"
 
 namespace snowbough::snow::cpu {
@@ -28,12 +28,13 @@ SeenPixels pixels_of_bin(glm::ivec2 bin, const PixelRect& pixels,
 void OcclusionPass::raster(const OcclusionScene& scene, const DrawList& draws, int64_t first,
                            const PixelRect& pixels, std::span<shared::SeenPixel> seen) {
   const glm::ivec2 size = bins_.size();
-  for_each_item(static_cast<size_t>(size.x * size.y), options_.threads, [&](size_t item) {
+  const auto draw_bin = [&](size_t item) {
     const auto i = static_cast<int32_t>(item);
     const glm::ivec2 bin(i % size.x, i / size.x);
     raster_bin(scene, draws, first, bins_.draws_in(bin), pixels_of_bin(bin, pixels, seen),
                first == 0);
-  });
+  };
+  base::for_each_item(static_cast<size_t>(size.x * size.y), 1, draw_bin, options_.threads);
 }
 
 /// Sorts and draws [first, end), in halves where all at once take too much memory.

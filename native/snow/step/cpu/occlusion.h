@@ -3,9 +3,9 @@
 #include <cstdint>
 #include <span>
 
+#include "base/thread_pool.h"
 #include "shaders/snow_shared.h"
 #include "snow/fall_grid.h"
-#include "snow/in_parallel.h"
 #include "snow/step/cpu/occlusion_scene.h"
 #include "snow/step/cpu/triangle_bins.h"
 
@@ -21,7 +21,7 @@ namespace snowbough::snow::cpu {
 class OcclusionPass {
  public:
   struct Options {
-    int32_t threads = default_threads();
+    int32_t threads = base::default_threads();
     /// Triangles that are sorted at once, and their entries in bins: four bytes each.
     int64_t most_entries = int64_t{1} << 26;
   };

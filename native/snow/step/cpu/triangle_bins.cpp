@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
+#include "base/parallel_for.h"
 #include "snow/processor_kernel.h"
-#include "snow/step/cpu/for_each_item.h"
 #include "snow/step/cpu/grid_triangle.h"
 
 namespace snowbough::snow::cpu {
@@ -159,11 +159,13 @@ bool TriangleBins::sort(const Input& input) {
   const auto draws = static_cast<size_t>(input.end - input.first);
   if (boxes_.size() < draws) boxes_.resize(draws);
   chunk_bins_.assign(chunks * static_cast<size_t>(size_.x * size_.y), 0);
-  for_each_item(chunks, input.threads, [&](size_t chunk) { count_chunk(input, chunk); });
+  base::for_each_item(
+      chunks, 1, [&](size_t chunk) { count_chunk(input, chunk); }, input.threads);
   const int64_t total = place_chunks(chunks);
   if (total > input.most_entries && draws > 1) return false;
   if (entries_.size() < static_cast<size_t>(total)) entries_.resize(static_cast<size_t>(total));
-  for_each_item(chunks, input.threads, [&](size_t chunk) { fill_chunk(input, chunk); });
+  base::for_each_item(
+      chunks, 1, [&](size_t chunk) { fill_chunk(input, chunk); }, input.threads);
   return true;
 }
 

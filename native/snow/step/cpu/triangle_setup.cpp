@@ -5,6 +5,7 @@
 #include <stdexcept>
 #include <string>
 
+#include "base/parallel_for.h"
 #include "shaders/lib/triangle_setup.h"
 #include "snow/processor_kernel.h"
 
@@ -41,8 +42,8 @@ void set_up_triangles(std::span<const glm::vec3> positions,
                                 " triangles: give three corners and one surface a triangle");
   }
   const size_t runs = (triangles.size() + kRun - 1) / kRun;
-  for_each_in_parallel(static_cast<int32_t>(runs), 1, [&](int32_t run) {
-    const size_t first = static_cast<size_t>(run) * kRun;
+  base::for_each_item(runs, 1, [&](size_t run) {
+    const size_t first = run * kRun;
     const size_t count = std::min(kRun, triangles.size() - first);
     set_up_run(positions.data(), triangles.data() + first, frame, count, corners.data() + 3 * first,
                surface.data() + first);

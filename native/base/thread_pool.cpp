@@ -1,0 +1,87 @@
+#include "base/thread_pool.h"
+
+#include <algorithm>
+#include <exception>
+#include <system_error>
+
+namespace snowbough::base {
+
+/// One run() that is going on.
+struct ThreadPool::Job {
+  const std::function<void(size_t)>& work;
+  /// Parts to be begun: fewer than asked for once one has failed.
+  size_t parts;
+  size_t next = 0;
+  size_t done = 0;
+  /// What the first part that failed threw, and which one that was.
+  std::exception_ptr error = nullptr;
+  size_t failed = 0;
+};
+
+int32_t default_threads() {
+  return static_cast<int32_t>(std::clamp(std::thread::hardware_concurrency(), 1u, 16u));
+}
+
+ThreadPool::ThreadPool(int32_t threads) {
+  for (int32_t i = 1; i < threads; ++i) {
+    try {
+      threads_.emplace_back([this](const std::stop_token& stop) { help(stop); });
+    } catch (const std::system_error&) {
+      return;  // no more threads to be had: callers do without
+    }
+  }
+}
+
+ThreadPool& ThreadPool::shared() {
+  // Never destroyed: work that goes on while the process ends must not find it gone.
+  static auto* pool = new ThreadPool(default_threads());
+  return *pool;
+}
+
+void ThreadPool::run(size_t parts, const std::function<void(size_t)>& work) {
+  Job job{work, parts};
+  std::unique_lock lock(mutex_);
+  if (parts > 1) {
+    open_.push_back(&job);
+    for (size_t helper = 1; helper < parts; ++helper) opened_.notify_one();
+  }
+  while (job.next < job.parts) run_next(job, lock);
+  done_.wait(lock, [&] { return job.done == job.parts; });
+  if (job.error) std::rethrow_exception(job.error);
+}
+
+void ThreadPool::help(const std::stop_token& stop) {
+  std::unique_lock lock(mutex_);
+  while (opened_.wait(lock, stop, [&] { return !open_.empty(); })) {
+    run_next(*open_.front(), lock);
+  }
+}
+
+void ThreadPool::run_next(Job& job, std::unique_lock<std::mutex>& lock) {
+  const size_t part = job.next++;
+  if (job.next == job.parts) std::erase(open_, &job);
+  lock.unlock();
+  std::exception_ptr error;
+  try {
+    job.work(part);
+  } catch (...) {
+    error = std::current_exception();
+  }
+  lock.lock();
+  if (error) {
+    // Parts are begun in their order: of several that fail the first is always among them.
+    if (!job.error || part < job.failed) {
+      job.error = error;
+      job.failed = part;
+    }
+    job.parts = job.next;
+    std::erase(open_, &job);
+  }
+  if (++job.done == job.parts) done_.notify_all();
+}
+
+void start_thread_pool() {
+  ThreadPool::shared();
+}
+
+}  // namespace snowbough::base

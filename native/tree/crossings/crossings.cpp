@@ -1,0 +1,257 @@
+#include "tree/crossings/crossings.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <glm/common.hpp>
+#include <limits>
+#include <memory>
+#include <mutex>
+#include <utility>
+#include <vector>
+
+#include "base/simd.h"
+#include "tree/crossings/faces.h"
+#include "tree/crossings/neighbourhoods.h"
+
+namespace snowbough::tree {
+namespace {
+
+using base::bits;
+using base::Float4;
+using base::Int4;
+
+/// Junctions a thread looks at before it takes the next ones: many enough that most find faces of
+/// the one before, few enough that the threads end together.
+constexpr size_t kJunctionBlock = 64;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+constexpr Float4 kNowhere = {kInfinity, kInfinity, kInfinity, kInfinity};
+
+/// Boxes around four faces, first along the axis of a sweep; where there are fewer than four, boxes
+/// that meet none.
+struct Boxes {
+  std::array<Float4, 3> low{kNowhere, kNowhere, kNowhere}, high{-kNowhere, -kNowhere, -kNowhere};
+  /// -1 for those that the junction before had as well.
+  Int4 known{};
+};
+
+using Pairs = std::vector<std::pair<int32_t, int32_t>>;
+
+/// Looks at junctions one after the other. Neighbours along a limb have most faces in common; what
+/// was found among those is taken over. Each thread has its own.
+class CrossingSearch {
+ public:
+  CrossingSearch(const Surface& surface, const VertexFaces& around)
+      : surface_(surface), neighbourhoods_(surface, around), slot_(surface.quads.size(), 0) {}
+
+  /// Forgets all junctions looked at.
+  void begin() {
+    neighbourhoods_.forget();
+    faces_.clear();
+    found_.clear();
+  }
+
+  /// All pairs near the junction that cross, the lower number first, ascending.
+  const Pairs& at(const Junction& junction) {
+    gather(junction);
+    std::erase_if(found_, [&](const auto& pair) {
+      return !neighbourhoods_.has(pair.first) || !neighbourhoods_.has(pair.second);
+    });
+    sweep();
+    std::sort(found_.begin(), found_.end());
+    return found_;
+  }
+
+ private:
+  /// A face of the neighbourhood.
+  struct Entry {
+    /// Where it begins along the axis of the sweep.
+    float low;
+    /// Where it is in faces_.
+    int32_t slot;
+    /// The junction before had it as well.
+    int32_t known;
+  };
+
+  /// Puts the neighbourhood's faces in the order in which they begin along its longest axis.
+  void gather(const Junction& junction) {
+    const std::vector<int32_t>& numbers = neighbourhoods_.at(junction);
+    glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
+    order_.clear();
+    for (size_t i = 0; i < numbers.size(); ++i) {
+      const bool known = neighbourhoods_.known()[i] != 0;
+      if (!known) {
+        slot_[numbers[i]] = static_cast<int32_t>(faces_.size());
+        faces_.push_back(make_crossing_face(surface_, numbers[i]));
+      }
+      const int32_t slot = slot_[numbers[i]];
+      low = glm::min(low, faces_[slot].low);
+      high = glm::max(high, faces_[slot].high);
+      order_.push_back({0.0f, slot, known ? -1 : 0});
+    }
+    const glm::vec3 extent = high - low;
+    const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0
+                     : extent.y >= extent.z                       ? 1
+                                                                  : 2;
+    for (Entry& entry : order_) {
+      entry.low = faces_[entry.slot].low[axis];
+    }
+    std::sort(order_.begin(), order_.end(), [](const Entry& a, const Entry& b) {
+      return a.low != b.low ? a.low < b.low : a.slot < b.slot;
+    });
+    boxes_.assign((order_.size() + 3) / 4, Boxes());
+    for (size_t i = 0; i < order_.size(); ++i) {
+      const CrossingFace& face = faces_[order_[i].slot];
+      Boxes& boxes = boxes_[i / 4];
+      for (int k = 0; k < 3; ++k) {
+        boxes.low[k][i % 4] = face.low[(axis + k) % 3];
+        boxes.high[k][i % 4] = face.high[(axis + k) % 3];
+      }
+      boxes.known[i % 4] = order_[i].known;
+    }
+  }
+
+  /// Tests each face against those that begin before it ends, but for two that the junction before
+  /// had.
+  void sweep() {
+    for (size_t i = 0; i < order_.size(); ++i) {
+      const CrossingFace& one = faces_[order_[i].slot];
+      const Boxes& own = boxes_[i / 4];
+      const size_t lane = i % 4;
+      // Of its own four those after it.
+      uint32_t after = 0xeu << lane & 0xfu;
+      for (size_t four = i / 4; four < boxes_.size(); ++four) {
+        const Boxes& boxes = boxes_[four];
+        if (boxes.low[0][0] > own.high[0][lane]) {
+          break;
+        }
+        const Int4 meet =
+            (boxes.low[0] <= own.high[0][lane]) & (boxes.low[1] <= own.high[1][lane]) &
+            (boxes.high[1] >= own.low[1][lane]) & (boxes.low[2] <= own.high[2][lane]) &
+            (boxes.high[2] >= own.low[2][lane]) & ~(boxes.known & own.known[lane]);
+        for (uint32_t hits = bits(meet) & after; hits != 0; hits &= hits - 1) {
+          test(one, faces_[order_[4 * four + std::countr_zero(hits)].slot]);
+        }
+        after = 0xf;
+      }
+    }
+  }
+
+  void test(const CrossingFace& one, const CrossingFace& other) {
+    const CrossingFace& f = one.number < other.number ? one : other;
+    const CrossingFace& g = one.number < other.number ? other : one;
+    if (faces_cross(f, g)) {
+      found_.emplace_back(f.number, g.number);
+    }
+  }
+
+  const Surface& surface_;
+  Neighbourhoods neighbourhoods_;
+  /// Faces met since begin(), and per face of the surface where it is among them.
+  std::vector<CrossingFace> faces_;
+  std::vector<int32_t> slot_;
+  /// What the last junction gave.
+  Pairs found_;
+  /// Faces of the last junction.
+  std::vector<Entry> order_;
+  /// In that order, by fours.
+  std::vector<Boxes> boxes_;
+};
+
+/// Searches that no thread works with just now: as large as the surface, a block of junctions
+/// should not have to make its own.
+class SearchPool {
+ public:
+  SearchPool(const Surface& surface, const VertexFaces& around)
+      : surface_(surface), around_(around) {}
+
+  std::unique_ptr<CrossingSearch> take() {
+    {
+      const std::lock_guard lock(mutex_);
+      if (!free_.empty()) {
+        std::unique_ptr<CrossingSearch> one = std::move(free_.back());
+        free_.pop_back();
+        return one;
+      }
+    }
+    return std::make_unique<CrossingSearch>(surface_, around_);
+  }
+
+  void give_back(std::unique_ptr<CrossingSearch> one) {
+    const std::lock_guard lock(mutex_);
+    free_.push_back(std::move(one));
+  }
+
+ private:
+  const Surface& surface_;
+  const VertexFaces& around_;
+  std::mutex mutex_;
+  std::vector<std::unique_ptr<CrossingSearch>> free_;
+};
+
+}  // namespace
+
+JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only,
+                                 const base::Execution& execution) {
+  const VertexFaces around(surface);
+  JunctionCrossings crossings(surface.junctions.size());
+  std::vector<size_t> wanted;
+  for (size_t j = 0; j < crossings.size(); ++j) {
+    if (only.empty() || only[j] != 0) {
+      wanted.push_back(j);
+    }
+  }
+  SearchPool pool(surface, around);
+  base::parallel_for(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
+    std::unique_ptr<CrossingSearch> search = pool.take();
+    search->begin();
+    for (size_t i = begin; i < end; ++i) {
+      crossings[wanted[i]] = search->at(surface.junctions[wanted[i]]);
+    }
+    pool.give_back(std::move(search));
+  });
+  return crossings;
+}
+
+std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uint8_t>& only) {
+  // A branch left out stands with its first ring alone.
+  std::vector<uint8_t> open(surface.vertices.size(), 0);
+  std::vector<std::pair<int32_t, int32_t>> rims;
+  for (size_t b = 0; b < surface.limbs.size(); ++b) {
+    if (surface.limbs[b].rings.size() == 1) {
+      for (const int32_t v : surface.limbs[b].rings.front().vertices) {
+        rims.emplace_back(v, static_cast<int32_t>(b));
+        open[v] = 1;
+      }
+    }
+  }
+  std::sort(rims.begin(), rims.end());
+  const VertexFaces around(surface);
+  Neighbourhoods neighbourhoods(surface, around);
+  std::vector<int32_t> missing;
+  for (size_t j = 0; j < surface.junctions.size(); ++j) {
+    if (!only.empty() && only[j] == 0) {
+      continue;
+    }
+    neighbourhoods.at(surface.junctions[j]);
+    for (const int32_t v : neighbourhoods.expanded()) {
+      if (open[v] == 0) {
+        continue;
+      }
+      for (auto rim = std::lower_bound(rims.begin(), rims.end(), std::pair(v, 0));
+           rim != rims.end() && rim->first == v; ++rim) {
+        missing.push_back(rim->second);
+      }
+    }
+  }
+  std::sort(missing.begin(), missing.end());
+  missing.erase(std::unique(missing.begin(), missing.end()), missing.end());
+  return missing;
+}
+
+int32_t count_crossing(const JunctionCrossings& crossings) {
+  return static_cast<int32_t>(std::count_if(crossings.begin(), crossings.end(),
+                                            [](const auto& pairs) { return !pairs.empty(); }));
+}
+
+}  // namespace snowbough::tree

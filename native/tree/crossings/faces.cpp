@@ -1,0 +1,240 @@
+#include "tree/crossings/faces.h"
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "tree/crossings/triangles.h"
+
+namespace snowbough::tree {
+namespace {
+
+using base::bits;
+using base::Float4;
+using base::four;
+using base::Int4;
+using base::largest;
+using base::rotated;
+using base::smallest;
+
+/// Distance from a plane, as a share of the coordinates that went into it, that rounding can not
+/// make up; of floats and of doubles.
+constexpr float kClear = 3e-6f;
+constexpr double kClearDouble = 1e-12;
+/// Faces whose boxes have sides of more or less together are left to the exact test, before floats
+/// overflow or lose digits.
+constexpr float kSmallest = 1e-6f;
+constexpr float kLargest = 1e6f;
+/// Times that a plane between two faces is turned before the exact test is asked.
+constexpr int kTurns = 8;
+/// Corners of the two triangles that a face counts as.
+constexpr int kTriangles[2][3] = {{0, 1, 2}, {0, 2, 3}};
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+using Corners = std::array<glm::dvec3, 4>;
+
+glm::vec3 corner(const CrossingFace& face, int k) {
+  return {face.x[k], face.y[k], face.z[k]};
+}
+
+Corners points(const CrossingFace& face) {
+  return {corner(face, 0), corner(face, 1), corner(face, 2), corner(face, 3)};
+}
+
+/// A face's corners seen from one place; in place of those that it shares with another face stands
+/// one that it does not.
+struct Seen {
+  Float4 x, y, z;
+
+  Seen(const CrossingFace& face, const Int4& shared, const glm::vec3& from) {
+    const int free = std::countr_one(bits(shared)) & 3;
+    x = (shared ? four(face.x[free]) : face.x) - from.x;
+    y = (shared ? four(face.y[free]) : face.y) - from.y;
+    z = (shared ? four(face.z[free]) : face.z) - from.z;
+  }
+  /// Above the plane through that place.
+  Float4 heights(const glm::vec3& normal) const {
+    return normal.x * x + normal.y * y + normal.z * z;
+  }
+  /// The first corner of that height.
+  glm::vec3 at(const Float4& heights, float height) const {
+    const int k = std::countr_zero(bits(heights == height) | 8u);
+    return {x[k], y[k], z[k]};
+  }
+};
+
+float length_of(const glm::vec3& v) {
+  return std::sqrt(glm::dot(v, v));
+}
+
+/// Whether a plane through what two faces share has all their other corners clear of it, on either
+/// side. Looked for by turning the plane until it parts the two corners that were worst off.
+///
+/// Source: K. Chung and W. Wang, "Quick Collision Detection of Polytopes in Virtual Environments",
+/// ACM VRST 1996.
+/// @param margin  how far from the plane is clear.
+/// @param touching  the plane goes through the origin; else anywhere.
+bool turn_until_parted(const Seen& f, const Seen& g, glm::vec3 normal, float margin, bool touching,
+                       int turns) {
+  for (int turn = 0;; ++turn) {
+    const Float4 of_f = f.heights(normal), of_g = g.heights(normal);
+    const float highest_f = largest(of_f), lowest_g = smallest(of_g);
+    const bool below = highest_f<-margin, above = lowest_g> margin;
+    if (touching ? below && above : highest_f + margin < lowest_g) {
+      return true;
+    }
+    if (turn == turns) {
+      return false;
+    }
+    const glm::vec3 p = f.at(of_f, highest_f), q = g.at(of_g, lowest_g);
+    const glm::vec3 away = !touching ? q - p
+                           : above   ? -p
+                           : below   ? q
+                                     : q / length_of(q) - p / length_of(p);
+    const float squared = glm::dot(away, away);
+    // Corners at one place, or no number.
+    if (!(squared > std::numeric_limits<float>::min())) {
+      return false;
+    }
+    normal -= away * (2.0f * glm::dot(normal, away) / squared);
+  }
+}
+
+/// Whether a plane through what two faces share proves that they have nothing else in common; what
+/// it cannot tell is left to the exact test.
+bool parted(const CrossingFace& f, const CrossingFace& g) {
+  if (!(std::min(f.size, g.size) > kSmallest && std::max(f.size, g.size) < kLargest)) {
+    return false;
+  }
+  // Corner k of f against corner k + turn of g, and back.
+  Int4 other = g.corners;
+  Int4 same = f.corners == other;
+  Int4 shared_f = same, shared_g = same;
+  other = rotated(other);
+  same = f.corners == other;
+  shared_f |= same;
+  shared_g |= rotated(rotated(rotated(same)));
+  other = rotated(other);
+  same = f.corners == other;
+  shared_f |= same;
+  shared_g |= rotated(rotated(same));
+  other = rotated(other);
+  same = f.corners == other;
+  shared_f |= same;
+  shared_g |= rotated(same);
+
+  const uint32_t set = bits(shared_f);
+  const int first = set != 0 ? std::countr_zero(set) : 0;
+  const uint32_t rest = set & (set - 1);
+  const glm::vec3 base = corner(f, first);
+  const Seen seen_f(f, shared_f, base), seen_g(g, shared_g, base);
+  const float size = f.size + g.size;
+  const auto margin_of = [size](const glm::vec3& normal) {
+    return kClear * size * (std::abs(normal.x) + std::abs(normal.y) + std::abs(normal.z));
+  };
+  if (set == 0) {
+    // The length of the normal, and with it its margin, stay when it is turned; the sum of its
+    // parts at most doubles.
+    const glm::vec3 normal = g.sum - f.sum;
+    return turn_until_parted(seen_f, seen_g, normal, 2.0f * margin_of(normal), false, kTurns);
+  }
+  // Half way between the directions in which the faces lie, however large either is.
+  glm::vec3 to_f = f.sum - 4.0f * base, to_g = g.sum - 4.0f * base;
+  if (rest == 0) {
+    const glm::vec3 normal = to_g * length_of(to_f) - to_f * length_of(to_g);
+    return turn_until_parted(seen_f, seen_g, normal, 2.0f * margin_of(normal), true, kTurns);
+  }
+  if ((rest & (rest - 1)) != 0) {
+    return false;
+  }
+  const glm::vec3 edge = corner(f, std::countr_zero(rest)) - base;
+  const float squared = glm::dot(edge, edge);
+  to_f -= edge * (glm::dot(to_f, edge) / squared);
+  to_g -= edge * (glm::dot(to_g, edge) / squared);
+  const glm::vec3 normal = to_g * length_of(to_f) - to_f * length_of(to_g);
+  // As far as the plane misses the edge's other end, it has to be tilted.
+  const float margin = margin_of(normal);
+  const float tilt = (margin + std::abs(glm::dot(normal, edge))) * size / std::sqrt(squared);
+  return turn_until_parted(seen_f, seen_g, normal, margin + tilt, true, 0);
+}
+
+/// Whether all corners of `g` but those that a triangle of `f` shares lie clear of its plane on one
+/// side, for both triangles: decides most pairs of a large face and a small one.
+bool on_one_side(const CrossingFace& f, const CrossingFace& g) {
+  const Corners of_f = points(f), of_g = points(g);
+  const double size = f.size;
+  const double margin = kClearDouble * size * size * (size + static_cast<double>(g.size));
+  for (const auto& triangle : kTriangles) {
+    const glm::dvec3& base = of_f[triangle[0]];
+    const glm::dvec3 normal = glm::cross(of_f[triangle[1]] - base, of_f[triangle[2]] - base);
+    double lowest = 1e300, highest = -1e300;
+    for (int k = 0; k < 4; ++k) {
+      const int32_t v = g.corners[k];
+      if (v != f.corners[triangle[0]] && v != f.corners[triangle[1]] &&
+          v != f.corners[triangle[2]]) {
+        const double height = glm::dot(normal, of_g[k] - base);
+        lowest = std::min(lowest, height);
+        highest = std::max(highest, height);
+      }
+    }
+    if (!(lowest > margin || highest < -margin)) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The exact test of all four pairs of triangles.
+bool quads_cross(const CrossingFace& f, const CrossingFace& g) {
+  const Corners of_f = points(f), of_g = points(g);
+  for (const auto& i : kTriangles) {
+    const Triangle a = {of_f[i[0]], of_f[i[1]], of_f[i[2]]};
+    for (const auto& j : kTriangles) {
+      const Triangle b = {of_g[j[0]], of_g[j[1]], of_g[j[2]]};
+      std::array<int, 3> shared = {-1, -1, -1};
+      for (int k = 0; k < 3; ++k) {
+        for (int l = 0; l < 3; ++l) {
+          if (f.corners[i[k]] == g.corners[j[l]]) {
+            shared[k] = l;
+          }
+        }
+      }
+      if (triangles_cross(a, b, shared)) {
+        return true;
+      }
+    }
+  }
+  return false;
+}
+
+}  // namespace
+
+CrossingFace make_crossing_face(const Surface& surface, int32_t number) {
+  CrossingFace face{};
+  face.number = number;
+  face.low = glm::vec3(kInfinity);
+  face.high = glm::vec3(-kInfinity);
+  for (int k = 0; k < 4; ++k) {
+    const int32_t v = surface.quads[number][k];
+    const glm::vec3 p(surface.vertices[v]);
+    face.corners[k] = v;
+    face.x[k] = p.x;
+    face.y[k] = p.y;
+    face.z[k] = p.z;
+    face.sum += p;
+    face.low = glm::min(face.low, p);
+    face.high = glm::max(face.high, p);
+  }
+  const glm::vec3 extent = face.high - face.low;
+  face.size = extent.x + extent.y + extent.z;
+  return face;
+}
+
+bool faces_cross(const CrossingFace& f, const CrossingFace& g) {
+  return !parted(f, g) && !on_one_side(f, g) && !on_one_side(g, f) && quads_cross(f, g);
+}
+
+}  // namespace snowbough::tree

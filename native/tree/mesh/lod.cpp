@@ -1,0 +1,389 @@
+#include "tree/mesh/lod.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <span>
+#include <utility>
+
+#include "tree/mesh/weights.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// How far a vertex on the rim of a child's hole moves towards its neighbours, in distances to the
+/// nearest.
+constexpr double kRimSmoothing = 0.4;
+/// Edges or faces that a thread takes at a time.
+constexpr size_t kBlock = 4096;
+
+/// The stretch of a limb between two rings, as a round cone on an infinite line.
+struct Section {
+  glm::dvec3 begin{0.0};
+  glm::dvec3 axis{0.0};
+  double length = 0.0;
+  double begin_radius = 0.0;
+  double end_radius = 0.0;
+  /// Begins at a hole in a parent's side: becomes round over its first width only, or the heel of a
+  /// branch that leaves at a flat angle would swell out of its parent.
+  bool from_hole = false;
+  /// Branches that continue one another are one limb.
+  int32_t limb = -1;
+
+  glm::dvec3 rounded(const glm::dvec3& p) const {
+    const double along = glm::dot(p - begin, axis);
+    const glm::dvec3 foot = begin + axis * along;
+    const glm::dvec3 off = p - foot;
+    const double distance = glm::length(off);
+    if (distance < 1e-3 * std::min(begin_radius, end_radius)) {
+      return p;
+    }
+    const double t = std::clamp(along / length, 0.0, 1.0);
+    const glm::dvec3 round =
+        foot + off * ((begin_radius + (end_radius - begin_radius) * t) / distance);
+    const double share =
+        from_hole ? std::clamp(along / std::min(2.0 * begin_radius, length), 0.0, 1.0) : 1.0;
+    return p + (round - p) * share;
+  }
+};
+
+/// All sections, limb by limb, and where each branch's begin.
+struct Sections {
+  std::vector<Section> all;
+  std::vector<int32_t> first;
+
+  explicit Sections(const Surface& surface) {
+    std::vector<int32_t> limb_of_vertex(surface.vertices.size(), -1);
+    std::vector<uint8_t> is_child(surface.limbs.size(), 0);
+    for (const Junction& junction : surface.junctions) {
+      is_child[junction.child] = 1;
+    }
+    const double to_radius = std::sqrt(2.0 / M_PI);
+    for (size_t b = 0; b < surface.limbs.size(); ++b) {
+      const LimbSurface& limb = surface.limbs[b];
+      first.push_back(static_cast<int32_t>(all.size()));
+      const int32_t name = limb.continues_parent ? limb_of_vertex[limb.rings[0].vertices[0]]
+                                                 : static_cast<int32_t>(b);
+      for (size_t row = 0; row + 1 < limb.rings.size(); ++row) {
+        const Ring& a = limb.rings[row];
+        const Ring& c = limb.rings[row + 1];
+        Section section;
+        section.begin = a.centre;
+        section.length = std::max(glm::distance(a.centre, c.centre), 1e-30);
+        section.axis = (c.centre - a.centre) / section.length;
+        section.begin_radius = a.corner * to_radius;
+        section.end_radius = c.corner * to_radius;
+        section.from_hole = row == 0 && name == static_cast<int32_t>(b) && is_child[b] != 0;
+        section.limb = name;
+        all.push_back(section);
+      }
+      for (int32_t v : limb.rings.back().vertices) {
+        limb_of_vertex[v] = name;
+      }
+    }
+  }
+
+  /// -1 for caps: they stay flat.
+  int32_t of(const FaceOrigin& origin) const {
+    const bool cap = origin.part == FacePart::kTipCap || origin.part == FacePart::kRootCap;
+    return cap ? -1 : first[origin.branch] + origin.row;
+  }
+};
+
+/// The few different sections around a vertex.
+struct SectionSet {
+  std::array<int32_t, 8> members{};
+  int count = 0;
+
+  void add(int32_t section) {
+    const auto end = members.begin() + count;
+    if (section >= 0 && count < static_cast<int>(members.size()) &&
+        std::find(members.begin(), end, section) == end) {
+      members[count++] = section;
+    }
+  }
+  glm::dvec3 rounded(const Sections& sections, const glm::dvec3& p) const {
+    if (count == 0) {
+      return p;
+    }
+    glm::dvec3 sum(0.0);
+    for (int i = 0; i < count; ++i) {
+      sum += sections.all[members[i]].rounded(p);
+    }
+    return sum / static_cast<double>(count);
+  }
+  bool joins_limbs(const Sections& sections) const {
+    for (int i = 1; i < count; ++i) {
+      if (sections.all[members[i]].limb != sections.all[members[0]].limb) {
+        return true;
+      }
+    }
+    return false;
+  }
+};
+
+/// Undirected edges, numbered as they first appear in the faces.
+struct Edges {
+  struct Edge {
+    int32_t a, b;
+    int32_t left = -1, right = -1;
+  };
+  std::vector<Edge> all;
+  /// Per face and corner k: the edge from corner k to k + 1.
+  std::vector<std::array<int32_t, 4>> of_face;
+
+  Edges(const std::vector<Quad>& quads, size_t vertex_count) {
+    std::vector<int32_t> head(vertex_count, -1), next;
+    of_face.resize(quads.size());
+    all.reserve(quads.size() * 2);
+    next.reserve(quads.size() * 2);
+    for (size_t f = 0; f < quads.size(); ++f) {
+      for (int k = 0; k < 4; ++k) {
+        const int32_t a = std::min(quads[f][k], quads[f][(k + 1) % 4]);
+        const int32_t b = std::max(quads[f][k], quads[f][(k + 1) % 4]);
+        int32_t e = head[a];
+        while (e >= 0 && all[e].b != b) {
+          e = next[e];
+        }
+        if (e < 0) {
+          e = static_cast<int32_t>(all.size());
+          all.push_back({a, b, static_cast<int32_t>(f), -1});
+          next.push_back(head[a]);
+          head[a] = e;
+        } else {
+          all[e].right = static_cast<int32_t>(f);
+        }
+        of_face[f][k] = e;
+      }
+    }
+  }
+};
+
+class Subdivider {
+ public:
+  Subdivider(TreeMesh& mesh, const Surface& surface, int max_influences)
+      : mesh_(mesh),
+        sections_(surface),
+        max_influences_(max_influences),
+        points_(surface.vertices),
+        rim_(surface.vertices.size(), 0) {}
+
+  /// The base's corners stand outside the limbs' round radius: put them on it.
+  void round_base() {
+    std::vector<SectionSet> around(points_.size());
+    std::vector<int32_t> inset(points_.size(), -1);
+    for (size_t f = 0; f < mesh_.quads.size(); ++f) {
+      const int32_t section = sections_.of(mesh_.origins[f]);
+      for (int32_t v : mesh_.quads[f]) {
+        around[v].add(section);
+      }
+      if (mesh_.origins[f].part == FacePart::kInset) {
+        inset[mesh_.quads[f][2]] = inset[mesh_.quads[f][3]] = section;
+      }
+    }
+    for (size_t v = 0; v < points_.size(); ++v) {
+      points_[v] = inset[v] >= 0 ? sections_.all[inset[v]].rounded(points_[v])
+                                 : around[v].rounded(sections_, points_[v]);
+      rim_[v] = around[v].joins_limbs(sections_) ? 1 : 0;
+    }
+  }
+
+  void split(const base::Execution& execution) {
+    const Edges edges(mesh_.quads, points_.size());
+    const auto old_count = static_cast<int32_t>(points_.size());
+    const auto edge_count = static_cast<int32_t>(edges.all.size());
+    const size_t face_count = mesh_.quads.size();
+    points_.resize(old_count + edge_count + face_count);
+    rim_.resize(points_.size(), 0);
+    mesh_.bone_indices.resize(points_.size());
+    mesh_.bone_weights.resize(points_.size());
+    // Every new vertex depends on older ones alone, a face's on its edges' too.
+    base::parallel_for(edges.all.size(), kBlock, execution.part(0.0f, 0.4f),
+                       [&](size_t begin, size_t end) {
+                         for (size_t e = begin; e < end; ++e) {
+                           split_edge(edges.all[e], old_count + static_cast<int32_t>(e));
+                         }
+                       });
+    base::parallel_for(
+        face_count, kBlock, execution.part(0.4f, 0.7f), [&](size_t begin, size_t end) {
+          for (size_t f = begin; f < end; ++f) {
+            place_centre(f, edges, old_count, old_count + edge_count + static_cast<int32_t>(f));
+          }
+        });
+    split_faces(edges, old_count, edge_count, execution.part(0.7f, 1.0f));
+    smooth_rims();
+  }
+
+  void finish() { mesh_.vertices.assign(points_.begin(), points_.end()); }
+
+ private:
+  /// Puts vertex v into the middle of an edge.
+  void split_edge(const Edges::Edge& edge, int32_t v) {
+    const glm::dvec3 middle = 0.5 * (points_[edge.a] + points_[edge.b]);
+    const FaceOrigin& left = mesh_.origins[edge.left];
+    const FaceOrigin& right = mesh_.origins[edge.right >= 0 ? edge.right : edge.left];
+    SectionSet around;
+    around.add(sections_.of(left));
+    around.add(sections_.of(right));
+    rim_[v] = around.joins_limbs(sections_) ? 1 : 0;
+    const bool inset = left.part == FacePart::kInset || right.part == FacePart::kInset;
+    if (inset && left.branch != right.branch) {
+      const int32_t parent = sections_.of(left.part == FacePart::kInset ? left : right);
+      points_[v] = sections_.all[parent].rounded(middle);
+    } else {
+      points_[v] = around.rounded(sections_, middle);
+    }
+    const std::array<int32_t, 2> ends = {edge.a, edge.b};
+    mean_weights(v, ends);
+  }
+
+  /// Puts vertex v into the middle of face f, whose edges have theirs from `first_edge` on.
+  void place_centre(size_t f, const Edges& edges, int32_t first_edge, int32_t v) {
+    SectionSet around;
+    around.add(sections_.of(mesh_.origins[f]));
+    // The middle of the edge points, already on the limb's radius, is nearer to it than the
+    // corners'.
+    glm::dvec3 middle(0.0);
+    for (int k = 0; k < 4; ++k) {
+      middle += 0.25 * points_[first_edge + edges.of_face[f][k]];
+    }
+    points_[v] = around.rounded(sections_, middle);
+    mean_weights(v, mesh_.quads[f]);
+  }
+
+  void mean_weights(int32_t vertex, std::span<const int32_t> from) {
+    const auto same = [&](int32_t v) {
+      return mesh_.bone_indices[v] == mesh_.bone_indices[from[0]] &&
+             mesh_.bone_weights[v] == mesh_.bone_weights[from[0]];
+    };
+    if (std::all_of(from.begin() + 1, from.end(), same)) {
+      mesh_.bone_indices[vertex] = mesh_.bone_indices[from[0]];
+      mesh_.bone_weights[vertex] = mesh_.bone_weights[from[0]];
+      return;
+    }
+    InfluenceSum sum;
+    for (const int32_t v : from) {
+      for (int k = 0; k < 4; ++k) {
+        const float weight = mesh_.bone_weights[v][k];
+        if (weight > 0.0f) {
+          sum.add(mesh_.bone_indices[v][k], weight);
+        }
+      }
+    }
+    sum.finish(max_influences_, mesh_.bone_indices[vertex], mesh_.bone_weights[vertex]);
+  }
+
+  static void split_uv(const QuadUv& uv, QuadUv* parts) {
+    const glm::vec2 centre = 0.25f * (uv[0] + uv[1] + uv[2] + uv[3]);
+    for (int k = 0; k < 4; ++k) {
+      parts[k][k] = uv[k];
+      parts[k][(k + 1) % 4] = 0.5f * (uv[k] + uv[(k + 1) % 4]);
+      parts[k][(k + 2) % 4] = centre;
+      parts[k][(k + 3) % 4] = 0.5f * (uv[k] + uv[(k + 3) % 4]);
+    }
+  }
+
+  void split_faces(const Edges& edges, int32_t old_count, int32_t edge_count,
+                   const base::Execution& execution) {
+    const size_t face_count = mesh_.quads.size();
+    std::vector<Quad> quads(face_count * 4);
+    std::vector<FaceOrigin> origins(face_count * 4);
+    std::vector<int32_t> levels(face_count * 4);
+    std::vector<QuadUv> uv_bark(face_count * 4);
+    std::vector<QuadUv> uv_snow(mesh_.uv_snow.empty() ? 0 : face_count * 4);
+    base::parallel_for(face_count, kBlock, execution, [&](size_t begin, size_t end) {
+      for (size_t f = begin; f < end; ++f) {
+        const int32_t centre = old_count + edge_count + static_cast<int32_t>(f);
+        for (int k = 0; k < 4; ++k) {
+          Quad& part = quads[4 * f + k];
+          part[k] = mesh_.quads[f][k];
+          part[(k + 1) % 4] = old_count + edges.of_face[f][k];
+          part[(k + 2) % 4] = centre;
+          part[(k + 3) % 4] = old_count + edges.of_face[f][(k + 3) % 4];
+          origins[4 * f + k] = mesh_.origins[f];
+          levels[4 * f + k] = mesh_.branch_level[f];
+        }
+        split_uv(mesh_.uv_bark[f], &uv_bark[4 * f]);
+        if (!uv_snow.empty()) {
+          split_uv(mesh_.uv_snow[f], &uv_snow[4 * f]);
+        }
+      }
+    });
+    mesh_.quads = std::move(quads);
+    mesh_.origins = std::move(origins);
+    mesh_.branch_level = std::move(levels);
+    mesh_.uv_bark = std::move(uv_bark);
+    mesh_.uv_snow = std::move(uv_snow);
+  }
+
+  /// Moves every rim vertex along the mean direction to its neighbours, by a share of the distance
+  /// to the nearest one: the first row of a long branch must not pull its rim out of the parent.
+  void smooth_rims() {
+    struct Around {
+      glm::dvec3 sum{0.0};
+      double nearest = std::numeric_limits<double>::max();
+      int32_t count = 0;
+    };
+    // Few vertices are on a rim: only these get a place of their own.
+    std::vector<int32_t> rim_vertices;
+    std::vector<int32_t> place(points_.size(), -1);
+    for (size_t v = 0; v < points_.size(); ++v) {
+      if (rim_[v] != 0) {
+        place[v] = static_cast<int32_t>(rim_vertices.size());
+        rim_vertices.push_back(static_cast<int32_t>(v));
+      }
+    }
+    std::vector<Around> rim(rim_vertices.size());
+    for (const Quad& quad : mesh_.quads) {
+      for (int k = 0; k < 4; ++k) {
+        // Every edge is met from both its faces, once in either direction.
+        const int32_t v = quad[k];
+        if (place[v] >= 0) {
+          Around& around = rim[place[v]];
+          const glm::dvec3 offset = points_[quad[(k + 1) % 4]] - points_[v];
+          const double length = std::max(glm::length(offset), 1e-30);
+          around.sum += offset / length;
+          around.nearest = std::min(around.nearest, length);
+          ++around.count;
+        }
+      }
+    }
+    for (size_t i = 0; i < rim.size(); ++i) {
+      if (rim[i].count > 0) {
+        points_[rim_vertices[i]] +=
+            rim[i].sum * (kRimSmoothing * rim[i].nearest / static_cast<double>(rim[i].count));
+      }
+    }
+  }
+
+  TreeMesh& mesh_;
+  Sections sections_;
+  int max_influences_;
+  std::vector<glm::dvec3> points_;
+  /// 1 for vertices on the rim of a child's hole.
+  std::vector<uint8_t> rim_;
+};
+
+}  // namespace
+
+void subdivide(TreeMesh& mesh, const Surface& surface, int levels, int max_influences,
+               const base::Execution& execution) {
+  if (levels <= 0) {
+    return;
+  }
+  Subdivider subdivider(mesh, surface, max_influences);
+  subdivider.round_base();
+  // Each level takes four times as long as the one before.
+  float done = 0.0f;
+  for (int level = 0; level < levels; ++level) {
+    const float share = 0.75f * std::pow(0.25f, static_cast<float>(levels - 1 - level));
+    const float after = level + 1 < levels ? done + share : 1.0f;
+    subdivider.split(execution.part(done, after));
+    done = after;
+  }
+  subdivider.finish();
+}
+
+}  // namespace snowbough::tree

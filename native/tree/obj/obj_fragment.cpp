@@ -1,0 +1,355 @@
+#include "tree/obj/obj_fragment.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <limits>
+#include <string_view>
+#include <unordered_map>
+#include <utility>
+
+namespace snowbough::tree {
+namespace {
+
+bool is_blank(char c) {
+  return c == ' ' || c == '\t' || c == '\r' || c == '\v' || c == '\f';
+}
+
+/// A cursor over one logical line.
+struct Line {
+  const char* at;
+  const char* end;
+
+  void skip_blanks() {
+    while (at != end && is_blank(*at)) ++at;
+  }
+  bool done() {
+    skip_blanks();
+    return at == end;
+  }
+  std::string_view token() {
+    skip_blanks();
+    const char* begin = at;
+    while (at != end && !is_blank(*at)) ++at;
+    return {begin, static_cast<size_t>(at - begin)};
+  }
+  std::string_view rest() {
+    skip_blanks();
+    const char* last = end;
+    while (last != at && is_blank(last[-1])) --last;
+    return {at, static_cast<size_t>(last - at)};
+  }
+};
+
+/// Reads what nearly all numbers of an OBJ look like: up to 15 digits with or without a point, up
+/// to a blank or the end of the line. Mantissa and power of ten are then exact, and so is the
+/// rounding of their quotient (W. D. Clinger, PLDI 1990).
+/// @param at  becomes the end of the number if it is one of these, else stays.
+bool plain_decimal(const char*& at, const char* end, double& value) {
+  constexpr std::array kPowers{1e0, 1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
+                               1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
+  const char* from = at;
+  const bool negative = from != end && *from == '-';
+  if (negative) ++from;
+  // Too many digits overflow, and are then left alone.
+  uint64_t mantissa = 0;
+  const auto take_digits = [&] {
+    const char* first = from;
+    for (; from != end; ++from) {
+      const auto digit = static_cast<unsigned char>(*from - '0');
+      if (digit > 9) break;
+      mantissa = 10 * mantissa + digit;
+    }
+    return static_cast<size_t>(from - first);
+  };
+  size_t digits = take_digits();
+  size_t decimals = 0;
+  if (from != end && *from == '.') {
+    ++from;
+    decimals = take_digits();
+    digits += decimals;
+  }
+  if (digits == 0 || digits > 15 || (from != end && !is_blank(*from))) return false;
+  value = static_cast<double>(mantissa) / kPowers[decimals];
+  if (negative) value = -value;
+  at = from;
+  return true;
+}
+
+/// Reads an index of up to nine digits; 0 if it is no such.
+int64_t plain_index(const char*& at, const char* end) {
+  int64_t value = 0;
+  const char* from = at;
+  for (; from != end && from - at < 10; ++from) {
+    const auto digit = static_cast<unsigned char>(*from - '0');
+    if (digit > 9) break;
+    value = 10 * value + digit;
+  }
+  if (from - at > 9) return 0;
+  if (value > 0) at = from;
+  return value;
+}
+
+/// Gives every distinct name a number in the order of appearance.
+class NameTable {
+ public:
+  explicit NameTable(std::vector<std::string>& names) : names_(names) {}
+
+  int32_t index(std::string_view name) {
+    const auto [found, added] =
+        numbers_.try_emplace(std::string(name), static_cast<int32_t>(names_.size()));
+    if (added) names_.emplace_back(name);
+    return found->second;
+  }
+
+ private:
+  std::vector<std::string>& names_;
+  std::unordered_map<std::string, int32_t> numbers_;
+};
+
+/// Why a line cannot be read; the parser knows which.
+struct BadLine {
+  std::string why;
+};
+
+[[noreturn]] void fail(std::string why) {
+  throw BadLine{std::move(why)};
+}
+
+class FragmentParser {
+ public:
+  explicit FragmentParser(const ObjCounts& known)
+      : known_(known), groups_(scene_.names), materials_(scene_.materials) {}
+
+  ObjFragment take() { return std::move(fragment_); }
+
+  /// @return false when the line cannot be read: the fragment says why.
+  bool parse(const char* begin, const char* end) {
+    try {
+      parse_line(begin, end);
+      return true;
+    } catch (BadLine& bad) {
+      fragment_.error = std::move(bad.why);
+      fragment_.error_line = fragment_.line_count;
+      return false;
+    }
+  }
+
+  void add_lines(int64_t count) { fragment_.line_count += count; }
+
+ private:
+  void parse_line(const char* begin, const char* end) {
+    Line line{begin, end};
+    const std::string_view keyword = line.token();
+    if (keyword.empty() || keyword[0] == '#') return;
+    if (keyword == "v") {
+      const float x = number(line);
+      const float y = number(line);
+      const float z = number(line);
+      scene_.positions.emplace_back(x, y, z);
+    } else if (keyword == "vt") {
+      const float u = number(line);
+      const float v = line.done() ? 0.0f : number(line);
+      scene_.uvs.emplace_back(u, v);
+    } else if (keyword == "vn") {
+      number(line);
+      number(line);
+      number(line);
+      ++fragment_.normal_count;
+    } else if (keyword == "f" || keyword == "fo") {
+      parse_face(line);
+    } else if (keyword == "g") {
+      // A bare `g` ends the group; the faces after it belong to the default one.
+      const std::string_view group = line.rest();
+      run_.group = group.empty() ? -1 : groups_.index(group);
+    } else if (keyword == "o") {
+      // A new object ends the group of the one before.
+      const std::string_view object = line.rest();
+      run_.object = object.empty() ? -1 : groups_.index(object);
+      run_.group = -1;
+    } else if (keyword == "usemtl") {
+      const std::string_view material = line.rest();
+      run_.material = material.empty() ? -1 : materials_.index(material);
+    } else if (keyword == "mtllib") {
+      const std::string_view library = line.rest();
+      if (!library.empty()) scene_.material_libraries.emplace_back(library);
+    } else if (keyword == "l" || keyword == "p") {
+      ++scene_.loose_elements;
+    }
+  }
+
+  static double any_number(const char* begin, const char* end, std::string_view token) {
+    double value = 0.0;
+    const auto [stop, error] = std::from_chars(begin, end, value);
+    if (error == std::errc::result_out_of_range && stop == end) {
+      // Too small becomes 0 here, too large infinity.
+      return std::strtod(std::string(token).c_str(), nullptr);
+    }
+    if (error != std::errc() || stop != end) fail("malformed number '" + std::string(token) + "'");
+    return value;
+  }
+
+  static float number(Line& line) {
+    line.skip_blanks();
+    const char* begin = line.at;
+    double value = 0.0;
+    if (!plain_decimal(line.at, line.end, value)) {
+      const std::string_view token = line.token();
+      if (token.empty()) fail("a number is missing");
+      const char* end = begin + token.size();
+      value = any_number(*begin == '+' ? begin + 1 : begin, end, token);
+    }
+    const auto single = static_cast<float>(value);
+    if (!std::isfinite(single)) {
+      fail("number '" + std::string(begin, line.at) + "' is not finite");
+    }
+    return single;
+  }
+
+  int64_t count_of(ObjIndex kind) const {
+    switch (kind) {
+      case ObjIndex::kVertex:
+        return static_cast<int64_t>(scene_.positions.size());
+      case ObjIndex::kUv:
+        return static_cast<int64_t>(scene_.uvs.size());
+      default:
+        return fragment_.normal_count;
+    }
+  }
+
+  /// One index of a face corner at `at`, zero-based; 0 in place of a relative one, which is noted.
+  int32_t index(const char*& at, const char* end, ObjIndex kind, const char* what) {
+    const auto number = static_cast<int>(kind);
+    const int64_t count = count_of(kind);
+    int64_t value = plain_index(at, end);
+    if (value == 0) {
+      const auto [stop, error] = std::from_chars(at, end, value);
+      if (error == std::errc::result_out_of_range) {
+        fail(std::string(what) + " index is out of range");
+      }
+      if (error != std::errc()) fail(std::string("malformed ") + what + " index");
+      at = stop;
+      if (value == 0) fail(std::string(what) + " index 0: OBJ counts from 1");
+    }
+    if (value < 0) {
+      const auto corner =
+          kind == ObjIndex::kNormal ? -1 : static_cast<int32_t>(scene_.corner_vertex.size());
+      fragment_.relative.push_back({kind, corner, fragment_.line_count, value, count});
+      return 0;
+    }
+    if (value > known_.of[number] + count) {
+      // Legal if it stands before the fragment or the file brings it later.
+      if (value > std::numeric_limits<int32_t>::max()) {
+        fail(std::string(what) + " index " + std::to_string(value) + " is out of range");
+      }
+      std::vector<ForwardIndex>& forward = fragment_.forward[number];
+      if (forward.empty() || value > forward.back().index) {
+        forward.push_back({value, fragment_.line_count});
+      }
+    }
+    return static_cast<int32_t>(value - 1);
+  }
+
+  void parse_face(Line& line) {
+    const size_t first_corner = scene_.corner_vertex.size();
+    const size_t first_relative = fragment_.relative.size();
+    const bool had_uvs = !scene_.corner_uv.empty();
+    while (!line.done()) {
+      const char* at = line.at;
+      const int32_t vertex = index(at, line.end, ObjIndex::kVertex, "vertex");
+      int32_t uv = -1;
+      if (at != line.end && *at == '/') {
+        ++at;
+        if (at != line.end && *at != '/' && !is_blank(*at)) {
+          uv = index(at, line.end, ObjIndex::kUv, "texture coordinate");
+        }
+        if (at != line.end && *at == '/') {
+          ++at;
+          if (at != line.end && !is_blank(*at)) {
+            index(at, line.end, ObjIndex::kNormal, "normal");
+          }
+        }
+      }
+      if (at != line.end && !is_blank(*at)) {
+        Line corner{line.at, line.end};
+        fail("malformed face corner '" + std::string(corner.token()) + "'");
+      }
+      line.at = at;
+      scene_.corner_vertex.push_back(vertex);
+      if (uv >= 0 || !scene_.corner_uv.empty()) {
+        scene_.corner_uv.resize(scene_.corner_vertex.size(), -1);
+        scene_.corner_uv.back() = uv;
+      }
+    }
+    if (scene_.corner_vertex.size() - first_corner < 3) {
+      leave_out(first_corner, first_relative, had_uvs);
+      return;
+    }
+    if (scene_.runs.empty() || run_.group != scene_.runs.back().group ||
+        run_.object != scene_.runs.back().object || run_.material != scene_.runs.back().material) {
+      run_.first_face = scene_.face_count();
+      scene_.runs.push_back(run_);
+    }
+    scene_.face_begin.push_back(static_cast<int32_t>(scene_.corner_vertex.size()));
+  }
+
+  /// A face with too few corners; its indices are still checked.
+  void leave_out(size_t first_corner, size_t first_relative, bool had_uvs) {
+    scene_.corner_vertex.resize(first_corner);
+    scene_.corner_uv.resize(had_uvs ? first_corner : 0);
+    for (size_t i = first_relative; i < fragment_.relative.size(); ++i) {
+      fragment_.relative[i].corner = -1;
+    }
+    ++scene_.short_faces;
+  }
+
+  ObjFragment fragment_;
+  ObjScene& scene_ = fragment_.scene;
+  FaceRun& run_ = fragment_.last;
+  ObjCounts known_;
+  NameTable groups_;
+  NameTable materials_;
+};
+
+/// The end of the logical line that starts at `begin`: continuation lines are joined in place by
+/// blanking the backslash and the line break. Null when the buffer ends before the line does.
+/// Comments are not joined: they end in Windows paths.
+char* join_logical_line(char* begin, char* end, int64_t& breaks_joined) {
+  char* from = begin;
+  const bool comment = begin != end && *begin == '#';
+  breaks_joined = 0;
+  while (true) {
+    auto* stop = static_cast<char*>(std::memchr(from, '\n', static_cast<size_t>(end - from)));
+    if (stop == nullptr) return nullptr;
+    char* last = stop;
+    if (last != begin && last[-1] == '\r') --last;
+    if (comment || last == begin || last[-1] != '\\') return stop;
+    ++breaks_joined;
+    std::fill(last - 1, stop + 1, ' ');
+    from = stop + 1;
+  }
+}
+
+}  // namespace
+
+ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known) {
+  FragmentParser parser(known);
+  while (begin != end) {
+    int64_t joined = 0;
+    char* stop = join_logical_line(begin, end, joined);
+    if (stop == nullptr) {
+      // The file ends without a line break or in a continuation: what was joined is the last line.
+      parser.parse(begin, end);
+      break;
+    }
+    if (!parser.parse(begin, stop)) break;
+    parser.add_lines(1 + joined);
+    begin = stop + 1;
+  }
+  return parser.take();
+}
+
+}  // namespace snowbough::tree

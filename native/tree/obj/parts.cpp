@@ -1,0 +1,85 @@
+#include "tree/obj/parts.h"
+
+#include <numeric>
+#include <utility>
+
+#include "base/union_find.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// Sorts 0..count-1 into buckets, keeping their order: `bucket(i)` is a bucket's number or -1.
+template <typename Bucket>
+void bucket_sort(int32_t count, int32_t buckets, const Bucket& bucket, std::vector<int32_t>& sorted,
+                 std::vector<int32_t>& begin) {
+  begin.assign(static_cast<size_t>(buckets) + 1, 0);
+  for (int32_t i = 0; i < count; ++i) {
+    if (const int32_t b = bucket(i); b >= 0) ++begin[b + 1];
+  }
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  sorted.resize(begin.back());
+  std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+  for (int32_t i = 0; i < count; ++i) {
+    if (const int32_t b = bucket(i); b >= 0) sorted[next[b]++] = i;
+  }
+}
+
+/// How many faces or vertices pass between two calls of the progress callback.
+constexpr int32_t kProgressStep = 1 << 20;
+
+void report_step(const base::Progress& progress, int32_t i, int32_t count, float from, float to) {
+  if (i % kProgressStep == 0) {
+    base::report_progress(progress,
+                          from + (to - from) * static_cast<float>(i) / static_cast<float>(count));
+  }
+}
+
+}  // namespace
+
+Parts split_parts(const ObjScene& scene, const base::Progress& progress) {
+  const int32_t face_count = scene.face_count();
+  const auto vertex_count = static_cast<int32_t>(scene.positions.size());
+  base::UnionFind sets(scene.positions.size());
+  for (int32_t f = 0; f < face_count; ++f) {
+    report_step(progress, f, face_count, 0.0f, 0.4f);
+    int32_t first = scene.corner_vertex[scene.face_begin[f]];
+    for (int32_t c = scene.face_begin[f] + 1; c < scene.face_begin[f + 1]; ++c) {
+      first = sets.join(first, scene.corner_vertex[c]);
+    }
+  }
+  const std::vector<int32_t> representative = std::move(sets).all();
+
+  Parts parts;
+  // Number the parts by their first face; the number is kept at the representative.
+  std::vector<int32_t> part_of(scene.positions.size(), -1);
+  int32_t run = 0;
+  for (int32_t f = 0; f < face_count; ++f) {
+    report_step(progress, f, face_count, 0.4f, 0.6f);
+    while (run + 1 < static_cast<int32_t>(scene.runs.size()) &&
+           scene.runs[run + 1].first_face <= f) {
+      ++run;
+    }
+    int32_t& part = part_of[representative[scene.corner_vertex[scene.face_begin[f]]]];
+    if (part < 0) {
+      part = parts.count();
+      parts.run.push_back(run);
+    }
+  }
+  // Every vertex of a used set learns the number: representatives are the smallest, hence come
+  // first.
+  for (int32_t v = 0; v < vertex_count; ++v) part_of[v] = part_of[representative[v]];
+  base::report_progress(progress, 0.7f);
+
+  bucket_sort(
+      face_count, parts.count(),
+      [&](int32_t f) { return part_of[scene.corner_vertex[scene.face_begin[f]]]; }, parts.faces,
+      parts.face_begin);
+  base::report_progress(progress, 0.9f);
+  bucket_sort(
+      vertex_count, parts.count(), [&](int32_t v) { return part_of[v]; }, parts.vertices,
+      parts.vertex_begin);
+  base::report_progress(progress, 1.0f);
+  return parts;
+}
+
+}  // namespace snowbough::tree

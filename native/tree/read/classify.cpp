@@ -1,0 +1,295 @@
+#include "tree/read/classify.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <optional>
+#include <set>
+
+#include "tree/rings/loose_squares.h"
+#include "tree/rings/squares.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// Share of consecutive planes of a group that must stand across the line between their centres.
+constexpr double kRowShare = 0.7;
+/// Share of groups with exactly one tube from which on a group counts as a branch.
+constexpr double kOneTubeShare = 0.8;
+/// A group with at least this many turns tells by itself whether its planes are shuffled; smaller
+/// ones are counted together.
+constexpr size_t kManyTurns = 200;
+/// With so many small groups each holds one limb, along which no turn goes back: fewer tell.
+constexpr int kManyGroups = 5;
+constexpr double kShuffledLimbs = 0.4;
+/// Share of shuffled planes that must stand squarely across the limbs that they were put together
+/// to.
+constexpr double kSquareShare = 0.55;
+/// Groups of fewer planes hold one limb, or too little to tell.
+constexpr size_t kManyPlanes = 20;
+/// Share of the links along limbs that join neighbours in the file, from which on its order does
+/// mean something.
+constexpr double kNeighbourShare = 0.3;
+/// A closed tube shorter than this many of its radii, unnamed, is a fruit.
+constexpr float kRoundest = 3.0f;
+
+/// Parts that a thread traces at least before it takes the next ones, and the most times that it is
+/// asked whether to go on.
+constexpr size_t kTraceBlock = 32;
+constexpr size_t kMostBlocks = 1024;
+
+enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
+
+struct Shapes {
+  std::vector<Shape> shape;
+  std::vector<NotATube> why;
+};
+
+/// Traces everything that no name calls foliage.
+Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                   ClassifiedParts& result, const base::Execution& execution) {
+  const auto count = static_cast<size_t>(parts.count());
+  Shapes shapes;
+  shapes.shape.assign(count, Shape::kUnknown);
+  shapes.why.assign(count, NotATube::kNone);
+  const size_t block = std::max(kTraceBlock, count / kMostBlocks);
+  // The limbs of each block, by their parts.
+  std::vector<std::vector<std::pair<int32_t, Limb>>> traced(count / block + 1);
+  const auto trace = [&](size_t begin, size_t end) {
+    for (auto p = static_cast<int32_t>(begin); p < static_cast<int32_t>(end); ++p) {
+      if (labels.meaning[p] == NameMeaning::kFoliage) continue;
+      if (read_cross_section(scene, parts, p)) {
+        shapes.shape[p] = Shape::kPlane;
+      } else if (parts.part_faces(p).size() == 1) {
+        shapes.shape[p] = Shape::kTriangle;
+      } else if (std::optional<Limb> limb = trace_tube(scene, parts.part_faces(p),
+                                                       parts.part_vertices(p), shapes.why[p])) {
+        shapes.shape[p] = Shape::kTube;
+        traced[begin / block].emplace_back(p, std::move(*limb));
+      } else {
+        shapes.shape[p] = Shape::kOther;
+      }
+    }
+  };
+  base::parallel_for(count, block, execution, trace);
+  result.limb.assign(count, -1);
+  for (auto& limbs : traced) {
+    for (auto& [part, limb] : limbs) {
+      result.limb[part] = static_cast<int32_t>(result.limbs.size());
+      result.limbs.push_back(std::move(limb));
+    }
+  }
+  return shapes;
+}
+
+/// The parts of each label in the order of the file; parts without label come first.
+std::vector<std::vector<int32_t>> parts_by_label(const PartLabels& labels,
+                                                 const std::vector<int32_t>& chosen) {
+  std::vector<std::vector<int32_t>> groups(labels.names.size() + 1);
+  for (const int32_t p : chosen) groups[labels.label[p] + 1].push_back(p);
+  std::erase_if(groups, [](const auto& group) { return group.empty(); });
+  return groups;
+}
+
+/// The tube that the flat part closes, if its outline is that tube's end ring.
+bool is_cap_of(const ObjScene& scene, const Parts& parts, int32_t part, const Limb& limb) {
+  Limb outline;
+  std::vector<glm::vec3> corners;
+  for (const int32_t v : parts.part_vertices(part)) corners.push_back(scene.positions[v]);
+  append_ring(corners, outline);
+  for (const size_t end : {size_t{0}, limb.points.size() - 1}) {
+    const float radius = limb.radii[end];
+    if (glm::distance(outline.points[0], limb.points[end]) <= 0.1f * radius &&
+        outline.radii[0] <= 1.1f * radius && outline.radii[0] >= 0.5f * radius) {
+      return true;
+    }
+  }
+  return false;
+}
+
+bool is_round(const Limb& limb) {
+  const float thickest = *std::max_element(limb.radii.begin(), limb.radii.end());
+  return limb.radii.front() < 0.7f * thickest && limb.radii.back() < 0.7f * thickest &&
+         limb_length(limb) < kRoundest * thickest;
+}
+
+TreeForm form_of_tubes(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                       const ClassifiedParts& result) {
+  std::vector<int32_t> tubes;
+  std::set<int32_t> materials;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (result.role[p] == PartRole::kTube) tubes.push_back(p);
+    if (result.role[p] != PartRole::kSkipped) materials.insert(scene.runs[parts.run[p]].material);
+  }
+  const std::vector<std::vector<int32_t>> groups = parts_by_label(labels, tubes);
+  if (groups.size() >= 2) {
+    const auto single = static_cast<double>(std::count_if(
+        groups.begin(), groups.end(), [](const auto& group) { return group.size() == 1; }));
+    return single >= kOneTubeShare * static_cast<double>(groups.size()) ? TreeForm::kTubesPerGroup
+                                                                        : TreeForm::kTubesPerLevel;
+  }
+  return materials.size() >= 2 ? TreeForm::kMaterials : TreeForm::kMergedTubes;
+}
+
+/// The planes of one label.
+struct PlaneGroup {
+  std::vector<int32_t> parts;
+  std::vector<int32_t> unread;
+  std::vector<CrossSection> sections;
+  Turns turns;
+  bool shuffled = false;
+};
+
+std::vector<PlaneGroup> plane_groups(const ObjScene& scene, const Parts& parts,
+                                     const PartLabels& labels, const Shapes& shapes) {
+  std::vector<int32_t> planes;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (shapes.shape[p] == Shape::kPlane || shapes.shape[p] == Shape::kTriangle)
+      planes.push_back(p);
+  }
+  std::vector<PlaneGroup> groups;
+  Turns small;
+  int small_groups = 0;
+  for (std::vector<int32_t>& members : parts_by_label(labels, planes)) {
+    PlaneGroup group;
+    group.parts = std::move(members);
+    group.sections = read_cross_sections(scene, parts, group.parts, group.unread);
+    if (group.sections.size() < 2) continue;
+    group.turns = count_turns(group.sections);
+    if (group.turns.all < kManyTurns) {
+      small += group.turns;
+      ++small_groups;
+    }
+    groups.push_back(std::move(group));
+  }
+  const bool small_shuffled =
+      small_groups >= kManyGroups ? small.shuffled(kShuffledLimbs) : small.shuffled();
+  for (PlaneGroup& group : groups) {
+    group.shuffled = group.turns.all < kManyTurns ? small_shuffled : group.turns.shuffled();
+  }
+  return groups;
+}
+
+std::vector<CrossSection> in_order(const std::vector<CrossSection>& sections) {
+  std::vector<CrossSection> ordered;
+  for (const size_t i : order_one_limb(sections)) ordered.push_back(sections[i]);
+  return ordered;
+}
+
+/// How many limbs the group's planes make, in their order or put in order; 0 where they are none.
+/// Takes the mark "shuffled" back from a group whose neighbours in the file are neighbours along
+/// the limbs too.
+size_t count_rows(PlaneGroup& group, bool named) {
+  if (group.shuffled) {
+    const std::vector<std::vector<size_t>> rows = chain_loose_sections(group.sections);
+    group.shuffled = group.sections.size() < kManyPlanes || neighbour_share(rows) < kNeighbourShare;
+    if (group.shuffled) {
+      const bool wood = named || (group.sections.size() < kManyPlanes
+                                      ? row_share(in_order(group.sections)) >= kRowShare
+                                      : square_share(group.sections, rows) >= kSquareShare);
+      return !wood ? 0
+                   : static_cast<size_t>(std::count_if(
+                         rows.begin(), rows.end(), [](const auto& row) { return row.size() > 1; }));
+    }
+  }
+  if (!named && row_share(group.sections) < kRowShare) return 0;
+  return chain_cross_sections(group.sections).size();
+}
+
+/// Groups with rows of planes across limbs become wood; tells the form, if there are any.
+std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
+                                     const PartLabels& labels, const Shapes& shapes,
+                                     ClassifiedParts& result) {
+  size_t branches = 0;
+  size_t rows = 0;
+  for (PlaneGroup& group : plane_groups(scene, parts, labels, shapes)) {
+    const bool named = labels.meaning[group.parts.front()] == NameMeaning::kWood;
+    const size_t found = count_rows(group, named);
+    if (found == 0) continue;
+    ++branches;
+    rows += found;
+    if (group.shuffled) result.shuffled_labels.push_back(labels.label[group.parts.front()]);
+    for (const int32_t p : group.parts) result.role[p] = PartRole::kCrossSection;
+    for (const int32_t p : group.unread) {
+      result.role[p] = PartRole::kSkipped;
+      result.skipped.emplace_back(p, "a loose triangle in a row of planes");
+    }
+  }
+  if (branches == 0) return std::nullopt;
+  // A few groups with many rows each hold whole levels or the whole tree.
+  const bool merged = branches == 1 ? rows > 1 : branches <= 8 && rows >= 4 * branches;
+  return merged ? TreeForm::kMergedSquares : TreeForm::kSquaresPerGroup;
+}
+
+}  // namespace
+
+std::string form_name(TreeForm form) {
+  switch (form) {
+    case TreeForm::kSquaresPerGroup:
+      return "SQUARES_PER_GROUP";
+    case TreeForm::kTubesPerGroup:
+      return "TUBES_PER_GROUP";
+    case TreeForm::kTubesPerLevel:
+      return "TUBES_PER_LEVEL";
+    case TreeForm::kMergedTubes:
+      return "MERGED_TUBES";
+    case TreeForm::kMaterials:
+      return "MATERIALS";
+    case TreeForm::kMergedSquares:
+      return "MERGED_SQUARES";
+  }
+  return "";
+}
+
+ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                               const base::Execution& execution) {
+  ClassifiedParts result;
+  result.role.assign(parts.count(), PartRole::kFoliage);
+  const Shapes shapes = find_shapes(scene, parts, labels, result, execution);
+
+  std::vector<int32_t> tubes;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (shapes.shape[p] != Shape::kTube) continue;
+    if (labels.meaning[p] == NameMeaning::kSilent && is_round(result.limbs[result.limb[p]]))
+      continue;
+    result.role[p] = PartRole::kTube;
+    tubes.push_back(p);
+  }
+  const std::optional<TreeForm> squares = find_squares(scene, parts, labels, shapes, result);
+
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (result.role[p] != PartRole::kFoliage || labels.meaning[p] == NameMeaning::kFoliage)
+      continue;
+    const auto skip = [&](std::string why) {
+      result.role[p] = PartRole::kSkipped;
+      result.skipped.emplace_back(p, std::move(why));
+    };
+    // The tubes just before and after it in the file are those it may close.
+    const auto after = std::lower_bound(tubes.begin(), tubes.end(), p);
+    const bool cap =
+        (after != tubes.end() && is_cap_of(scene, parts, p, result.limbs[result.limb[*after]])) ||
+        (after != tubes.begin() &&
+         is_cap_of(scene, parts, p, result.limbs[result.limb[after[-1]]]));
+    if (cap) {
+      skip("a cap that closes a tube's end");
+    } else if (labels.meaning[p] == NameMeaning::kWood) {
+      skip(shapes.shape[p] == Shape::kOther ? reason_text(shapes.why[p])
+                                            : "a single plane, no limb");
+    } else if (shapes.shape[p] == Shape::kOther && shapes.why[p] == NotATube::kForks) {
+      skip(reason_text(shapes.why[p]));
+    } else if (labels.foliage_named) {
+      skip("no limb, and not named as foliage");
+    }
+  }
+  result.foliage_count =
+      static_cast<int32_t>(std::count(result.role.begin(), result.role.end(), PartRole::kFoliage));
+  const bool squares_lead =
+      squares &&
+      tubes.size() * 2 < static_cast<size_t>(std::count(result.role.begin(), result.role.end(),
+                                                        PartRole::kCrossSection));
+  result.form = squares_lead ? *squares : form_of_tubes(scene, parts, labels, result);
+  base::report_progress(execution.progress, 1.0f);
+  return result;
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/parallel_for.h"
+#include "tree/obj/obj_scene.h"
+#include "tree/obj/parts.h"
+#include "tree/read/part_names.h"
+#include "tree/rings/rings.h"
+
+namespace snowbough::tree {
+
+/// The six forms in which trees come.
+enum class TreeForm {
+  /// 1: one group a branch, each a row of planes across the limb.
+  kSquaresPerGroup,
+  /// 2: one group or object a branch, a tube each.
+  kTubesPerGroup,
+  /// 3: one group a level, holding that level's tubes.
+  kTubesPerLevel,
+  /// 4: tubes without useful names.
+  kMergedTubes,
+  /// 5: as 4, with several materials: wood and foliage are told apart by material name and shape.
+  kMaterials,
+  /// 6: planes without useful names, chained by their order and distance.
+  kMergedSquares,
+};
+
+/// SQUARES_PER_GROUP and so on, as in the import report.
+std::string form_name(TreeForm form);
+
+enum class PartRole : uint8_t { kTube, kCrossSection, kFoliage, kSkipped };
+
+/// What every part of the file is.
+struct ClassifiedParts {
+  TreeForm form = TreeForm::kMergedTubes;
+  std::vector<PartRole> role;
+  /// The traced tubes, and per part the index of its tube or -1.
+  std::vector<Limb> limbs;
+  std::vector<int32_t> limb;
+  /// Labels (index into PartLabels::names, -1 for none) whose planes stand in an order that means
+  /// nothing, ascending.
+  std::vector<int32_t> shuffled_labels;
+  /// Parts left out, each with the reason.
+  std::vector<std::pair<int32_t, std::string>> skipped;
+  int32_t foliage_count = 0;
+};
+
+/// Decides what each part is - by what its names say, then by its shape - and which form the file
+/// has. Planes count as cross-sections where they stand in rows across limbs, otherwise as leaves.
+ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                               const base::Execution& execution = {});
+
+}  // namespace snowbough::tree

@@ -1,0 +1,160 @@
+#include "tree/read/limbs.h"
+
+#include <algorithm>
+#include <map>
+#include <span>
+#include <utility>
+
+#include "tree/read/levels.h"
+#include "tree/rings/loose_squares.h"
+#include "tree/rings/squares.h"
+
+namespace snowbough::tree {
+namespace {
+
+void add_limb(Limb&& limb, int32_t label, TracedBranches& traced) {
+  Branch branch;
+  branch.level = -1;
+  branch.points = std::move(limb.points);
+  branch.radii = std::move(limb.radii);
+  branch.areas = std::move(limb.areas);
+  traced.branches.push_back(std::move(branch));
+  traced.reversible.push_back(limb.reversible ? 1 : 0);
+  traced.label.push_back(label);
+}
+
+/// Ends of a limb whose radii differ by no more than this factor look alike.
+constexpr float kAlike = 0.9f;
+
+/// One label's planes, from its first on, become one row or several.
+/// @param shuffled their order in the file means nothing.
+/// @param left_over receives the number of planes that belong to no row.
+void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t> group,
+              int32_t label, bool one_row, bool shuffled, TracedBranches& traced,
+              size_t& left_over) {
+  std::vector<int32_t> unread;
+  const std::vector<CrossSection> sections = read_cross_sections(scene, parts, group, unread);
+  if (sections.empty()) return;
+  if (shuffled) {
+    const std::vector<std::vector<size_t>> rows =
+        one_row ? std::vector<std::vector<size_t>>{order_one_limb(sections)}
+                : chain_loose_sections(sections);
+    for (const std::vector<size_t>& row : rows) {
+      if (row.size() < 2 && !one_row) {
+        ++left_over;
+        continue;
+      }
+      std::vector<CrossSection> ordered;
+      ordered.reserve(row.size());
+      for (const size_t i : row) ordered.push_back(sections[i]);
+      Limb limb = limb_from_cross_sections(ordered);
+      limb.reversible = std::min(limb.radii.front(), limb.radii.back()) >=
+                        kAlike * std::max(limb.radii.front(), limb.radii.back());
+      add_limb(std::move(limb), label, traced);
+    }
+    return;
+  }
+  std::vector<size_t> rows = one_row ? std::vector<size_t>{0} : chain_cross_sections(sections);
+  rows.push_back(sections.size());
+  for (size_t r = 0; r + 1 < rows.size(); ++r) {
+    const std::span<const CrossSection> row(sections.data() + rows[r], rows[r + 1] - rows[r]);
+    add_limb(limb_from_cross_sections(row), label, traced);
+  }
+}
+
+/// The label itself where it names one branch, numbered where it names several.
+void name_branches(const PartLabels& labels, TracedBranches& traced) {
+  std::vector<int32_t> members(labels.names.size() + 1, 0);
+  for (const int32_t label : traced.label) ++members[label + 1];
+  std::vector<int32_t> number(members.size(), 0);
+  for (size_t b = 0; b < traced.branches.size(); ++b) {
+    const int32_t label = traced.label[b];
+    const std::string name = label >= 0 ? labels.names[label] : "branch";
+    const int32_t n = ++number[label + 1];
+    traced.branches[b].name = members[label + 1] == 1 ? name : name + "_" + std::to_string(n);
+  }
+}
+
+}  // namespace
+
+TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                              ClassifiedParts& classified) {
+  TracedBranches traced;
+  std::map<int32_t, std::vector<int32_t>> rows;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (classified.role[p] == PartRole::kCrossSection) rows[labels.label[p]].push_back(p);
+  }
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (classified.role[p] == PartRole::kTube) {
+      add_limb(std::move(classified.limbs[classified.limb[p]]), labels.label[p], traced);
+    } else if (classified.role[p] == PartRole::kCrossSection) {
+      const std::vector<int32_t>& group = rows[labels.label[p]];
+      if (group.front() != p) continue;
+      const bool shuffled = std::binary_search(classified.shuffled_labels.begin(),
+                                               classified.shuffled_labels.end(), labels.label[p]);
+      add_rows(scene, parts, group, labels.label[p], classified.form != TreeForm::kMergedSquares,
+               shuffled, traced, traced.lone_planes);
+      traced.shuffled = traced.shuffled || shuffled;
+    }
+  }
+  name_branches(labels, traced);
+  return traced;
+}
+
+void assign_levels(TracedBranches& traced, const PartLabels& labels, TreeForm form,
+                   const std::string& levels, std::vector<std::string>& warnings) {
+  // Only labels that hold wood matter.
+  std::vector<int32_t> number(labels.names.size(), -1);
+  std::vector<std::string> names;
+  bool unlabelled = false;
+  for (const int32_t label : traced.label) {
+    if (label < 0) {
+      unlabelled = true;
+    } else if (number[label] < 0) {
+      number[label] = static_cast<int32_t>(names.size());
+      names.push_back(labels.names[label]);
+    }
+  }
+  if (!levels.empty()) {
+    const LevelClusters clusters = match_levels(levels, names);
+    const auto deepest = static_cast<int32_t>(clusters.names.size()) - 1;
+    int32_t unmatched = 0;
+    for (size_t b = 0; b < traced.branches.size(); ++b) {
+      const int32_t label = traced.label[b];
+      const int32_t level = label >= 0 ? clusters.cluster[number[label]] : -1;
+      unmatched += level < 0 ? 1 : 0;
+      traced.branches[b].level = level >= 0 ? level : deepest;
+    }
+    if (unmatched > 0) {
+      warnings.push_back(std::to_string(unmatched) +
+                         " branches match no level name and were put on the last level");
+    }
+    return;
+  }
+
+  if (unlabelled) return;
+  LevelClusters clusters;
+  const bool group_is_branch =
+      form == TreeForm::kSquaresPerGroup || form == TreeForm::kTubesPerGroup;
+  if (group_is_branch) {
+    clusters = cluster_labels(names);
+  } else {
+    clusters.names = names;
+    for (size_t i = 0; i < names.size(); ++i) clusters.cluster.push_back(static_cast<int32_t>(i));
+  }
+  const size_t count = clusters.names.size();
+  const bool tell_levels = group_is_branch ? count >= 2 && count < names.size() &&
+                                                 (count <= 12 || count * 3 <= names.size())
+                                           : count >= 2 && count <= 12;
+  if (!tell_levels) return;
+  std::vector<int32_t> branch_cluster;
+  for (const int32_t label : traced.label) {
+    branch_cluster.push_back(clusters.cluster[number[label]]);
+  }
+  const std::vector<int32_t> level = rank_levels(clusters.names, traced.branches, branch_cluster);
+  for (size_t b = 0; b < traced.branches.size(); ++b) {
+    traced.branches[b].level = level[branch_cluster[b]];
+  }
+}
+
+}  // namespace snowbough::tree

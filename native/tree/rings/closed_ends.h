@@ -1,0 +1,15 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tree/rings/local_mesh.h"
+
+namespace snowbough::tree {
+
+/// Where a closed tube may end, as sets of vertices (ascending) to start a walk from: the vertices
+/// farthest apart, in space and along the surface, the centres of fans and the polygons that close
+/// a ring; each with the faces and flat patches around.
+Layers closed_ends(const LocalMesh& mesh, const Topology& topology);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,208 @@
+#include "tree/skeleton/attach.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "tree/skeleton/centreline.h"
+#include "tree/skeleton/segment_tree.h"
+
+namespace snowbough::tree {
+namespace {
+
+constexpr float kReachInRadii = 3.0f;
+constexpr float kReachInSizes = 0.01f;
+/// Floor of the radii in relative searches, as a share of the tree's size.
+constexpr float kRadiusFloor = 1e-3f;
+
+float largest_radius(const Branch& branch) {
+  return *std::max_element(branch.radii.begin(), branch.radii.end());
+}
+
+float branch_length(const Branch& branch) {
+  float length = 0.0f;
+  for (size_t i = 1; i < branch.points.size(); ++i) {
+    length += glm::distance(branch.points[i - 1], branch.points[i]);
+  }
+  return length;
+}
+
+/// Position in the row from the thickest to the thinnest branch.
+std::vector<int32_t> thickness_order(const std::vector<Branch>& branches) {
+  std::vector<std::tuple<float, float, int32_t>> keys;
+  for (size_t b = 0; b < branches.size(); ++b) {
+    keys.emplace_back(-largest_radius(branches[b]), -branch_length(branches[b]),
+                      static_cast<int32_t>(b));
+  }
+  std::sort(keys.begin(), keys.end());
+  std::vector<int32_t> order(branches.size());
+  for (size_t i = 0; i < keys.size(); ++i) order[std::get<2>(keys[i])] = static_cast<int32_t>(i);
+  return order;
+}
+
+bool reaches(float radius, const NearestSegment& found, float size) {
+  if (found.branch < 0) return false;
+  return found.distance <= kReachInRadii * (found.radius + radius) + kReachInSizes * size;
+}
+
+bool touches(float radius, const NearestSegment& found) {
+  return found.branch >= 0 && found.distance <= found.radius + radius;
+}
+
+/// Feet of two stems side by side: the nearest point is the other's root and lies outside both
+/// limbs.
+bool stands_beside(const Branch& child, const Branch& parent, const NearestSegment& found) {
+  return parent.parent < 0 && found.point == parent.points.front() &&
+         !touches(child.radii.front(), found);
+}
+
+void reverse_branch(Branch& branch) {
+  std::reverse(branch.points.begin(), branch.points.end());
+  std::reverse(branch.radii.begin(), branch.radii.end());
+  std::reverse(branch.areas.begin(), branch.areas.end());
+}
+
+int32_t depth_of(const std::vector<Branch>& branches, int32_t branch) {
+  int32_t depth = 0;
+  while (branches[branch].parent >= 0) {
+    branch = branches[branch].parent;
+    ++depth;
+  }
+  return depth;
+}
+
+/// Reorders by level, then depth, keeping the input's order within, and renumbers the parents.
+void sort_branches(std::vector<Branch>& branches, std::vector<char>& reversible) {
+  std::vector<int32_t> depth(branches.size());
+  for (size_t b = 0; b < branches.size(); ++b)
+    depth[b] = depth_of(branches, static_cast<int32_t>(b));
+  std::vector<int32_t> order(branches.size());
+  std::iota(order.begin(), order.end(), 0);
+  std::stable_sort(order.begin(), order.end(), [&](int32_t a, int32_t b) {
+    return std::pair(branches[a].level, depth[a]) < std::pair(branches[b].level, depth[b]);
+  });
+  std::vector<int32_t> number(branches.size());
+  for (size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<int32_t>(i);
+  std::vector<Branch> sorted;
+  std::vector<char> sorted_reversible;
+  sorted.reserve(branches.size());
+  for (const int32_t b : order) {
+    sorted.push_back(std::move(branches[b]));
+    if (sorted.back().parent >= 0) sorted.back().parent = number[sorted.back().parent];
+    sorted_reversible.push_back(reversible[b]);
+  }
+  branches = std::move(sorted);
+  reversible = std::move(sorted_reversible);
+}
+
+void take_parent(Branch& branch, const NearestSegment& found) {
+  branch.parent = found.branch;
+  branch.attach_point = found.point;
+}
+
+/// Branches that start at one place are siblings: one found at the other's root takes that one's
+/// parent.
+/// @param branches those thicker than the child have their parents already.
+void prefer_common_parent(const std::vector<Branch>& branches, const Branch& child,
+                          NearestSegment& found) {
+  while (found.branch >= 0) {
+    const Branch& sibling = branches[found.branch];
+    if (sibling.parent < 0 || found.point != sibling.points.front()) return;
+    const float away = glm::distance(child.points.front(), sibling.attach_point);
+    const CentrelinePlace place = nearest_place(branches[sibling.parent], sibling.attach_point);
+    const float radius = radius_at(branches[sibling.parent], place);
+    // No farther from the common parent than from the sibling, but for the way through the limb
+    // itself.
+    if (away > found.distance + radius) return;
+    found.branch = sibling.parent;
+    found.point = sibling.attach_point;
+    found.distance = away;
+    found.radius = radius;
+  }
+}
+
+/// Roots that touch a branch which is no candidate by thickness or level, but does not hang on
+/// them.
+void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>& order,
+                      int32_t first, bool by_level, const SegmentTree& segments, float size) {
+  std::vector<std::vector<int32_t>> children(branches.size());
+  for (size_t b = 0; b < branches.size(); ++b) {
+    if (branches[b].parent >= 0) children[branches[b].parent].push_back(static_cast<int32_t>(b));
+  }
+  std::vector<char> own(branches.size(), 0);
+  for (size_t b = 0; b < branches.size(); ++b) {
+    Branch& branch = branches[b];
+    if (branch.parent >= 0 || static_cast<int32_t>(b) == first) continue;
+    std::vector<int32_t> family{static_cast<int32_t>(b)};
+    for (size_t i = 0; i < family.size(); ++i) {
+      own[family[i]] = 1;
+      family.insert(family.end(), children[family[i]].begin(), children[family[i]].end());
+    }
+    const int32_t below = by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max();
+    const NearestSegment found = segments.nearest(
+        branch.points.front(), below, by_level ? Measure::kDistance : Measure::kRadii, &own);
+    for (const int32_t member : family) own[member] = 0;
+    if (reaches(branch.radii.front(), found, size) &&
+        !stands_beside(branch, branches[found.branch], found)) {
+      take_parent(branch, found);
+      children[found.branch].push_back(static_cast<int32_t>(b));
+    }
+  }
+}
+
+}  // namespace
+
+void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversible, float size,
+                     const base::Progress& progress) {
+  if (branches.empty()) return;
+  const bool by_level = branches.front().level >= 0;
+  std::vector<int32_t> order;
+  if (by_level) {
+    for (const Branch& branch : branches) order.push_back(branch.level);
+  } else {
+    order = thickness_order(branches);
+  }
+  const Measure measure = by_level ? Measure::kDistance : Measure::kRadii;
+  const SegmentTree segments(branches, order, kRadiusFloor * size);
+
+  // Thick before thin, so that a candidate's own parent is known when it is judged.
+  std::vector<int32_t> sequence(branches.size());
+  std::iota(sequence.begin(), sequence.end(), 0);
+  std::stable_sort(sequence.begin(), sequence.end(),
+                   [&](int32_t a, int32_t b) { return order[a] < order[b]; });
+  size_t done = 0;
+  for (const int32_t b : sequence) {
+    if ((done++ & 0xfff) == 0) {
+      base::report_progress(progress,
+                            static_cast<float>(done) / static_cast<float>(sequence.size()));
+    }
+    Branch& branch = branches[b];
+    NearestSegment found = segments.nearest(branch.points.front(), order[b], measure);
+    if (reversible[b] && !touches(branch.radii.front(), found)) {
+      const NearestSegment other = segments.nearest(branch.points.back(), order[b], measure);
+      if (touches(branch.radii.back(), other)) {
+        reverse_branch(branch);
+        found = other;
+      }
+    }
+    if (!by_level) prefer_common_parent(branches, branch, found);
+    branch.parent = -1;
+    branch.attach_point = branch.points.front();
+    if (reaches(branch.radii.front(), found, size) &&
+        !stands_beside(branch, branches[found.branch], found)) {
+      take_parent(branch, found);
+    }
+  }
+  attach_left_over(branches, order, sequence.front(), by_level, segments, size);
+  if (!by_level) {
+    for (size_t b = 0; b < branches.size(); ++b) {
+      branches[b].level = depth_of(branches, static_cast<int32_t>(b));
+    }
+  }
+  sort_branches(branches, reversible);
+}
+
+}  // namespace snowbough::tree

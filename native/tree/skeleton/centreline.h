@@ -1,0 +1,30 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "tree/skeleton/skeleton.h"
+
+namespace snowbough::tree {
+
+/// A place on a branch's centreline.
+struct CentrelinePlace {
+  /// The segment from points[segment] to points[segment + 1]; 0 for a branch of one point.
+  size_t segment = 0;
+  /// 0..1 along it.
+  float t = 0.0f;
+  glm::vec3 point{0.0f};
+};
+
+/// The place nearest to `point`; of equals the one nearest to the root.
+CentrelinePlace nearest_place(const Branch& branch, const glm::vec3& point);
+
+/// Distance along the centreline from the root to every point; the first is 0, the last the length.
+std::vector<float> arc_lengths(const Branch& branch);
+
+/// Radius and area at a place. The radius is interpolated along the segment; so is the area's root,
+/// as in a cone.
+float radius_at(const Branch& branch, const CentrelinePlace& place);
+float area_at(const Branch& branch, const CentrelinePlace& place);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,81 @@
+#include "tree/skeleton/skeleton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+#include <unordered_set>
+
+namespace snowbough::tree {
+namespace {
+
+bool finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+void check_branch(const Branch& branch, size_t index) {
+  const auto fail = [&](const std::string& what) {
+    throw std::invalid_argument("branch " + std::to_string(index) + " ('" + branch.name + "') " +
+                                what);
+  };
+  if (branch.points.empty()) fail("has no points");
+  if (branch.radii.size() != branch.points.size()) fail("needs as many radii as points");
+  if (branch.areas.size() != branch.points.size()) fail("needs as many areas as points");
+  if (!std::all_of(branch.points.begin(), branch.points.end(), finite) ||
+      !finite(branch.attach_point)) {
+    fail("has a point that is not finite");
+  }
+  const auto bad = [](float x) { return !std::isfinite(x) || x < 0.0f; };
+  if (std::any_of(branch.radii.begin(), branch.radii.end(), bad)) {
+    fail("has a radius that is negative or not finite");
+  }
+  if (std::any_of(branch.areas.begin(), branch.areas.end(), bad)) {
+    fail("has an area that is negative or not finite");
+  }
+  if (branch.level < 0) fail("has a negative level");
+  if (branch.parent < -1 || branch.parent >= static_cast<int32_t>(index)) {
+    fail("must come after its parent (parent " + std::to_string(branch.parent) + ")");
+  }
+}
+
+void make_names_unique(std::vector<Branch>& branches) {
+  std::unordered_set<std::string> taken;
+  for (Branch& branch : branches) taken.insert(branch.name);
+  std::unordered_set<std::string> used;
+  for (Branch& branch : branches) {
+    if (branch.name.empty()) branch.name = "branch";
+    if (used.insert(branch.name).second) continue;
+    for (int number = 2;; ++number) {
+      const std::string name = branch.name + "_" + std::to_string(number);
+      if (!taken.contains(name) && used.insert(name).second) {
+        branch.name = name;
+        break;
+      }
+    }
+  }
+}
+
+}  // namespace
+
+void complete_skeleton(Skeleton& skeleton) {
+  if (skeleton.branches.empty())
+    throw std::invalid_argument("a skeleton needs at least one branch");
+  for (size_t i = 0; i < skeleton.branches.size(); ++i) check_branch(skeleton.branches[i], i);
+  make_names_unique(skeleton.branches);
+  float low = std::numeric_limits<float>::max();
+  float high = std::numeric_limits<float>::lowest();
+  skeleton.report.branches_per_level.clear();
+  for (const Branch& branch : skeleton.branches) {
+    for (const glm::vec3& p : branch.points) {
+      low = std::min(low, p.z);
+      high = std::max(high, p.z);
+    }
+    if (branch.level >= static_cast<int32_t>(skeleton.report.branches_per_level.size())) {
+      skeleton.report.branches_per_level.resize(static_cast<size_t>(branch.level) + 1, 0);
+    }
+    ++skeleton.report.branches_per_level[branch.level];
+  }
+  skeleton.height = high - low;
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,91 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace snowbough::tree {
+
+/// One limb from its root to its tip. Positions and lengths in metres, Z up.
+struct Branch {
+  /// The export's own name (group or object), made unique within the skeleton.
+  std::string name;
+  /// 0 is the trunk.
+  int32_t level = 0;
+  /// Index of the branch it grows from, -1 for a root. Always smaller than the branch's own index.
+  int32_t parent = -1;
+  /// Where on the parent's centreline segment it sits; points[0] for a root.
+  glm::vec3 attach_point{0.0f};
+  /// Centres of the rings or squares, root to tip; at least one.
+  std::vector<glm::vec3> points;
+  /// Mean distance of each ring's vertices from its centre; 0 is common at tips.
+  std::vector<float> radii;
+  /// Area of each ring's polygon in m2: carries the limb's volume.
+  std::vector<float> areas;
+};
+
+/// What the import found, for the operator's report, --json and the collection's custom property.
+struct ImportReport {
+  /// One of SQUARES_PER_GROUP, TUBES_PER_GROUP, TUBES_PER_LEVEL, MERGED_TUBES, MATERIALS,
+  /// MERGED_SQUARES (forms 1 to 6).
+  std::string form;
+  /// "Y" or "Z": the up axis used.
+  std::string up_axis;
+  /// Number of branches on each level, from the trunk on.
+  std::vector<int32_t> branches_per_level;
+  /// Parts that were left out: name -> why.
+  std::vector<std::pair<std::string, std::string>> skipped_parts;
+  /// Names of branches that reach no parent and were kept as roots of their own.
+  std::vector<std::string> extra_roots;
+  /// Number of foliage parts (leaves, needles, flowers) kept beside the skeleton.
+  int32_t foliage_parts = 0;
+  std::vector<std::string> warnings;
+};
+
+/// A material of the export's MTL file.
+struct FoliageMaterial {
+  std::string name;
+  glm::vec3 diffuse{0.8f};
+  float opacity = 1.0f;
+  /// Absolute paths of existing files, or empty.
+  std::string diffuse_texture;
+  std::string alpha_texture;
+};
+
+/// Leaves, needles and flowers as they stand in the file (Z up, metres).
+struct Foliage {
+  std::vector<glm::vec3> vertices;
+  /// Polygons as a flat list of corners; polygon f owns corners [face_begin[f], face_begin[f + 1]).
+  std::vector<int32_t> face_begin;
+  std::vector<int32_t> corner_vertex;
+  /// The export's own texture coordinates, per corner; (0, 0) where it has none.
+  std::vector<glm::vec2> corner_uv;
+  /// Per polygon: index into materials (-1 = none) and number of the leaf it belongs to.
+  std::vector<int32_t> face_material;
+  std::vector<int32_t> face_leaf;
+  /// Per leaf: the branch it hangs on (index into Skeleton::branches) and the point where it does.
+  std::vector<int32_t> leaf_branch;
+  std::vector<glm::vec3> leaf_attach_point;
+  std::vector<FoliageMaterial> materials;
+};
+
+/// A whole tree: branches sorted so that a parent comes before its children.
+struct Skeleton {
+  std::vector<Branch> branches;
+  Foliage foliage;
+  /// Extent of the wood along Z in metres: every tolerance is relative to it.
+  float height = 0.0f;
+  ImportReport report;
+};
+
+/// Checks a skeleton that was put together elsewhere, makes names unique and fills `height` and the
+/// report's `branches_per_level`.
+/// @throws std::invalid_argument naming the branch and what is wrong with it: no points, arrays of
+///   different length, non-finite values, negative radii or areas, a parent that does not come
+///   before it.
+void complete_skeleton(Skeleton& skeleton);
+
+}  // namespace snowbough::tree

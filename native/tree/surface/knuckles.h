@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <utility>
+#include <vector>
+
+#include "tree/surface/limb_path.h"
+
+namespace snowbough::tree {
+
+/// A child that wants to leave its parent.
+struct ChildRequest {
+  int32_t child = -1;
+  /// Arc length on the parent's path where the child's middle passes through the parent's surface.
+  double position = 0.0;
+  /// Arc length on the parent that the child, further out, is beside: who leans forward more stays
+  /// in front.
+  double heading = 0.0;
+  /// Side of the child's square base, already clamped to the parent's.
+  double width = 0.0;
+  /// Length of the knuckle that it asks for.
+  double length = 0.0;
+  /// Unit vector off the parent's centreline towards the child.
+  glm::dvec3 direction{1.0, 0.0, 0.0};
+};
+
+/// A stretch of limb between two parallel rings where up to four children leave, one a side.
+struct Knuckle {
+  double begin = 0.0;
+  double end = 0.0;
+  std::vector<ChildRequest> children;
+};
+
+struct KnuckleRow {
+  /// In order along the limb, apart from each other and from the limb's ends.
+  std::vector<Knuckle> knuckles;
+  /// End of the limb: further out than asked for when the smallest knuckles did not fit otherwise.
+  double end = 0.0;
+};
+
+/// Shares out the limb from `begin` to `end` among the children that leave it. Children at one
+/// place that leave in different directions share a knuckle; the others follow one another, shrunk
+/// (to 0.6 first, further only where the whole limb is short of room) and shifted as little as
+/// possible.
+///
+/// @param gap free length wanted between two knuckles and towards the ends.
+KnuckleRow place_knuckles(std::vector<ChildRequest> requests, double begin, double end, double gap,
+                          const SurfaceScale& scale);
+
+/// The same for a limb with sharp bends: no knuckle lies across one, unless the children between
+/// two bends need more room than there is.
+/// @param bends per sharp bend, in order: its arc length, and the length to keep free beside it.
+KnuckleRow place_knuckles_between(std::vector<ChildRequest> requests, double begin, double end,
+                                  double gap, std::vector<std::pair<double, double>> bends,
+                                  const SurfaceScale& scale);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,304 @@
+#include "tree/surface/limb_base.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <vector>
+
+#include "tree/surface/frames.h"
+#include "tree/surface/stations.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// The middle of a square ring's side is this much of a corner radius from the centre.
+const double kSideDistance = std::sqrt(0.5);
+/// A child's hole moves along the parent by at most this many corner radii, however flat it leaves.
+constexpr double kLargestShift = 2.0;
+/// A narrower hole than this share of the parent's side gets an inset.
+constexpr double kInsetBelow = 0.9;
+/// Share of the knuckle's length that a hole with an inset takes. The faces before and behind it
+/// then are not so short that they show as dark lines across the limb.
+constexpr double kHoleLength = 0.55;
+/// A child widens from its hole by at most this much a metre.
+constexpr double kWidening = 1.2;
+/// The points of a child's first ring rise from its hole at least this share as steeply as its
+/// centre does, or it would hang over the parent's side with a slit under it.
+constexpr double kLeastRise = 0.5;
+/// To rise enough, a child passes by its own joints as long as it strays less than this share of
+/// their corner radius from them.
+constexpr double kLargestShortcut = 1.0;
+/// Points that stand for a whole ring.
+constexpr int kRingSamples = 8;
+/// Each step of relief narrows the base by this factor, and moves its first ring out by this share
+/// of the parent's corner radius.
+constexpr double kReliefFactor = 0.7;
+constexpr double kReliefMargin = 0.25;
+
+glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& axis) {
+  return v - axis * glm::dot(v, axis);
+}
+
+/// First place on the child's path that lies outside the parent's round hull, and the parent's arc
+/// length nearest to it.
+struct Crossing {
+  glm::dvec3 point;
+  double parent_length;
+  double child_length;
+  bool starts_outside;
+};
+
+Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
+  Crossing crossing{child.points[0], nearest_length(parent, child.points[0]), 0.0, true};
+  double before = 0.0;
+  for (size_t i = 0; i < child.points.size(); ++i) {
+    const double s = nearest_length(parent, child.points[i]);
+    const double outside =
+        glm::distance(child.points[i], position_at(parent, s)) - corner_at(parent, s);
+    if (outside >= 0.0 || i + 1 == child.points.size()) {
+      if (i > 0) {
+        const double t = outside > 0.0 ? -before / (outside - before) : 1.0;
+        crossing.point = child.points[i - 1] + (child.points[i] - child.points[i - 1]) * t;
+        crossing.child_length =
+            child.lengths[i - 1] + (child.lengths[i] - child.lengths[i - 1]) * t;
+        crossing.parent_length = nearest_length(parent, crossing.point);
+        crossing.starts_outside = false;
+      }
+      return crossing;
+    }
+    before = outside;
+  }
+  return crossing;
+}
+
+/// Whether a point lies more than `margin` outside the round hull of one segment.
+bool clears(const Ring& a, const Ring& b, const glm::dvec3& point, double margin) {
+  const glm::dvec3 ab = b.centre - a.centre;
+  const double square = glm::dot(ab, ab);
+  const double t =
+      square > 0.0 ? std::clamp(glm::dot(point - a.centre, ab) / square, 0.0, 1.0) : 0.0;
+  return glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t) > margin;
+}
+
+/// The parent's segments, by their first rings, whose hulls may come within `margin` of a ball. The
+/// others, nearly all of a long limb, are further away than they are long and thick.
+std::vector<size_t> segments_near(const LimbSurface& parent, const glm::dvec3& centre,
+                                  double radius, double margin) {
+  std::vector<size_t> near;
+  for (size_t i = 0; i + 1 < parent.rings.size(); ++i) {
+    const Ring& a = parent.rings[i];
+    const Ring& b = parent.rings[i + 1];
+    const glm::dvec3 ab = b.centre - a.centre;
+    const glm::dvec3 ap = centre - a.centre;
+    const double corner = std::max(a.corner, b.corner);
+    // The square of a sum of four is at most four times the sum of the squares.
+    if (glm::dot(ap, ap) <=
+        4.01 * (glm::dot(ab, ab) + corner * corner + margin * margin + radius * radius)) {
+      near.push_back(i);
+    }
+  }
+  return near;
+}
+
+std::array<glm::dvec3, kRingSamples> ring_samples(const glm::dvec3& centre,
+                                                  const glm::dvec3& normal, double corner) {
+  const Frame frame = first_frame(normal);
+  std::array<glm::dvec3, kRingSamples> samples;
+  for (int k = 0; k < kRingSamples; ++k) {
+    const double angle = 2.0 * M_PI / kRingSamples * k;
+    samples[k] = centre + (frame.u * std::cos(angle) + frame.v * std::sin(angle)) * corner;
+  }
+  return samples;
+}
+
+/// Whether a ring stands clear: outside the parent's round hull, and the whole hole behind it.
+bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& centre,
+                 const glm::dvec3& normal, double corner, double margin) {
+  if (glm::dot(centre - hole.centre, hole.normal) <= margin) {
+    return false;
+  }
+  const std::vector<size_t> near = segments_near(parent, centre, corner, margin);
+  const auto clears_all = [&](const glm::dvec3& point) {
+    return std::all_of(near.begin(), near.end(), [&](size_t i) {
+      return clears(parent.rings[i], parent.rings[i + 1], point, margin);
+    });
+  };
+  if (!clears_all(centre)) {
+    return false;
+  }
+  for (const glm::dvec3& p : hole.corners) {
+    if (glm::dot(centre - p, normal) <= margin) {
+      return false;
+    }
+  }
+  const auto samples = ring_samples(centre, normal, corner);
+  return std::all_of(samples.begin(), samples.end(), [&](const glm::dvec3& p) {
+    return glm::dot(p - hole.centre, hole.normal) > margin && clears_all(p);
+  });
+}
+
+/// Whether a ring rises from the hole as its centre does. One close to a hole that its limb leaves
+/// aslant reaches beyond the hole's edge, hardly above the parent's side.
+bool ring_rises(const Hole& hole, const glm::dvec3& centre, const glm::dvec3& normal,
+                double corner) {
+  const glm::dvec3 step = centre - hole.centre;
+  const double height = glm::dot(step, hole.normal);
+  const double aside = glm::length(across(step, hole.normal));
+  const auto samples = ring_samples(centre, normal, corner);
+  return std::all_of(samples.begin(), samples.end(), [&](const glm::dvec3& p) {
+    double beyond = 0.0;
+    for (int k = 0; k < 4; ++k) {
+      const glm::dvec3& from = hole.corners[k];
+      const glm::dvec3 outward = glm::cross(hole.corners[(k + 1) % 4] - from, hole.normal);
+      beyond = std::max(beyond, glm::dot(p - from, outward) / glm::length(outward));
+    }
+    return glm::dot(p - hole.centre, hole.normal) * aside >= kLeastRise * height * beyond;
+  });
+}
+
+/// Whether the way straight from the hole to a joint passes by those before it, from `first` on, as
+/// if they were not there: near them, and about as wide.
+bool is_shortcut(const LimbPath& child, const Hole& hole, size_t first, size_t joint) {
+  const glm::dvec3 way = child.points[joint] - hole.centre;
+  for (size_t i = first; i < joint; ++i) {
+    const glm::dvec3 to = child.points[i] - hole.centre;
+    const double t = std::clamp(glm::dot(to, way) / glm::dot(way, way), 0.0, 1.0);
+    const double corner = hole.corner + (child.corners[joint] - hole.corner) * t;
+    if (glm::distance(to, way * t) + std::abs(corner - child.corners[i]) >
+        kLargestShortcut * child.corners[i]) {
+      return false;
+    }
+  }
+  return true;
+}
+
+/// The joint where a child has its first ring, and that ring's corner radius.
+struct FirstRing {
+  size_t joint = 0;
+  double corner = 0.0;
+};
+
+/// The first joint whose ring, narrowed if need be, clears the parent, or one soon after it whose
+/// ring rises from the hole as well. None: joint 0.
+FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+                     const SurfaceScale& scale, double margin, double narrowing) {
+  const size_t last = child.points.size() - 1;
+  FirstRing first;
+  for (size_t i = 1; i <= last; ++i) {
+    if (first.joint > 0 && !is_shortcut(child, hole, first.joint, i)) {
+      break;
+    }
+    const glm::dvec3 normal = joint_normal(child, i);
+    for (double factor : {1.0, 0.75, 0.5, 0.3, 0.15, 0.0}) {
+      if (i < last && factor < 0.5) {
+        break;
+      }
+      const double corner = std::max(child.corners[i] * factor * narrowing, scale.smallest_corner);
+      if (ring_clears(parent, hole, child.points[i], normal, corner, margin)) {
+        const bool rises = ring_rises(hole, child.points[i], normal, corner);
+        if (rises || first.joint == 0) {
+          first = {i, corner};
+        }
+        if (rises) {
+          return first;
+        }
+        break;
+      }
+    }
+  }
+  return first;
+}
+
+}  // namespace
+
+Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+               const SurfaceScale& scale, int relief) {
+  const Crossing crossing = first_outside(parent, child);
+  Exit exit;
+  exit.request.child = child_index;
+
+  // The parent's sides are nearer to its centreline than its round hull: go back along the ray.
+  double shift = crossing.parent_length - attach;
+  if (!crossing.starts_outside) {
+    shift *= kSideDistance;
+  }
+  exit.request.heading = attach + 3.0 * shift;
+  const double reach = kLargestShift * corner_at(parent, attach);
+  exit.request.position =
+      std::clamp(attach + std::clamp(shift, -reach, reach), 0.0, parent.length());
+
+  const glm::dvec3 axis = direction_at(parent, crossing.parent_length);
+  glm::dvec3 off = across(crossing.point - position_at(parent, crossing.parent_length), axis);
+  if (glm::length(off) <= scale.coincident) {
+    off = across(child.points.back() - child.points.front(), axis);
+  }
+  if (glm::length(off) <= scale.coincident) {
+    off = first_frame(axis).u;
+  }
+  exit.request.direction = glm::normalize(off);
+
+  const double side = 2.0 * kSideDistance * corner_at(parent, exit.request.position);
+  const double wanted = 2.0 * kSideDistance * corner_at(child, crossing.child_length);
+  exit.clamped = wanted > 1.0001 * side;
+  exit.request.width = std::min(wanted, side);
+  exit.request.width *= std::pow(kReliefFactor, relief);
+  exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
+  exit.request.length = exit.request.width < kInsetBelow * side
+                            ? std::min(exit.request.width / kHoleLength, side)
+                            : exit.request.width;
+  return exit;
+}
+
+LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+                      const SurfaceScale& scale, int relief) {
+  const double margin = scale.smallest_gap + kReliefMargin * relief * hole.parent_corner;
+  const double narrowing = std::pow(kReliefFactor, relief);
+  const size_t last = child.points.size() - 1;
+  auto [first, first_corner] = first_ring(child, hole, parent, scale, margin, narrowing);
+  glm::dvec3 first_point = child.points[first];
+  if (first == 0) {
+    // The whole branch lies inside its parent, or behind it: what remains is a stub.
+    first = last;
+    first_corner =
+        std::max(scale.smallest_corner, std::min(child.corners[last], 0.5 * hole.corner));
+    first_point = hole.centre + hole.normal * std::max(hole.corner, 2.0 * scale.smallest_gap);
+  }
+
+  LimbPath path;
+  const double start = std::min(nearest_length(child, hole.centre), 0.999 * child.lengths[first]);
+  path.points.push_back(hole.centre);
+  path.corners.push_back(hole.corner);
+  path.bone_lengths.push_back(start);
+  path.points.push_back(first_point);
+  path.corners.push_back(first_corner);
+  path.bone_lengths.push_back(child.bone_lengths[first]);
+  path.points.insert(path.points.end(),
+                     child.points.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                     child.points.end());
+  path.corners.insert(path.corners.end(),
+                      child.corners.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                      child.corners.end());
+  path.bone_lengths.insert(path.bone_lengths.end(),
+                           child.bone_lengths.begin() + static_cast<std::ptrdiff_t>(first) + 1,
+                           child.bone_lengths.end());
+  measure(path);
+  path.clear_from = path.lengths[1];
+  const glm::dvec3 direction = glm::normalize(path.points[1] - path.points[0]);
+  for (double t : {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9}) {
+    const double s = t * path.lengths[1];
+    const double corner = hole.corner + (path.corners[1] - hole.corner) * t;
+    const glm::dvec3 centre = path.points[0] + direction * s;
+    if (ring_clears(parent, hole, centre, direction, corner, margin) &&
+        ring_rises(hole, centre, direction, corner)) {
+      path.clear_from = s;
+      break;
+    }
+  }
+  for (size_t i = 1; i < path.points.size(); ++i) {
+    path.corners[i] =
+        std::min(path.corners[i], hole.corner + kWidening * narrowing * path.lengths[i]);
+  }
+  return path;
+}
+
+}  // namespace snowbough::tree

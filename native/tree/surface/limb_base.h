@@ -1,0 +1,45 @@
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+
+#include "tree/surface/knuckles.h"
+#include "tree/surface/limb_path.h"
+#include "tree/surface/surface.h"
+
+namespace snowbough::tree {
+
+/// The opening in the parent's side that a child grows out of.
+struct Hole {
+  std::array<int32_t, 4> vertices{};
+  std::array<glm::dvec3, 4> corners{};
+  glm::dvec3 centre{0.0};
+  /// Unit, out of the parent.
+  glm::dvec3 normal{0.0, 0.0, 1.0};
+  /// Corner radius of a square of the hole's area.
+  double corner = 0.0;
+  /// The parent's corner radius there.
+  double parent_corner = 0.0;
+};
+
+struct Exit {
+  ChildRequest request;
+  /// The child is thicker than its parent where it leaves it.
+  bool clamped = false;
+};
+
+/// Where a child passes through its parent's surface, and the knuckle it asks for there.
+/// @param attach arc length on `parent` where the child sits.
+/// @param relief see build_surface.
+Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+               const SurfaceScale& scale, int relief);
+
+/// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
+/// would cut into it, are dropped, and so are those close to the hole whose ring would hang over
+/// the parent's side with a slit under it, if the way past them is about straight; rings that
+/// hardly clear the parent are narrowed. At least the tip remains.
+/// @param parent the parent's rings.
+LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+                      const SurfaceScale& scale, int relief);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,156 @@
+#include "tree/surface/limb_path.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+
+namespace snowbough::tree {
+namespace {
+
+bool finite(const glm::vec3& p) {
+  return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
+}
+
+double lerp_at(const std::vector<double>& lengths, const std::vector<double>& values, double s) {
+  const int32_t i = segment_at(lengths, s);
+  const double t = std::clamp((s - lengths[i]) / (lengths[i + 1] - lengths[i]), 0.0, 1.0);
+  return values[i] + (values[i + 1] - values[i]) * t;
+}
+
+glm::dvec3 away_from_parent(const Branch& branch, const std::vector<LimbPath>& paths,
+                            const SurfaceScale& scale) {
+  if (branch.parent < 0) {
+    return {0.0, 0.0, 1.0};
+  }
+  const LimbPath& parent = paths[branch.parent];
+  const glm::dvec3 point(branch.points.front());
+  const double s = nearest_length(parent, point);
+  const glm::dvec3 offset = point - position_at(parent, s);
+  const double distance = glm::length(offset);
+  return distance > scale.coincident ? offset / distance : direction_at(parent, s);
+}
+
+}  // namespace
+
+SurfaceScale surface_scale(const Skeleton& skeleton) {
+  if (skeleton.branches.empty()) {
+    throw std::invalid_argument(
+        "the skeleton has no branches; there is nothing to build a surface around");
+  }
+  glm::dvec3 low(1e300), high(-1e300);
+  for (size_t b = 0; b < skeleton.branches.size(); ++b) {
+    const Branch& branch = skeleton.branches[b];
+    const size_t count = branch.points.size();
+    if (count == 0 || branch.radii.size() != count || branch.areas.size() != count) {
+      throw std::invalid_argument(
+          "branch '" + branch.name +
+          "' needs at least one point, and one radius and one area a point");
+    }
+    if (branch.parent >= static_cast<int32_t>(b) || branch.parent < -1) {
+      throw std::invalid_argument("branch '" + branch.name + "' must come after its parent");
+    }
+    for (size_t i = 0; i < count; ++i) {
+      if (!finite(branch.points[i]) || !std::isfinite(branch.areas[i]) || branch.areas[i] < 0.0f ||
+          !std::isfinite(branch.radii[i]) || branch.radii[i] < 0.0f) {
+        throw std::invalid_argument("branch '" + branch.name + "', point " + std::to_string(i) +
+                                    ": position, radius or area is negative or not finite");
+      }
+      low = glm::min(low, glm::dvec3(branch.points[i]));
+      high = glm::max(high, glm::dvec3(branch.points[i]));
+    }
+  }
+  SurfaceScale scale;
+  scale.height = skeleton.height > 0.0f ? skeleton.height : high.z - low.z;
+  // A tree that lies flat, or a hand-made skeleton far from upright, is measured by its extent
+  // instead.
+  scale.height = std::max(scale.height, 0.1 * glm::length(high - low));
+  if (scale.height <= 0.0) {
+    scale.height = 1.0;
+  }
+  scale.coincident = 1e-6 * scale.height;
+  scale.smallest_corner = 1.5 * kSmallestRadius * scale.height;
+  scale.smallest_knuckle = 4.0 * kSmallestRadius * scale.height;
+  scale.smallest_gap = kSmallestRadius * scale.height;
+  return scale;
+}
+
+void measure(LimbPath& path) {
+  path.lengths.assign(path.points.size(), 0.0);
+  for (size_t i = 1; i < path.points.size(); ++i) {
+    path.lengths[i] = path.lengths[i - 1] + glm::distance(path.points[i - 1], path.points[i]);
+  }
+}
+
+int32_t segment_at(const std::vector<double>& lengths, double s) {
+  const auto it = std::lower_bound(lengths.begin() + 1, lengths.end() - 1, s);
+  return static_cast<int32_t>(it - lengths.begin()) - 1;
+}
+
+glm::dvec3 position_at(const LimbPath& path, double s) {
+  const int32_t i = segment_at(path.lengths, s);
+  const double t =
+      std::clamp((s - path.lengths[i]) / (path.lengths[i + 1] - path.lengths[i]), 0.0, 1.0);
+  return path.points[i] + (path.points[i + 1] - path.points[i]) * t;
+}
+
+double corner_at(const LimbPath& path, double s) {
+  return lerp_at(path.lengths, path.corners, s);
+}
+
+double bone_length_at(const LimbPath& path, double s) {
+  return lerp_at(path.lengths, path.bone_lengths, s);
+}
+
+glm::dvec3 direction_at(const LimbPath& path, double s) {
+  const int32_t i = segment_at(path.lengths, s);
+  return glm::normalize(path.points[i + 1] - path.points[i]);
+}
+
+double nearest_length(const LimbPath& path, const glm::dvec3& point) {
+  double best = 0.0, best_distance = 1e300;
+  for (size_t i = 0; i + 1 < path.points.size(); ++i) {
+    const glm::dvec3 a = path.points[i], ab = path.points[i + 1] - a;
+    const double t = std::clamp(glm::dot(point - a, ab) / glm::dot(ab, ab), 0.0, 1.0);
+    const glm::dvec3 off = point - (a + ab * t);
+    const double distance = glm::dot(off, off);
+    if (distance < best_distance) {
+      best_distance = distance;
+      best = path.lengths[i] + (path.lengths[i + 1] - path.lengths[i]) * t;
+    }
+  }
+  return best;
+}
+
+std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
+                                 const SurfaceScale& scale) {
+  std::vector<LimbPath> paths(skeleton.branches.size());
+  for (size_t b = 0; b < paths.size(); ++b) {
+    const Branch& branch = skeleton.branches[b];
+    LimbPath& path = paths[b];
+    path.points.reserve(branch.points.size());
+    path.corners.reserve(branch.points.size());
+    for (size_t i = 0; i < branch.points.size(); ++i) {
+      const glm::dvec3 point(branch.points[i]);
+      const double corner =
+          std::max(std::sqrt(0.5 * static_cast<double>(widths.areas[b][i])), scale.smallest_corner);
+      if (!path.points.empty() && glm::distance(path.points.back(), point) <= scale.coincident) {
+        // Of two rings at one place the wider one carries the wood.
+        path.corners.back() = std::max(path.corners.back(), corner);
+        continue;
+      }
+      path.points.push_back(point);
+      path.corners.push_back(corner);
+    }
+    if (path.points.size() == 1) {
+      const double length = std::max(path.corners[0], 10.0 * scale.smallest_knuckle);
+      path.points.push_back(path.points[0] + away_from_parent(branch, paths, scale) * length);
+      path.corners.push_back(path.corners[0]);
+    }
+    measure(path);
+    path.bone_lengths = path.lengths;
+  }
+  return paths;
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/width.h"
+
+namespace snowbough::tree {
+
+/// Lengths that the surface keeps to, in metres, all relative to the tree's height.
+struct SurfaceScale {
+  double height = 1.0;
+  /// Points nearer to each other than this are one.
+  double coincident = 0.0;
+  /// Smallest distance of a ring's corner from its centre; the ring's inscribed circle then still
+  /// has kSmallestRadius.
+  double smallest_corner = 0.0;
+  /// Smallest length of a knuckle along its limb.
+  double smallest_knuckle = 0.0;
+  /// Smallest distance between two rings that belong to no knuckle.
+  double smallest_gap = 0.0;
+};
+
+/// @throws std::invalid_argument for a skeleton without branches or with a position not finite.
+SurfaceScale surface_scale(const Skeleton& skeleton);
+
+/// A centreline that the surface follows: at least two points, no segment of zero length.
+struct LimbPath {
+  std::vector<glm::dvec3> points;
+  /// Distance of each corner of the ring from the centre: sqrt(area / 2), so that a square ring
+  /// keeps the limb's wood, and never below SurfaceScale::smallest_corner.
+  std::vector<double> corners;
+  /// Arc length of each point; 0 at the first.
+  std::vector<double> lengths;
+  /// Arc length of each point along the branch's own centreline, where bones are counted. Differs
+  /// from `lengths` once the part inside the parent has been cut away.
+  std::vector<double> bone_lengths;
+  /// Arc length from which on the limb's own children may leave: before it a ring would cut into
+  /// the parent.
+  double clear_from = 0.0;
+
+  double length() const { return lengths.back(); }
+};
+
+/// Recomputes `lengths` from `points`.
+void measure(LimbPath& path);
+
+/// The centreline of every branch, zero-length segments collapsed. A branch that is a single point
+/// becomes a short segment away from its parent (upwards for a root), so that no branch is lost.
+std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
+                                 const SurfaceScale& scale);
+
+/// Index of the segment that holds arc length `s`, for ascending `lengths`; at a point the one
+/// before it.
+int32_t segment_at(const std::vector<double>& lengths, double s);
+
+/// Position, corner radius, bone length and direction at arc length `s` (clamped to the path).
+glm::dvec3 position_at(const LimbPath& path, double s);
+double corner_at(const LimbPath& path, double s);
+double bone_length_at(const LimbPath& path, double s);
+glm::dvec3 direction_at(const LimbPath& path, double s);
+
+/// Arc length of the place on the path nearest to `point`.
+double nearest_length(const LimbPath& path, const glm::dvec3& point);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "tree/skeleton/skeleton.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/surface/limb_path.h"
+
+namespace snowbough::tree {
+
+/// Four vertices around a limb. Corner k+1 follows corner k anticlockwise seen from the tip.
+struct Ring {
+  std::array<int32_t, 4> vertices{};
+  glm::dvec3 centre{0.0};
+  glm::dvec3 normal{0.0, 0.0, 1.0};
+  /// Distance of the corners from the centre; for a hole in the parent's side, that of a square of
+  /// equal area.
+  double corner = 0.0;
+  /// Arc length on the branch's own centreline: which bones hold the ring.
+  double bone_length = 0.0;
+};
+
+/// One branch's strip: ring 0 is the root's own, the parent's end ring, or the hole in the parent.
+struct LimbSurface {
+  std::vector<Ring> rings;
+  /// Ring 0 is the parent's end ring.
+  bool continues_parent = false;
+};
+
+/// Where a child leaves through a parent's side.
+struct Junction {
+  int32_t parent = -1;
+  int32_t child = -1;
+  /// Row of the knuckle in the parent's strip, and its side.
+  int32_t row = 0;
+  int32_t side = 0;
+  /// The hole is smaller than the side: four kInset quads lie around it.
+  bool inset = false;
+  /// Arc length on the parent's own centreline: which of its bones hold an inset's vertices.
+  double parent_bone_length = 0.0;
+};
+
+struct Surface {
+  std::vector<glm::dvec3> vertices;
+  std::vector<Quad> quads;
+  std::vector<FaceOrigin> origins;
+  /// One a branch.
+  std::vector<LimbSurface> limbs;
+  std::vector<Junction> junctions;
+  /// Branches that were thicker than their parent where they leave it.
+  std::vector<int32_t> clamped;
+  /// Branches whose hole is shorter along their parent than they are wide there, by more than a
+  /// fifth, because the parent has no room for all that leave it.
+  std::vector<int32_t> squeezed;
+};
+
+struct SurfaceOptions {
+  bool close_root = true;
+  bool close_tips = true;
+};
+
+/// Wraps the skeleton in quads, by index: each step replaces a quad by a tube, so that the surface
+/// is closed and consistently wound whatever the skeleton looks like, one component a root. Nothing
+/// is welded.
+///
+/// @param paths limb_paths(skeleton).
+/// @param relief per branch, 0 by default: how far the base of the branch has been narrowed and
+///   freed of rings because it crossed other faces.
+/// @param only per branch, 0 leaves it out, which a child of a branch left out must be as well: for
+///   looking at a part of the surface, whose faces lie where they lie in the whole. Of a branch
+///   left out only the first ring stands, by its vertices, if its parent is there. Empty = all.
+///
+/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.3, "knuckles".
+Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
+                      const SurfaceScale& scale, const SurfaceOptions& options,
+                      const std::vector<uint8_t>& relief, const std::vector<uint8_t>& only = {});
+
+}  // namespace snowbough::tree

@@ -1,0 +1,135 @@
+#include "base/thread_pool.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <atomic>
+#include <stdexcept>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "base/parallel_for.h"
+
+namespace snowbough::base {
+namespace {
+
+TEST(ParallelParts, callsEveryPartOnce) {
+  for (const int32_t threads : {1, 2, 5}) {
+    std::array<int, 5> calls{};
+    parallel_for(threads, [&](size_t part, size_t parts) {
+      EXPECT_EQ(parts, static_cast<size_t>(threads));
+      ++calls[part];
+    });
+    for (int32_t part = 0; part < 5; ++part) EXPECT_EQ(calls[part], part < threads ? 1 : 0);
+  }
+}
+
+TEST(ParallelParts, throwsWhatTheFirstPartThatFailedThrew) {
+  try {
+    parallel_for(4, [](size_t part, size_t) {
+      if (part > 1) throw std::runtime_error(std::to_string(part));
+    });
+    FAIL() << "must throw";
+  } catch (const std::runtime_error& error) {
+    EXPECT_STREQ(error.what(), "2");
+  }
+}
+
+TEST(ParallelParts, canBeCalledByManyAndFromWithin) {
+  start_thread_pool();
+  std::atomic<int> calls = 0;
+  std::vector<std::jthread> callers;
+  for (int caller = 0; caller < 8; ++caller) {
+    callers.emplace_back([&] {
+      for (int round = 0; round < 50; ++round) {
+        parallel_for(3, [&](size_t, size_t) { parallel_for(2, [&](size_t, size_t) { ++calls; }); });
+      }
+    });
+  }
+  callers.clear();
+  EXPECT_EQ(calls, 8 * 50 * 3 * 2);
+}
+
+TEST(ParallelParts, runsItsPartsAtTheSameTime) {
+  if (default_threads() < 2) GTEST_SKIP() << "one core";
+  // Each part waits for the other: they run on two threads.
+  std::atomic<int> begun = 0;
+  parallel_for(2, [&](size_t, size_t) {
+    ++begun;
+    while (begun < 2) std::this_thread::yield();
+  });
+  EXPECT_EQ(begun, 2);
+}
+
+TEST(ThreadPool, hasAtLeastOneThread) {
+  EXPECT_GE(default_threads(), 1);
+}
+
+TEST(ThreadPool, aPoolOfFourRunsFourPartsAtTheSameTime) {
+  ThreadPool pool(4);
+  // Each part waits for the others: they run on four threads.
+  std::atomic<int> begun = 0;
+  pool.run(4, [&](size_t) {
+    ++begun;
+    while (begun < 4) std::this_thread::yield();
+  });
+  EXPECT_EQ(begun, 4);
+}
+
+TEST(ThreadPool, theFirstPartIsTheCallingThreads) {
+  ThreadPool pool(3);
+  for (int round = 0; round < 100; ++round) {
+    std::thread::id first;
+    pool.run(3, [&](size_t part) {
+      if (part == 0) first = std::this_thread::get_id();
+    });
+    EXPECT_EQ(first, std::this_thread::get_id());
+  }
+}
+
+TEST(ThreadPool, aPoolOfOneDoesAllOnTheCallingThread) {
+  ThreadPool pool(1);
+  std::vector<size_t> parts;
+  pool.run(4, [&](size_t part) { parts.push_back(part); });
+  EXPECT_EQ(parts, (std::vector<size_t>{0, 1, 2, 3}));
+}
+
+TEST(ThreadPool, beginsNoPartAfterOneHasFailed) {
+  ThreadPool pool(1);
+  size_t last = 0;
+  EXPECT_THROW(pool.run(10,
+                        [&](size_t part) {
+                          last = part;
+                          if (part == 3) throw std::runtime_error("three");
+                        }),
+               std::runtime_error);
+  EXPECT_EQ(last, 3u);
+}
+
+TEST(ThreadPool, worksOnAfterAPartHasFailed) {
+  ThreadPool pool(4);
+  for (int round = 0; round < 100; ++round) {
+    std::atomic<int> calls = 0;
+    EXPECT_THROW(pool.run(8, [](size_t) { throw std::runtime_error("each"); }), std::runtime_error);
+    pool.run(8, [&](size_t) { ++calls; });
+    EXPECT_EQ(calls, 8);
+  }
+}
+
+TEST(ThreadPool, ofPartsThatFailThrowsTheFirstsError) {
+  ThreadPool pool(4);
+  for (int round = 0; round < 100; ++round) {
+    try {
+      pool.run(8, [](size_t part) {
+        if (part >= 2) throw part;
+      });
+      FAIL() << "must throw";
+    } catch (const size_t& part) {
+      EXPECT_EQ(part, 2u);
+    }
+  }
+}
+
+}  // namespace
+}  // namespace snowbough::base

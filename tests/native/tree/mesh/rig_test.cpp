@@ -1,0 +1,144 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "native/tree/built_surface.h"
+#include "tree/build_tree_mesh.h"
+#include "tree/mesh/bones.h"
+#include "tree/mesh/bones_reduce.h"
+#include "tree/mesh/weights.h"
+
+namespace snowbough::tree {
+namespace {
+
+using testing::Each;
+using testing::ElementsAre;
+using testing::SizeIs;
+
+TEST(Weights, FollowFromWhereTheRingStands) {
+  const Built built = build(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}));
+  const Armature armature =
+      make_bones(make_skeleton({trunk(), side_branch(5.5f, 0.05f)}), built.paths, built.scale);
+  const VertexWeights weights = make_weights(built.surface, built.paths, armature, 4);
+  const LimbSurface& limb = built.surface.limbs[0];
+  const int32_t joint = limb.rings[3].vertices[0];
+  EXPECT_THAT(weights.indices[joint], ElementsAre(2, 3, 0, 0));
+  EXPECT_THAT(weights.weights[joint], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
+  const int32_t tip = limb.rings.back().vertices[0];
+  EXPECT_THAT(weights.indices[tip], ElementsAre(9, 0, 0, 0));
+  EXPECT_THAT(weights.weights[tip], ElementsAre(1.0f, 0.0f, 0.0f, 0.0f));
+  const int32_t knuckle = limb.rings[built.surface.junctions[0].row].vertices[0];
+  EXPECT_THAT(weights.indices[knuckle], ElementsAre(5, 0, 0, 0));
+  const int32_t rim = built.surface.limbs[1].rings[0].vertices[0];
+  EXPECT_THAT(weights.indices[rim], ElementsAre(5, 10, 0, 0));
+  EXPECT_THAT(weights.weights[rim], ElementsAre(0.5f, 0.5f, 0.0f, 0.0f));
+}
+
+TEST(Bones, AChildHangsOnTheBoneThatEndsWhereItSits) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
+  ASSERT_THAT(mesh.bones.parents, SizeIs(12));
+  EXPECT_EQ(mesh.bones.names[10], "b1.0");
+  EXPECT_EQ(mesh.bones.parents[10], 4);
+  EXPECT_EQ(mesh.bones.parents[11], 10);
+  EXPECT_NEAR(mesh.bones.head_radii[0], 0.2f, 1e-6f);
+}
+
+TEST(Bones, ReducingHandsWeightsToTheNearestKeptAncestor) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk(), side_branch(5.0f, 0.1f)}));
+  const ReducedBones reduced = reduce_bones(mesh.bones, {0, 0});
+  EXPECT_THAT(reduced.bones.heads, SizeIs(10));
+  EXPECT_EQ(reduced.bone_map[11], 4);
+  auto indices = mesh.bone_indices;
+  auto weights = mesh.bone_weights;
+  remap_weights(reduced.bone_map, indices, weights);
+  for (const auto& weight : weights) {
+    EXPECT_NEAR(weight[0] + weight[1] + weight[2] + weight[3], 1.0f, 1e-6f);
+  }
+}
+
+TEST(Bones, ABudgetIsKeptAndNoBoneLosesItsParent) {
+  const TreeMesh mesh = build_tree_mesh(whorl(8));
+  ASSERT_THAT(mesh.bones.heads, SizeIs(26));
+  const ReducedBones reduced = reduce_bones(mesh.bones, {20, -1});
+  EXPECT_THAT(reduced.bones.heads, SizeIs(20));
+  for (size_t i = 0; i < reduced.bones.parents.size(); ++i) {
+    EXPECT_LT(reduced.bones.parents[i], static_cast<int32_t>(i));
+  }
+}
+
+TEST(Bark, TheTextureKeepsItsAspect) {
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}));
+  const float circumference = 4.0f * std::sqrt(static_cast<float>(M_PI)) * 0.2f;
+  for (size_t f = 0; f < mesh.quads.size(); ++f) {
+    if (mesh.origins[f].part == FacePart::kWall) {
+      EXPECT_NEAR(mesh.uv_bark[f][1].x - mesh.uv_bark[f][0].x, 0.25f, 1e-5f);
+      EXPECT_NEAR(mesh.uv_bark[f][3].y - mesh.uv_bark[f][0].y, 1.0f / circumference, 1e-3f);
+    }
+  }
+}
+
+TEST(Lod, EachLevelDoublesTheSidesAndPutsThemOnTheRadius) {
+  for (int lod = 1; lod <= 3; ++lod) {
+    TreeMeshOptions options;
+    options.lod = lod;
+    const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}), options);
+    EXPECT_THAT(mesh.quads, SizeIs(42u << (2 * lod)));
+    int around = 0;
+    for (const glm::vec3& p : mesh.vertices) {
+      const float radius = std::hypot(p.x, p.y);
+      if (p.z > 0.01f && p.z < 9.99f) {
+        EXPECT_NEAR(radius, 0.2f, 1e-5f);
+      }
+      around += std::abs(p.z - 5.0f) < 1e-4f;
+    }
+    EXPECT_EQ(around, 4 << lod);
+  }
+}
+
+TEST(Lod, AVertexBetweenTwoRingsTakesTheMeanOfTheirWeights) {
+  TreeMeshOptions options;
+  options.lod = 1;
+  const TreeMesh mesh = build_tree_mesh(make_skeleton({trunk()}), options);
+  int found = 0;
+  for (size_t v = 0; v < mesh.vertices.size(); ++v) {
+    if (std::abs(mesh.vertices[v].z - 4.5f) < 1e-4f) {
+      // Ring 4 follows bones 3 and 4 by halves, ring 5 bones 4 and 5.
+      std::map<int32_t, float> weights;
+      for (int k = 0; k < 4; ++k) {
+        if (mesh.bone_weights[v][k] > 0.0f) {
+          weights[mesh.bone_indices[v][k]] = mesh.bone_weights[v][k];
+        }
+      }
+      EXPECT_THAT(weights, ElementsAre(testing::Pair(3, 0.25f), testing::Pair(4, 0.5f),
+                                       testing::Pair(5, 0.25f)));
+      ++found;
+    }
+  }
+  EXPECT_EQ(found, 8);
+}
+
+TEST(Lod, FinerLevelsStayClosedAndWeighted) {
+  TreeMeshOptions options;
+  options.lod = 2;
+  for (uint32_t seed = 1; seed <= 20; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    const TreeMesh mesh = build_tree_mesh(RandomSkeleton(seed).make(), options);
+    const MeshCheck result = check_mesh(mesh.vertices, mesh.quads);
+    EXPECT_TRUE(result.closed());
+    EXPECT_THAT(result.euler, Each(2));
+    EXPECT_EQ(result.flipped_edges, 0);
+    for (const auto& weight : mesh.bone_weights) {
+      ASSERT_NEAR(weight[0] + weight[1] + weight[2] + weight[3], 1.0f, 1e-6f);
+    }
+    EXPECT_EQ(mesh.uv_bark.size(), mesh.quads.size());
+    EXPECT_EQ(mesh.uv_snow.size(), mesh.quads.size());
+    EXPECT_EQ(mesh.branch_level.size(), mesh.quads.size());
+  }
+}
+
+}  // namespace
+}  // namespace snowbough::tree

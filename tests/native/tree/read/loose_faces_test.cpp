@@ -1,0 +1,171 @@
+#include "tree/read/loose_faces.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <string>
+
+#include "tree/read/part_names.h"
+#include "tree/rings/rings.h"
+
+namespace snowbough::tree {
+namespace {
+
+using testing::ElementsAre;
+
+void begin_group(ObjScene& scene, const std::string& name) {
+  FaceRun run;
+  run.first_face = scene.face_count();
+  run.group = static_cast<int32_t>(scene.names.size());
+  scene.names.push_back(name);
+  scene.runs.push_back(run);
+}
+
+/// One polygon on vertices of its own.
+void add_loose_face(ObjScene& scene, const std::vector<glm::vec3>& corners) {
+  for (const glm::vec3& p : corners) {
+    scene.corner_vertex.push_back(static_cast<int32_t>(scene.positions.size()));
+    scene.positions.push_back(p);
+  }
+  scene.face_begin.push_back(static_cast<int32_t>(scene.corner_vertex.size()));
+}
+
+/// A triangle of a square that shares the first one's indices: a quad split in two.
+void add_split_quad(ObjScene& scene, const std::array<glm::vec3, 4>& corners) {
+  const auto first = static_cast<int32_t>(scene.positions.size());
+  scene.positions.insert(scene.positions.end(), corners.begin(), corners.end());
+  for (const int32_t c : {0, 1, 2, 0, 2, 3}) scene.corner_vertex.push_back(first + c);
+  scene.face_begin.push_back(static_cast<int32_t>(scene.corner_vertex.size()) - 3);
+  scene.face_begin.push_back(static_cast<int32_t>(scene.corner_vertex.size()));
+}
+
+enum class Faces { kQuads, kTriangles, kSplitQuads };
+
+/// A square tube along x from `root` with five rings, every face on vertices of its own.
+void add_loose_tube(ObjScene& scene, glm::vec3 root, float radius, Faces faces) {
+  const auto corner = [&](int ring, int side) {
+    const float r = radius * (1.0f - 0.1f * static_cast<float>(ring));
+    constexpr float kY[] = {1, 0, -1, 0};
+    return root + glm::vec3(static_cast<float>(ring), r * kY[side % 4], r * kY[(side + 1) % 4]);
+  };
+  for (int ring = 0; ring < 4; ++ring) {
+    for (int side = 0; side < 4; ++side) {
+      const glm::vec3 a = corner(ring, side), b = corner(ring, side + 1),
+                      c = corner(ring + 1, side + 1), d = corner(ring + 1, side);
+      if (faces == Faces::kQuads) {
+        add_loose_face(scene, {a, b, c, d});
+      } else if (faces == Faces::kTriangles) {
+        add_loose_face(scene, {a, b, c});
+        add_loose_face(scene, {a, c, d});
+      } else {
+        add_split_quad(scene, {a, b, c, d});
+      }
+    }
+  }
+}
+
+Parts joined(const ObjScene& scene) {
+  const Parts parts = split_parts(scene);
+  return join_loose_faces(scene, parts, label_parts(scene, parts));
+}
+
+std::optional<Limb> trace(const ObjScene& scene, const Parts& parts, int32_t part) {
+  NotATube why;
+  return trace_tube(scene, parts.part_faces(part), parts.part_vertices(part), why);
+}
+
+TEST(LooseFaces, MakeATubeWhateverTheyAre) {
+  for (const Faces faces : {Faces::kQuads, Faces::kTriangles, Faces::kSplitQuads}) {
+    ObjScene scene;
+    begin_group(scene, "");
+    add_loose_tube(scene, {0, 0, 0}, 0.5f, faces);
+    const Parts parts = joined(scene);
+    ASSERT_EQ(parts.count(), 1);
+    EXPECT_EQ(parts.vertices.size(), scene.positions.size());
+    const auto limb = trace(scene, parts, 0);
+    ASSERT_TRUE(limb);
+    ASSERT_EQ(limb->points.size(), 5u);
+    EXPECT_LT(glm::distance(limb->points[3], glm::vec3(3, 0, 0)), 1e-6f);
+    EXPECT_FLOAT_EQ(limb->radii[0], 0.5f);
+  }
+}
+
+TEST(LooseFaces, TubesThatTouchAlongAnEdgeStayApart) {
+  // The second tube lies beside the first: the edges of one side are in both.
+  ObjScene scene;
+  begin_group(scene, "");
+  add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kQuads);
+  const size_t first_end = scene.positions.size();
+  add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kQuads);
+  // Mirrored at the plane y = 0.5 * (1 - 0.1 x) that touches the first along a line of vertices.
+  for (size_t v = first_end; v < scene.positions.size(); ++v) {
+    glm::vec3& p = scene.positions[v];
+    const float r = 0.5f * (1.0f - 0.1f * p.x);
+    p.y = p.y == r ? p.y : 2.0f * r - p.y;
+  }
+  const Parts parts = joined(scene);
+  ASSERT_EQ(parts.count(), 2);
+  EXPECT_EQ(parts.part_faces(0).size(), 16u);
+  EXPECT_EQ(parts.part_faces(1).size(), 16u);
+  EXPECT_EQ(parts.part_faces(1).front(), 16);
+  EXPECT_TRUE(trace(scene, parts, 0));
+  EXPECT_TRUE(trace(scene, parts, 1));
+}
+
+TEST(LooseFaces, JoinWithinOneGroupOnly) {
+  // The tube's faces go by turns into two groups: neither holds a tube.
+  ObjScene whole;
+  begin_group(whole, "");
+  add_loose_tube(whole, {0, 0, 0}, 0.5f, Faces::kQuads);
+  ObjScene scene;
+  for (int group = 0; group < 2; ++group) {
+    begin_group(scene, group == 0 ? "a" : "b");
+    for (int32_t f = group; f < whole.face_count(); f += 2) {
+      const auto corner = whole.positions.begin() + 4 * f;
+      add_loose_face(scene, {corner, corner + 4});
+    }
+  }
+  EXPECT_EQ(joined(scene).count(), 16);
+}
+
+TEST(LooseFaces, LeavesAndPlanesStayAsTheyAre) {
+  ObjScene scene;
+  begin_group(scene, "");
+  // A leaf folded along its middle, a leaf of three strips, a row of planes.
+  add_loose_face(scene, {{0, 0, 0}, {1, 0, 0}, {1, 1, 0.2f}, {0, 1, 0.2f}});
+  add_loose_face(scene, {{0, 0, 0}, {1, 0, 0}, {1, -1, 0.2f}, {0, -1, 0.2f}});
+  for (float x : {5.0f, 6.0f, 7.0f}) {
+    add_loose_face(scene, {{x, 0, 0}, {x + 1, 0, 0}, {x + 1, 1, 0}, {x, 1, 0}});
+  }
+  for (float z : {1.0f, 2.0f, 3.0f}) {
+    add_loose_face(scene, {{0, 0, z}, {1, 0, z}, {1, 1, z}, {0, 1, z}});
+  }
+  EXPECT_EQ(joined(scene).count(), 8);
+}
+
+TEST(LooseFaces, NamedFoliageIsLeftAlone) {
+  ObjScene scene;
+  begin_group(scene, "leaves");
+  add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kQuads);
+  EXPECT_EQ(joined(scene).count(), 16);
+}
+
+TEST(LooseFaces, JoinedPartsKeepTheirPlaceAndRun) {
+  ObjScene scene;
+  begin_group(scene, "stone");
+  add_loose_face(scene, {{9, 9, 0}, {9, 8, 0}, {8, 9, 0}});
+  begin_group(scene, "trunk");
+  add_loose_tube(scene, {0, 0, 0}, 0.5f, Faces::kTriangles);
+  begin_group(scene, "stone");
+  add_loose_face(scene, {{9, 9, 1}, {9, 8, 1}, {8, 9, 1}});
+  const Parts parts = joined(scene);
+  EXPECT_THAT(parts.run, ElementsAre(0, 1, 2));
+  EXPECT_THAT(parts.face_begin, ElementsAre(0, 1, 33, 34));
+  EXPECT_THAT(parts.vertex_begin, ElementsAre(0, 3, 99, 102));
+}
+
+}  // namespace
+}  // namespace snowbough::tree

@@ -1,0 +1,82 @@
+#include "tree/rings/local_mesh.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cstdint>
+#include <vector>
+
+#include "tree/rings/closed_ends.h"
+
+namespace snowbough::tree {
+namespace {
+
+using testing::Contains;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+LocalMesh tube(int rings) {
+  LocalMesh mesh;
+  for (int i = 0; i < rings; ++i) {
+    for (const glm::vec3 p :
+         {glm::vec3(1, 0, i), glm::vec3(0, 1, i), glm::vec3(-1, 0, i), glm::vec3(0, -1, i)}) {
+      mesh.positions.push_back(p);
+    }
+  }
+  for (int i = 0; i + 1 < rings; ++i) {
+    for (int k = 0; k < 4; ++k) {
+      const int a = 4 * i + k, b = 4 * i + (k + 1) % 4;
+      mesh.corners.insert(mesh.corners.end(), {a, b, b + 4, a + 4});
+      mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()));
+    }
+  }
+  return mesh;
+}
+
+TEST(LocalMesh, AnOpenTubeHasTwoBordersAndWalksRingByRing) {
+  const LocalMesh mesh = tube(4);
+  const Topology topology = build_topology(mesh);
+  EXPECT_THAT(topology.boundary_loops,
+              ElementsAre(ElementsAre(0, 1, 2, 3), ElementsAre(12, 13, 14, 15)));
+  EXPECT_THAT(walk_layers(mesh, topology, {0, 1, 2, 3}),
+              ElementsAre(ElementsAre(0, 1, 2, 3), ElementsAre(4, 5, 6, 7),
+                          ElementsAre(8, 9, 10, 11), ElementsAre(12, 13, 14, 15)));
+}
+
+TEST(LocalMesh, WeldingJoinsEqualPlacesAndDropsFacesThatVanish) {
+  LocalMesh mesh;
+  mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}};
+  mesh.corners = {0, 1, 2, 3, 5, 4, 1, 3, 2};
+  mesh.face_begin = {0, 3, 6, 9};
+  const LocalMesh welded = weld_equal_positions(mesh);
+  EXPECT_EQ(welded.positions.size(), 4u);
+  EXPECT_THAT(welded.face_begin, ElementsAre(0, 3, 6));
+  EXPECT_THAT(welded.corners, ElementsAre(0, 1, 2, 1, 3, 2));
+}
+
+TEST(LocalMesh, AComponentIsRenumberedFrom0) {
+  ObjScene scene;
+  scene.positions = {{9, 9, 9}, {0, 0, 0}, {8, 8, 8}, {1, 0, 0}, {0, 1, 0}};
+  scene.corner_vertex = {0, 2, 0, 4, 1, 3};
+  scene.face_begin = {0, 3, 6};
+  const std::vector<int32_t> faces = {1}, vertices = {1, 3, 4};
+  const LocalMesh mesh = extract_component(scene, faces, vertices);
+  EXPECT_THAT(mesh.positions,
+              ElementsAre(glm::vec3(0, 0, 0), glm::vec3(1, 0, 0), glm::vec3(0, 1, 0)));
+  EXPECT_THAT(mesh.corners, ElementsAre(2, 0, 1));
+}
+
+TEST(ClosedEnds, AClosedTubeMayEndAtItsCaps) {
+  LocalMesh mesh = tube(6);
+  mesh.corners.insert(mesh.corners.end(), {3, 2, 1, 0, 20, 21, 22, 23});
+  mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()) - 4);
+  mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()));
+  const Topology topology = build_topology(mesh);
+  EXPECT_THAT(topology.boundary_loops, IsEmpty());
+  const Layers ends = closed_ends(mesh, topology);
+  EXPECT_THAT(ends, Contains(ElementsAre(0, 1, 2, 3)));
+  EXPECT_THAT(ends, Contains(ElementsAre(20, 21, 22, 23)));
+}
+
+}  // namespace
+}  // namespace snowbough::tree

@@ -1,0 +1,67 @@
+#include "tree/skeleton/skeleton.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <limits>
+#include <stdexcept>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace snowbough::tree {
+namespace {
+
+using testing::ElementsAre;
+using testing::HasSubstr;
+
+Branch tapering(std::string name, std::vector<glm::vec3> points, float radius) {
+  Branch branch;
+  branch.name = std::move(name);
+  branch.level = -1;
+  branch.points = std::move(points);
+  branch.radii.assign(branch.points.size(), radius);
+  branch.radii.back() = 0.5f * radius;
+  branch.areas.assign(branch.points.size(), radius * radius);
+  return branch;
+}
+
+TEST(CompleteSkeleton, RejectsWhatIsNoSkeleton) {
+  const auto error = [](const std::function<void(Branch&)>& spoil) -> std::string {
+    Skeleton skeleton;
+    skeleton.branches = {tapering("a", {{0, 0, 0}, {0, 0, 1}}, 0.1f)};
+    skeleton.branches[0].level = 0;
+    spoil(skeleton.branches[0]);
+    try {
+      complete_skeleton(skeleton);
+    } catch (const std::invalid_argument& e) {
+      return e.what();
+    }
+    return "no error";
+  };
+  EXPECT_EQ(error([](Branch&) {}), "no error");
+  EXPECT_THAT(error([](Branch& b) { b.points.clear(); }), HasSubstr("('a') has no points"));
+  EXPECT_THAT(error([](Branch& b) { b.radii.pop_back(); }), HasSubstr("as many radii"));
+  EXPECT_THAT(error([](Branch& b) { b.areas.pop_back(); }), HasSubstr("as many areas"));
+  EXPECT_THAT(error([](Branch& b) { b.radii[0] = -1.0f; }), HasSubstr("negative"));
+  EXPECT_THAT(error([](Branch& b) { b.points[0].x = std::numeric_limits<float>::quiet_NaN(); }),
+              HasSubstr("not finite"));
+  EXPECT_THAT(error([](Branch& b) { b.parent = 0; }), HasSubstr("after its parent"));
+  EXPECT_THAT(error([](Branch& b) { b.level = -1; }), HasSubstr("level"));
+}
+
+TEST(CompleteSkeleton, MakesNamesUnique) {
+  Skeleton skeleton;
+  for (const char* name : {"a", "a", "a_2", ""}) {
+    skeleton.branches.push_back(tapering(name, {{0, 0, 0}, {0, 0, 1}}, 0.1f));
+    skeleton.branches.back().level = 0;
+  }
+  complete_skeleton(skeleton);
+  EXPECT_EQ(skeleton.branches[1].name, "a_3");
+  EXPECT_EQ(skeleton.branches[2].name, "a_2");
+  EXPECT_EQ(skeleton.branches[3].name, "branch");
+}
+
+}  // namespace
+}  // namespace snowbough::tree

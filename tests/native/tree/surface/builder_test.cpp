@@ -1,0 +1,78 @@
+#include "tree/surface/builder.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+#include "native/tree/skeletons.h"
+#include "tree/skeleton/width.h"
+#include "tree/surface/limb_path.h"
+
+namespace snowbough::tree {
+namespace {
+
+constexpr uint32_t kSeeds = 60;
+
+void expect_same(const Surface& a, const Surface& b) {
+  EXPECT_EQ(a.vertices, b.vertices);
+  EXPECT_EQ(a.quads, b.quads);
+  EXPECT_EQ(a.clamped, b.clamped);
+  EXPECT_EQ(a.squeezed, b.squeezed);
+  ASSERT_EQ(a.junctions.size(), b.junctions.size());
+  for (size_t j = 0; j < a.junctions.size(); ++j) {
+    EXPECT_EQ(a.junctions[j].child, b.junctions[j].child);
+    EXPECT_EQ(a.junctions[j].row, b.junctions[j].row);
+    EXPECT_EQ(a.junctions[j].side, b.junctions[j].side);
+  }
+  for (size_t limb = 0; limb < a.limbs.size(); ++limb) {
+    ASSERT_EQ(a.limbs[limb].rings.size(), b.limbs[limb].rings.size());
+    for (size_t ring = 0; ring < a.limbs[limb].rings.size(); ++ring) {
+      EXPECT_EQ(a.limbs[limb].rings[ring].vertices, b.limbs[limb].rings[ring].vertices);
+    }
+  }
+}
+
+struct Plan {
+  explicit Plan(uint32_t seed)
+      : skeleton(RandomSkeleton(seed).make()),
+        scale(surface_scale(skeleton)),
+        paths(limb_paths(skeleton, limb_widths(skeleton, {}), scale)) {}
+
+  Skeleton skeleton;
+  SurfaceScale scale;
+  std::vector<LimbPath> paths;
+};
+
+TEST(SurfaceBuilder, BuildsAfterOtherReliefWhatItBuildsAtOnce) {
+  for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const Plan plan(seed);
+    std::mt19937 random(seed);
+    SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 1);
+    std::vector<uint8_t> relief(plan.paths.size(), 0);
+    builder.build(relief);
+    for (int round = 0; round < 3; ++round) {
+      for (uint8_t& steps : relief) {
+        steps = random() % 4 == 0 ? static_cast<uint8_t>(random() % 3) : steps;
+      }
+      builder.build(relief);
+      expect_same(builder.surface(),
+                  build_surface(plan.skeleton, plan.paths, plan.scale, {}, relief));
+    }
+  }
+}
+
+TEST(SurfaceBuilder, DoesNotDependOnTheNumberOfThreads) {
+  for (uint32_t seed = 0; seed < kSeeds; ++seed) {
+    SCOPED_TRACE(testing::Message() << "seed " << seed);
+    const Plan plan(seed);
+    SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 7);
+    const std::vector<uint8_t> relief(plan.paths.size(), 0);
+    builder.build(relief);
+    expect_same(builder.surface(),
+                build_surface(plan.skeleton, plan.paths, plan.scale, {}, relief));
+  }
+}
+
+}  // namespace
+}  // namespace snowbough::tree

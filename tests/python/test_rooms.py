@@ -1,0 +1,288 @@
+"""Includes and imports between rooms go one way: never upwards and in no circle."""
+
+import ast
+import re
+from pathlib import Path
+from typing import NamedTuple
+
+import pytest
+
+ROOT = Path(__file__).resolve().parents[2]
+
+# Floors of native/, the lowest first, and which of those before it each may know.
+FLOORS = {
+    "base": "",
+    "image": "base",
+    "gpu": "base",
+    "tree": "base",
+    "snow": "base image gpu",
+    "render": "base image gpu",
+    "python": "base image gpu tree snow render",
+}
+
+# Rooms of a folder, the lowest first: each may know those before it. A file that stands in the folder itself
+# can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
+# need only be free of circles.
+ROOMS = {
+    "native/tree": "skeleton obj rings read surface crossings mesh uv leaves",
+}
+
+
+class Arrow(NamedTuple):
+    """One include or import. Paths are relative to the root, the target's without what a module ends in."""
+
+    file: Path
+    line: int
+    target: Path
+
+    def __str__(self):
+        return f"{self.file.as_posix()}:{self.line}: {self.target.as_posix()}"
+
+
+def includes(root):
+    """Arrows between the sources under native/; headers from elsewhere are left out."""
+    for path in sorted(root.glob("native/**/*")):
+        if path.suffix not in {".h", ".cpp"}:
+            continue
+        for number, text in enumerate(path.read_text().splitlines(), 1):
+            found = re.match(r'\s*#\s*include\s*"([^"]+)"', text)
+            if not found:
+                continue
+            for folder in (path.parent, root / "native"):
+                target = (folder / found[1]).resolve()
+                if target.is_file() and target.is_relative_to(root / "native"):
+                    yield Arrow(path.relative_to(root), number, target.relative_to(root))
+                    break
+
+
+def imports(root, package="addon/snowbough"):
+    """Arrows between the modules of the add-on, those inside of functions included."""
+    for path in sorted((root / package).rglob("*.py")):
+        for node in ast.walk(ast.parse(path.read_text(), str(path))):
+            for target in imported(node, path, root / package):
+                yield Arrow(path.relative_to(root), node.lineno, target.relative_to(root))
+
+
+def imported(node, path, package):
+    """Paths in the package that an import statement names."""
+    if isinstance(node, ast.Import):
+        return [named for name in node.names if (named := absolute(name.name, package))]
+    if not isinstance(node, ast.ImportFrom):
+        return []
+    if node.level:
+        base = path.parents[node.level - 1].joinpath(*(node.module or "").split("."))
+    else:
+        base = absolute(node.module, package)
+    if base is None:
+        return []
+    # What is imported from a folder may be a module of it; a name that its __init__ defines is the folder's.
+    named = [base / name.name for name in node.names]
+    return [to if to.is_dir() or to.with_suffix(".py").exists() else base for to in named]
+
+
+def absolute(name, package):
+    first, *rest = name.split(".")
+    return package.joinpath(*rest) if first == package.name else None
+
+
+def place_in(folder, path):
+    """The room of a folder in which a path lies, or the file or module that stands in the folder itself."""
+    return path.relative_to(folder).parts[0].removesuffix(".py") if path != folder else "__init__"
+
+
+def arrows_within(arrows, folder):
+    """Arrows from one place of a folder to another: (from, to, arrow)."""
+    for arrow in arrows:
+        if arrow.file.is_relative_to(folder) and arrow.target.is_relative_to(folder):
+            places = place_in(folder, arrow.file), place_in(folder, arrow.target)
+            if places[0] != places[1]:
+                yield *places, arrow
+
+
+def allowed_by(order):
+    """Per room of an order, those before it."""
+    rooms = order.split()
+    return {room: set(rooms[:number]) for number, room in enumerate(rooms)}
+
+
+def upward(arrows, folder, allowed, is_room):
+    """What of a folder's arrows is not allowed. Places that `allowed` does not list are files above all rooms,
+    which may know each other, or rooms that somebody forgot to list."""
+    for source, target, arrow in arrows_within(arrows, folder):
+        for place in {source, target} - set(allowed):
+            if is_room(folder / place):
+                yield f"{arrow}: room {place} is not listed in {folder.as_posix()}"
+        if source in allowed and target not in allowed[source]:
+            yield f"{arrow}: {source} must not know {target}"
+
+
+def circular(arrows, folder, is_room):
+    """The arrows between a folder's rooms that are part of a circle."""
+    between = [a for a in arrows_within(arrows, folder) if is_room(folder / a[0]) and is_room(folder / a[1])]
+    known = {}
+    for source, target, _ in between:
+        known.setdefault(source, set()).add(target)
+
+    def reach(room, seen):
+        for other in known.get(room, ()):
+            if other not in seen:
+                seen.add(other)
+                reach(other, seen)
+        return seen
+
+    for source, target, arrow in between:
+        if source in reach(target, set()):
+            yield f"{arrow}: {source} and {target} know each other"
+
+
+def wrong_arrows(root, floors, rooms):
+    """One line for each include and import that runs upwards or in a circle, with file and line."""
+    root = root.resolve()
+    arrows = [*includes(root), *imports(root)]
+
+    def is_room(path):
+        return (root / path).is_dir()
+
+    for folder in sorted({parent for arrow in arrows for parent in arrow.file.parents}):
+        if folder == Path("native"):
+            yield from upward(
+                arrows, folder, {floor: set(to.split()) for floor, to in floors.items()}, is_room
+            )
+        elif folder.as_posix() in rooms:
+            yield from upward(arrows, folder, allowed_by(rooms[folder.as_posix()]), is_room)
+        else:
+            yield from circular(arrows, folder, is_room)
+
+
+def test_no_include_or_import_runs_upwards_or_in_a_circle():
+    assert list(wrong_arrows(ROOT, FLOORS, ROOMS)) == []
+
+
+def test_arrows_are_found_at_all():
+    assert len(list(includes(ROOT))) > 500
+    assert len(list(imports(ROOT))) > 100
+
+
+def test_floors_know_only_floors_listed_before_them():
+    listed = list(FLOORS)
+    for number, (floor, known) in enumerate(FLOORS.items()):
+        assert set(known.split()) <= set(listed[:number]), floor
+
+
+@pytest.mark.parametrize("folder", ROOMS)
+def test_listed_rooms_are_there(folder):
+    for room in ROOMS[folder].split():
+        place = ROOT / folder / room
+        assert place.is_dir() or place.with_suffix(".py").is_file()
+
+
+@pytest.fixture
+def house(tmp_path):
+    """Writes files from a dictionary of path and text and gives back what is wrong with them."""
+
+    def check(files, rooms=()):
+        for name, text in files.items():
+            path = tmp_path / name
+            path.parent.mkdir(parents=True, exist_ok=True)
+            path.write_text(text)
+        return list(wrong_arrows(tmp_path, FLOORS, dict(rooms)))
+
+    return check
+
+
+def test_an_include_of_a_higher_floor_is_told_with_file_and_line(house):
+    wrong = house(
+        {
+            "native/tree/a.h": '#pragma once\n\n#include "snow/b.h"\n',
+            "native/snow/b.h": '#include "base/c.h"\n',
+            "native/base/c.h": "#include <vector>\n",
+        }
+    )
+    assert wrong == ["native/tree/a.h:3: native/snow/b.h: tree must not know snow"]
+
+
+def test_an_include_of_a_higher_room_is_told_with_file_and_line(house):
+    wrong = house(
+        {
+            "native/tree/low/a.h": '#pragma once\n#include "tree/high/b.h"\n',
+            "native/tree/high/b.h": "",
+            "native/tree/high/c.h": '#include "tree/low/a.h"\n#include "b.h"\n',
+        },
+        {"native/tree": "low high"},
+    )
+    assert wrong == ["native/tree/low/a.h:2: native/tree/high/b.h: low must not know high"]
+
+
+def test_a_file_above_the_rooms_knows_them_all_and_none_knows_it(house):
+    wrong = house(
+        {
+            "native/tree/top.h": '#include "tree/low/a.h"\n#include "tree/beside.h"\n',
+            "native/tree/beside.h": "",
+            "native/tree/low/a.h": "",
+            "native/tree/low/b.cpp": '#include "tree/top.h"\n',
+        },
+        {"native/tree": "low"},
+    )
+    assert wrong == ["native/tree/low/b.cpp:1: native/tree/top.h: low must not know top.h"]
+
+
+def test_a_room_that_is_not_listed_is_told(house):
+    wrong = house(
+        {"native/tree/new/a.h": '#include "tree/low/b.h"\n', "native/tree/low/b.h": ""},
+        {"native/tree": "low"},
+    )
+    assert wrong == ["native/tree/new/a.h:1: native/tree/low/b.h: room new is not listed in native/tree"]
+
+
+def test_a_circle_of_rooms_without_an_order_is_told_with_each_of_its_includes(house):
+    wrong = house(
+        {
+            "native/snow/a/x.h": '#include "snow/b/y.h"\n',
+            "native/snow/b/y.h": '\n#include "snow/c/z.h"\n',
+            "native/snow/c/z.h": '#include "snow/a/x.h"\n#include "snow/d/w.h"\n',
+            "native/snow/d/w.h": "",
+        }
+    )
+    assert wrong == [
+        "native/snow/a/x.h:1: native/snow/b/y.h: a and b know each other",
+        "native/snow/b/y.h:2: native/snow/c/z.h: b and c know each other",
+        "native/snow/c/z.h:1: native/snow/a/x.h: c and a know each other",
+    ]
+
+
+@pytest.mark.parametrize(
+    "statement",
+    [
+        "from ..ui import panels",
+        "from ..ui.panels import draw",
+        "from .. import ui",
+        "import snowbough.ui.panels",
+        "from snowbough.ui import panels",
+    ],
+)
+def test_an_import_of_a_higher_room_is_told_however_it_is_written(house, statement):
+    wrong = house(
+        {
+            "addon/snowbough/__init__.py": "from .ui import panels\n",
+            "addon/snowbough/names.py": "",
+            "addon/snowbough/cache/files.py": f"from .. import names\n\n\ndef later():\n    {statement}\n",
+            "addon/snowbough/ui/panels.py": "from ..cache.files import later\nimport bpy\n",
+        },
+        {"addon/snowbough": "names cache ui"},
+    )
+    assert len(wrong) == 1
+    assert wrong[0].startswith("addon/snowbough/cache/files.py:5: addon/snowbough/ui")
+    assert wrong[0].endswith(": cache must not know ui")
+
+
+def test_a_circle_of_imports_is_told(house):
+    wrong = house(
+        {
+            "addon/snowbough/a/x.py": "from ..b import y\n",
+            "addon/snowbough/b/y.py": "from snowbough.a.x import f\n",
+        }
+    )
+    assert wrong == [
+        "addon/snowbough/a/x.py:1: addon/snowbough/b/y: a and b know each other",
+        "addon/snowbough/b/y.py:1: addon/snowbough/a/x: b and a know each other",
+    ]
