@@ -86,9 +86,9 @@ def build_synthetic(addon, bones=None):
     """Makes armature and bark in the current scene; returns (rig, bark)."""
     import bpy
 
-    tree_armature, tree_objects = addon("tree_armature"), addon("tree_objects")
+    tree_armature, tree_objects = addon("tree.armature"), addon("tree.objects")
     bones = bones or synthetic_bones()
-    names = addon("bone_names").fitting_names(bones["names"])
+    names = addon("tree.bone_names").fitting_names(bones["names"])
     arrays = tree_armature.BoneArrays(**{**bones, "names": names})
     collection = bpy.data.collections.new("tree")
     bpy.context.scene.collection.children.link(collection)

@@ -6,8 +6,14 @@ from pathlib import Path
 
 import numpy as np
 
-from . import bake_plan, cache, checkpoint
-from .coverage import Coverage
+from ..cache import checkpoint
+from ..cache import folder as receiver_folder
+from ..cache.coverage import Coverage
+from ..cache.errors import InputsChanged
+from ..cache.files import EVER_COVERED, digest, frame_file, state_file
+from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
+from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+from . import plan
 
 
 @dataclass
@@ -30,24 +36,24 @@ class BakedReceiver:
     def settings(self, shot):
         """What its maps depend on: the shot's settings (a dict) and its own."""
         own = {"resolution": self.resolution, "uv_map": self.uv_map, "name": self.label}
-        return {"shot": cache.digest(shot), "snowfall": shot, "receiver": own}
+        return {"shot": digest(shot), "snowfall": shot, "receiver": own}
 
     def compare_settings(self, shot):
         """Raises InputsChanged, naming what differs, where the folder was baked with other settings."""
-        manifest = cache.read_manifest(self.folder)
+        manifest = read_manifest(self.folder)
         if manifest is None:
             return
-        changes = cache.describe_changes(manifest["settings"], self.settings(shot))
+        changes = describe_changes(manifest["settings"], self.settings(shot))
         changes = [change for change in changes if not change.startswith("shot:")]
         if changes:
-            raise cache.InputsChanged(
+            raise InputsChanged(
                 f"{self.label} in {self.folder.parent.name} was baked with other settings "
                 f"({'; '.join(changes)}): bake again from the start, or set them back"
             )
 
     def start(self, shot):
         """Makes the folder ready for the shot's first frame."""
-        cache.clear(self.folder, keep_lock=True)
+        receiver_folder.clear(self.folder, keep_lock=True)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
@@ -55,23 +61,23 @@ class BakedReceiver:
         """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
         frame, a dict with its number as ``frame``; the greatest height is added."""
         frame, height = noted["frame"], output["height"]
-        native.write_exr(str(self.folder / cache.frame_file("height", frame)), height)
+        native.write_exr(str(self.folder / frame_file("height", frame)), height)
         if "normal" in output:
-            path = self.folder / cache.frame_file("normal", frame)
+            path = self.folder / frame_file("normal", frame)
             native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
         self.covered.add(height)
         self.frames.append({**noted, "highest": float(height.max())})
 
     def write_manifest(self, shot, complete):
         own = self.settings(shot)
-        cache.write_manifest(
+        write_manifest(
             self.folder,
             {
                 "object": self.name,
                 "label": self.label,
                 "library": self.library,
                 "complete": complete,
-                "hash": cache.digest(own),
+                "hash": digest(own),
                 "settings": own,
                 "frames": self.frames,
             },
@@ -79,40 +85,38 @@ class BakedReceiver:
 
     def write_checkpoint(self, frame, shot, state, driver, inputs):
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
-        simulation_state gives it, the driver's name, the poses so far (scene_inputs)."""
+        simulation_state gives it, the driver's name, the poses so far (scene.inputs)."""
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
-        cache.write_sidecar(self.folder, frame, sidecar)
+        receiver_folder.write_sidecar(self.folder, frame, sidecar)
         self.write_manifest(shot, False)
-        checkpoint.write(
-            self.folder / cache.state_file(frame), state["step_number"], state["objects"][self.key]
-        )
+        checkpoint.write(self.folder / state_file(frame), state["step_number"], state["objects"][self.key])
         self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, frame):
-        """Takes coverage and statistics of a checkpoint; returns (step number, state, driver, inputs)."""
-        cache.remove_stray_files(self.folder)
-        sidecar = cache.read_sidecar(self.folder, frame)
+        """Sets coverage and frames to those of a checkpoint; returns (step number, state, driver, inputs)."""
+        receiver_folder.remove_stray_files(self.folder)
+        sidecar = receiver_folder.read_sidecar(self.folder, frame)
         self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
         self.frames = sidecar["frames"]
-        step_number, state = checkpoint.read(self.folder / cache.state_file(frame))
+        step_number, state = checkpoint.read(self.folder / state_file(frame))
         return step_number, state, sidecar["driver"], sidecar["inputs"]
 
     def forget_after(self, frame):
         """Removes what was baked after a checkpoint."""
-        cache.remove_frames_after(self.folder, frame)
-        for later in cache.checkpoints(self.folder):
+        receiver_folder.remove_frames_after(self.folder, frame)
+        for later in receiver_folder.checkpoints(self.folder):
             if later > frame:
-                cache.remove_checkpoint(self.folder, later)
+                receiver_folder.remove_checkpoint(self.folder, later)
 
     def complete(self, shot, native, inputs):
         """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
-        cache.write_inputs(self.folder, inputs)
-        self.covered.write(native, self.folder / cache.EVER_COVERED)
+        write_inputs(self.folder, inputs)
+        self.covered.write(native, self.folder / EVER_COVERED)
         self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
         self.write_manifest(shot, complete=True)
 
     def _remove_passed_checkpoints(self, shot, before):
-        cache.remove_irregular_checkpoints(
+        receiver_folder.remove_irregular_checkpoints(
             self.folder, shot["frame_start"], shot["checkpoint_interval"], before
         )
 
@@ -128,17 +132,17 @@ def surface_and_uv_area(topology, positions):
 
 
 def measure(obj, texel_size):
-    """The BakedReceiver of a scene_reader.ObjectPose. Raises ValueError, naming it, for what has no area."""
+    """The BakedReceiver of a scene.pose.ObjectPose. Raises ValueError, naming it, for what has no area."""
     try:
         areas = surface_and_uv_area(obj.topology, obj.positions)
-        per_map = bake_plan.metres_per_map(*areas)
+        per_map = plan.metres_per_map(*areas)
     except ValueError as error:
         raise ValueError(f"'{obj.label}': {error}") from error
-    resolution = obj.receiver.resolution or bake_plan.automatic_resolution(*areas, texel_size)
-    if not bake_plan.MIN_RESOLUTION <= resolution <= bake_plan.MAX_RESOLUTION:
+    resolution = obj.receiver.resolution or plan.automatic_resolution(*areas, texel_size)
+    if not MIN_RESOLUTION <= resolution <= MAX_RESOLUTION:
         raise ValueError(
             f"'{obj.label}' has a resolution of {resolution}; it must be 0 (automatic) or from "
-            f"{bake_plan.MIN_RESOLUTION} to {bake_plan.MAX_RESOLUTION}"
+            f"{MIN_RESOLUTION} to {MAX_RESOLUTION}"
         )
     return BakedReceiver(
         obj.key,

@@ -11,20 +11,27 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_operators, bake_plan, bake_request, cache, mesh_record, scene_inputs, scene_reader
-
-# Manifest's path -> (time of its last change, manifest).
-_manifests = {}
+from .. import session
+from ..cache.errors import CacheError
+from ..cache.files import MANIFEST
+from ..cache.manifest import read_inputs, read_manifest
+from ..scene import inputs
+from ..scene.pose import metres_per_unit
+from ..scene.reader import SceneReader
+from ..scene.receivers import receiver_specs
+from ..scene.uv_maps import choose_uv_map
+from . import plan
+from .from_scene import make_request
 
 
 def _manifest(folder):
-    path = Path(bpy.path.abspath(folder)) / cache.MANIFEST
+    path = Path(bpy.path.abspath(folder)) / MANIFEST
     try:
         changed = path.stat().st_mtime_ns
-        known = _manifests.get(path)
+        known = session.manifests.get(path)
         if known is None or known[0] != changed:
-            known = _manifests[path] = (changed, cache.read_manifest(path.parent))
-    except (OSError, cache.CacheError):
+            known = session.manifests[path] = (changed, read_manifest(path.parent))
+    except (OSError, CacheError):
         return None
     return known[1]
 
@@ -56,11 +63,11 @@ def settings_changes(scene):
     if not entries:
         return []
     try:
-        request = bake_operators.make_request(scene)
+        request = make_request(scene)
         totals = None
         if request.rates is not None:
             totals = list(
-                bake_plan.plan_snowfall(
+                plan.plan_snowfall(
                     request.frame_start,
                     request.frame_end,
                     request.start_depth,
@@ -73,8 +80,7 @@ def settings_changes(scene):
     texts = []
     for entry, manifest in entries:
         before = manifest["settings"]["snowfall"]
-        for name in bake_request.SHOT_SETTINGS:
-            now = getattr(request, name)
+        for name, now in request.shot().items():
             if before.get(name) != now:
                 texts.append(f"{_label(scene, name)}: {_spelled(now)}, was {_spelled(before.get(name))}")
         if request.pixel_size and request.pixel_size != before["pixel_size"]:
@@ -92,7 +98,7 @@ def _receiver_changes(entry, before):
     if obj.type == "MESH":
         names = [layer.name for layer in obj.data.uv_layers]
         active = obj.data.uv_layers.active
-        uv_map = mesh_record.choose_uv_map(entry.uv_map, names, active.name if active else "")
+        uv_map = choose_uv_map(entry.uv_map, names, active.name if active else "")
         if uv_map != before["uv_map"]:
             yield f"{obj.name}: UV map '{uv_map}', was '{before['uv_map']}'"
 
@@ -101,19 +107,19 @@ def scene_changes(scene, depsgraph):
     """Texts such as ``Cart: transform changed at frame 12`` on the current frame, seen through depsgraph."""
     recorded = None
     for entry, _ in _baked_entries(scene):
-        poses = cache.read_inputs(bpy.path.abspath(entry.folder))
+        poses = read_inputs(bpy.path.abspath(entry.folder))
         if poses is not None:
-            recorded = scene_inputs.SceneInputs(poses).at(scene_inputs.pose_name(scene.frame_current, 0.0))
+            recorded = inputs.SceneInputs(poses).at(inputs.pose_name(scene.frame_current, 0.0))
             break
     if recorded is None:
         return []
-    reader = scene_reader.SceneReader(scene_reader.receiver_specs(scene), scene_reader.scale_length(scene))
+    reader = SceneReader(receiver_specs(scene), metres_per_unit(scene))
     try:
         pose = reader.read(depsgraph, scene.frame_current)
     except ValueError:  # a bake will say so
         return []
     texts = []
-    for label in sorted(recorded.keys() - {scene_inputs.SNOWFALL}):
+    for label in sorted(recorded.keys() - {inputs.SNOWFALL}):
         obj = scene.objects.get(label)
         now = next((own for own in pose.objects.values() if own.label == label and own.name == label), None)
         if obj is None and " / " not in label:
@@ -122,7 +128,7 @@ def scene_changes(scene, depsgraph):
             before, after = list(recorded[label]), list(now.prints)
             if obj.type != "MESH" or obj.modifiers:
                 before[1:3] = after[1:3] = ("", "")
-            text = scene_inputs.difference(before, after)
+            text = inputs.difference(before, after)
             if text:
                 texts.append(f"{label}: {text} at frame {scene.frame_current}")
     return texts

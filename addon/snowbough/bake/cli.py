@@ -32,23 +32,49 @@ from pathlib import Path
 
 import bpy
 
-from . import bake_engine, bake_operators, bake_plan, bake_request, cache, map_writer, native, preflight
+from .. import native
+from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
+from ..cache.files import write_bytes
+from ..names import (
+    EXIT_CACHE,
+    EXIT_CHANGED,
+    EXIT_FAILED,
+    EXIT_NO_CHECKPOINT,
+    EXIT_NO_NATIVE,
+    EXIT_OK,
+    EXIT_STOPPED,
+)
+from . import engine, plan, preflight
+from .from_scene import make_request, prepare_bake
+from .map_writer import WriteFailed
+from .outcome import describe, one_line
+from .request import NoGpu
 
-OK, FAILED, USAGE, NO_CHECKPOINT, CHANGED, CACHE, NO_GPU, STOPPED = 0, 1, 2, 3, 4, 5, 6, 130
+
+def add_arguments(parser):
+    """What ``bake`` takes."""
+    parser.add_argument("--frames", metavar="A-B", help="default: the scene's settings")
+    parser.add_argument("--cache", metavar="DIR")
+    parser.add_argument("--json", metavar="R.json")
+    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--objects", metavar="A,B", help="only these receivers")
+    parser.add_argument(
+        "--allow-other-driver", action="store_true", help="resume although the GPU driver changed"
+    )
 
 
 def exit_code(error):
     """The exit code for what went wrong."""
     for kinds, code in (
-        ((cache.NoCheckpoint,), NO_CHECKPOINT),
-        ((cache.InputsChanged,), CHANGED),
-        ((cache.CacheError, OSError), CACHE),
-        ((native.NativeModuleMissing, bake_request.NoGpu), NO_GPU),
-        ((map_writer.WriteFailed,), CACHE),
+        ((NoCheckpoint,), EXIT_NO_CHECKPOINT),
+        ((InputsChanged,), EXIT_CHANGED),
+        ((CacheError, OSError), EXIT_CACHE),
+        ((native.NativeModuleMissing, NoGpu), EXIT_NO_NATIVE),
+        ((WriteFailed,), EXIT_CACHE),
     ):
         if isinstance(error, kinds):
             return code
-    return FAILED
+    return EXIT_FAILED
 
 
 def frame_line(result, seconds_left):
@@ -67,15 +93,15 @@ def run(args):
     (bool), objects ("A,B" or None).
     """
     scene = bpy.context.scene
-    report = {"exit_code": FAILED, "error": None, "frames": [], "receivers": {}}
-    code, message = FAILED, None
+    report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
+    code, message = EXIT_FAILED, None
     try:
         settings = scene.snowbough
         first, last = settings.frame_start, settings.frame_end
         if args.frames:
-            first, last = bake_plan.parse_frames(args.frames, first, last)
+            first, last = plan.parse_frames(args.frames, first, last)
         objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
-        request = bake_operators.make_request(
+        request = make_request(
             scene,
             resume=bool(args.resume),
             first=first,
@@ -86,14 +112,14 @@ def run(args):
         )
         code, message = _bake(request, report)
     except (ValueError, RuntimeError, OSError) as error:
-        code, message = exit_code(error), bake_operators.one_line(error)
+        code, message = exit_code(error), one_line(error)
     report["exit_code"], report["error"] = code, message
     if args.json:
         try:
             Path(args.json).parent.mkdir(parents=True, exist_ok=True)
-            cache.write_bytes(args.json, json.dumps(report, indent=1).encode() + b"\n")
-        except (cache.CacheError, OSError) as error:
-            message, code = message or bake_operators.one_line(error), code or CACHE
+            write_bytes(args.json, json.dumps(report, indent=1).encode() + b"\n")
+        except (CacheError, OSError) as error:
+            message, code = message or one_line(error), code or EXIT_CACHE
     if message:
         print(f"SNOWBOUGH error={json.dumps(message)} code={code}", file=sys.stderr, flush=True)
     else:
@@ -119,11 +145,11 @@ def _bake(request, report):
             }
         )
 
-    running = bake_operators.make_session(bpy.context.scene, request, on_frame)
+    running = prepare_bake(bpy.context.scene, request, on_frame)
     report["warnings"] = preflight.warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     for text in report["warnings"]:
         print(f"SNOWBOUGH warning={json.dumps(text)}", file=sys.stderr, flush=True)
-    bake_engine.run(bpy.context, running)
+    engine.run(bpy.context, running)
     job = running.job
     report["version"] = str(job.version) if job.version else ""
     report["pixel_size"] = job.pixel_size
@@ -131,7 +157,7 @@ def _bake(request, report):
     report["settings"] = {"frame_start": request.frame_start, "frame_end": request.frame_end,
                           "first": request.first, "last": request.last}  # fmt: skip
     if running.error is not None:
-        return exit_code(running.error), bake_operators.one_line(running.error)
+        return exit_code(running.error), one_line(running.error)
     if running.cancelled:
-        return STOPPED, bake_operators.outcome(running)[1]
-    return OK, None
+        return EXIT_STOPPED, describe(running)[1]
+    return EXIT_OK, None

@@ -18,7 +18,10 @@ import time
 
 import bpy
 
-from . import bake_request, displacement, scene_reader
+from .. import session
+from ..result.displacement import Muted
+from ..scene.reader import SceneReader
+from .request import BakeCancelled
 
 ENGINE = "SNOWBOUGH_BAKE"
 CAMERA = "Snowbough Bake Camera"
@@ -50,14 +53,14 @@ RENDER_SETTINGS = {
     "use_sequencer": False,
     "use_multiview": False,
     "use_freestyle": False,
-    # Blender's own lock stops drawing the 3D view and takes the clicks from our Stop button: bake_lock
+    # Blender's own lock stops drawing the 3D view and takes the clicks from our Stop button: ui.editing_lock
     # keeps the artist's hands off instead.
     "use_lock_interface": False,
 }
 
 
-class Session:
-    """A running bake, and afterwards how it went. Texts and numbers only, besides the job."""
+class RunningBake:
+    """A bake, and afterwards how it went. Texts and numbers only, besides the job."""
 
     def __init__(self, job, specs, scale_length, on_frame=None):
         self.job = job
@@ -69,7 +72,7 @@ class Session:
         self.stop_requested = False
         self.begun = time.monotonic()
         self.shown = 0.0
-        self.taken = False
+        self.in_render = False
         self.done = False
         self.last_result = None
 
@@ -100,16 +103,12 @@ class Session:
         return f"frame {result.frame} of {result.first}-{result.last}, {left // 60}:{left % 60:02d} left"
 
 
-_session = None
 _prepared = None
 _finished = None
+# Whether this module's handlers are those of the add-on that is switched on. A bake that ends after the add-on
+# was switched off, and perhaps on again, ends in the module that began it.
 _registered = False
 _switch_interval = None
-
-
-def session():
-    """The running Session, or None."""
-    return _session
 
 
 def _step_back():
@@ -125,11 +124,11 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
     bl_label = "Snowbough Bake"
 
     def render(self, depsgraph):
-        running = _session
-        if running is None or running.taken:
+        running = session.bake
+        if running is None or running.in_render:
             return
-        running.taken = True
-        reader = scene_reader.SceneReader(running.specs, running.scale_length)
+        running.in_render = True
+        reader = SceneReader(running.specs, running.scale_length)
         in_window = not bpy.app.background
         if in_window:
             _step_back()
@@ -151,7 +150,7 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
 
         try:
             running.job.run(evaluate, report, cancelled)
-        except bake_request.BakeCancelled:
+        except BakeCancelled:
             running.cancelled = True
         except Exception as error:  # an exception that leaves render() would only be printed
             running.error = error
@@ -172,7 +171,7 @@ class _PreparedScene:
         self._settings = {name: getattr(render, name) for name in RENDER_SETTINGS if hasattr(render, name)}
         self._frame = (scene.frame_current, scene.frame_subframe)
         self._layers = {layer.name: layer.use for layer in scene.view_layers}
-        self._muted = displacement.Muted(scene)
+        self._muted = Muted(scene)
         preferences = bpy.context.preferences.view
         self._display = preferences.render_display_type
         self._temporary_camera = scene.camera is None
@@ -214,20 +213,20 @@ class _PreparedScene:
 
 
 def _begin(context, running):
-    global _session, _prepared
-    if _session is not None:
+    global _prepared
+    if session.bake is not None:
         raise RuntimeError("A bake is running already")
     _prepared = _PreparedScene(context.scene, context.view_layer)
-    _session = running
+    session.bake = running
 
 
 def _end():
-    global _session, _prepared
-    running, _session = _session, None
+    global _prepared
+    running, session.bake = session.bake, None
     prepared, _prepared = _prepared, None
     _restore_switching()
     prepared.restore()
-    if not running.taken and running.error is None:
+    if not running.in_render and running.error is None:
         running.error = RuntimeError("Blender did not start the render that the bake runs in")
     return running
 
@@ -270,27 +269,29 @@ def start(context, running, finished):
 
 def stop():
     """Asks the running bake to stop after the frame it works on."""
-    if _session is not None:
-        _session.stop_requested = True
+    if session.bake is not None:
+        session.bake.stop_requested = True
 
 
 def _poll():
     """Waits in the main thread for the job's end."""
     global _finished
-    if _session is None:
+    if session.bake is None:
         return None
-    if time.monotonic() - _session.shown > REDRAW_SECONDS:
-        _session.shown = time.monotonic()
+    if time.monotonic() - session.bake.shown > REDRAW_SECONDS:
+        session.bake.shown = time.monotonic()
         _redraw_panels()
-        _show_status(f"Baking snow: {_session.status()}    Esc: stop and keep what is done")
-    if bpy.app.is_job_running("RENDER") or not (_session.done or time.monotonic() - _session.begun > 5.0):
+        _show_status(f"Baking snow: {session.bake.status()}    Esc: stop and keep what is done")
+    if bpy.app.is_job_running("RENDER") or not (
+        session.bake.done or time.monotonic() - session.bake.begun > 5.0
+    ):
         return POLL_SECONDS
     running = _end()
     finished, _finished = _finished, None
     _show_status(None)
-    if _registered:
+    if session.enabled:
         finished(running)
-    else:  # the add-on was switched off meanwhile
+    if not _registered:  # the add-on was switched off meanwhile
         _remove_handlers()
     return None
 
@@ -317,13 +318,13 @@ def _show_status(text):
 def _forget(*_):
     """Another file is about to be loaded: waits until the render thread has left the scene, and puts
     everything back, in case that loading fails. Blender's job itself ends in the middle of loading."""
-    global _session, _prepared, _finished
-    running, _session = _session, None
-    if running is None:
+    global _prepared, _finished
+    if _prepared is None:
         return
+    running, session.bake = session.bake, None
     running.stop_requested = True
     begun = time.monotonic()
-    while running.taken and not running.done and time.monotonic() - begun < STOPPING_SECONDS:
+    while running.in_render and not running.done and time.monotonic() - begun < STOPPING_SECONDS:
         time.sleep(0.01)
     _restore_switching()
     _prepared.restore(keep_engine=True)
@@ -334,15 +335,13 @@ def _forget(*_):
 @bpy.app.handlers.persistent
 def _after_load(*_):
     """The engine's class outlives the job that Blender ended while it loaded the file."""
-    if _session is None and _class_is_registered():
+    if session.bake is None and _class_is_registered():
         bpy.utils.unregister_class(SNOWBOUGH_BAKE)
 
 
 def register():
     global _registered
-    _registered = True
-    if _forget in bpy.app.handlers.load_pre:  # switched off and on again while a bake ends
-        return
+    _registered = session.enabled = True
     bpy.app.handlers.load_pre.append(_forget)
     bpy.app.handlers.load_post.append(_after_load)
 
@@ -356,7 +355,7 @@ def unregister():
     """While a bake runs, the add-on's rest goes and the bake is asked to stop; _poll stays until Blender's
     job has ended, since the render thread is in the engine until then, and puts everything back."""
     global _registered
-    _registered = False
+    _registered = session.enabled = False
     stop()
-    if _session is None:
+    if _prepared is None:
         _remove_handlers()

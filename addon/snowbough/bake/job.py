@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake from its first pose to its last file, as plain data: no ``bpy`` and no reference into the scene.
 
-The hidden render engine (bake_engine) calls BakeJob.run in Blender's render thread and hands in a way to
+The hidden render engine (engine) calls BakeJob.run in Blender's render thread and hands in a way to
 get poses. Three things run beside each other: Blender evaluates the next pose in this thread, the
 simulation works on the pose before in a second one, and others (map_writer) make maps of what the
 simulation left of the poses before that, pack them and write them. Order and results do not depend on
@@ -18,12 +18,18 @@ import contextlib
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from . import bake_plan, baked_receiver, cache, simulation_scene
-from .bake_log import open_log
-from .bake_request import SHOT_SETTINGS, BakeCancelled, FrameResult, NoGpu
+from ..cache import versions
+from ..cache.errors import CacheError, CacheFinished, InputsChanged, NoCheckpoint
+from ..cache.files import digest, make_folder
+from ..cache.folder import checkpoints
+from ..cache.lock import drop_dead_lock, lock_folder
+from ..cache.manifest import read_inputs, read_manifest
+from ..scene.inputs import SceneInputs
+from ..scene.tracker import SceneTracker
+from . import baked_receiver, plan, simulation
+from .log import open_log
 from .map_writer import MapWriter, WriteFailed
-from .scene_inputs import SceneInputs
-from .scene_tracker import SceneTracker
+from .request import BakeCancelled, FrameResult, NoGpu
 
 
 class BakeJob:
@@ -32,7 +38,7 @@ class BakeJob:
     def __init__(self, request, native):
         self.request = request
         self.native = native
-        self.root = cache.scene_folder(request.cache, request.scene_name)
+        self.root = versions.scene_folder(request.cache, request.scene_name)
         self.version = None
         self.receivers = []
         self.baked = []
@@ -56,10 +62,10 @@ class BakeJob:
     # -- the recipe ------------------------------------------------------------------------------------
 
     def run(self, evaluate, report=lambda result: None, cancelled=lambda: False):
-        """Bakes. evaluate(frame, subframe) -> scene_reader.ScenePose; report(FrameResult) after each
+        """Bakes. evaluate(frame, subframe) -> scene.pose.ScenePose; report(FrameResult) after each
         frame; cancelled() is asked between frames.
 
-        Raises BakeCancelled, cache.CacheError and its kinds, ValueError (scene or settings) or
+        Raises BakeCancelled, CacheError and its kinds, ValueError (scene or settings) or
         RuntimeError (no EGL, driver).
         """
         request = self.request
@@ -69,19 +75,19 @@ class BakeJob:
             snowfall = self._plan(evaluate)
             self._identify(first_pose)
             settings = self._settings(snowfall)
-            added, self._positions = self._tracker.take(first_pose, request.frame_start, 0.0)
+            added, self._positions = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
             stack.callback(self._close_simulation)
-            if not self._goes_on():
+            if not self._may_resume():
                 self._make_simulation(added)  # lays maps out while the driver is still being loaded
             self._driver = driver_of(self._gpu)  # without a GPU nothing is begun
-            cache.make_folder(self.root)
-            stack.callback(cache.remove_empty_folders, self.root)
+            make_folder(self.root)
+            stack.callback(versions.remove_empty_folders, self.root)
             self._open_version(settings, stack)
             if not self.receivers:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
             rest = self._checkpoint_frame()
-            if self._goes_on():  # only now is known which receivers are finished and need no map
+            if self._may_resume():  # only now is known which receivers are finished and need no map
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
             log(f"{self._driver}; {self.version.name}; {', '.join(r.label for r in self.receivers)}")
@@ -91,7 +97,7 @@ class BakeJob:
                     receiver.start(settings)
                 begin = request.frame_start
             else:
-                self._go_on(rest, evaluate, snowfall, first_pose, settings, log, cancelled)
+                self._resume_from(rest, evaluate, snowfall, first_pose, settings, log, cancelled)
                 begin = rest + 1
             self._bake(begin, evaluate, snowfall, settings, report, cancelled, log)
 
@@ -100,7 +106,7 @@ class BakeJob:
         rates = request.rates
         if rates is None:
             rates = [evaluate(frame, 0.0).rate for frame in range(request.frame_start, request.frame_end + 1)]
-        return bake_plan.plan_snowfall(
+        return plan.plan_snowfall(
             request.frame_start, request.frame_end, request.start_depth, request.end_depth, rates
         )
 
@@ -132,27 +138,25 @@ class BakeJob:
                 f"No enabled receiver is named {', '.join(sorted(wanted))}; there are: "
                 f"{', '.join(sorted({o.receiver.name for o in enabled}))}"
             )
-        self.pixel_size = simulation_scene.pixel_size(pose, texels, request.pixel_size)
+        self.pixel_size = simulation.pixel_size(pose, texels, request.pixel_size)
 
     # -- settings, version, checkpoint -----------------------------------------------------------------
 
     def _settings(self, snowfall):
-        request = self.request
-        shot = {name: getattr(request, name) for name in SHOT_SETTINGS}
-        return {**shot, "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
+        return {**self.request.shot(), "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
 
-    def _goes_on(self):
+    def _may_resume(self):
         """Whether the bake may go on where another one stopped."""
         return self.request.resume or self.request.first > self.request.frame_start
 
     def _open_version(self, settings, stack):
         keys = [receiver.key for receiver in self.receivers]
         number, finished = None, []
-        if self._goes_on():
-            number, finished = cache.resumable_version(self.root, keys)
+        if self._may_resume():
+            number, finished = versions.resumable_version(self.root, keys)
         if number is None:
-            number = cache.choose_version(self.root, keys, cache.digest(settings))
-        self.version = cache.version_folder(self.root, number)
+            number = versions.choose_version(self.root, keys, digest(settings))
+        self.version = versions.version_folder(self.root, number)
         self.baked = list(self.receivers)
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
@@ -160,20 +164,20 @@ class BakeJob:
         for receiver in self.receivers:
             if receiver.key in finished:
                 receiver.compare_settings(settings)
-                cache.drop_dead_lock(receiver.folder)
+                drop_dead_lock(receiver.folder)
         self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
         for receiver in self.receivers:
-            stack.enter_context(cache.lock_folder(receiver.folder))
+            stack.enter_context(lock_folder(receiver.folder))
             # Between choosing and locking another machine may have finished it.
-            if (cache.read_manifest(receiver.folder) or {}).get("complete"):
-                raise cache.CacheFinished(
+            if (read_manifest(receiver.folder) or {}).get("complete"):
+                raise CacheFinished(
                     f"{receiver.label} was just finished in {self.version.name} by another bake"
                 )
 
     def _checkpoint_frame(self):
         """The frame of the checkpoint to go on from, None for a fresh start."""
         request = self.request
-        common = set.intersection(*(set(cache.checkpoints(r.folder)) for r in self.receivers))
+        common = set.intersection(*(set(checkpoints(r.folder)) for r in self.receivers))
         if request.resume:
             usable = [frame for frame in common if request.first - 1 <= frame <= request.last]
             if usable:
@@ -182,13 +186,13 @@ class BakeJob:
             return request.first - 1
         if request.first > request.frame_start:
             there = f"there are: {sorted(common)}" if common else "there is none"
-            raise cache.NoCheckpoint(
+            raise NoCheckpoint(
                 f"Frame {request.first} needs the checkpoint of frame {request.first - 1} in {self.version} "
                 f"({there}). Bake from frame {request.frame_start}, or start after a checkpoint"
             )
         return None
 
-    def _go_on(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
+    def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
         request = self.request
         numbers, states, before = set(), {}, None
@@ -197,22 +201,22 @@ class BakeJob:
             number, states[receiver.key], driver, before = receiver.read_checkpoint(frame)
             numbers.add(number)
             if driver != self._driver and not request.allow_other_driver:
-                raise cache.InputsChanged(
+                raise InputsChanged(
                     f"The checkpoint was made with another driver ({driver}, this is {self._driver}), so the "
                     "bake would not end with the same bytes: resume there, or allow another driver"
                 )
         if len(numbers) > 1:
-            raise cache.InputsChanged(
+            raise InputsChanged(
                 f"The receivers' checkpoints of frame {frame} do not belong together (steps "
                 f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
             )
         log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
-        added, moved = self._walk(evaluate, snowfall, first_pose, frame, cancelled)
-        self._registry.take(added)
+        added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
+        self._registry.register_changes(added)
         self._positions.update(moved)
         difference = SceneInputs(before).first_difference(self._tracker.inputs)
         if difference:
-            raise cache.InputsChanged(
+            raise InputsChanged(
                 f"The scene is not the one that was baked ({difference}): bake again from the start"
             )
         for receiver in self.receivers:
@@ -222,29 +226,28 @@ class BakeJob:
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
         """Compares the scene, frame by frame, with what the finished receivers were baked from."""
-        recorded = next(
-            (poses for r in self.baked if (poses := cache.read_inputs(r.folder)) is not None), None
-        )
+        recorded = next((poses for r in self.baked if (poses := read_inputs(r.folder)) is not None), None)
         if recorded is None:
             return
-        self._walk(evaluate, snowfall, first_pose, self.request.last, cancelled)
+        self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
         difference = SceneInputs(recorded).first_difference(self._tracker.inputs)
         if difference:
-            raise cache.InputsChanged(
+            raise InputsChanged(
                 f"The scene is not the one that {self.version.name} was baked from ({difference}): bake again; "
                 "the finished version is kept until it is freed"
             )
 
-    def _walk(self, evaluate, snowfall, first_pose, last, cancelled):
-        """Evaluates all poses up to frame ``last`` without snow; returns what take() does for all together."""
+    def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
+        """Evaluates all poses up to frame ``last`` without snow; returns what register_changes() of the
+        tracker does, for all together."""
         start = (self.request.frame_start, 0.0)
-        added, positions = self._tracker.take(first_pose, *start)
+        added, positions = self._tracker.register_changes(first_pose, *start)
         for frame in range(start[0], last + 1):
             if cancelled():
                 raise BakeCancelled
             for at, _ in self._poses(snowfall, frame):
                 if at != start:
-                    more, moved = self._tracker.take(evaluate(*at), *at)
+                    more, moved = self._tracker.register_changes(evaluate(*at), *at)
                     added.update(more)  # of an object that changed its mesh, the last one
                     positions.update(moved)
         return added, positions
@@ -252,29 +255,22 @@ class BakeJob:
     # -- the scene and the simulation ------------------------------------------------------------------
 
     def _make_simulation(self, added):
-        """With the objects of the shot's first pose, as SceneTracker.take gives them. Needs no GPU yet."""
+        """With the objects of the shot's first pose, as SceneTracker.register_changes gives them. Needs no GPU yet."""
         request = self.request
-        self._simulation = self.native.SnowSimulation(
-            pixel_size=self.pixel_size,
-            noise_density=request.noise_density,
-            flutter=request.flutter,
-            max_depth=request.max_depth,
-            slide_half_life=request.slide_half_life,
-            seed=request.seed,
-            mapping=request.mapping,
-            wait_for_gpu=False,
+        self._simulation = simulation.make_simulation(
+            self.native, request.snow, self.pixel_size, wait_for_gpu=False
         )
         # Maps for the receivers that this bake writes; all else shelters them.
         maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
-        self._registry = simulation_scene.Registry(self._simulation, maps)
-        self._registry.take(added)
+        self._registry = simulation.Registry(self._simulation, maps)
+        self._registry.register_changes(added)
 
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""
         request = self.request
-        steps = bake_plan.frame_steps(snowfall, frame, request.fps, request.substeps)
+        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps)
         if frame == request.frame_start:
-            steps = bake_plan.preroll_steps(snowfall, request.fps, request.slide_half_life) + steps
+            steps = plan.preroll_steps(snowfall, request.fps, request.snow["slide_half_life"]) + steps
         poses = []
         for step in steps:
             at = (step.frame, step.subframe)
@@ -294,7 +290,7 @@ class BakeJob:
                 nonlocal started
                 result = pending.popleft().result()
                 result.seconds["total"], started = clock() - started, clock()
-                result.seconds["files"] = writer.take_seconds()
+                result.seconds["files"] = writer.busy_since_last_call()
                 self.results.append(result)
                 log(
                     f"frame {result.frame} "
@@ -309,8 +305,8 @@ class BakeJob:
                     work, evaluating = [], clock()
                     for at, steps in self._poses(snowfall, frame):
                         pose = evaluate(*at)
-                        direction = bake_plan.fall_direction(pose.fall_angle, pose.bearing)
-                        work.append((*self._tracker.take(pose, *at), direction, steps))
+                        direction = plan.fall_direction(pose.fall_angle, pose.bearing)
+                        work.append((*self._tracker.register_changes(pose, *at), direction, steps))
                     evaluating = clock() - evaluating
                     inputs = [list(entry) for entry in self._tracker.inputs.poses]
                     pending.append(
@@ -333,7 +329,7 @@ class BakeJob:
                             raise later from None
                 if isinstance(error, BakeCancelled):
                     self._stop(settings, writer)
-                elif not isinstance(error, (cache.CacheError, WriteFailed, OSError)):
+                elif not isinstance(error, (CacheError, WriteFailed, OSError)):
                     # A scene that cannot be read any more (the add-on was switched off, say) is no reason
                     # to lose the frames since the last checkpoint.
                     with contextlib.suppress(Exception):
@@ -356,7 +352,7 @@ class BakeJob:
             raise RuntimeError("the frame before broke off")
         self._between_frames = False
         for added, changed, direction, steps in work:
-            self._registry.take(added)
+            self._registry.register_changes(added)
             self._positions.update(changed)
             for step in steps:
                 self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
@@ -412,11 +408,7 @@ class BakeJob:
         a frame its state belongs to none, and the last regular checkpoint must do."""
         writer.flush()
         done = self.receivers[0].frames
-        if (
-            self._between_frames
-            and done
-            and done[-1]["frame"] not in cache.checkpoints(self.receivers[0].folder)
-        ):
+        if self._between_frames and done and done[-1]["frame"] not in checkpoints(self.receivers[0].folder):
             self._checkpoint(done[-1]["frame"], settings, writer)
             writer.flush()
 

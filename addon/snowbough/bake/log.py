@@ -6,21 +6,23 @@ import datetime
 import os
 import socket
 
-from . import cache
+from ..cache.errors import CacheError
+from ..cache.files import make_folder
+from ..names import safe_name
 
 
 @contextlib.contextmanager
 def open_log(root):
     """Gives a function that writes a line with the time into <root>/logs/<time>-<host>-<process>.log."""
     folder = root / "logs"
-    cache.make_folder(folder)
+    make_folder(folder)
     stamp = datetime.datetime.now(datetime.timezone.utc).strftime("%Y%m%dT%H%M%S")
-    path = folder / f"{stamp}-{cache.safe_name(socket.gethostname())}-{os.getpid()}.log"
+    path = folder / f"{stamp}-{safe_name(socket.gethostname())}-{os.getpid()}.log"
     with contextlib.ExitStack() as stack:
         try:
             stream = stack.enter_context(open(path, "a", encoding="utf-8"))
         except OSError as error:
-            raise cache.CacheError(f"{path} could not be written: {error.strerror}") from error
+            raise CacheError(f"{path} could not be written: {error.strerror}") from error
 
         def log(line):
             with contextlib.suppress(OSError):  # a full disk is told about by the maps' own writer

@@ -27,7 +27,7 @@ class MapWriter:
         self._queue = queue.Queue(MAX_WAITING)
         self._error = None
         self._busy = 0.0
-        self._taken = 0.0
+        self._busy_before = 0.0
         self._makers = ThreadPoolExecutor(MAKERS, "snowbough-maps")
         self._thread = threading.Thread(target=self._work, name="snowbough-files", daemon=True)
 
@@ -48,11 +48,11 @@ class MapWriter:
         self._raise()
         self._queue.put((write, self._makers.submit(make) if make else None))
 
-    def take_seconds(self):
-        """Seconds that the thread which writes was busy since the last call."""
+    def busy_since_last_call(self):
+        """Seconds that the thread which writes was busy since the last call of this."""
         busy = self._busy
-        taken, self._taken = self._taken, busy
-        return busy - taken
+        before, self._busy_before = self._busy_before, busy
+        return busy - before
 
     def flush(self):
         """Waits until all queued files are on disk."""

@@ -14,12 +14,12 @@ differences of a running total that ends at ``end_depth`` itself, so rounding ca
 import math
 from dataclasses import dataclass
 
+from ..names import MAX_FALL_ANGLE
+
 PREROLL_STEPS = 32
 
 MIN_AUTOMATIC_RESOLUTION = 256
 MAX_AUTOMATIC_RESOLUTION = 4096
-MIN_RESOLUTION = 64
-MAX_RESOLUTION = 8192
 
 # An automatic pixel size never asks for more occlusion pixels than this for the whole scene: finer
 # ground would cost minutes a frame without a GPU.
@@ -113,12 +113,19 @@ def frame_steps(snowfall, frame, fps, substeps=1):
 
 
 def fall_direction(fall_angle, bearing):
-    """Unit vector in which snow falls. fall_angle: radians from the vertical, 0 to 89.5 degrees;
-    bearing: radians clockwise from +Y seen from above, where the wind blows to."""
-    if not 0 <= fall_angle <= math.radians(89.5) + 1e-6:
+    """unit_direction of the falling snow. Raises ValueError for a fall angle that is not from 0 to
+    MAX_FALL_ANGLE."""
+    if not 0 <= fall_angle <= MAX_FALL_ANGLE + 1e-6:
         raise ValueError(
-            f"The fall angle is {math.degrees(fall_angle):.2f} degrees; it must be from 0 to 89.5"
+            f"The fall angle is {math.degrees(fall_angle):.2f} degrees; it must be from 0 to "
+            f"{math.degrees(MAX_FALL_ANGLE):g}"
         )
+    return unit_direction(fall_angle, bearing)
+
+
+def unit_direction(fall_angle, bearing):
+    """Unit vector at fall_angle radians from straight down, towards bearing: radians clockwise from +Y seen
+    from above, where the wind blows to."""
     return (
         math.sin(fall_angle) * math.sin(bearing),
         math.sin(fall_angle) * math.cos(bearing),

@@ -2,7 +2,7 @@
 """What would spoil a bake, found before it: a list of issues, many with a fix at one click.
 
 check() looks at meshes as they are evaluated now and is too slow to run with every redraw, so an operator
-runs it and the panel shows what it found.
+runs it and the panel shows what it found (session.issues).
 """
 
 import shutil
@@ -12,24 +12,15 @@ from pathlib import Path
 import bpy
 import numpy as np
 
-from . import (
-    bake_job,
-    bake_lock,
-    bake_operators,
-    bake_plan,
-    baked_receiver,
-    cache,
-    compat,
-    displacement,
-    material_alpha,
-    mesh_record,
-    native,
-    receivers,
-    scene_reader,
-    simulations,
-    stale,
-    uv_overlap,
-)
+from .. import compat, native, session
+from ..cache import versions
+from ..result import displacement
+from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
+from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
+from . import baked_receiver, changes_since_bake, plan
+from .from_scene import cache_directory, constant_rates
+from .job import driver_name
+from .outcome import one_line
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5
@@ -48,7 +39,7 @@ class Issue:
 def check(scene, depsgraph):
     """All issues of a bake of the scene now, the worst first."""
     issues = [*_environment(), *_settings(scene), *_cache(scene)]
-    specs = scene_reader.receiver_specs(scene)
+    specs = receivers.receiver_specs(scene)
     if not specs:
         issues.append(Issue("ERROR", "There are no receivers: select meshes and use Add Snow to Selected"))
     sizes = []
@@ -59,8 +50,11 @@ def check(scene, depsgraph):
             sizes.append(size)
     issues += _amounts(scene, [size for size in sizes if size])
     issues += _alpha(depsgraph)
-    issues += [Issue(*trouble) for trouble in simulations.troubles(scene)]
-    for text in [*stale.settings_changes(scene), *stale.scene_changes(scene, depsgraph)]:
+    issues += [Issue(*trouble) for trouble in physics_caches.troubles(scene)]
+    for text in [
+        *changes_since_bake.settings_changes(scene),
+        *changes_since_bake.scene_changes(scene, depsgraph),
+    ]:
         issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
     order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
     return sorted(issues, key=lambda issue: order[issue.severity])
@@ -70,7 +64,7 @@ def warnings(scene, depsgraph):
     """The texts of what would be baked but would not look right."""
     enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
     issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
-    issues += [*_alpha(depsgraph), *(Issue(*trouble) for trouble in simulations.troubles(scene))]
+    issues += [*_alpha(depsgraph), *(Issue(*trouble) for trouble in physics_caches.troubles(scene))]
     return [issue.text for issue in issues if issue.severity == "WARNING"]
 
 
@@ -88,7 +82,7 @@ def _alpha(depsgraph):
         for material in mesh_record.materials_of(obj, obj.data):
             if material is None:
                 continue
-            known = (material.name, scene_reader.library_path(material))
+            known = (material.name, library_path(material))
             try:
                 if known not in alphas:
                     alphas[known] = None  # a material that cannot be followed is told of once
@@ -105,9 +99,9 @@ def _alpha(depsgraph):
 
 def _environment():
     try:
-        bake_job.driver_name(native.load())
+        driver_name(native.load())
     except RuntimeError as error:
-        yield Issue("ERROR", bake_operators.one_line(error))
+        yield Issue("ERROR", one_line(error))
     if bpy.app.autoexec_fail:
         yield Issue(
             "ERROR", "Blender has disabled scripts in this file: allow Auto Run Python Scripts and reload"
@@ -116,11 +110,11 @@ def _environment():
 
 def _settings(scene):
     settings = scene.snowbough
-    rates = bake_operators.constant_rates(scene, settings.frame_start, settings.frame_end)
+    rates = constant_rates(scene, settings.frame_start, settings.frame_end)
     if rates is None:  # driven: only a walk through the frames can tell
         rates = (1.0,) * (settings.frame_end - settings.frame_start + 1)
     try:
-        bake_plan.plan_snowfall(
+        plan.plan_snowfall(
             settings.frame_start, settings.frame_end, settings.start_depth, settings.end_depth, rates
         )
     except ValueError as error:
@@ -129,15 +123,15 @@ def _settings(scene):
 
 def _cache(scene):
     try:
-        folder = Path(bake_operators.cache_directory(scene))
+        folder = Path(cache_directory(scene))
     except ValueError as error:
         yield Issue("ERROR", str(error), fix="SAVE" if not bpy.data.filepath else "")
         return
     existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
     if not existing.is_dir() or not _is_writable(existing):
         yield Issue("ERROR", f"The cache folder {folder} cannot be written: choose another one")
-    root = cache.scene_folder(folder, scene.name)
-    numbers = cache.versions(root)
+    root = versions.scene_folder(folder, scene.name)
+    numbers = versions.versions(root)
     if numbers:
         yield Issue(
             "INFO",
@@ -170,11 +164,11 @@ def _receiver(scene, entry, depsgraph):
         return [*issues, Issue("ERROR", f"'{name}' has no faces", name)], None
     layers = [layer.name for layer in mesh.uv_layers]
     active = mesh.uv_layers.active.name if mesh.uv_layers.active else ""
-    uv_map = mesh_record.choose_uv_map(entry.uv_map, layers, active)
+    uv_map = uv_maps.choose_uv_map(entry.uv_map, layers, active)
     if uv_map is None:
         lost = f"has no UV map '{entry.uv_map}'" if layers else "has no UV map"
         return [*issues, Issue("ERROR", f"'{name}' {lost}", name, "UNWRAP")], None
-    uv = receivers.corner_uv(mesh, uv_map)
+    uv = uv_maps.corner_uv(mesh, uv_map)
     outside = uv_overlap.outside_share(uv)
     if outside:
         issues.append(
@@ -200,20 +194,20 @@ def _receiver(scene, entry, depsgraph):
                 "WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use a snow shell", name
             )
         )
-    return issues, scene_reader.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
+    return issues, receivers.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
 
 
 def _automatic_size(scene, obj, mesh, uv):
     compat.ensure_triangles(mesh)
     triangles = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles)
-    positions = scene_reader.world_positions(
-        compat.read_positions(mesh), np.array(obj.matrix_world), scene_reader.scale_length(scene)
+    positions = world_positions(
+        compat.read_positions(mesh), np.array(obj.matrix_world), metres_per_unit(scene)
     )
-    topology = scene_reader.Topology(triangles.reshape(-1, 3), uv, len(positions), "")
+    topology = Topology(triangles.reshape(-1, 3), uv, len(positions), "")
     try:
         areas = baked_receiver.surface_and_uv_area(topology, positions)
-        return bake_plan.automatic_resolution(*areas, scene.snowbough.texel_size)
+        return plan.automatic_resolution(*areas, scene.snowbough.texel_size)
     except ValueError:
         return None
 
@@ -233,7 +227,7 @@ def _amounts(scene, sizes):
         f"frames, {_size(memory)} of memory",
     )
     try:
-        folder = Path(bake_operators.cache_directory(scene))
+        folder = Path(cache_directory(scene))
         existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
         free = shutil.disk_usage(existing).free
     except (ValueError, OSError):
@@ -246,75 +240,16 @@ def _size(count):
     return f"{count / 2**30:.1f} GiB" if count >= 2**30 else f"{max(1, round(count / 2**20))} MiB"
 
 
-# Scene name -> issues that the last check found, for the panel.
-found = {}
-
-
-class SNOWBOUGH_OT_preflight(bake_lock.NotWhileBaking, bpy.types.Operator):
-    bl_idname = "snowbough.preflight"
-    bl_label = "Check Scene"
-    bl_description = "Look for what would spoil a bake: UV maps, visibility, scale, cache, memory"
-    bl_options = {"REGISTER"}
-
-    def execute(self, context):
-        issues = check(context.scene, context.evaluated_depsgraph_get())
-        found[context.scene.name] = issues
-        counts = {kind: sum(issue.severity == kind for issue in issues) for kind in ("ERROR", "WARNING")}
-        self.report({"INFO"}, f"{counts['ERROR']} errors, {counts['WARNING']} warnings")
-        return {"FINISHED"}
-
-
-class SNOWBOUGH_OT_fix(bake_lock.NotWhileBaking, bpy.types.Operator):
-    bl_idname = "snowbough.fix"
-    bl_label = "Fix"
-    bl_description = "Mend this, then check again"
-    bl_options = {"REGISTER", "UNDO"}
-
-    kind: bpy.props.StringProperty(name="Kind", description="What to mend", options={"HIDDEN"})
-    object_name: bpy.props.StringProperty(
-        name="Object", description="The receiver to mend it on", options={"HIDDEN"}
-    )
-
-    def execute(self, context):
-        if self.kind == "SAVE":
-            return bpy.ops.wm.save_as_mainfile("INVOKE_DEFAULT")
-        if self.kind == "BAKE_SIMULATIONS":
-            bpy.ops.ptcache.bake_all(bake=True)
-            return bpy.ops.snowbough.preflight()
-        entries = [entry for entry in context.scene.snowbough.receivers if entry.object is not None]
-        entry = next((entry for entry in entries if entry.object.name == self.object_name), None)
-        if entry is None:
-            self.report({"ERROR"}, f"'{self.object_name}' is no receiver any more: check again")
-            return {"CANCELLED"}
-        try:
-            if self.kind == "SHOW_IN_RENDER":
-                entry.object.hide_render = False
-            elif self.kind == "UNWRAP":
-                clean = receivers.clean_uv_map(entry.object.data)
-                entry.uv_map = clean or receivers.make_uv_map(context, entry.object)
-        except (ValueError, RuntimeError) as error:
-            self.report({"ERROR"}, bake_operators.one_line(error))
-            return {"CANCELLED"}
-        return bpy.ops.snowbough.preflight()
-
-
 @bpy.app.handlers.persistent
 def _forget(*_):
     """What was found in another file is no news here."""
-    found.clear()
-
-
-CLASSES = (SNOWBOUGH_OT_preflight, SNOWBOUGH_OT_fix)
+    session.issues.clear()
 
 
 def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
     bpy.app.handlers.load_pre.append(_forget)
 
 
 def unregister():
-    found.clear()
+    session.issues.clear()
     bpy.app.handlers.load_pre.remove(_forget)
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)

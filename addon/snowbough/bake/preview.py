@@ -6,24 +6,18 @@ image the preview writes. Nothing of it is baked, rendered or saved: the shells 
 ends, before the file is saved and when another file is loaded. Going back in time starts anew.
 """
 
-import math
-
 import bpy
 import numpy as np
 
-from . import (
-    bake_lock,
-    bake_operators,
-    bake_plan,
-    bake_request,
-    baked_receiver,
-    displacement,
-    native,
-    scene_reader,
-    scene_tracker,
-    simulation_scene,
-    snow_shell,
-)
+from .. import native, session
+from ..result import displacement, snow_shell
+from ..scene.pose import TopologyChanged, library_path, metres_per_unit
+from ..scene.reader import SceneReader
+from ..scene.receivers import receiver_specs
+from ..scene.tracker import SceneTracker
+from ..settings import snow_of
+from . import baked_receiver, plan, simulation
+from .from_scene import constant_rates
 
 RESOLUTION = 256
 SUFFIX = "snow preview"
@@ -31,15 +25,15 @@ SUFFIX = "snow preview"
 MAX_SKIPPED = 8
 
 
-class _Preview:
+class Preview:
     """A running preview: the simulation and, by name, what it shows itself with."""
 
     def __init__(self, scene):
         self.scene_name = scene.name
         settings = scene.snowbough
         start, end = settings.frame_start, settings.frame_end
-        rates = bake_operators.constant_rates(scene, start, end)
-        self.snowfall = bake_plan.plan_snowfall(
+        rates = constant_rates(scene, start, end)
+        self.snowfall = plan.plan_snowfall(
             start,
             end,
             settings.start_depth,
@@ -60,40 +54,35 @@ class _Preview:
         """Starts with the pose of the current frame, and the start depth on it."""
         self._close()
         settings = scene.snowbough
-        specs = scene_reader.receiver_specs(scene)
-        self.reader = scene_reader.SceneReader(specs, scene_reader.scale_length(scene))
+        specs = receiver_specs(scene)
+        self.reader = SceneReader(specs, metres_per_unit(scene))
         pose = self.reader.read(depsgraph, scene.frame_current)
         texels = {}
         for key, obj in pose.objects.items():
             if obj.receiver is not None and obj.receiver.enabled:
                 areas = baked_receiver.surface_and_uv_area(obj.topology, obj.positions)
-                texels[key] = bake_plan.metres_per_map(*areas) / RESOLUTION
+                texels[key] = plan.metres_per_map(*areas) / RESOLUTION
         if not texels:
             raise ValueError("There is nothing for snow to lie on: use 'Add Snow to Selected'")
-        self.simulation = native.load().SnowSimulation(
-            pixel_size=simulation_scene.pixel_size(pose, list(texels.values())),
-            flutter=math.degrees(settings.flutter),
-            max_depth=settings.max_depth,
-            slide_half_life=settings.slide_half_life,
-            seed=settings.seed,
-            mapping=settings.mapping,
+        self.simulation = simulation.make_simulation(
+            native.load(), snow_of(settings), simulation.pixel_size(pose, list(texels.values()))
         )
         maps = {key: (RESOLUTION, settings.blur_radius * texel) for key, texel in texels.items()}
-        self.registry = simulation_scene.Registry(self.simulation, maps)
-        self.tracker = scene_tracker.SceneTracker()
+        self.registry = simulation.Registry(self.simulation, maps)
+        self.tracker = SceneTracker()
         self.receivers = {key: pose.objects[key] for key in texels}
         self._step(
-            pose, scene.frame_current, bake_plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life)
+            pose, scene.frame_current, plan.preroll_steps(self.snowfall, self.fps, self.slide_half_life)
         )
         self.frame = scene.frame_current
 
     def _step(self, pose, frame, steps):
         """Takes the steps on a pose; without any, the simulation still hears where everything is."""
-        direction = bake_plan.fall_direction(pose.fall_angle, pose.bearing)
-        added, moved = self.tracker.take(pose, frame, 0.0)
-        self.registry.take(added)
+        direction = plan.fall_direction(pose.fall_angle, pose.bearing)
+        added, moved = self.tracker.register_changes(pose, frame, 0.0)
+        self.registry.register_changes(added)
         self.registry.prepare()
-        for step in steps or [bake_plan.Step(frame, 0.0, 0.0, 0.0)]:
+        for step in steps or [plan.Step(frame, 0.0, 0.0, 0.0)]:
             self.simulation.step(moved, depth=step.depth, direction=direction, dt=step.dt)
             moved = {}
 
@@ -103,7 +92,7 @@ class _Preview:
         steps = []
         for frame in range(self.frame + 1, scene.frame_current + 1):
             if self.snowfall.frame_start <= frame <= self.snowfall.frame_end:
-                steps += bake_plan.frame_steps(self.snowfall, frame, self.fps)
+                steps += plan.frame_steps(self.snowfall, frame, self.fps)
         self._step(pose, scene.frame_current, steps)
         self.frame = scene.frame_current
 
@@ -132,8 +121,7 @@ class _Preview:
                     for entry in scene.snowbough.receivers
                     if entry.object is not None
                     and entry.object.type == "MESH"
-                    and (entry.object.name, scene_reader.library_path(entry.object))
-                    == (pose.name, pose.library)
+                    and (entry.object.name, library_path(entry.object)) == (pose.name, pose.library)
                 ),
                 None,
             )
@@ -150,7 +138,7 @@ class _Preview:
                 None,
                 None,
                 snow_shell.subdivision_levels(obj, RESOLUTION),
-                1.0 / scene_reader.scale_length(scene),
+                1.0 / metres_per_unit(scene),
                 material,
             )
             shell = snow_shell.make_object(scene, obj, name, tree, material)
@@ -176,18 +164,10 @@ class _Preview:
         self.muted.__exit__()
 
 
-_running = None
-
-
-def is_running():
-    return _running is not None
-
-
 def start(scene, depsgraph):
     """Begins the preview at the current frame. Raises what reading the scene or the GPU raises."""
-    global _running
     stop()
-    preview = _Preview(scene)
+    preview = Preview(scene)
     try:
         preview.begin(scene, depsgraph)
         preview.make_shells(scene)
@@ -195,23 +175,22 @@ def start(scene, depsgraph):
     except Exception:
         preview.end()
         raise
-    _running = preview
+    session.preview = preview
     bpy.app.handlers.frame_change_post.append(_on_frame)
 
 
 def stop():
     """Ends the preview and takes its shells away."""
-    global _running
     if _on_frame in bpy.app.handlers.frame_change_post:
         bpy.app.handlers.frame_change_post.remove(_on_frame)
-    preview, _running = _running, None
+    preview, session.preview = session.preview, None
     if preview is not None:
         preview.end()
 
 
 @bpy.app.handlers.persistent
 def _on_frame(scene, depsgraph=None):
-    preview = _running
+    preview = session.preview
     if preview is None or scene.name != preview.scene_name or bpy.app.is_job_running("RENDER"):
         return
     ahead = scene.frame_current - preview.frame
@@ -221,7 +200,7 @@ def _on_frame(scene, depsgraph=None):
         if 0 < ahead <= MAX_SKIPPED:
             try:
                 preview.advance(scene, depsgraph)
-            except bake_request.TopologyChanged:  # a receiver that came in, or whose map ends here
+            except TopologyChanged:  # a receiver that came in, or whose map ends here
                 preview.begin(scene, depsgraph)
         else:
             preview.begin(scene, depsgraph)
@@ -235,33 +214,7 @@ def _before_file(*_):
     stop()
 
 
-class SNOWBOUGH_OT_toggle_preview(bake_lock.NotWhileBaking, bpy.types.Operator):
-    """Shows snow in the viewport as the timeline plays forward, on small maps; nothing is baked"""
-
-    bl_idname = "snowbough.toggle_preview"
-    bl_label = "Live Preview"
-
-    @classmethod
-    def ready(cls, context):
-        if is_running() or any(receiver.object for receiver in context.scene.snowbough.receivers):
-            return True
-        cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")
-        return False
-
-    def execute(self, context):
-        if is_running():
-            stop()
-            return {"FINISHED"}
-        try:
-            start(context.scene, context.evaluated_depsgraph_get())
-        except (ValueError, RuntimeError) as error:
-            self.report({"ERROR"}, bake_operators.one_line(error))
-            return {"CANCELLED"}
-        return {"FINISHED"}
-
-
 def register():
-    bpy.utils.register_class(SNOWBOUGH_OT_toggle_preview)
     bpy.app.handlers.load_pre.append(_before_file)
     bpy.app.handlers.save_pre.append(_before_file)
 
@@ -270,4 +223,3 @@ def unregister():
     stop()
     bpy.app.handlers.save_pre.remove(_before_file)
     bpy.app.handlers.load_pre.remove(_before_file)
-    bpy.utils.unregister_class(SNOWBOUGH_OT_toggle_preview)

@@ -1,14 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What goes into a bake and what comes out of it, as plain data. No ``bpy``."""
 
-from dataclasses import dataclass, field
-
-# What of a request decides about the maps of the whole shot, besides the depth of each frame.
-SHOT_SETTINGS = (
-    "frame_start", "frame_end", "fps", "start_depth", "end_depth", "flutter", "max_depth",
-    "slide_half_life", "blur_radius", "substeps", "seed", "noise_density", "mapping",
-    "write_normals", "checkpoint_interval",
-)  # fmt: skip
+from dataclasses import dataclass, field, fields
 
 
 class BakeCancelled(Exception):
@@ -19,49 +12,54 @@ class NoGpu(RuntimeError):
     """There is no EGL or no driver; says what the native module said."""
 
 
-class TopologyChanged(ValueError):
-    """An object's vertices or triangles are others than before, and its snow cannot go on with them."""
+def _for_all_maps():
+    """A field that decides about the maps of the whole shot, besides the depth of each frame."""
+    return field(metadata={"for_all_maps": True})
 
 
 @dataclass(frozen=True)
 class BakeRequest:
-    """All that a bake needs to know besides poses."""
+    """All that a bake needs to know besides poses.
+
+    A field with the name of a scene setting (snowbough.settings) holds that setting.
+    """
 
     scene_name: str
     cache: str
     """Absolute folder; the scene's folder is made inside."""
-    frame_start: int
-    frame_end: int
+    frame_start: int = _for_all_maps()
+    frame_end: int = _for_all_maps()
     """The shot."""
     first: int
     last: int
     """The part of the shot to bake."""
-    fps: float
-    start_depth: float
-    end_depth: float
+    fps: float = _for_all_maps()
+    start_depth: float = _for_all_maps()
+    end_depth: float = _for_all_maps()
     rates: tuple
     """One a frame of the shot; None: to be read from the poses, because a driver gives them."""
-    flutter: float
-    """Degrees."""
-    max_depth: float
-    slide_half_life: float
+    snow: dict
+    """What the simulation takes: settings.snow_of. Metres, seconds, radians."""
     texel_size: float
     pixel_size: float
     """Metres; 0 is automatic."""
-    blur_radius: float
+    blur_radius: float = _for_all_maps()
     """Texels."""
-    substeps: int
-    seed: int
-    checkpoint_interval: int
-    write_normals: bool
-    noise_density: float
-    mapping: str
+    substeps: int = _for_all_maps()
+    checkpoint_interval: int = _for_all_maps()
+    write_normals: bool = _for_all_maps()
     receivers: tuple
-    """scene_reader.ReceiverSpec of the scene's list, disabled ones included."""
+    """scene.pose.ReceiverSpec of the scene's list, disabled ones included."""
     objects: tuple = ()
     """Names of the receivers to bake; empty: all that are enabled."""
     resume: bool = False
     allow_other_driver: bool = False
+
+    def shot(self):
+        """{name: value} of all that decides about the maps of the whole shot, besides the depth of each frame
+        and the size of an occlusion pixel, which may be automatic."""
+        own = {one.name: getattr(self, one.name) for one in fields(self) if "for_all_maps" in one.metadata}
+        return {**own, **self.snow}
 
 
 @dataclass

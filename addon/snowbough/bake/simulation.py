@@ -4,21 +4,31 @@
 The bake and the live preview both go this way.
 """
 
+import math
+
 import numpy as np
 
-from . import bake_plan
-from .bake_request import TopologyChanged
+from ..names import MIN_RESOLUTION
+from ..scene.pose import TopologyChanged
+from . import plan
 
 
 def pixel_size(pose, texel_sizes, wanted=0.0):
     """Edge of an occlusion pixel in metres: `wanted`, or where that is 0 what suits the receivers' texel
-    sizes and the extent of a scene_reader.ScenePose."""
+    sizes and the extent of a scene.pose.ScenePose."""
     if wanted:
         return wanted
     filled = [obj.positions for obj in pose.objects.values() if len(obj.positions)]
     low = np.min([positions.min(axis=0) for positions in filled], axis=0).tolist()
     high = np.max([positions.max(axis=0) for positions in filled], axis=0).tolist()
-    return bake_plan.automatic_pixel_size(texel_sizes, low, high)
+    return plan.automatic_pixel_size(texel_sizes, low, high)
+
+
+def make_simulation(native, snow, pixel_size, wait_for_gpu=True):
+    """A SnowSimulation of the module snowbough_native. snow: settings.snow_of, in radians; the native module
+    takes flutter in degrees."""
+    in_degrees = {**snow, "flutter": math.degrees(snow["flutter"])}
+    return native.SnowSimulation(pixel_size=pixel_size, wait_for_gpu=wait_for_gpu, **in_degrees)
 
 
 class Registry:
@@ -34,15 +44,15 @@ class Registry:
         self._known = set()
         self._unprepared = []
 
-    def take(self, added):
-        """Adds the objects of {key: scene_tracker.Registration}, or gives those that are there their new
+    def register_changes(self, added):
+        """Adds the objects of {key: scene.tracker.Registration}, or gives those that are there their new
         mesh. A receiver's snow stays where it lies on its map. Needs no GPU.
 
         Raises TopologyChanged, naming object and frame, for a new mesh that its map cannot carry.
         """
         for key, registration in added.items():
             topology = registration.topology
-            resolution, blur_radius = self._maps.get(key, (bake_plan.MIN_RESOLUTION, None))
+            resolution, blur_radius = self._maps.get(key, (MIN_RESOLUTION, None))
             receives = key in self._maps
             arguments = (
                 key,

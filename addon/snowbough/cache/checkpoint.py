@@ -15,7 +15,8 @@ import zlib
 
 import numpy as np
 
-from . import cache
+from .errors import CacheError
+from .files import write_bytes
 
 MAGIC = b"SNOWBOUGH STATE 2\n"
 SUMS = 16
@@ -23,7 +24,7 @@ SUMS = 16
 
 def write(path, step_number, own):
     """Writes a receiver's state, own: {"height": (H, H) float32, "sums": (16,) float64}.
-    Raises cache.CacheError."""
+    Raises CacheError."""
     sums = np.ascontiguousarray(own["sums"], dtype="<f8")
     heights = np.ascontiguousarray(own["height"], dtype="<f4").ravel()
     there = heights.view("<u4") != 0
@@ -35,11 +36,11 @@ def write(path, step_number, own):
         "mask_bytes": len(mask),
         "crc32": zlib.crc32(content),
     }
-    cache.write_bytes(path, MAGIC + json.dumps(header, sort_keys=True).encode() + b"\n" + content)
+    write_bytes(path, MAGIC + json.dumps(header, sort_keys=True).encode() + b"\n" + content)
 
 
 def read(path):
-    """(step number, own) of write. Raises cache.CacheError for a file that is missing or damaged."""
+    """(step number, own) of write. Raises CacheError for a file that is missing or damaged."""
     try:
         with open(path, "rb") as stream:
             if stream.readline() != MAGIC:
@@ -58,4 +59,4 @@ def read(path):
         )
         return header["step_number"], {"height": heights.reshape(edge, edge), "sums": sums}
     except (OSError, ValueError, KeyError, zlib.error) as error:
-        raise cache.CacheError(f"{path} cannot be read ({error}): free the bake, then bake again") from error
+        raise CacheError(f"{path} cannot be read ({error}): free the bake, then bake again") from error

@@ -13,7 +13,8 @@ from pathlib import Path
 
 import bpy
 
-EVER_COVERED = "ever_covered.exr"
+from ..cache.files import EVER_COVERED
+
 HEADER_BYTES = 4096
 # Name, type and size of the attribute that holds the first and last pixels (OpenEXR File Layout).
 DATA_WINDOW = b"dataWindow\0box2i\0\x10\0\0\0"

@@ -9,11 +9,11 @@ NONE      the material only.
 
 import bpy
 
-from . import baked_images, compat, restore, snow_material, snow_shell
+from .. import compat
+from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER
+from ..scene.pose import metres_per_unit
+from . import baked_images, original_state, snow_material, snow_shell
 
-SUBDIVISION_NAME = "Snowbough Subdivision"
-DISPLACE_NAME = "Snowbough Displace"
-OWN_MODIFIERS = (SUBDIVISION_NAME, DISPLACE_NAME)
 SCALE_TOLERANCE = 1e-3
 
 MODES = (
@@ -69,7 +69,7 @@ def _add_modifiers(scene, receiver):
             "apply the scale (Ctrl+A) or choose the snow shell"
         )
     sequence = baked_images.load_sequence(receiver.folder, "height")
-    subdivision = obj.modifiers.new(SUBDIVISION_NAME, "SUBSURF")
+    subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
     subdivision.subdivision_type = "SIMPLE"
     if sequence is not None:
         subdivision.render_levels = snow_shell.subdivision_levels(obj, sequence.size)
@@ -78,19 +78,19 @@ def _add_modifiers(scene, receiver):
     subdivision.levels = max(0, subdivision.render_levels - 1)
     if sequence is None:
         return
-    displace = obj.modifiers.new(DISPLACE_NAME, "DISPLACE")
+    displace = obj.modifiers.new(DISPLACE_MODIFIER, "DISPLACE")
     displace.texture = _texture(obj, sequence)
     displace.texture_coords = "UV"
     displace.uv_layer = snow_material.uv_map_name(receiver)
     displace.mid_level = 0.0
-    displace.strength = 1.0 / (scale * snow_material.metres_per_unit(scene))
+    displace.strength = 1.0 / (scale * metres_per_unit(scene))
     displace.direction = "NORMAL"
 
 
 def _add_adaptive(scene, receiver):
     obj = receiver.object
     feature_set = compat.cycles_feature_set(scene)
-    subdivision = obj.modifiers.new(SUBDIVISION_NAME, "SUBSURF")
+    subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
     subdivision.subdivision_type = "SIMPLE"
     subdivision.levels = 0
     subdivision.render_levels = 1
@@ -104,17 +104,17 @@ def _remove_modifiers(scene, receiver, record):
     obj = receiver.object
     if obj is None or obj.type != "MESH":
         return
-    subdivision = obj.modifiers.get(SUBDIVISION_NAME)
+    subdivision = obj.modifiers.get(SUBDIVISION_MODIFIER)
     if subdivision is not None and record.get("displacement") == "ADAPTIVE":
         compat.set_adaptive_subdivision(scene, obj, subdivision, False)
         others = any(
-            restore.read(other).get("displacement") == "ADAPTIVE"
+            original_state.read(other).get("displacement") == "ADAPTIVE"
             for other in scene.snowbough.receivers
             if other != receiver
         )
         if record.get("feature_set") and not others:
             scene.cycles.feature_set = record["feature_set"]
-    displace = obj.modifiers.get(DISPLACE_NAME)
+    displace = obj.modifiers.get(DISPLACE_MODIFIER)
     if displace is not None:
         texture = displace.texture
         obj.modifiers.remove(displace)
@@ -126,17 +126,17 @@ def _remove_modifiers(scene, receiver, record):
 
 def clear(scene, receiver):
     """Takes off what apply() added and leaves the materials as they are."""
-    record = restore.read(receiver)
+    record = original_state.read(receiver)
     _remove_modifiers(scene, receiver, record)
     snow_shell.remove(receiver)
-    record = restore.read(receiver)
+    record = original_state.read(receiver)
     for key in ("displacement", "feature_set"):
         record.pop(key, None)
-    restore.write(receiver, record)
+    original_state.write(receiver, record)
 
 
 def apply(scene, receiver, mode):
-    """Dresses the receiver with snow of that mode, replacing what an earlier call made.
+    """Adds snow of that mode to the receiver, replacing what an earlier call made.
 
     Raises ValueError that says what to do when the mode does not suit the object; nothing is changed then.
     """
@@ -153,35 +153,35 @@ def apply(scene, receiver, mode):
     clear(scene, receiver)
     record_update = {"displacement": mode}
     if mode == "SHELL":
-        snow_material.undress(receiver)
+        snow_material.remove(receiver)
         snow_shell.make(scene, receiver)
     else:
-        snow_material.dress(scene, receiver, displace=mode == "ADAPTIVE")
+        snow_material.add(scene, receiver, displace=mode == "ADAPTIVE")
         if mode == "MODIFIER":
             _add_modifiers(scene, receiver)
         elif mode == "ADAPTIVE":
             record_update["feature_set"] = _add_adaptive(scene, receiver)
-    record = restore.read(receiver)
+    record = original_state.read(receiver)
     record.update(record_update)
-    restore.write(receiver, record)
+    original_state.write(receiver, record)
 
 
 def mode_of(receiver):
-    """The mode that the receiver wears now, or None."""
-    return restore.read(receiver).get("displacement")
+    """The mode of the snow that is on the receiver now, or None."""
+    return original_state.read(receiver).get("displacement")
 
 
 def refresh(scene, receiver):
-    """After a bake: shows the new files on a receiver that wears snow already."""
+    """After a bake: shows the new files on a receiver that has snow already."""
     mode = mode_of(receiver)
     if mode is not None:
         apply(scene, receiver, mode)
 
 
-def strip(scene, receiver):
-    """Restores the object exactly as it was before Snowbough dressed it."""
+def remove(scene, receiver):
+    """Restores the object exactly as it was before snow was added to it."""
     clear(scene, receiver)
-    snow_material.undress(receiver)
+    snow_material.remove(receiver)
 
 
 class Muted:

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a receiver was like before Snowbough dressed it, kept as JSON with the receiver.
+"""What a receiver was like before snow was added to it, kept as JSON in its property ``restore``.
 
 Materials are named, not pointed to: names are what survives undo, save and load. Originals get a fake
-user while their copies are worn, so that saving the file does not lose them.
+user while copies stand in for them, so that saving the file does not lose them.
 """
 
 import json

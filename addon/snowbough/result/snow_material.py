@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puts snow on a receiver's materials, and takes it off again.
+"""Adds snow to a receiver's materials, and removes it.
 
 Each of the object's materials is copied for this receiver, the copy mixes the node group
 `Snowbough Snow` over the original surface, and the copy sits in an OBJECT-linked slot: neither the
@@ -8,21 +8,20 @@ original material nor the mesh's own slots are changed, and other users of both 
 
 import bpy
 
-from . import baked_images, compat, restore, snow_nodes
+from .. import compat
+from ..names import SNOW_UV
+from ..scene.pose import metres_per_unit
+from . import baked_images, original_state, snow_nodes
 
 FRAME_LABEL = "Snowbough"
-
-
-def metres_per_unit(scene):
-    return scene.unit_settings.scale_length
 
 
 def uv_map_name(receiver):
     """The UV map that the snow is stored in: the receiver's own choice, `snow`, or the active one."""
     if receiver.object.type != "MESH":  # an instanced collection: its meshes share the name
-        return receiver.uv_map or "snow"
+        return receiver.uv_map or SNOW_UV
     layers = receiver.object.data.uv_layers
-    for name in (receiver.uv_map, "snow"):
+    for name in (receiver.uv_map, SNOW_UV):
         if name and name in layers:
             return name
     return layers.active.name if layers.active else ""
@@ -179,8 +178,8 @@ def _snowy_copy(obj, original):
     return material
 
 
-def _wear(obj, record):
-    """Gives every slot an OBJECT-linked copy, once; notes what was there."""
+def _note_slots(obj, record):
+    """Notes, once, what is in the object's slots, and keeps it from being lost; one without slots gets one."""
     if "slots" in record:
         return
     record["added_slot"] = not obj.material_slots
@@ -225,8 +224,8 @@ def _drop_copies(obj, record):
                     bpy.data.actions.remove(action)
 
 
-def dress(scene, receiver, displace):
-    """Puts snow on the receiver's materials, or renews it after a bake. `displace`: by the material.
+def add(scene, receiver, displace):
+    """Adds snow to the receiver's materials, or renews it after a bake. `displace`: by the material.
 
     Raises ValueError for objects that must not be changed and objects without a UV map.
     """
@@ -242,8 +241,8 @@ def dress(scene, receiver, displace):
     normal = baked_images.load_sequence(receiver.folder, "normal")
     scale = 1.0 / metres_per_unit(scene) if displace else None
 
-    record = restore.read(receiver)
-    _wear(obj, record)
+    record = original_state.read(receiver)
+    _note_slots(obj, record)
     _drop_copies(obj, record)
     record["copies"] = []
     for slot, entry in zip(obj.material_slots, record["slots"]):
@@ -252,13 +251,13 @@ def dress(scene, receiver, displace):
         slot.link = "OBJECT"
         slot.material = material
         record["copies"].append(material.name)
-    restore.write(receiver, record)
+    original_state.write(receiver, record)
 
 
-def undress(receiver):
+def remove(receiver):
     """Gives the receiver its own materials and slots back."""
     obj = receiver.object
-    record = restore.read(receiver)
+    record = original_state.read(receiver)
     if "slots" not in record:
         return
     _drop_copies(obj, record)
@@ -273,4 +272,4 @@ def undress(receiver):
             original.use_fake_user = False
     if record.pop("added_slot"):
         obj.data.materials.clear()  # the one slot is ours; pop() would leave it on the object
-    restore.write(receiver, record)
+    original_state.write(receiver, record)

@@ -7,9 +7,8 @@ the artist: changes to it are kept.
 
 import bpy
 
-from . import compat
-
-GROUP_NAME = "Snowbough Snow"
+from .. import compat
+from ..names import SNOW_GROUP
 
 # Light enters snow some centimetres deep, red less than blue; albedo of fresh snow about 0.9 and
 # nearly white (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
@@ -126,10 +125,10 @@ def _arrange(tree):
 def ensure_group():
     """The node group of this file, made on first use. Returns a ShaderNodeTree."""
     tree = next(
-        (group for group in bpy.data.node_groups if group.name == GROUP_NAME and not group.library), None
+        (group for group in bpy.data.node_groups if group.name == SNOW_GROUP and not group.library), None
     )
     if tree is None:
-        tree = bpy.data.node_groups.new(GROUP_NAME, "ShaderNodeTree")
+        tree = bpy.data.node_groups.new(SNOW_GROUP, "ShaderNodeTree")
         for name, kind, default, least, most, description in INPUTS:
             compat.add_group_socket(tree, "INPUT", kind, name, description, default, least, most)
         for name, kind, description in OUTPUTS:

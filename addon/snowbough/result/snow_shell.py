@@ -10,7 +10,9 @@ import math
 
 import bpy
 
-from . import baked_images, compat, restore, snow_material, snow_nodes
+from .. import compat
+from ..scene.pose import metres_per_unit
+from . import baked_images, original_state, snow_material, snow_nodes
 
 TREE_PREFIX = "Snowbough Shell"
 MODIFIER_NAME = "Snowbough Shell"
@@ -211,7 +213,7 @@ def make(scene, receiver):
     covered = baked_images.load_ever_covered(receiver.folder)
     name = f"{obj.name} snow"
     material = make_material(name)
-    units_per_metre = 1.0 / snow_material.metres_per_unit(scene)
+    units_per_metre = 1.0 / metres_per_unit(scene)
     tree = build_tree(
         f"{TREE_PREFIX} {obj.name}",
         obj,
@@ -224,22 +226,22 @@ def make(scene, receiver):
         material,
     )
     shell = make_object(scene, obj, name, tree, material)
-    record = restore.read(receiver)
+    record = original_state.read(receiver)
     record["shell"] = shell.name
-    restore.write(receiver, record)
+    original_state.write(receiver, record)
     return shell
 
 
 def find(receiver):
     """The receiver's shell, or None."""
-    return bpy.data.objects.get(restore.read(receiver).get("shell", ""))
+    return bpy.data.objects.get(original_state.read(receiver).get("shell", ""))
 
 
 def remove(receiver):
     """Deletes the receiver's shell with its mesh, nodes and material."""
-    record = restore.read(receiver)
+    record = original_state.read(receiver)
     shell = bpy.data.objects.get(record.pop("shell", ""))
-    restore.write(receiver, record)
+    original_state.write(receiver, record)
     if shell is not None:
         delete_object(shell)
 
@@ -247,7 +249,7 @@ def remove(receiver):
 def freeze(scene, receiver, depsgraph):
     """The snow of the receiver as it is in the evaluated frame, as a plain mesh object of its own.
 
-    Works from whatever displacement the receiver wears; a receiver without a shell gets one for the
+    Works from whatever displacement the receiver has; a receiver without a shell gets one for the
     moment. Returns the new object, linked beside the receiver; None where nothing is baked.
     """
     shell = find(receiver)

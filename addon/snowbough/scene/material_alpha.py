@@ -12,8 +12,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from . import snow_nodes
-from .scene_inputs import fingerprint
+from ..names import SNOW_GROUP
+from .inputs import fingerprint
 
 # Images are averaged down to this many texels a side at most: one bit each lies on the GPU.
 MAX_SIZE = 1024
@@ -86,7 +86,7 @@ def _source(socket, groups):
         elif node.type == "GROUP_INPUT" and groups:
             socket, groups = _same(groups[-1].inputs, output), groups[:-1]
         elif node.type == "GROUP" and node.node_tree is not None:
-            if node.node_tree.name.startswith(snow_nodes.GROUP_NAME):
+            if node.node_tree.name.startswith(SNOW_GROUP):
                 socket = node.inputs["Shader"]  # where snow lies is for us to say
             else:
                 ends = [inner for inner in node.node_tree.nodes if inner.type == "GROUP_OUTPUT"]

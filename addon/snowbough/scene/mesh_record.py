@@ -5,43 +5,11 @@ A MeshRecord reads from the mesh what it is asked for, and only once; detach() r
 record outlives the mesh.
 """
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from . import compat
-from .scene_inputs import fingerprint
-
-
-class SceneError(ValueError):
-    """The scene cannot be baked as it is; names the object, the frame and what to do."""
-
-
-@dataclass(frozen=True)
-class TopologyAlpha:
-    """Where snow falls through a mesh."""
-
-    uv: np.ndarray
-    """(T, 3, 2) float32, in the triangle's image."""
-    image: np.ndarray
-    """(T,) int32 index into images; -1 = opaque."""
-    images: tuple
-    """material_alpha.AlphaImage."""
-
-    @property
-    def print(self):
-        """Fingerprint of the images."""
-        prints = (np.frombuffer(image.print.encode(), dtype=np.uint8) for image in self.images)
-        return fingerprint(*prints)
-
-    def argument(self):
-        """What the native add_object takes as ``alpha``."""
-        return {
-            "uv": self.uv,
-            "image": self.image,
-            "images": [image.pixels for image in self.images],
-            "extensions": [image.extension for image in self.images],
-        }
+from .. import compat
+from .pose import SceneError, TopologyAlpha
+from .uv_maps import choose_uv_map
 
 
 def materials_of(obj, mesh):
@@ -58,15 +26,6 @@ def alpha_uv_map(alpha, mesh):
     """The name of the UV map in which a mesh shows a material_alpha.AlphaImage, or None."""
     name = alpha.uv_map or _rendered_uv_map(mesh)
     return name if name in mesh.uv_layers else None
-
-
-def choose_uv_map(wanted, names, active):
-    """The UV map that a receiver uses: the one wanted, else ``snow``, else the active one, else None."""
-    if wanted:
-        return wanted if wanted in names else None
-    if "snow" in names:
-        return "snow"
-    return active or (names[0] if names else None)
 
 
 def join_alphas(alphas):

@@ -21,14 +21,12 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from . import bake_plan, cache, displacement, material_alpha
-from .mesh_record import MeshRecord, SceneError, TopologyAlpha, join_alphas, materials_of
-from .scene_inputs import fingerprint
+from ..names import OWN_MODIFIERS, UV_TOLERANCE, receiver_key
+from . import material_alpha
+from .inputs import fingerprint
+from .mesh_record import MeshRecord, join_alphas, materials_of
+from .pose import ObjectPose, ReceiverSpec, SceneError, ScenePose, Topology, library_path, world_positions
 
-SNOW_UV = "snow"
-SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
-# How far beyond 0 to 1 UVs may lie; the native module has the same.
-UV_TOLERANCE = 1e-4
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 # These only move vertices: where an object has no others, its topology cannot change.
@@ -39,78 +37,6 @@ DEFORMING_MODIFIERS = {
     "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY",
     "SUBSURF", "MULTIRES", "MIRROR", "ARRAY", "SOLIDIFY", "TRIANGULATE",
 }  # fmt: skip
-
-
-@dataclass(frozen=True)
-class ReceiverSpec:
-    """A line of the scene's list, without references into the scene."""
-
-    name: str
-    library: str
-    uv_map: str = ""
-    """Empty: the map named ``snow``, else the active one."""
-    resolution: int = 0
-    enabled: bool = True
-
-
-@dataclass(frozen=True)
-class Topology:
-    """What stays the same while an object moves and deforms."""
-
-    triangles: np.ndarray
-    """(T, 3) int32, outside is where they run counter-clockwise."""
-    corner_uv: np.ndarray
-    """(T, 3, 2) float32; an empty (0, 3, 2) for occluders."""
-    vertex_count: int
-    print: str
-    alpha: TopologyAlpha = None
-    """None where all of it is opaque."""
-
-    def is_same(self, other):
-        """Whether a mesh with the one topology can go on with the other's positions."""
-        return self is other or (
-            self.print == other.print
-            and self.vertex_count == other.vertex_count
-            and self.alpha_prints == other.alpha_prints
-        )
-
-    @property
-    def alpha_prints(self):
-        """Fingerprint of the alpha images, in a tuple; an empty one without any."""
-        return (self.alpha.print,) if self.alpha else ()
-
-
-@dataclass(frozen=True)
-class ObjectPose:
-    """One object at one moment."""
-
-    key: str
-    """Unique and the same on every machine; a receiver's folder name in the cache."""
-    label: str
-    """For people."""
-    name: str
-    library: str
-    receiver: ReceiverSpec
-    """None for occluders."""
-    uv_map: str
-    """The UV map that is used; empty for occluders."""
-    topology: Topology
-    """The same object again while nothing changes."""
-    positions: np.ndarray
-    """(V, 3) float32, metres. The same array again while the object stands still; never written to."""
-    prints: tuple
-    """Fingerprints of transform, shape, topology and, where there are some, alpha images (scene_inputs)."""
-
-
-@dataclass(frozen=True)
-class ScenePose:
-    """The scene at one moment."""
-
-    objects: dict
-    """key -> ObjectPose, sorted by key."""
-    fall_angle: float
-    bearing: float
-    rate: float
 
 
 @dataclass
@@ -141,22 +67,6 @@ class _Group:
     """(sort key, matrix (4, 4) float64, local positions, evaluated mesh's data)"""
 
 
-def library_path(id_block):
-    """The library file that an ID was linked from, as it is written in the .blend; empty for local ones."""
-    return id_block.library.filepath if id_block.library else ""
-
-
-def world_positions(local, matrix, scale_length):
-    """local (V, 3) float32 through matrix (4, 4) float64, in metres, as float32. Element by element: a
-    matrix product would leave the order of additions to the linear algebra library."""
-    x, y, z = (local[:, axis].astype(np.float64) for axis in range(3))
-    world = np.empty_like(local)
-    for row in range(3):
-        a, b, c, d = matrix[row]
-        world[:, row] = (((x * a + y * b) + z * c) + d) * scale_length
-    return world
-
-
 def _is_deforming_only(obj):
     return all(modifier.type in DEFORMING_MODIFIERS for modifier in obj.modifiers)
 
@@ -169,7 +79,7 @@ def _is_rigid(obj, switch):
     return (
         original.type == "MESH"
         and all(
-            modifier.name in displacement.OWN_MODIFIERS and not getattr(modifier, switch)
+            modifier.name in OWN_MODIFIERS and not getattr(modifier, switch)
             for modifier in original.modifiers
         )
         and data.shape_keys is None
@@ -194,7 +104,7 @@ class SceneReader:
         self._alphas = {}
 
     def read(self, depsgraph, frame):
-        """The pose that depsgraph holds. frame: a number for messages.
+        """The pose.ScenePose that depsgraph holds. frame: a number for messages.
 
         Raises SceneError for receivers without a mesh or without the UV map.
         """
@@ -232,7 +142,7 @@ class SceneReader:
     def _group_of(self, instance, obj, original, groups):
         name, library = original.name, library_path(original)
         if not instance.is_instance:
-            key = cache.receiver_key(name, (library, "", ""))
+            key = receiver_key(name, (library, "", ""))
             receiver = self._receivers.get((name, library))
             group = groups.setdefault(key, _Group(name, name, library, receiver))
             return group, ()
@@ -244,9 +154,9 @@ class SceneReader:
         order = tuple(index for index in instance.persistent_id if index != 0x7FFFFFFF)
         receiver = self._receivers.get((parent_name, parent_library))
         if receiver is not None and parent.instance_type == "COLLECTION":
-            key = cache.receiver_key(f"{parent_name}.{name}", (library, parent_library, *order))
+            key = receiver_key(f"{parent_name}.{name}", (library, parent_library, *order))
             return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, receiver)), order
-        key = cache.receiver_key(f"{name}.instances", (library, parent_name, parent_library))
+        key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
         return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, None)), order
 
     def _local_mesh(self, obj, shared):
@@ -398,29 +308,3 @@ def _each_once(arrays):
             seen.add(id(array))
             once.append(array)
     return once
-
-
-def receiver_resolution(entry):
-    """The resolution of a line of the list; where that is 0, the one that an imported tree's map ``snow``
-    was laid out for (charts and gutters are so many texels wide); else 0, automatic."""
-    laid_out = entry.object.get(SNOW_RESOLUTION_PROPERTY, 0) if entry.uv_map in ("", SNOW_UV) else 0
-    return entry.resolution or min(int(laid_out), bake_plan.MAX_RESOLUTION)
-
-
-def receiver_specs(scene):
-    """The scene's list as ReceiverSpec, without empty and doubled lines."""
-    specs = {}
-    for entry in scene.snowbough.receivers:
-        if entry.object is None:
-            continue
-        library = library_path(entry.object)
-        specs.setdefault(
-            (entry.object.name, library),
-            ReceiverSpec(entry.object.name, library, entry.uv_map, receiver_resolution(entry), entry.enabled),
-        )
-    return list(specs.values())
-
-
-def scale_length(scene):
-    """Metres a Blender unit."""
-    return scene.unit_settings.scale_length

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .bake_request import TopologyChanged
-from .scene_inputs import SNOWFALL, SceneInputs, fingerprint, pose_name
+from .inputs import SNOWFALL, SceneInputs, fingerprint, pose_name
+from .pose import TopologyChanged
 
 
 @dataclass(frozen=True)
@@ -17,13 +17,13 @@ class Registration:
     pose: str
     """The frame, for messages."""
     topology: object
-    """scene_reader.Topology."""
+    """pose.Topology."""
     positions: np.ndarray
     """(V, 3) metres at its first pose: a receiver's output measures distances there."""
 
 
 class SceneTracker:
-    """Takes one pose after the other. Which mesh an object has, and where it puts what has gone, follow from
+    """Goes from one pose to the next. Which mesh an object has, and where it puts what has gone, follow from
     the poses alone, so a resumed bake that walks them again arrives at the same scene."""
 
     def __init__(self):
@@ -36,7 +36,7 @@ class SceneTracker:
         self._sent = {}
         self._pose_recorded = None
 
-    def take(self, pose, frame, subframe):
+    def register_changes(self, pose, frame, subframe):
         """Notes a pose among the inputs; returns, for the simulation, (objects that are new or have a new
         mesh: {key: Registration}, positions of what is not where it was: {key: (V, 3)}).
 

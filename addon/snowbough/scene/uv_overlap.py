@@ -9,6 +9,8 @@ each other where, and a grid's fresh memory would take longer than all the rest.
 
 import numpy as np
 
+from ..names import UV_TOLERANCE
+
 GRID = 1024
 
 # Shares below this come from cells on the borders of charts that touch.
@@ -26,11 +28,11 @@ def overlap_share(corner_uv, grid=GRID):
 
 
 def outside_share(corner_uv):
-    """Share of the corners that lie outside the map by more than 1e-4."""
+    """Share of the corners that lie outside the map by more than names.UV_TOLERANCE."""
     uv = np.asarray(corner_uv)
     if not uv.size:
         return 0.0
-    outside = ((uv < -1e-4) | (uv > 1 + 1e-4)).any(axis=-1)
+    outside = ((uv < -UV_TOLERANCE) | (uv > 1 + UV_TOLERANCE)).any(axis=-1)
     return float(outside.mean())
 
 

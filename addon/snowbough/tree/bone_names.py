@@ -15,7 +15,7 @@ def fitting_names(names, size=NAME_BYTES):
     What follows the last dot (a bone's segment number) stays, the branch's name before it is
     clipped; where that makes two names equal, a counter `~n` goes in between.
     """
-    taken = {name for name in names if len(name.encode("utf-8")) <= size}
+    whole = {name for name in names if len(name.encode("utf-8")) <= size}
     seen = set()
     result = []
     for name in names:
@@ -27,7 +27,7 @@ def fitting_names(names, size=NAME_BYTES):
             suffix = dot + clip_utf8(tail, size // 2)
             candidate = clip_utf8(stem, size - len(suffix.encode("utf-8"))) + suffix
             count = 1
-            while candidate in taken or candidate in seen:
+            while candidate in whole or candidate in seen:
                 count += 1
                 mark = f"~{count}{suffix}"
                 candidate = clip_utf8(stem, size - len(mark.encode("utf-8"))) + mark

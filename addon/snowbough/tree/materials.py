@@ -5,8 +5,8 @@ from pathlib import Path
 
 import bpy
 
-from . import compat
-from .tree_objects import BARK_UV, LEAF_UV
+from .. import compat
+from ..names import BARK_UV, LEAF_UV
 
 
 def _fresh(name):

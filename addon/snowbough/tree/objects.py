@@ -8,17 +8,14 @@ What goes in are plain numpy arrays; what comes out are data-blocks named as the
 import bpy
 import numpy as np
 
-from . import compat, tree_armature
+from .. import compat
+from ..names import BARK_UV, LEAF_UV, SNOW_UV
+from . import armature
 from .bone_names import NAME_BYTES, clip_utf8
 
-BARK_UV = "bark"
-LEAF_UV = "leaf"
-SNOW_UV = "snow"
 LEVEL_ATTRIBUTE = "branch_level"
 # glTF carries only attributes whose names begin with an underscore, and only those of points.
 POINT_LEVEL_ATTRIBUTE = "_BRANCH_LEVEL"
-# On an object: the side in texels that its UV map `snow` was laid out for.
-SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
 
 
 class Ledger:
@@ -58,7 +55,7 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, w
 
     vertices float32 (V, 3); corner_vertex int32 (L,); face_begin int32 (F + 1,): polygon f owns the
     corners from face_begin[f] to face_begin[f + 1]; uvs: list of (name, float32 (L, 2)), in the
-    order the layers shall have; bones int32, weights float32 (V, K): see tree_armature.write_weights.
+    order the layers shall have; bones int32, weights float32 (V, K): see armature.write_weights.
     Raises ValueError for an index out of range.
     """
     corner_vertex = _checked(np.ascontiguousarray(corner_vertex, dtype=np.int32).reshape(-1), len(vertices))
@@ -66,7 +63,7 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, w
     faces = len(face_begin) - 1
     mesh = bpy.data.meshes.new(name)
     mesh.vertices.add(len(vertices))
-    tree_armature.write_weights(mesh, bones, weights)
+    armature.write_weights(mesh, bones, weights)
     mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, dtype=np.float32).reshape(-1))
     mesh.loops.add(len(corner_vertex))
     mesh.loops.foreach_set("vertex_index", corner_vertex)

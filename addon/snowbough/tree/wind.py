@@ -61,11 +61,11 @@ def find_chains(parents, connected, lengths, radii):
     limb = np.zeros(count, dtype=np.int32)
     start = np.zeros(count)
     first, level = [], []
-    taken = np.zeros(count, dtype=bool)
+    continued = np.zeros(count, dtype=bool)
     for bone, parent in enumerate(np.asarray(parents).tolist()):
         # A second connected child would be a fork: it begins a limb of its own.
-        if parent >= 0 and connected[bone] and not taken[parent]:
-            taken[parent] = True
+        if parent >= 0 and connected[bone] and not continued[parent]:
+            continued[parent] = True
             limb[bone] = limb[parent]
             start[bone] = start[parent] + lengths[parent]
         else:

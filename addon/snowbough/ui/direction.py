@@ -10,22 +10,18 @@ import math
 import bpy
 from mathutils import Euler, Matrix, Vector
 
-from . import bake_lock, receivers_bounds
+from ..bake.plan import unit_direction
+from ..names import MAX_FALL_ANGLE
+from ..scene.receivers import bounds
+from .editing_lock import NotWhileBaking
 
 ARROW_NAME = "Snow Direction"
-MAX_ANGLE = math.radians(89.5)
 
 # With the Empty's world rotation as XYZ Euler angles x, y, z its +Z axis, the arrow, points to
 #   (cos z sin y cos x + sin z sin x,  sin z sin y cos x - cos z sin x,  cos y cos x).
 # Only functions of Blender's own expression evaluator, so that the drivers run where scripts may not.
-_DRIVER_FALL_ANGLE = f"min(acos(min(max(-cos(y)*cos(x), -1), 1)), {MAX_ANGLE:.6f})"
+_DRIVER_FALL_ANGLE = f"min(acos(min(max(-cos(y)*cos(x), -1), 1)), {MAX_FALL_ANGLE:.6f})"
 _DRIVER_BEARING = "atan2(cos(z)*sin(y)*cos(x)+sin(z)*sin(x), sin(z)*sin(y)*cos(x)-cos(z)*sin(x))"
-
-
-def direction(fall_angle, bearing):
-    """Unit vector in which snow falls: radians, bearing clockwise from +Y seen from above."""
-    level = math.sin(fall_angle)
-    return Vector((level * math.sin(bearing), level * math.cos(bearing), -math.cos(fall_angle)))
 
 
 def arrow_rotation(fall_angle, bearing):
@@ -70,7 +66,7 @@ def is_driven(scene):
     return animation is not None and any(driver.data_path in paths for driver in animation.drivers)
 
 
-class SNOWBOUGH_OT_add_direction_arrow(bake_lock.NotWhileBaking, bpy.types.Operator):
+class SNOWBOUGH_OT_add_direction_arrow(NotWhileBaking, bpy.types.Operator):
     """Adds an arrow whose rotation drives the direction of the snow"""
 
     bl_idname = "snowbough.add_direction_arrow"
@@ -80,7 +76,7 @@ class SNOWBOUGH_OT_add_direction_arrow(bake_lock.NotWhileBaking, bpy.types.Opera
     def execute(self, context):
         scene = context.scene
         settings = scene.snowbough
-        centre, radius = receivers_bounds.of_scene(scene)
+        centre, radius = bounds(scene)
         empty = bpy.data.objects.new(ARROW_NAME, None)
         empty.empty_display_type = "SINGLE_ARROW"
         empty.empty_display_size = radius
@@ -112,7 +108,7 @@ class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
 
         def setter(name):
             def set_(value):
-                value = max(0.0, min(value, MAX_ANGLE)) if name == "fall_angle" else value
+                value = max(0.0, min(value, MAX_FALL_ANGLE)) if name == "fall_angle" else value
                 setattr(bpy.context.scene.snowbough, name, value)
 
             return set_
@@ -139,10 +135,10 @@ class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
 
     def draw_prepare(self, context):
         settings = context.scene.snowbough
-        centre, radius = receivers_bounds.of_scene(context.scene)
+        centre, radius = bounds(context.scene)
         origin = centre + Vector((0.0, 0.0, radius))
-        along = direction(settings.fall_angle, settings.bearing)
-        ahead = direction(math.pi / 2, settings.bearing)
+        along = Vector(unit_direction(settings.fall_angle, settings.bearing))
+        ahead = Vector(unit_direction(math.pi / 2, settings.bearing))
         across = ahead.cross(Vector((0.0, 0.0, -1.0)))
         # A dial's value grows from its Y axis towards its X axis, clockwise as seen from its Z axis.
         self.dials["bearing"].matrix_basis = frame_matrix(Vector((0, 0, 1)), Vector((0, 1, 0)), origin)

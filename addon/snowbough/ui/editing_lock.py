@@ -9,7 +9,8 @@ clicks on the Stop button.
 
 import bpy
 
-from . import bake_engine
+from .. import session
+from ..bake import engine
 
 LOOKING = {
     "NONE",
@@ -77,12 +78,12 @@ class SNOWBOUGH_OT_lock_editing(bpy.types.Operator):
         return {"RUNNING_MODAL"}
 
     def modal(self, context, event):
-        if bake_engine.session() is None:
+        if session.bake is None:
             return {"FINISHED", "PASS_THROUGH"}
         if is_harmless(event.type, event.ctrl):
             return {"PASS_THROUGH"}
         if event.type == "LEFTMOUSE" and event.value == "PRESS" and _is_over_stop(context, event):
-            bake_engine.stop()
+            engine.stop()
         return {"RUNNING_MODAL"}
 
 
@@ -94,7 +95,7 @@ class NotWhileBaking:
 
     @classmethod
     def poll(cls, context):
-        if bake_engine.session() is not None:
+        if session.bake is not None:
             cls.poll_message_set("A bake is running")
             return False
         return cls.ready(context)

@@ -4,7 +4,11 @@ one receiver's settings; and texts broken into lines that fit."""
 
 import blf
 
-from . import bake_engine, bake_operators, bake_state, compat, displacement, preflight, stale
+from .. import compat, session
+from ..bake import changes_since_bake
+from ..bake import state as bake_state
+from ..result import displacement
+from .text import wrapped
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 MODE_NAMES = {mode[0]: mode[1] for mode in displacement.MODES} | {"NONE": "Material Only"}
@@ -19,24 +23,24 @@ FEWEST_LETTERS = 12
 UI_FONT = 0
 
 
-def draw_text(column, context, text, icon, taken=0):
-    """A text in as many lines as the region's width asks for; taken: pixels that something else needs."""
+def draw_text(column, context, text, icon, reserved=0):
+    """A text in as many lines as the region's width asks for; reserved: pixels that something else needs."""
     preferences, region = context.preferences, context.region
     scale = preferences.system.ui_scale
-    room = region.width - scale * (MARGIN + taken + (TABS if region.type == "UI" else 0))
+    room = region.width - scale * (MARGIN + reserved + (TABS if region.type == "UI" else 0))
     blf.size(UI_FONT, preferences.ui_styles[0].widget.points * scale)
 
     def fits(line):
         return len(line) <= FEWEST_LETTERS or blf.dimensions(UI_FONT, line)[0] <= room
 
-    for index, line in enumerate(bake_operators.wrapped(text, fits)):
+    for index, line in enumerate(wrapped(text, fits)):
         column.label(text=line, icon=icon if index == 0 else "BLANK1")
 
 
 def draw_bake(layout, context):
     """The buttons of the bake, or its progress while one runs."""
     scene = context.scene
-    running = bake_engine.session()
+    running = session.bake
     column = layout.column()
     if running is not None:
         where, _, left = running.status().partition(", ")
@@ -47,7 +51,7 @@ def draw_bake(layout, context):
         draw_text(column, context, "Editing is locked. Esc stops, too", "LOCKED")
         return
     state, unfinished = bake_state.state_of(scene), bake_state.resumable(scene)
-    changes = stale.settings_changes(scene) if state == "BAKED" else []
+    changes = changes_since_bake.settings_changes(scene) if state == "BAKED" else []
     buttons = column.column(align=True)
     main = buttons.row(align=True)
     main.scale_y = 1.3
@@ -70,13 +74,13 @@ def draw_bake(layout, context):
             draw_text(box, context, change, "DOT")
         if len(changes) > MAX_CHANGES:
             draw_text(box, context, f"and {len(changes) - MAX_CHANGES} more", "BLANK1")
-    severity, text = bake_operators.last_outcome
+    severity, text = session.last_outcome
     if text:
         draw_text(column.box().column(align=True), context, text, ICONS[severity])
 
 
 def draw_issues(layout, context):
-    issues = preflight.found.get(context.scene.name)
+    issues = session.issues.get(context.scene.name)
     layout.operator("snowbough.preflight", icon="CHECKMARK")
     if issues is None:
         return

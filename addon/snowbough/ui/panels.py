@@ -7,7 +7,11 @@ Panels only read; what takes time is done by operators, which leave their result
 
 import bpy
 
-from . import bake_engine, bake_state, panel_parts, preview, receivers, scene_reader
+from .. import session
+from ..bake import state
+from ..scene import receivers
+from ..scene.reader import SURFACE_TYPES
+from . import panel_parts
 
 
 class SNOWBOUGH_UL_receivers(bpy.types.UIList):
@@ -40,7 +44,7 @@ class SNOWBOUGH_PT_scene(_ScenePanel, bpy.types.Panel):
 
     def draw(self, context):
         scene = context.scene
-        if bake_state.state_of(scene) == "EMPTY":
+        if state.state_of(scene) == "EMPTY":
             column = self.layout.column()
             panel_parts.draw_text(column, context, "No object gathers snow yet. Select some, then:", "INFO")
             column.operator("snowbough.add_receivers", icon="ADD")
@@ -55,7 +59,7 @@ class SNOWBOUGH_PT_receivers(_ScenePanel, bpy.types.Panel):
     def draw(self, context):
         settings = context.scene.snowbough
         layout = self.layout
-        layout.enabled = bake_engine.session() is None
+        layout.enabled = session.bake is None
         row = layout.row()
         row.template_list(
             "SNOWBOUGH_UL_receivers", "", settings, "receivers", settings, "active_receiver", rows=3
@@ -75,7 +79,7 @@ class _Settings(_ScenePanel):
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
-        layout.enabled = bake_engine.session() is None
+        layout.enabled = session.bake is None
         for group in self.names:
             column = layout.column(align=True)
             for name in group:
@@ -148,7 +152,7 @@ class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
         layout = self.layout
         settings = context.scene.snowbough
         column = layout.column()
-        column.enabled = bake_engine.session() is None
+        column.enabled = session.bake is None
         column.operator("snowbough.add_receivers", icon="ADD")
         if len(settings.receivers):
             split = column.column(align=True)
@@ -156,7 +160,7 @@ class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
             split.use_property_decorate = False
             for name in ("end_depth", "fall_angle", "bearing"):
                 split.prop(settings, name)
-            running = preview.is_running()
+            running = session.preview is not None
             column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
         panel_parts.draw_bake(layout, context)
 
@@ -170,7 +174,7 @@ class SNOWBOUGH_PT_sidebar_result(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        return bake_state.state_of(context.scene) == "BAKED"
+        return state.state_of(context.scene) == "BAKED"
 
     def draw(self, context):
         panel_parts.draw_result(self.layout, context)
@@ -184,7 +188,7 @@ class SNOWBOUGH_PT_tree(bpy.types.Panel):
 
     def draw(self, context):
         column = self.layout.column()
-        column.enabled = bake_engine.session() is None
+        column.enabled = session.bake is None
         column.operator("import_scene.xfrog_tree", text="Import Xfrog Tree", icon="IMPORT")
         column.operator("snowbough.add_sway", icon="FORCE_WIND")
 
@@ -198,13 +202,13 @@ class SNOWBOUGH_PT_object(bpy.types.Panel):
 
     @classmethod
     def poll(cls, context):
-        kinds = scene_reader.SURFACE_TYPES | {"EMPTY"}
+        kinds = SURFACE_TYPES | {"EMPTY"}
         return context.object is not None and context.object.type in kinds
 
     def draw(self, context):
         layout = self.layout
         layout.use_property_split = True
-        layout.enabled = bake_engine.session() is None
+        layout.enabled = session.bake is None
         entry = receivers.find(context.scene, context.object)
         if entry is None:
             layout.prop(context.object.snowbough, "occlude")

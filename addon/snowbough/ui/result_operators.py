@@ -4,7 +4,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from . import bake_lock, baked_images, displacement, snow_material, snow_shell
+from ..result import baked_images, displacement, snow_material, snow_shell
+from .editing_lock import NotWhileBaking
 
 
 def _chosen(context, only_selected):
@@ -15,7 +16,7 @@ def _chosen(context, only_selected):
     return receivers
 
 
-class _ReceiverOperator(bake_lock.NotWhileBaking):
+class _ReceiverOperator(NotWhileBaking):
     """Runs `work` on each chosen receiver; what does not suit one is reported and the others go on."""
 
     bl_options = {"REGISTER", "UNDO"}
@@ -105,7 +106,7 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
     done_text = "Removed snow"
 
     def work(self, context, receiver):
-        displacement.strip(context.scene, receiver)
+        displacement.remove(context.scene, receiver)
 
 
 CLASSES = (

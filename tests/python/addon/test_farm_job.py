@@ -8,7 +8,7 @@ from pathlib import Path
 
 import pytest
 
-SCRIPT = Path(__file__).resolve().parents[2] / "docs" / "farm" / "snowbough_bake.js"
+SCRIPT = Path(__file__).resolve().parents[3] / "docs" / "farm" / "snowbough_bake.js"
 
 MANAGER = """
 const author = {

@@ -1,14 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Maps made beside each other are written in order (addon/snowbough/map_writer.py), without Blender."""
+"""Maps made beside each other are written in order (snowbough.bake.map_writer), without Blender."""
 
-import sys
 import threading
-from pathlib import Path
 
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon" / "snowbough"))
-import map_writer  # noqa: E402
+from snowbough.bake import map_writer
 
 WAIT = 20.0
 

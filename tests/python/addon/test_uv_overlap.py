@@ -1,14 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Finding overlaps in UV layouts (addon/snowbough/uv_overlap.py), without Blender."""
-
-import sys
-from pathlib import Path
+"""Finding overlaps in UV layouts (snowbough.scene.uv_overlap), without Blender."""
 
 import numpy as np
 import pytest
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "addon" / "snowbough"))
-import uv_overlap  # noqa: E402
+from snowbough.scene import uv_overlap
 
 
 def square(x, y, size):

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import snowbough_native
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 
 
 @pytest.fixture(scope="module")

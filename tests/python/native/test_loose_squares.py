@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 
-ROOT = pathlib.Path(__file__).resolve().parents[2]
+ROOT = pathlib.Path(__file__).resolve().parents[3]
 SQUARES = ROOT / ".." / "shared" / "data" / "trees" / "squares"
 needs_trees = pytest.mark.skipif(not SQUARES.is_dir(), reason="../shared/data/trees is not there")
 SEED = 5

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 
-TREES = pathlib.Path(__file__).resolve().parents[2] / ".." / "shared" / "data" / "trees"
+TREES = pathlib.Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "trees"
 needs_trees = pytest.mark.skipif(not TREES.is_dir(), reason="../shared/data/trees is not there")
 
 

@@ -8,7 +8,7 @@ import pytest
 
 snowbough_native = pytest.importorskip("snowbough_native")
 
-SHARED = Path(__file__).resolve().parents[2].parent / "shared" / "data"
+SHARED = Path(__file__).resolve().parents[3].parent / "shared" / "data"
 
 
 def triangles_of(mesh):

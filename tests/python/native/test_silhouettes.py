@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 
-ROOT = Path(__file__).resolve().parents[2]
+ROOT = Path(__file__).resolve().parents[3]
 MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
 TUBES = ROOT / ".." / "shared" / "data" / "trees" / "tubes"
 PIXELS = 2000

@@ -7,7 +7,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-sys.path.append(str(Path(__file__).resolve().parents[2] / "benchmarks" / "snow"))
+sys.path.append(str(Path(__file__).resolve().parents[3] / "benchmarks" / "snow"))
 from thesis_mapping import lay_on_rectangles, uv_rectangles, visible_triangles  # noqa: E402
 
 # A corner at the origin, others 4 m along x and 2 m along y; u grows by 0.2 a metre of y, v by 0.1 of x.

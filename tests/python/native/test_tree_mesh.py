@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 
-TREES = Path(__file__).resolve().parents[2] / ".." / "shared" / "data" / "trees"
+TREES = Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "trees"
 REAL_TREES = [
     "tubes/AL06a.obj",
     "tubes/BL02A_Betula_lenta.obj",
@@ -279,7 +279,7 @@ except KeyboardInterrupt:
 
 
 def test_ctrl_c_ends_a_build():
-    maple = Path(__file__).resolve().parents[1] / "data" / "small_maple.obj"
+    maple = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
     environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
     run = subprocess.run(
         [sys.executable, "-c", INTERRUPTED_BUILD, str(maple)],

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import snowbough_native as native
 
-TREES = Path(__file__).resolve().parents[3] / "shared" / "data" / "trees"
+TREES = Path(__file__).resolve().parents[4] / "shared" / "data" / "trees"
 AL06A = TREES / "tubes" / "AL06a.obj"
 BL02A = TREES / "tubes" / "BL02A_Betula_lenta.obj"
 ASPEN = TREES / "levels" / "quaking_aspen.obj"
