@@ -252,14 +252,14 @@ def test_a_changed_alpha_image_is_named(addon, tmp_path):
     leaf_over_ground(tmp_path, material(picture)[0])
     s.bake()
     s.bake(resume=True)
-    stale, scene = addon("bake.changes_since_bake"), bpy.context.scene
+    changes, scene = addon("bake.changes_since_bake"), bpy.context.scene
     scene.frame_set(2)
-    assert stale.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == []
+    assert changes.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == []
     picture.pixels.foreach_set(np.ones(64, np.float32))
     pixels = np.ones((4, 4, 4), np.float32)
     pixels[0, 0, 3] = 0.0
     picture.pixels.foreach_set(pixels.reshape(-1))
-    assert stale.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == [
+    assert changes.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == [
         "Leaf: alpha image changed at frame 2"
     ]
     with pytest.raises(RuntimeError, match=r"\(Leaf: alpha image changed at frame 1\)"):

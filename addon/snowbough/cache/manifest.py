@@ -47,7 +47,7 @@ def write_manifest(folder, manifest):
 
 
 def write_inputs(folder, poses):
-    """Fingerprints of all poses of a finished bake (scene_inputs), to tell later what has changed."""
+    """Fingerprints of all poses of a finished bake (scene.inputs), to tell later what has changed."""
     write_bytes(Path(folder) / INPUTS, to_json(poses))
 
 

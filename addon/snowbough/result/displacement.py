@@ -125,7 +125,7 @@ def _remove_modifiers(scene, receiver, record):
 
 
 def clear(scene, receiver):
-    """Takes off what apply() added and leaves the materials as they are."""
+    """Removes what apply() added and leaves the materials as they are."""
     record = original_state.read(receiver)
     _remove_modifiers(scene, receiver, record)
     snow_shell.remove(receiver)

@@ -104,7 +104,7 @@ class ObjectPose:
     positions: np.ndarray
     """(V, 3) float32, metres. The same array again while the object stands still; never written to."""
     prints: tuple
-    """Fingerprints of transform, shape, topology and, where there are some, alpha images (scene_inputs)."""
+    """Fingerprints of transform, shape, topology and, where there are some, alpha images (scene.inputs)."""
 
 
 @dataclass(frozen=True)
