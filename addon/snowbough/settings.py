@@ -6,7 +6,7 @@ Names, units and defaults are part of the interface that scripts rely on. Nothin
 :mod:`.bake.plan` turns the numbers into snowfall.
 
 A setting of the simulation itself stands in SnowProperties and nowhere else: bakes, previews and manifests carry
-them all as one dict (snow_of), under the names and in the units of the native ``SnowSimulation``.
+them all as one dict (snow_of), under the names that the native ``SnowSimulation`` has for them.
 """
 
 import math
@@ -94,7 +94,7 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
 
 
 class SnowProperties:
-    """What ``SnowSimulation`` takes under the same names: metres, seconds, radians."""
+    """What ``SnowSimulation`` takes under the same names: metres, seconds, radians (bake.simulation converts)."""
 
     flutter: FloatProperty(
         name="Flutter",

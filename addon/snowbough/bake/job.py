@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake from its first pose to its last file, as plain data: no ``bpy`` and no reference into the scene.
 
-The hidden render engine (engine) calls BakeJob.run in Blender's render thread and hands in a way to
+The hidden render engine (bake.engine) calls BakeJob.run in Blender's render thread and hands in a way to
 get poses. Three things run beside each other: Blender evaluates the next pose in this thread, the
 simulation works on the pose before in a second one, and others (map_writer) make maps of what the
 simulation left of the poses before that, pack them and write them. Order and results do not depend on
