@@ -20,7 +20,6 @@ ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "addon"), str(ROOT / "tests" / "blender")]
 import snow_scene  # noqa: E402
 import snowbough  # noqa: E402
-from snowbough import bake_engine, bake_operators  # noqa: E402
 
 PAGE = os.sysconf("SC_PAGESIZE")
 
@@ -36,6 +35,8 @@ def main():
     parser.add_argument("--resolution", type=int, default=512)
     options = parser.parse_args(given)
     snowbough.register()
+    from snowbough.bake import engine, from_scene  # as register() has loaded them
+
     bpy.ops.wm.read_homefile(use_empty=True)
     sizes = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -43,11 +44,9 @@ def main():
         for entry in bpy.context.scene.snowbough.receivers:
             entry.resolution = options.resolution
         bpy.context.scene.snowbough.checkpoint_interval = 10
-        running = bake_operators.make_session(
-            bpy.context.scene, bake_operators.make_request(bpy.context.scene)
-        )
+        running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
         running.on_frame = lambda result: sizes.update({result.frame: resident_mib()})
-        bake_engine.run(bpy.context, running)
+        engine.run(bpy.context, running)
         assert running.error is None, running.error
     print(f"{'frame':>6} {'MiB':>8}")
     for frame in sorted({1, 10, 20, 50, 100, 150, options.frames} & sizes.keys()):

@@ -21,6 +21,7 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 import demo  # noqa: E402
 import demo_scene  # noqa: E402
 import snowbough  # noqa: E402  (demo.py says where it is)
+from snowbough import compat  # noqa: E402
 
 RENDERED_FRAMES = (1, 8, 15, 22, 29, 36, 42, 48)
 START_DEPTH, END_DEPTH = 0.0, 0.045
@@ -105,7 +106,7 @@ def prepare_snowfall(receivers, scenery, resolution):
     for frame in (1, SNOW_FROM):
         settings.rate = float(frame >= SNOW_FROM)
         settings.keyframe_insert("rate", frame=frame)
-    for curve in snowbough.compat.curves_of(bpy.context.scene):
+    for curve in compat.curves_of(bpy.context.scene):
         if curve.data_path == "snowbough.rate":
             for key in curve.keyframe_points:
                 key.interpolation = "CONSTANT"

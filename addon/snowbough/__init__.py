@@ -1,12 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Snowbough: trees from OBJ as rigged meshes, and snow that stays where it fell.
 
-This file is the add-on's table of contents. Each module below has a ``register`` and an
-``unregister`` and nothing else runs on import, so the add-on enables on any machine; what needs the
-native module loads it through :mod:`snowbough.native` when it is first used.
+This file is the add-on's table of contents. Importing the package loads nothing else, so that modules which
+need no Blender can be used without it. register() loads the modules below and calls the ``register`` of each;
+nothing else of theirs runs on import, so the add-on enables on any machine. What needs the native module loads
+it through :mod:`snowbough.native` when it is first used.
 """
 
 import importlib
+import sys
 
 bl_info = {
     "name": "Snowbough",
@@ -19,30 +21,49 @@ bl_info = {
 }
 
 MODULES = (
-    "import_tree",
-    "import_presets",
-    "sway",
-    "cli",
     "settings",
-    "receivers",
-    "bake_engine",
-    "bake_lock",
-    "bake_operators",
-    "result_operators",
-    "direction",
-    "preview",
-    "preflight",
-    "panels",
+    "cli",
+    "tree.presets",
+    "bake.engine",
+    "bake.outcome",
+    "bake.preflight",
+    "bake.preview",
+    "ui.import_operators",
+    "ui.sway_operator",
+    "ui.receiver_operators",
+    "ui.editing_lock",
+    "ui.bake_operators",
+    "ui.result_operators",
+    "ui.direction",
+    "ui.preview_operator",
+    "ui.preflight_operators",
+    "ui.panels",
 )
 
-_modules = [importlib.import_module(f".{name}", __package__) for name in MODULES]
+_registered = []
+
+
+def _forget_loaded_modules():
+    """Lets everything be loaded anew, so that after switching off and on, or reloading scripts, the code that
+    runs is that on disk. What `session` holds stays."""
+    session = f"{__package__}.session"
+    for name in [name for name in sys.modules if name.startswith(f"{__package__}.")]:
+        if name != session:
+            del sys.modules[name]
+            # `from . import name` would find it here.
+            globals().pop(name.removeprefix(f"{__package__}."), None)
+    if session in sys.modules:
+        importlib.reload(sys.modules[session])
 
 
 def register():
-    for module in _modules:
+    _forget_loaded_modules()
+    for name in MODULES:
+        module = importlib.import_module(f".{name}", __package__)
         module.register()
+        _registered.append(module)
 
 
 def unregister():
-    for module in reversed(_modules):
-        module.unregister()
+    while _registered:
+        _registered.pop().unregister()

@@ -7,89 +7,55 @@
 
 The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender itself ends with 0
 even when this script could not start.
+
+As a script this file belongs to no package: what it needs of the add-on is imported where it is used.
 """
 
 import argparse
 import signal
 import sys
 
-USAGE_ERROR = 2
-STOPPED = 130
-
 
 def parser():
     """The parser of both subcommands; `args.command` says which."""
+    from .bake import cli as bake_cli
+    from .tree import cli as tree_cli
+
     top = argparse.ArgumentParser(
         prog="snowbough", description="Imports trees and bakes snow without a window."
     )
     commands = top.add_subparsers(dest="command", required=True)
 
-    tree = commands.add_parser("import", help="import an OBJ tree and save a .blend")
-    tree.add_argument("file", metavar="FILE.obj")
-    tree.add_argument(
-        "--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved"
-    )
-    tree.add_argument("--json", metavar="R.json", help="where the import report goes")
-    tree.add_argument("--up-axis", choices=("AUTO", "Y", "Z"), default="AUTO")
-    tree.add_argument("--levels", default="", help="names of groups from the trunk on, separated by commas")
-    tree.add_argument("--simplify", choices=("NONE", "THESIS", "TOLERANCE"), default="TOLERANCE")
-    tree.add_argument("--tolerance", type=float, default=0.5, help="radii a limb may stray by")
-    tree.add_argument("--width", choices=("ORIGINAL", "INVERSE"), default="ORIGINAL")
-    tree.add_argument("--species", choices=("BROADLEAF", "EVERGREEN"), default="BROADLEAF")
-    tree.add_argument("--lod", type=int, choices=range(4), default=0)
-    tree.add_argument("--lod-chain", action="store_true", help="all four levels of detail, _LOD0 the finest")
-    tree.add_argument("--max-bones", type=int, default=1000, help="0 = all")
-    tree.add_argument("--max-bone-level", type=int, default=-1, help="-1 = all")
-    tree.add_argument("--no-foliage", dest="foliage", action="store_false", help="leave the leaves out")
-    tree.add_argument(
-        "--foliage",
-        dest="foliage_names",
-        metavar="NAMES",
-        default="",
-        help="starts of the names of groups, objects or materials that are foliage, separated by commas",
-    )
-    tree.add_argument(
-        "--snow-resolution",
-        type=int,
-        default=1024,
-        help="texels a side that the snow UV maps are laid out for",
-    )
-
-    bake = commands.add_parser("bake", help="bake the snow of the loaded file")
-    bake.add_argument("--frames", metavar="A-B", help="default: the scene's settings")
-    bake.add_argument("--cache", metavar="DIR")
-    bake.add_argument("--json", metavar="R.json")
-    bake.add_argument("--resume", action="store_true")
-    bake.add_argument("--objects", metavar="A,B", help="only these receivers")
-    bake.add_argument(
-        "--allow-other-driver", action="store_true", help="resume although the GPU driver changed"
-    )
+    tree_cli.add_arguments(commands.add_parser("import", help="import an OBJ tree and save a .blend"))
+    bake_cli.add_arguments(commands.add_parser("bake", help="bake the snow of the loaded file"))
     return top
 
 
 def run(arguments):
     """Runs one command; returns the exit code."""
+    from .names import EXIT_STOPPED
+
     try:
         args = parser().parse_args(arguments)
     except SystemExit as stop:  # argparse has said why; --help ends with 0
         return int(stop.code or 0)
     try:
         if args.command == "bake":
-            from . import cli_bake
+            from .bake import cli as bake_cli
 
-            return cli_bake.run(args)
-        from . import cli_import
+            return bake_cli.run(args)
+        from .tree import cli as tree_cli
 
         # Blender takes Ctrl-C for itself; while Python computes, it must stop the work.
         previous = signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
-            return cli_import.run(args)
+            return tree_cli.run(args)
         finally:
             # None: a handler that C code has set, which Python can't put back. SIG_DFL ends the process.
             signal.signal(signal.SIGINT, previous if previous is not None else signal.SIG_DFL)
     except KeyboardInterrupt:
         print("Snowbough: stopped", file=sys.stderr)
-        return STOPPED
+        return EXIT_STOPPED
 
 
 _handles = []
@@ -120,9 +86,10 @@ def _main():
         del sys.modules[name]
     sys.path.insert(0, str(Path(__file__).resolve().parent.parent))
     import snowbough
-    from snowbough import cli
 
     snowbough.register()
+    from snowbough import cli
+
     code = cli.run(sys.argv[sys.argv.index("--") + 1 :] if "--" in sys.argv else [])
     sys.stdout.flush()
     sys.stderr.flush()

@@ -262,11 +262,6 @@ def set_displacement_method(material, method):
         owner.displacement_method = method
 
 
-def displacement_method(material):
-    owner = material if hasattr(material, "displacement_method") else material.cycles
-    return owner.displacement_method
-
-
 def cycles_feature_set(scene):
     """The scene's Cycles feature set; None where there is none (no Cycles, or 5.x, which has but one)."""
     return getattr(getattr(scene, "cycles", None), "feature_set", None)

@@ -3,7 +3,10 @@
 
 The list of receivers belongs to the scene, because settings on linked or overridden objects get lost.
 Names, units and defaults are part of the interface that scripts rely on. Nothing here computes:
-:mod:`bake_plan` turns the numbers into snowfall.
+:mod:`.bake.plan` turns the numbers into snowfall.
+
+A setting of the simulation itself stands in SnowProperties and nowhere else: bakes, previews and manifests carry
+them all as one dict (snow_of), under the names that the native ``SnowSimulation`` has for them.
 """
 
 import math
@@ -20,6 +23,7 @@ from bpy.props import (
 )
 
 from . import compat
+from .names import MAX_FALL_ANGLE, MAX_RESOLUTION
 
 MAPPINGS = (
     ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time"),
@@ -69,7 +73,7 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         "0 chooses a power of two from 256 to 4096 from the surface area and the texel size",
         default=0,
         min=0,
-        max=8192,
+        max=MAX_RESOLUTION,
     )
     uv_map: StringProperty(
         name="UV Map",
@@ -89,7 +93,61 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
     )
 
 
-class SnowboughSceneSettings(bpy.types.PropertyGroup):
+class SnowProperties:
+    """What ``SnowSimulation`` takes under the same names: metres, seconds, radians (bake.simulation converts)."""
+
+    flutter: FloatProperty(
+        name="Flutter",
+        description="Half angle of the cone in which flakes stray from the direction (degrees)",
+        subtype="ANGLE",
+        default=math.radians(3.0),
+        min=0.0,
+        max=math.radians(45.0),
+    )
+    max_depth: FloatProperty(
+        name="Maximum Depth",
+        description="Snow that level ground holds before it slides off (metres)",
+        default=1.0,
+        min=1e-4,
+        soft_max=10.0,
+    )
+    slide_half_life: FloatProperty(
+        name="Slide Half-Life",
+        description="Time in which half of the excess snow slides off (seconds)",
+        default=2.0,
+        min=1e-3,
+        soft_max=60.0,
+    )
+    seed: IntProperty(
+        name="Seed",
+        description="Another number gives other random flakes (no unit)",
+        default=0,
+        min=0,
+    )
+    noise_density: FloatProperty(
+        name="Noise Density",
+        description="Share of pixels that catch a flake in one step; below 1 the snow gets grainy (0 to 1)",
+        default=1.0,
+        min=0.001,
+        max=1.0,
+    )
+    mapping: EnumProperty(
+        name="Mapping",
+        description="How snow gets from the occlusion grid onto the maps; both give the same snow",
+        items=MAPPINGS,
+        default="COMPUTE",
+    )
+
+
+SNOW_SETTINGS = tuple(SnowProperties.__annotations__)
+
+
+def snow_of(settings):
+    """{name: value} of ``scene.snowbough``'s SnowProperties, as plain data."""
+    return {name: getattr(settings, name) for name in SNOW_SETTINGS}
+
+
+class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
     """``scene.snowbough``: one snowfall over one shot."""
 
     cache_directory: StringProperty(
@@ -171,7 +229,7 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         subtype="ANGLE",
         default=0.0,
         min=0.0,
-        max=math.radians(89.5),
+        max=MAX_FALL_ANGLE,
     )
     bearing: FloatProperty(
         name="Bearing",
@@ -185,28 +243,6 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         name="Show Direction",
         description="Show dials for the direction of the snow in the 3D view",
         default=True,
-    )
-    flutter: FloatProperty(
-        name="Flutter",
-        description="Half angle of the cone in which flakes stray from the direction (degrees)",
-        subtype="ANGLE",
-        default=math.radians(3.0),
-        min=0.0,
-        max=math.radians(45.0),
-    )
-    max_depth: FloatProperty(
-        name="Maximum Depth",
-        description="Snow that level ground holds before it slides off (metres)",
-        default=1.0,
-        min=1e-4,
-        soft_max=10.0,
-    )
-    slide_half_life: FloatProperty(
-        name="Slide Half-Life",
-        description="Time in which half of the excess snow slides off (seconds)",
-        default=2.0,
-        min=1e-3,
-        soft_max=60.0,
     )
 
     texel_size: FloatProperty(
@@ -241,12 +277,6 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         min=1,
         max=16,
     )
-    seed: IntProperty(
-        name="Seed",
-        description="Another number gives other random flakes (no unit)",
-        default=0,
-        min=0,
-    )
     checkpoint_interval: IntProperty(
         name="Checkpoint Every",
         description="A stopped bake resumes from the last checkpoint (frames)",
@@ -258,19 +288,6 @@ class SnowboughSceneSettings(bpy.types.PropertyGroup):
         name="Normal Maps",
         description="Also write tangent-space normal maps of the snow",
         default=False,
-    )
-    noise_density: FloatProperty(
-        name="Noise Density",
-        description="Share of pixels that catch a flake in one step; below 1 the snow gets grainy (0 to 1)",
-        default=1.0,
-        min=0.001,
-        max=1.0,
-    )
-    mapping: EnumProperty(
-        name="Mapping",
-        description="How snow gets from the occlusion grid onto the maps; both give the same snow",
-        items=MAPPINGS,
-        default="COMPUTE",
     )
 
     receivers: CollectionProperty(

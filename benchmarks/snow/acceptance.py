@@ -3,7 +3,7 @@
 
     python3 benchmarks/snow/acceptance.py [--only conservation,place,...] [--json FILE]
 
-References come from formulas and from ray casting (tests/python/snow_rays.py), never from the core itself.
+References come from formulas and from ray casting (tests/python/native/snow_rays.py), never from the core itself.
 """
 
 import argparse

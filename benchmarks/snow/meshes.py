@@ -14,7 +14,7 @@ import numpy as np
 ROOT = Path(__file__).resolve().parents[2]
 SHARED = ROOT.parent / "shared" / "data"
 BUILD = ROOT / "build" / "snow"
-sys.path[:0] = [str(ROOT / "build" / "python"), str(ROOT / "tests" / "python")]
+sys.path[:0] = [str(ROOT / "build" / "python"), str(ROOT / "tests" / "python" / "native")]
 
 import snowbough_native as native  # noqa: E402
 from snow_meshes import box, grid, rotated, sphere, wind  # noqa: E402, F401

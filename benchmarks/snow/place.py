@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Whether snow lies where rays arrive, and nowhere else: the part "place" of acceptance.py.
 
-Rays are asked on sub-samples of every texel's own surface (tests/python/snow_rays.py): a texel on an edge
+Rays are asked on sub-samples of every texel's own surface (tests/python/native/snow_rays.py): a texel on an edge
 holds parts that the sky sees and parts that it does not, and its one sample point would tell half the truth.
 """
 

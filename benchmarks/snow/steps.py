@@ -2,7 +2,7 @@
 """What a step of snow costs, as tables: by occlusion size, map size, objects and triangles, and by the
 deposit's formulation at a noise density of 10 %.
 
-    PYTHONPATH=build/python:tests/python python3 benchmarks/snow/steps.py [--steps 8]
+    PYTHONPATH=build/python:tests/python/native python3 benchmarks/snow/steps.py [--steps 8]
 
 The middle of the steps' wall times counts; "CPU" is the process's processor time a step (all threads),
 which other load on the machine changes less.

@@ -16,13 +16,13 @@ sys.path.insert(0, str(Path(__file__).resolve().parent))
 
 
 def addon_module(name):
-    """A module of the installed add-on: addon_module("compat")."""
+    """A module of the installed add-on: addon_module("bake.job")."""
     return importlib.import_module(f"{os.environ['SNOWBOUGH_TEST_ADDON']}.{name}")
 
 
 @pytest.fixture
 def addon():
-    """Loads modules of the installed add-on: addon("compat")."""
+    """Loads modules of the installed add-on: addon("bake.job")."""
     return addon_module
 
 

@@ -10,7 +10,7 @@ def synthetic_bones(branches=4, segments=3, twigs=2):
     """Bones of a trunk along Z, `branches` limbs along X on it and `twigs` along Y on each limb.
 
     The trunk has one segment a limb, limbs and twigs have `segments`. Returns the keyword arguments of
-    tree_armature.BoneArrays.
+    armature.BoneArrays.
     """
     rows = []
 
@@ -86,17 +86,17 @@ def build_synthetic(addon, bones=None):
     """Makes armature and bark in the current scene; returns (rig, bark)."""
     import bpy
 
-    tree_armature, tree_objects = addon("tree_armature"), addon("tree_objects")
+    armature, objects = addon("tree.armature"), addon("tree.objects")
     bones = bones or synthetic_bones()
-    names = addon("bone_names").fitting_names(bones["names"])
-    arrays = tree_armature.BoneArrays(**{**bones, "names": names})
+    names = addon("tree.bone_names").fitting_names(bones["names"])
+    arrays = armature.BoneArrays(**{**bones, "names": names})
     collection = bpy.data.collections.new("tree")
     bpy.context.scene.collection.children.link(collection)
-    rig = tree_armature.create_armature(bpy.context, "tree", arrays, collection)
+    rig = armature.create_armature(bpy.context, "tree", arrays, collection)
     material = bpy.data.materials.new("bark")
-    bark = tree_objects.create_bark("tree_bark", synthetic_mesh(bones), names, material)
+    bark = objects.create_bark("tree_bark", synthetic_mesh(bones), names, material)
     collection.objects.link(bark)
-    tree_objects.bind(bark, rig)
+    objects.bind(bark, rig)
     return rig, bark
 
 

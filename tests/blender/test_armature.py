@@ -65,7 +65,7 @@ def test_a_bone_too_short_for_blender_stays(addon):
 
 
 def test_names_are_shortened_to_63_bytes_and_stay_unique(addon):
-    fitting_names = addon("bone_names").fitting_names
+    fitting_names = addon("tree.bone_names").fitting_names
     long = "Ä" * 40
     names = [f"{long}.1", f"{long}é.1", f"{long}.2", "short.1", "short.1"]
     fitted = fitting_names(names)

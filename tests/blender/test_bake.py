@@ -413,8 +413,8 @@ def test_an_unsaved_file_needs_a_cache_of_its_own():
 def test_a_bake_of_the_same_object_at_the_same_time_is_refused(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path, checkpoint_interval=2)
-    key = addon("cache").receiver_key("Ground", ("", "", ""))
-    with addon("cache").lock_folder(tmp_path / "Scene" / "v001" / key):
+    key = addon("names").receiver_key("Ground", ("", "", ""))
+    with addon("cache.lock").lock_folder(tmp_path / "Scene" / "v001" / key):
         refused("Ground-.* is being baked by process")
     s.bake()
 
@@ -422,7 +422,7 @@ def test_a_bake_of_the_same_object_at_the_same_time_is_refused(addon, tmp_path):
 def test_disabled_scripts_are_refused_with_a_hint(addon, monkeypatch, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path)
-    operators = addon("bake_operators")
+    from_scene = addon("bake.from_scene")
 
     class App:
         autoexec_fail = True
@@ -437,6 +437,6 @@ def test_disabled_scripts_are_refused_with_a_hint(addon, monkeypatch, tmp_path):
         def __getattr__(self, name):
             return getattr(bpy, name)
 
-    monkeypatch.setattr(operators, "bpy", Bpy())
+    monkeypatch.setattr(from_scene, "bpy", Bpy())
     with pytest.raises(ValueError, match="start Blender with -y"):
-        operators.make_request(bpy.context.scene)
+        from_scene.make_request(bpy.context.scene)

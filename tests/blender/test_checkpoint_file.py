@@ -17,12 +17,12 @@ def state():
 
 @pytest.fixture
 def path(addon, tmp_path):
-    addon("checkpoint").write(tmp_path / "state_0010", 70, state())
+    addon("cache.checkpoint").write(tmp_path / "state_0010", 70, state())
     return tmp_path / "state_0010"
 
 
 def test_a_state_comes_back_bit_for_bit(addon, path):
-    step_number, own = addon("checkpoint").read(path)
+    step_number, own = addon("cache.checkpoint").read(path)
     assert step_number == 70
     assert own["height"].tobytes() == state()["height"].tobytes()
     assert own["sums"].tobytes() == state()["sums"].tobytes()
@@ -30,8 +30,8 @@ def test_a_state_comes_back_bit_for_bit(addon, path):
 
 def test_a_map_without_snow_comes_back(addon, tmp_path):
     bare = {"height": np.zeros((EDGE, EDGE), dtype=np.float32), "sums": np.zeros(16)}
-    addon("checkpoint").write(tmp_path / "state_0001", 1, bare)
-    assert not addon("checkpoint").read(tmp_path / "state_0001")[1]["height"].any()
+    addon("cache.checkpoint").write(tmp_path / "state_0001", 1, bare)
+    assert not addon("cache.checkpoint").read(tmp_path / "state_0001")[1]["height"].any()
 
 
 @pytest.mark.parametrize("at", [300, 500, -1])
@@ -39,11 +39,11 @@ def test_a_damaged_state_is_refused_by_name(addon, path, at):
     content = bytearray(path.read_bytes())
     content[at] ^= 1
     path.write_bytes(content)
-    with pytest.raises(addon("cache").CacheError, match="state_0010 cannot be read .it is damaged"):
-        addon("checkpoint").read(path)
+    with pytest.raises(addon("cache.errors").CacheError, match="state_0010 cannot be read .it is damaged"):
+        addon("cache.checkpoint").read(path)
 
 
 def test_a_truncated_state_is_refused(addon, path):
     path.write_bytes(path.read_bytes()[:-4])
-    with pytest.raises(addon("cache").CacheError, match="it is damaged"):
-        addon("checkpoint").read(path)
+    with pytest.raises(addon("cache.errors").CacheError, match="it is damaged"):
+        addon("cache.checkpoint").read(path)

@@ -31,7 +31,7 @@ def test_both_angles_are_stored_before_their_drivers_run_side_by_side(addon):
     settings = bpy.context.scene.snowbough
     assert not settings.is_property_set("fall_angle") and not settings.is_property_set("bearing")
     empty = bpy.data.objects.new("Arrow", None)
-    addon("direction").drive_by(bpy.context.scene, empty)
+    addon("ui.direction").drive_by(bpy.context.scene, empty)
     assert settings.is_property_set("fall_angle") and settings.is_property_set("bearing")
 
 
@@ -43,7 +43,7 @@ def test_turning_the_arrow_turns_the_snow(addon, rotation):
     bpy.context.scene.frame_set(2)
     settings = settled()
     expected = Euler(rotation, "XYZ").to_matrix() @ Vector((0, 0, 1))
-    found = addon("direction").direction(settings.fall_angle, settings.bearing)
+    found = Vector(addon("bake.plan").unit_direction(settings.fall_angle, settings.bearing))
     assert (found - expected).length < 1e-3
 
 
@@ -60,11 +60,11 @@ def test_the_drivers_need_no_python(addon):
     drivers = bpy.context.scene.animation_data.drivers
     assert len(drivers) == 2
     assert all(curve.driver.is_simple_expression for curve in drivers)
-    assert addon("direction").is_driven(bpy.context.scene)
+    assert addon("ui.direction").is_driven(bpy.context.scene)
 
 
 def test_a_dial_has_its_axes_where_they_are_asked_for(addon):
-    dial = addon("direction").frame_matrix(Vector((0, 0, 2)), Vector((0, 1, 5)), Vector((1, 2, 3)))
+    dial = addon("ui.direction").frame_matrix(Vector((0, 0, 2)), Vector((0, 1, 5)), Vector((1, 2, 3)))
     assert (dial.translation - Vector((1, 2, 3))).length < 1e-6
     for column, axis in enumerate(((1, 0, 0), (0, 1, 0), (0, 0, 1))):
         assert (dial.to_3x3().col[column] - Vector(axis)).length < 1e-6

@@ -64,8 +64,8 @@ def test_bark_has_its_uv_maps_in_order_and_the_branch_levels():
 
 
 def test_bark_is_what_the_native_module_built(addon):
-    options = addon("import_tree").ImportOptions()
-    tree = addon("import_tree").read_native(MAPLE, options).meshes[0][1]
+    options = addon("tree.import_options").ImportOptions()
+    tree = addon("tree.import_tree").read_native(MAPLE, options).meshes[0][1]
     mesh = _import().objects["small_maple_bark"].data
     assert not mesh.validate()
     points = np.empty(len(mesh.vertices) * 3, np.float32)
@@ -100,10 +100,10 @@ def test_max_bones_keeps_that_many_and_the_whole_tree_still_follows(budget):
 
 
 def test_weights_are_those_of_the_native_module(addon):
-    options = addon("import_tree").ImportOptions(lod=1)
-    tree = addon("import_tree").read_native(MAPLE, options).meshes[0][1]
+    options = addon("tree.import_options").ImportOptions(lod=1)
+    tree = addon("tree.import_tree").read_native(MAPLE, options).meshes[0][1]
     bark = _import(lod=1).objects["small_maple_bark"]
-    names = addon("bone_names").fitting_names(tree.bone_names)
+    names = addon("tree.bone_names").fitting_names(tree.bone_names)
     assert [group.name for group in bark.vertex_groups] == names
     for vertex, bones, weights in zip(
         bark.data.vertices, tree.bone_indices.tolist(), tree.bone_weights.tolist()
@@ -236,7 +236,7 @@ def test_snow_maps_remember_the_resolution_they_are_for(addon, tmp_path):
     ]
     receiver = bpy.context.scene.snowbough.receivers.add()
     receiver.object, receiver.uv_map = objects["leafy_bark"], "snow"
-    resolution = addon("scene_reader").receiver_resolution
+    resolution = addon("scene.receivers").receiver_resolution
     assert resolution(receiver) == 512
     receiver.resolution = 256
     assert resolution(receiver) == 256
@@ -272,7 +272,7 @@ def test_an_error_while_objects_are_made_leaves_nothing(addon, monkeypatch):
     def fail(*_arguments):
         raise RuntimeError("no room")
 
-    monkeypatch.setattr(addon("tree_objects"), "bind", fail)
+    monkeypatch.setattr(addon("tree.objects"), "bind", fail)
     assert "no room" in _refused(MAPLE)
 
 
@@ -281,9 +281,9 @@ def test_an_error_while_objects_are_made_leaves_nothing(addon, monkeypatch):
     "until", [0.3, 0.5, 0.6, 0.8]
 )  # while it reads, builds the surface, packs the charts, at lod 3 mostly while it subdivides
 def test_stopping_the_native_part_makes_nothing(addon, until, lod, chain):
-    import_tree = addon("import_tree")
+    import_tree = addon("tree.import_tree")
     before = _data_names()
-    options = import_tree.ImportOptions(lod=lod, lod_chain=chain)
+    options = addon("tree.import_options").ImportOptions(lod=lod, lod_chain=chain)
     shares = []
 
     def go_on(share):
@@ -338,10 +338,10 @@ def test_blender_applies_a_preset_to_the_operator(name):
 
 def test_the_import_menu_has_the_entry_once(addon):
     drawn = bpy.types.TOPBAR_MT_file_import._dyn_ui_initialize()
-    assert drawn.count(addon("import_tree")._draw_menu) == 1
+    assert drawn.count(addon("ui.import_operators")._draw_menu) == 1
     entries = []
     layout = SimpleNamespace(operator=lambda name, text: entries.append((name, text)))
-    addon("import_tree")._draw_menu(SimpleNamespace(layout=layout), None)
+    addon("ui.import_operators")._draw_menu(SimpleNamespace(layout=layout), None)
     assert entries == [("import_scene.xfrog_tree", "Xfrog Tree (.obj)")]
 
 

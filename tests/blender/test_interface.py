@@ -145,7 +145,7 @@ def test_nothing_that_changes_the_scene_can_be_pressed_while_a_bake_runs(addon, 
     receive(ground)
     ground.select_set(True)
     bpy.context.view_layer.objects.active = ground
-    monkeypatch.setattr(addon("bake_engine"), "_session", object())
+    monkeypatch.setattr(addon("session"), "bake", object())
     for idname in operators():
         if idname in {"snowbough.stop_bake", "snowbough.lock_editing"} or "import" in idname:
             continue
@@ -160,10 +160,10 @@ def test_sway_is_greyed_without_a_tree():
 
 def test_long_texts_are_wrapped_where_they_fit_and_lose_nothing(addon):
     text = "The cache folder /a/path/that/is/much/longer/than/a/sidebar cannot be written: choose another one"
-    lines = list(addon("bake_operators").wrapped(text, lambda line: len(line) <= 20))
+    lines = list(addon("ui.text").wrapped(text, lambda line: len(line) <= 20))
     assert max(map(len, lines)) <= 20 and lines[0] == "The cache folder"
     assert "".join(lines).replace(" ", "") == text.replace(" ", "")
-    assert list(addon("bake_operators").wrapped("Short", lambda line: len(line) <= 20)) == ["Short"]
+    assert list(addon("ui.text").wrapped("Short", lambda line: len(line) <= 20)) == ["Short"]
 
 
 def test_what_was_said_about_one_file_is_not_said_about_the_next(addon, tmp_path):
@@ -171,11 +171,11 @@ def test_what_was_said_about_one_file_is_not_said_about_the_next(addon, tmp_path
     receive(square("Ground"))
     bake()
     bpy.ops.snowbough.preflight()
-    assert addon("bake_operators").last_outcome[1].startswith("Baked 4 frames")
-    assert addon("preflight").found
+    assert addon("session").last_outcome[1].startswith("Baked 4 frames")
+    assert addon("session").issues
     bpy.ops.wm.read_homefile(use_empty=True)
-    assert addon("bake_operators").last_outcome == ("INFO", "")
-    assert addon("preflight").found == {}
+    assert addon("session").last_outcome == ("INFO", "")
+    assert addon("session").issues == {}
 
 
 def test_freeing_a_bake_leaves_no_missing_file_on_its_receivers(tmp_path):

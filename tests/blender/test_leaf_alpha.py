@@ -110,9 +110,9 @@ def test_our_own_leaves_cut_by_their_texture(addon, native, tmp_path):
         name="Birch", diffuse=(0.1, 0.4, 0.1), opacity=1.0, alpha_texture=str(tmp_path / "leaf.png"),
         diffuse_texture=str(tmp_path / "leaf.png"),
     )  # fmt: skip
-    leaf_material = addon("tree_material").leaf_material(source)
+    leaf_material = addon("tree.materials").leaf_material(source)
     _, leaf = leaf_over_ground(tmp_path / "cache", leaf_material)
-    leaf.data.uv_layers.new(name=addon("tree_objects").LEAF_UV)  # filled as Blender fills it: 0 to 1 a face
+    leaf.data.uv_layers.new(name=addon("names").LEAF_UV)  # filled as Blender fills it: 0 to 1 a face
     s.bake()
     assert is_ring(s.height(native, tmp_path / "cache", "Ground", 2))
 
@@ -217,7 +217,7 @@ def test_instances_have_their_holes(native, tmp_path):
 def test_large_images_are_averaged_and_keep_their_holes(addon, native, tmp_path):
     large = np.kron(RING, np.ones((375, 375)))
     made, _, _ = material(image(alpha=large))
-    found = addon("material_alpha").of_material(made)
+    found = addon("scene.material_alpha").of_material(made)
     assert found.pixels.shape == (1024, 1024)
     leaf_over_ground(tmp_path, made)
     assert is_ring(bake_ground(native, tmp_path))
@@ -237,10 +237,10 @@ def test_equal_bakes_of_leaves_are_equal_bytes_and_resume_to_them(addon, tmp_pat
     s.settings(tmp_path / "whole", (1, 6), noise_density=0.5, checkpoint_interval=2)
     s.bake()
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "parts")
-    operators, engine = addon("bake_operators"), addon("bake_engine")
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
     for names in (["Ground"], ["Leaf"]):
-        request = operators.make_request(bpy.context.scene, False, 1, 3, names)
-        running = operators.make_session(bpy.context.scene, request)
+        request = from_scene.make_request(bpy.context.scene, False, 1, 3, names)
+        running = from_scene.prepare_bake(bpy.context.scene, request)
         engine.run(bpy.context, running)
         assert running.error is None
     s.bake(resume=True)
@@ -252,14 +252,14 @@ def test_a_changed_alpha_image_is_named(addon, tmp_path):
     leaf_over_ground(tmp_path, material(picture)[0])
     s.bake()
     s.bake(resume=True)
-    stale, scene = addon("stale"), bpy.context.scene
+    changes, scene = addon("bake.changes_since_bake"), bpy.context.scene
     scene.frame_set(2)
-    assert stale.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == []
+    assert changes.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == []
     picture.pixels.foreach_set(np.ones(64, np.float32))
     pixels = np.ones((4, 4, 4), np.float32)
     pixels[0, 0, 3] = 0.0
     picture.pixels.foreach_set(pixels.reshape(-1))
-    assert stale.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == [
+    assert changes.scene_changes(scene, bpy.context.evaluated_depsgraph_get()) == [
         "Leaf: alpha image changed at frame 2"
     ]
     with pytest.raises(RuntimeError, match=r"\(Leaf: alpha image changed at frame 1\)"):
@@ -306,7 +306,7 @@ def test_what_cannot_be_followed_is_opaque_and_told_before(addon, native, tmp_pa
     made, texture, surface = material(image(), output=None)
     wire(made.node_tree, texture, surface)
     leaf_over_ground(tmp_path, made)
-    texts = addon("preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    texts = addon("bake.preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert len(texts) == 1 and "takes the material 'Leaf' for opaque" in texts[0] and reason in texts[0]
     assert is_full_shadow(bake_ground(native, tmp_path))
 
@@ -318,14 +318,14 @@ def test_each_object_without_uvs_for_the_image_is_named(addon, native, tmp_path)
         card = s.square(name, 0.2, z=0.25)
         card.data.uv_layers.remove(card.data.uv_layers[0])
         card.data.materials.append(made)
-    texts = addon("preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    texts = addon("bake.preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert [name in text for name, text in zip(("Bare", "Bald"), texts)] == [True, True] and len(texts) == 2
     assert s.texel(bake_ground(native, tmp_path), 0.5, 0.5) == 0
 
 
 def test_a_leaf_that_can_be_followed_gives_no_warning(addon, tmp_path):
     leaf_over_ground(tmp_path, material(image())[0])
-    assert addon("preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get()) == []
+    assert addon("bake.preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get()) == []
 
 
 # -- an imported tree ---------------------------------------------------------------------------------

@@ -7,7 +7,7 @@ import snow_scene as s
 
 
 def texts(addon, severity):
-    issues = addon("preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     return [issue.text for issue in issues if issue.severity == severity]
 
 
@@ -37,7 +37,7 @@ def test_changed_settings_are_told_at_once(addon, tmp_path):
     s.receive(ground)
     own = s.settings(tmp_path)
     s.bake()
-    changes = addon("stale").settings_changes
+    changes = addon("bake.changes_since_bake").settings_changes
     assert changes(bpy.context.scene) == []
     own.end_depth = 0.25
     own.receivers[0].resolution = 128
@@ -65,18 +65,18 @@ def test_the_check_names_what_moved_since_the_bake(addon, tmp_path):
     assert "Roof: removed" in "\n".join(texts(addon, "WARNING"))
 
 
-def test_adding_snow_dresses_the_object_and_a_bake_shows_its_files(addon, tmp_path):
+def test_adding_snow_sets_the_object_up_and_a_bake_shows_its_files(addon, tmp_path):
     ground = s.square("Ground")
     own = s.settings(tmp_path)
     select(ground)
     bpy.ops.snowbough.add_receivers()
     own.receivers[0].resolution = 64
-    displacement = addon("displacement")
+    displacement = addon("result.displacement")
     assert displacement.mode_of(own.receivers[0]) == "MODIFIER"
-    assert [m.name for m in ground.modifiers] == [displacement.SUBDIVISION_NAME]
+    assert [m.name for m in ground.modifiers] == [addon("names").SUBDIVISION_MODIFIER]
     for version in ("v001", "v002"):
         s.bake()
-        image = ground.modifiers[displacement.DISPLACE_NAME].texture.image
+        image = ground.modifiers[addon("names").DISPLACE_MODIFIER].texture.image
         assert version in image.filepath and "height_0001.exr" in image.filepath
         shown = [n.image for n in ground.material_slots[0].material.node_tree.nodes if n.type == "TEX_IMAGE"]
         assert shown and all(version in image.filepath for image in shown)
@@ -88,11 +88,11 @@ def test_adding_snow_dresses_the_object_and_a_bake_shows_its_files(addon, tmp_pa
     assert len(ground.modifiers) == 0 and not ground.material_slots
 
 
-def test_adding_snow_can_leave_the_object_undressed(addon, tmp_path):
+def test_adding_snow_can_leave_the_object_as_it_is(addon, tmp_path):
     ground = s.square("Ground")
     select(ground)
     bpy.ops.snowbough.add_receivers(setup_result=False)
-    assert addon("displacement").mode_of(bpy.context.scene.snowbough.receivers[0]) is None
+    assert addon("result.displacement").mode_of(bpy.context.scene.snowbough.receivers[0]) is None
     assert len(ground.modifiers) == 0
 
 
@@ -159,8 +159,8 @@ def test_adding_makes_a_map_and_keeps_the_active_one(addon):
     other = s.square("Other")
     select(stack, other)
     bpy.ops.snowbough.add_receivers()
-    entry = addon("receivers").find(bpy.context.scene, stack)
-    assert entry.uv_map == "snow" and addon("receivers").is_clean(stack.data, "snow")
+    entry = addon("scene.receivers").find(bpy.context.scene, stack)
+    assert entry.uv_map == "snow" and addon("scene.uv_maps").is_clean(stack.data, "snow")
     assert stack.data.uv_layers.active.name == "texture"
     assert [tuple(corner.uv) for corner in stack.data.uv_layers["texture"].data] == before
     assert {obj.name for obj in bpy.context.selected_objects} == {"Stack", "Other"}

@@ -115,7 +115,7 @@ def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, tmp_path, mon
     monkeypatch.setattr(addon("native"), "load", Native)
     bpy.ops.mesh.primitive_cube_add(size=0.5, location=(0, 0, 2))
     snow = bpy.context.scene.snowbough
-    snow.receivers[0].resolution = addon("preview").RESOLUTION
+    snow.receivers[0].resolution = addon("bake.preview").RESOLUTION
     snow.cache_directory = str(tmp_path)
     bpy.ops.snowbough.bake()
     bpy.context.scene.frame_set(1)
@@ -143,6 +143,6 @@ def test_where_things_are_is_known_after_the_shots_end_too(addon, ground):
     for frame, scale in ((12, 2.0), (13, 3.0)):
         ground.scale = (scale, scale, scale)
         bpy.context.scene.frame_set(frame)
-    running = addon("preview")._running
+    running = addon("session").preview
     (key,) = running.receivers
     assert running.simulation.texel_area(key).sum() == pytest.approx(36.0, rel=1e-3)

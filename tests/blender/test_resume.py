@@ -29,9 +29,9 @@ def undisturbed(addon, tmp_path):
 
 def run_part(addon, first, last, objects=(), resume=False):
     """A bake of a part of the shot; returns the Session."""
-    operators, engine = addon("bake_operators"), addon("bake_engine")
-    request = operators.make_request(bpy.context.scene, resume, first, last, objects)
-    running = operators.make_session(bpy.context.scene, request)
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    request = from_scene.make_request(bpy.context.scene, resume, first, last, objects)
+    running = from_scene.prepare_bake(bpy.context.scene, request)
     engine.run(bpy.context, running)
     return running
 
@@ -47,7 +47,7 @@ def test_a_bake_that_stopped_at_any_frame_resumes_to_the_same_bytes(addon, undis
 
 
 def test_a_scene_that_cannot_be_read_any_more_leaves_a_checkpoint(addon, undisturbed, tmp_path, monkeypatch):
-    reader = addon("scene_reader").SceneReader
+    reader = addon("scene.reader").SceneReader
     read = reader.read
 
     def read_until_seven(self, depsgraph, frame):
@@ -64,17 +64,17 @@ def test_a_scene_that_cannot_be_read_any_more_leaves_a_checkpoint(addon, undistu
 
 
 def test_nothing_is_baked_after_a_frame_that_broke_off(addon, undisturbed, tmp_path, monkeypatch):
-    registry = addon("simulation_scene").Registry
-    take, poses = registry.take, []
+    registry = addon("bake.simulation").Registry
+    register_changes, poses = registry.register_changes, []
 
-    def take_but_for_one(self, added):
+    def register_but_for_one(self, added):
         poses.append(added)
         if len(poses) == 11:
             raise RuntimeError("the driver went away for a moment")
-        take(self, added)
+        register_changes(self, added)
 
     with monkeypatch.context() as broken:
-        broken.setattr(registry, "take", take_but_for_one)
+        broken.setattr(registry, "register_changes", register_but_for_one)
         running = run_part(addon, 1, 12)
     assert str(running.error) == "the driver went away for a moment"
     last = running.job.results[-1].frame
@@ -86,8 +86,8 @@ def test_nothing_is_baked_after_a_frame_that_broke_off(addon, undisturbed, tmp_p
 
 
 def test_esc_stops_between_frames_and_keeps_what_is_done(addon, undisturbed, tmp_path):
-    operators, engine = addon("bake_operators"), addon("bake_engine")
-    running = operators.make_session(bpy.context.scene, operators.make_request(bpy.context.scene))
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
     running.on_frame = lambda result: engine.stop() if result.frame == 5 else None
     engine.run(bpy.context, running)
     assert running.cancelled and running.error is None
@@ -107,7 +107,7 @@ def test_parts_of_the_receivers_make_the_same_bytes(addon, undisturbed, tmp_path
 def test_the_middle_of_a_shot_needs_a_checkpoint(addon, undisturbed, tmp_path):
     error = run_part(addon, 6, 12).error
     assert isinstance(
-        error, addon("cache").NoCheckpoint
+        error, addon("cache.errors").NoCheckpoint
     ) and "Frame 6 needs the checkpoint of frame 5" in str(error)
     assert not (tmp_path / "cache").exists() or not s.files_of(tmp_path / "cache")
 
@@ -181,7 +181,7 @@ def test_a_new_bake_keeps_the_finished_version(undisturbed, tmp_path):
 def blender_command(addon, blend, *arguments):
     """A Blender of its own that bakes with the code of the add-on under test."""
     package = os.environ["SNOWBOUGH_TEST_ADDON"]
-    folder = os.path.dirname(addon("cli_bake").__file__)
+    folder = os.path.dirname(addon("cli").__file__)
     names = ("frames", "cache", "json", "objects")
     given = {name: None for name in names}
     given.update(zip((a.lstrip("-") for a in arguments[::2]), arguments[1::2]))
@@ -195,7 +195,7 @@ def blender_command(addon, blend, *arguments):
         f"{enable}\n"
         "import sys, importlib, types, bpy\n"
         f"bpy.ops.wm.open_mainfile(filepath={str(blend)!r})\n"
-        f"cli = importlib.import_module({package!r} + '.cli_bake')\n"
+        f"cli = importlib.import_module({package!r} + '.bake.cli')\n"
         f"sys.exit(cli.run(types.SimpleNamespace(resume={resume}, **{given!r})))"
     )
     if bpy.app.binary_path:
@@ -357,12 +357,12 @@ def test_killed_at_random_moments_a_bake_resumes_to_the_same_bytes(addon, undist
 def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon, undisturbed, tmp_path):
     """Killed when one receiver was finished and the other not, or both and not yet unlocked."""
     s.bake()
-    cache = addon("cache")
+    lock_folder = addon("cache.lock").lock_folder
     folders = sorted(path.parent for path in (tmp_path / "cache").rglob("object.json"))
     assert len(folders) == 3
     for folder in folders:
         (folder / "lock").write_text("process 1 on elsewhere\n")
-    with cache.lock_folder(folders[0]):
+    with lock_folder(folders[0]):
         s.bake(resume=True)
         assert [(folder / "lock").exists() for folder in folders] == [True, False, False]
     assert s.files_of(tmp_path / "cache") == undisturbed
@@ -408,8 +408,8 @@ def test_a_read_only_disk_is_refused_and_can_be_used_later(addon, undisturbed, s
 
 
 def test_a_lost_folder_stops_with_a_message(addon, undisturbed, tmp_path):
-    operators, engine = addon("bake_operators"), addon("bake_engine")
-    running = operators.make_session(bpy.context.scene, operators.make_request(bpy.context.scene))
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
 
     def lose(result):
         if result.frame == 5:
@@ -417,7 +417,7 @@ def test_a_lost_folder_stops_with_a_message(addon, undisturbed, tmp_path):
 
     running.on_frame = lose
     engine.run(bpy.context, running)
-    assert isinstance(running.error, (addon("cache").CacheError, addon("map_writer").WriteFailed))
+    assert isinstance(running.error, (addon("cache.errors").CacheError, addon("bake.map_writer").WriteFailed))
     shutil.rmtree(tmp_path / "cache", ignore_errors=True)
     (tmp_path / "elsewhere").rename(tmp_path / "cache")
     s.bake(resume=True)

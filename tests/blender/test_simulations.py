@@ -63,7 +63,7 @@ def falling_scene(folder, kind, frames=(1, 8), **values):
 
 def heights_of_the_sheet(addon):
     """Its mean height above the ground at each frame that the last bake looked at."""
-    reader = addon("scene_reader").SceneReader
+    reader = addon("scene.reader").SceneReader
     read, seen = reader.read, {}
 
     def noting(self, depsgraph, frame):
@@ -81,9 +81,9 @@ def heights_of_the_sheet(addon):
 
 
 def part(addon, first, last, objects=()):
-    operators, engine = addon("bake_operators"), addon("bake_engine")
-    request = operators.make_request(bpy.context.scene, False, first, last, objects)
-    running = operators.make_session(bpy.context.scene, request)
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    request = from_scene.make_request(bpy.context.scene, False, first, last, objects)
+    running = from_scene.prepare_bake(bpy.context.scene, request)
     engine.run(bpy.context, running)
     assert running.error is None, running.error
 
@@ -138,7 +138,7 @@ def test_cloth_that_is_not_baked_plays_from_the_first_frame_also_when_resumed(ad
 def test_cloth_that_is_not_baked_is_a_warning(addon, tmp_path):
     falling_scene(tmp_path, "cloth")
     scene = bpy.context.scene
-    texts = addon("preflight").warnings(scene, bpy.context.evaluated_depsgraph_get())
+    texts = addon("bake.preflight").warnings(scene, bpy.context.evaluated_depsgraph_get())
     assert len(texts) == 1 and "'Falling' is a cloth simulation that is not baked" in texts[0]
 
 
@@ -159,7 +159,7 @@ def test_a_simulation_that_a_render_does_not_play_is_refused_until_it_is_baked(a
     ):
         s.bake()
     assert not (tmp_path / "Scene").exists()
-    issues = addon("preflight").check(scene, bpy.context.evaluated_depsgraph_get())
+    issues = addon("bake.preflight").check(scene, bpy.context.evaluated_depsgraph_get())
     assert [issue.object_name for issue in issues if issue.fix == "BAKE_SIMULATIONS"] == ["Falling"]
     bpy.ops.snowbough.fix(kind="BAKE_SIMULATIONS", object_name="Falling")
     s.bake()
@@ -173,7 +173,7 @@ def test_without_simulations_there_is_nothing_to_tell(addon, tmp_path):
     cloth(hidden)
     hidden.hide_render = True
     s.settings(tmp_path)
-    assert addon("simulations").troubles(bpy.context.scene) == []
+    assert addon("scene.physics_caches").troubles(bpy.context.scene) == []
 
 
 def test_a_baked_rigid_body_shelters_what_is_below(addon, native, tmp_path):

@@ -76,12 +76,12 @@ def test_sequence_has_the_range_of_the_files_and_no_colour_transform(ground, wri
 
 def test_a_gap_in_the_files_ends_the_sequence(addon, write_bake):
     folder = write_bake(frames=[5, 6, 8])
-    assert addon("baked_images").frames_on_disk(folder, "height") == [5, 6]
+    assert addon("result.baked_images").frames_on_disk(folder, "height") == [5, 6]
 
 
 def test_a_sequence_has_the_size_of_its_files_and_reads_none_for_it(addon, write_bake):
     images = set(bpy.data.images)
-    sequence = addon("baked_images").load_sequence(str(write_bake()), "height")
+    sequence = addon("result.baked_images").load_sequence(str(write_bake()), "height")
     assert sequence.size == SIZE
     assert set(bpy.data.images) - images == {sequence.image}
     assert not sequence.image.has_data
@@ -245,6 +245,6 @@ def test_material_before_a_bake_shows_no_snow_and_no_missing_image(ground):
 def test_muted_displacement_is_off_in_renders_and_comes_back(addon, ground, write_bake):
     ground.folder = str(write_bake())
     bpy.ops.snowbough.setup_displacement(mode="MODIFIER")
-    with addon("displacement").Muted(bpy.context.scene):
+    with addon("result.displacement").Muted(bpy.context.scene):
         assert not any(modifier.show_render for modifier in ground.object.modifiers)
     assert all(modifier.show_render for modifier in ground.object.modifiers)

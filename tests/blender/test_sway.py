@@ -118,7 +118,7 @@ def test_bearing_is_a_world_direction_also_for_a_turned_armature(addon):
 
 
 def test_long_thin_limbs_swing_slower_and_wider(addon):
-    wind = addon("wind")
+    wind = addon("tree.wind")
     length, radius = np.array([0.5, 1.0, 2.0, 2.0]), np.array([0.02, 0.02, 0.02, 0.04])
     frequency = wind.natural_frequencies(length, radius)
     assert frequency[0] > frequency[1] > frequency[2] and frequency[3] > frequency[2]
@@ -151,7 +151,7 @@ def _upright_limbs(wind, limbs_a_level, levels=3):
 
 
 def test_each_level_swings_a_third_of_a_cycle_after_the_one_before(addon):
-    chains, sway = _upright_limbs(addon("wind"), limbs_a_level=400)
+    chains, sway = _upright_limbs(addon("tree.wind"), limbs_a_level=400)
     downwind, _crosswind = sway()
     spectrum = np.fft.rfft(downwind, axis=1)
     cycle = 1 + np.abs(spectrum[:, 1:]).argmax(axis=1)
@@ -163,7 +163,7 @@ def test_each_level_swings_a_third_of_a_cycle_after_the_one_before(addon):
 
 
 def test_without_gusts_each_limb_swings_evenly_and_gusts_change_how_far(addon):
-    _chains, sway = _upright_limbs(addon("wind"), limbs_a_level=4)
+    _chains, sway = _upright_limbs(addon("tree.wind"), limbs_a_level=4)
 
     def waves(gusts):
         downwind, _crosswind = sway(gusts=gusts)
@@ -175,7 +175,7 @@ def test_without_gusts_each_limb_swings_evenly_and_gusts_change_how_far(addon):
 
 
 def test_gusts_reach_what_stands_downwind_later(addon):
-    wind = addon("wind")
+    wind = addon("tree.wind")
     _chains, sway = _upright_limbs(wind, limbs_a_level=2, levels=1)
     # A quarter of the loop's four seconds further down the wind.
     roots = np.array([(0.0, 0.0, 0.0), (wind.WIND_SPEED, 0.0, 0.0)])
@@ -197,13 +197,13 @@ def test_more_wind_bends_further(addon):
 
 
 def test_cycles_are_whole_and_keep_their_order(addon):
-    cycles = addon("wind").loop_cycles(np.array([0.3, 1.0, 5.0, 40.0]), 4.0, 16)
+    cycles = addon("tree.wind").loop_cycles(np.array([0.3, 1.0, 5.0, 40.0]), 4.0, 16)
     assert cycles.tolist() == sorted(cycles.tolist())
     assert cycles[0] == 1 and cycles[-1] == 4
 
 
 def test_a_limbs_bend_is_shared_out_among_its_bones(addon):
-    wind = addon("wind")
+    wind = addon("tree.wind")
     lengths, radii = np.full(4, 0.25), np.array([0.02, 0.02, 0.02, 0.02])
     chains = wind.find_chains([-1, 0, 1, 2], [False, True, True, True], lengths, radii)
     shares = wind.bone_shares(chains, lengths, radii)

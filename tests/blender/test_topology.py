@@ -108,9 +108,9 @@ def changing_scene(folder, **values):
 
 
 def part(addon, first, last, objects=(), resume=False):
-    operators, engine = addon("bake_operators"), addon("bake_engine")
-    request = operators.make_request(bpy.context.scene, resume, first, last, objects)
-    running = operators.make_session(bpy.context.scene, request)
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    request = from_scene.make_request(bpy.context.scene, resume, first, last, objects)
+    running = from_scene.prepare_bake(bpy.context.scene, request)
     engine.run(bpy.context, running)
     assert running.error is None, running.error
 
@@ -127,7 +127,7 @@ def undisturbed(tmp_path):
 def test_the_scene_of_these_tests_changes_as_it_says(addon, tmp_path):
     changing_scene(tmp_path)
     counts = {}
-    reader_class = addon("scene_reader").SceneReader
+    reader_class = addon("scene.reader").SceneReader
     read = reader_class.read
 
     def counting(self, depsgraph, frame):
@@ -234,17 +234,17 @@ def test_a_failure_in_the_middle_of_a_frame_spoils_no_checkpoint(addon, tmp_path
     s.receive(s.square("Ground"))
     subdivided(s.square("Roof", 1.0, z=1.0), (2.9, 0), (3, 2))
     s.settings(tmp_path / "cache", substeps=2)
-    registry = addon("simulation_scene").Registry
-    take, changes = registry.take, []
+    registry = addon("bake.simulation").Registry
+    register_changes, changes = registry.register_changes, []
 
-    def take_once(self, added):
+    def register_once(self, added):
         changes.extend([added] if added else [])
         if len(changes) > 1:  # at frame 3: the snow of frame 2.5 has fallen by then
             raise ValueError("no room")
-        take(self, added)
+        register_changes(self, added)
 
     with monkeypatch.context() as broken:
-        broken.setattr(registry, "take", take_once)
+        broken.setattr(registry, "register_changes", register_once)
         refused("no room")
     s.bake(resume=True)
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "fresh")

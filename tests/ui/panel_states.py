@@ -193,7 +193,7 @@ def wait_for_heights(folder, count, timeout=180):
 
 
 def wait_for_the_end(window):
-    window.wait_until("__import__('sys').modules[addon + '.bake_engine'].session() is None", timeout=180)
+    window.wait_until("__import__('sys').modules[addon + '.session'].bake is None", timeout=180)
     time.sleep(1.0)
 
 

@@ -55,10 +55,10 @@ def assert_resumable(window, folder):
     window.run(
         f"""
 import sys
-operators, engine = sys.modules[addon + ".bake_operators"], sys.modules[addon + ".bake_engine"]
+from_scene, engine = sys.modules[addon + ".bake.from_scene"], sys.modules[addon + ".bake.engine"]
 done = max(int(p) for p in {[path.stem.split("_")[1] for path in heights(folder)]!r})
-request = operators.make_request(bpy.context.scene, resume=True, last=done + 2)
-running = operators.make_session(bpy.context.scene, request)
+request = from_scene.make_request(bpy.context.scene, resume=True, last=done + 2)
+running = from_scene.prepare_bake(bpy.context.scene, request)
 engine.run(bpy.context, running)
 result = str(running.error or "")
 """,

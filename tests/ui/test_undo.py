@@ -47,17 +47,17 @@ def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
     window.open_sidebar_tab()
     window.press_button("snowbough.add_receivers")
     window.wait_until("len(bpy.context.scene.snowbough.receivers) == 2", timeout=20)
-    dressed = window.run(LOOK)
-    meshes = {name: (layers, modifiers, slots) for name, layers, modifiers, slots in dressed[1]}
+    snowy = window.run(LOOK)
+    meshes = {name: (layers, modifiers, slots) for name, layers, modifiers, slots in snowy[1]}
     assert meshes["Plane"][0] == ["snow"] and meshes["Plane"][1] == ["Snowbough Subdivision"]
     assert meshes["Plane"][2] == [["OBJECT", "Soil snow"]]
-    assert_undone_and_redone(window, before, dressed)
+    assert_undone_and_redone(window, before, snowy)
 
     window.run("result = list(bpy.ops.snowbough.remove('EXEC_DEFAULT', True))")
     bare = window.run(LOOK)
     assert [name for name, *_ in bare[1]] == ["Cube", "Plane"]
     assert [slots for name, _, _, slots in bare[1] if name == "Plane"] == [[["DATA", "Soil"]]]
-    assert_undone_and_redone(window, dressed, bare)
+    assert_undone_and_redone(window, snowy, bare)
 
 
 def test_the_sidebar_lets_a_selected_tree_sway_and_undo_stops_it(window):

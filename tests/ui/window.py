@@ -17,7 +17,7 @@ WIDTH, HEIGHT = 1400, 900
 sys.path.insert(0, str(ROOT / "tests" / "blender"))
 import run as blender_tests  # noqa: E402
 
-# Notes the add-on's panels as they are drawn.
+# Notes the add-on's panels as they are drawn. They are others after it was switched off and on.
 WATCH_PANELS = """
 if "drawn" not in globals():
     drawn = []
@@ -29,9 +29,9 @@ if "drawn" not in globals():
 
         return noting
 
-    for panel in bpy.types.Panel.__subclasses__():
-        if panel.__module__.startswith(addon):
-            panel.draw = watched(panel, panel.draw)
+for panel in bpy.types.Panel.__subclasses__():
+    if panel.__module__.startswith(addon) and panel.draw.__name__ != "noting":
+        panel.draw = watched(panel, panel.draw)
 result = True
 """
 

@@ -1,0 +1,156 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A receiver that a bake writes: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
+
+from dataclasses import dataclass, field
+from pathlib import Path
+
+import numpy as np
+
+from ..cache import checkpoint
+from ..cache import folder as receiver_folder
+from ..cache.coverage import Coverage
+from ..cache.errors import InputsChanged
+from ..cache.files import EVER_COVERED, digest, frame_file, state_file
+from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
+from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+from . import plan
+
+
+@dataclass
+class BakedReceiver:
+    """A receiver that a bake writes."""
+
+    key: str
+    label: str
+    name: str
+    library: str
+    spec: object
+    uv_map: str
+    resolution: int
+    texel: float
+    """Mean texel size in metres at the shot's first frame."""
+    folder: Path = None
+    frames: list = field(default_factory=list)
+    covered: Coverage = None
+
+    def settings(self, shot):
+        """What its maps depend on: the shot's settings (a dict) and its own."""
+        own = {"resolution": self.resolution, "uv_map": self.uv_map, "name": self.label}
+        return {"shot": digest(shot), "snowfall": shot, "receiver": own}
+
+    def compare_settings(self, shot):
+        """Raises InputsChanged, naming what differs, where the folder was baked with other settings."""
+        manifest = read_manifest(self.folder)
+        if manifest is None:
+            return
+        changes = describe_changes(manifest["settings"], self.settings(shot))
+        changes = [change for change in changes if not change.startswith("shot:")]
+        if changes:
+            raise InputsChanged(
+                f"{self.label} in {self.folder.parent.name} was baked with other settings "
+                f"({'; '.join(changes)}): bake again from the start, or set them back"
+            )
+
+    def start(self, shot):
+        """Makes the folder ready for the shot's first frame."""
+        receiver_folder.clear(self.folder, keep_lock=True)
+        self.covered = Coverage(self.resolution)
+        self.write_manifest(shot, complete=False)
+
+    def write_maps(self, native, output, noted):
+        """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
+        frame, a dict with its number as ``frame``; the greatest height is added."""
+        frame, height = noted["frame"], output["height"]
+        native.write_exr(str(self.folder / frame_file("height", frame)), height)
+        if "normal" in output:
+            path = self.folder / frame_file("normal", frame)
+            native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
+        self.covered.add(height)
+        self.frames.append({**noted, "highest": float(height.max())})
+
+    def write_manifest(self, shot, complete):
+        own = self.settings(shot)
+        write_manifest(
+            self.folder,
+            {
+                "object": self.name,
+                "label": self.label,
+                "library": self.library,
+                "complete": complete,
+                "hash": digest(own),
+                "settings": own,
+                "frames": self.frames,
+            },
+        )
+
+    def write_checkpoint(self, frame, shot, state, driver, inputs):
+        """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
+        simulation_state gives it, the driver's name, the poses so far (scene.inputs)."""
+        sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
+        receiver_folder.write_sidecar(self.folder, frame, sidecar)
+        self.write_manifest(shot, False)
+        checkpoint.write(self.folder / state_file(frame), state["step_number"], state["objects"][self.key])
+        self._remove_passed_checkpoints(shot, frame)
+
+    def read_checkpoint(self, frame):
+        """Sets coverage and frames to those of a checkpoint; returns (step number, state, driver, inputs)."""
+        receiver_folder.remove_stray_files(self.folder)
+        sidecar = receiver_folder.read_sidecar(self.folder, frame)
+        self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
+        self.frames = sidecar["frames"]
+        step_number, state = checkpoint.read(self.folder / state_file(frame))
+        return step_number, state, sidecar["driver"], sidecar["inputs"]
+
+    def forget_after(self, frame):
+        """Removes what was baked after a checkpoint."""
+        receiver_folder.remove_frames_after(self.folder, frame)
+        for later in receiver_folder.checkpoints(self.folder):
+            if later > frame:
+                receiver_folder.remove_checkpoint(self.folder, later)
+
+    def complete(self, shot, native, inputs):
+        """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
+        write_inputs(self.folder, inputs)
+        self.covered.write(native, self.folder / EVER_COVERED)
+        self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
+        self.write_manifest(shot, complete=True)
+
+    def _remove_passed_checkpoints(self, shot, before):
+        receiver_folder.remove_irregular_checkpoints(
+            self.folder, shot["frame_start"], shot["checkpoint_interval"], before
+        )
+
+
+def surface_and_uv_area(topology, positions):
+    """Area of an object's surface in m2 and of its UV layout (1 is the whole map), as floats."""
+    corners = positions[topology.triangles].astype(np.float64)
+    cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    uv = topology.corner_uv.astype(np.float64)
+    edge, other = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    uv_cross = edge[:, 0] * other[:, 1] - edge[:, 1] * other[:, 0]
+    return 0.5 * float(np.sqrt((cross * cross).sum(axis=1)).sum()), 0.5 * float(np.abs(uv_cross).sum())
+
+
+def measure(obj, texel_size):
+    """The BakedReceiver of a scene.pose.ObjectPose. Raises ValueError, naming it, for what has no area."""
+    try:
+        areas = surface_and_uv_area(obj.topology, obj.positions)
+        per_map = plan.metres_per_map(*areas)
+    except ValueError as error:
+        raise ValueError(f"'{obj.label}': {error}") from error
+    resolution = obj.receiver.resolution or plan.automatic_resolution(*areas, texel_size)
+    if not MIN_RESOLUTION <= resolution <= MAX_RESOLUTION:
+        raise ValueError(
+            f"'{obj.label}' has a resolution of {resolution}; it must be 0 (automatic) or from "
+            f"{MIN_RESOLUTION} to {MAX_RESOLUTION}"
+        )
+    return BakedReceiver(
+        obj.key,
+        obj.label,
+        obj.name,
+        obj.library,
+        obj.receiver,
+        obj.uv_map,
+        resolution,
+        per_map / resolution,
+    )

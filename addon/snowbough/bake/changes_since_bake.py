@@ -1,0 +1,134 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Whether a finished bake still belongs to the scene: what changed since, in words.
+
+settings_changes() is quick enough for a panel that redraws. scene_changes() reads the meshes once, as a
+check does, and knows what the viewport's evaluation can tell: where things are, the alpha images of their
+materials, and the shape of what no modifier changes. All the rest, at every frame, is compared by resuming
+the finished bake.
+"""
+
+from pathlib import Path
+
+import bpy
+
+from .. import session
+from ..cache.errors import CacheError
+from ..cache.files import MANIFEST
+from ..cache.manifest import read_inputs, read_manifest
+from ..scene import inputs
+from ..scene.pose import metres_per_unit
+from ..scene.reader import SceneReader
+from ..scene.receivers import receiver_specs
+from ..scene.uv_maps import choose_uv_map
+from . import plan
+from .from_scene import make_request
+
+
+def _manifest(folder):
+    path = Path(bpy.path.abspath(folder)) / MANIFEST
+    try:
+        changed = path.stat().st_mtime_ns
+        known = session.manifests.get(path)
+        if known is None or known[0] != changed:
+            known = session.manifests[path] = (changed, read_manifest(path.parent))
+    except (OSError, CacheError):
+        return None
+    return known[1]
+
+
+def _baked_entries(scene):
+    """(line of the list, manifest) of what is baked."""
+    for entry in scene.snowbough.receivers:
+        if entry.object is not None and entry.enabled and entry.folder:
+            manifest = _manifest(entry.folder)
+            if manifest is not None:
+                yield entry, manifest
+
+
+def _spelled(value):
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
+
+
+def _label(scene, name):
+    known = scene.snowbough.bl_rna.properties.get(name)
+    return known.name if known is not None and known.name else name.replace("_", " ")
+
+
+def settings_changes(scene):
+    """Texts such as ``End Depth: 0.1, was 0.2`` on settings that are not those of the bake that is shown.
+
+    Empty where nothing is baked, and where they cannot be told (a bake would be refused and say why).
+    """
+    entries = list(_baked_entries(scene))
+    if not entries:
+        return []
+    try:
+        request = make_request(scene)
+        totals = None
+        if request.rates is not None:
+            totals = list(
+                plan.plan_snowfall(
+                    request.frame_start,
+                    request.frame_end,
+                    request.start_depth,
+                    request.end_depth,
+                    request.rates,
+                ).totals
+            )
+    except ValueError:
+        return []
+    texts = []
+    for entry, manifest in entries:
+        before = manifest["settings"]["snowfall"]
+        for name, now in request.shot().items():
+            if before.get(name) != now:
+                texts.append(f"{_label(scene, name)}: {_spelled(now)}, was {_spelled(before.get(name))}")
+        if request.pixel_size and request.pixel_size != before["pixel_size"]:
+            texts.append(f"Pixel Size: {_spelled(request.pixel_size)}, was {_spelled(before['pixel_size'])}")
+        if not texts and totals is not None and totals != before["totals"]:
+            texts.append("Rate: its animation changed")
+        texts += _receiver_changes(entry, manifest["settings"]["receiver"])
+    return list(dict.fromkeys(texts))
+
+
+def _receiver_changes(entry, before):
+    obj = entry.object
+    if entry.resolution and entry.resolution != before["resolution"]:
+        yield f"{obj.name}: resolution {entry.resolution}, was {before['resolution']}"
+    if obj.type == "MESH":
+        names = [layer.name for layer in obj.data.uv_layers]
+        active = obj.data.uv_layers.active
+        uv_map = choose_uv_map(entry.uv_map, names, active.name if active else "")
+        if uv_map != before["uv_map"]:
+            yield f"{obj.name}: UV map '{uv_map}', was '{before['uv_map']}'"
+
+
+def scene_changes(scene, depsgraph):
+    """Texts such as ``Cart: transform changed at frame 12`` on the current frame, seen through depsgraph."""
+    recorded = None
+    for entry, _ in _baked_entries(scene):
+        poses = read_inputs(bpy.path.abspath(entry.folder))
+        if poses is not None:
+            recorded = inputs.SceneInputs(poses).at(inputs.pose_name(scene.frame_current, 0.0))
+            break
+    if recorded is None:
+        return []
+    reader = SceneReader(receiver_specs(scene), metres_per_unit(scene))
+    try:
+        pose = reader.read(depsgraph, scene.frame_current)
+    except ValueError:  # a bake will say so
+        return []
+    texts = []
+    for label in sorted(recorded.keys() - {inputs.SNOWFALL}):
+        obj = scene.objects.get(label)
+        now = next((own for own in pose.objects.values() if own.label == label and own.name == label), None)
+        if obj is None and " / " not in label:
+            texts.append(f"{label}: removed")
+        elif obj is not None and now is not None:
+            before, after = list(recorded[label]), list(now.prints)
+            if obj.type != "MESH" or obj.modifiers:
+                before[1:3] = after[1:3] = ("", "")
+            text = inputs.difference(before, after)
+            if text:
+                texts.append(f"{label}: {text} at frame {scene.frame_current}")
+    return texts

@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``cli.py bake``: bakes the loaded file without a window.
+
+One line a frame on standard output, made of ``name=value`` words, seconds and metres::
+
+    SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
+              evaluate=0.012 gpu=0.371 files=0.094                                  (all in one line)
+
+``seconds`` is the time from the frame before to this one; ``evaluate`` (Blender's poses), ``gpu`` (snow and
+maps) and ``files`` (packing and writing) run beside each other.
+
+What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
+standard error, what went wrong after as ``SNOWBOUGH error="..." code=N``.
+
+Exit codes, also in the JSON report:
+
+===  ==================================================================================================
+0    everything asked for is baked (or was already)
+1    the scene or its settings cannot be baked, or something unforeseen happened; nothing was begun
+2    the command line is wrong
+3    no checkpoint to start from
+4    settings or scene are not those that the cache was baked from; the message names what changed
+5    the cache cannot be written, is full or is locked by another bake; what is done can be resumed
+6    no EGL or no driver to compute with, or no native module
+130  stopped (Ctrl-C); what is done can be resumed
+===  ==================================================================================================
+"""
+
+import json
+import sys
+from pathlib import Path
+
+import bpy
+
+from .. import native
+from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
+from ..cache.files import write_bytes
+from ..names import (
+    EXIT_CACHE,
+    EXIT_CHANGED,
+    EXIT_FAILED,
+    EXIT_NO_CHECKPOINT,
+    EXIT_NO_NATIVE,
+    EXIT_OK,
+    EXIT_STOPPED,
+)
+from . import engine, plan, preflight
+from .from_scene import make_request, prepare_bake
+from .map_writer import WriteFailed
+from .outcome import describe, one_line
+from .request import NoGpu
+
+
+def add_arguments(parser):
+    """What ``bake`` takes."""
+    parser.add_argument("--frames", metavar="A-B", help="default: the scene's settings")
+    parser.add_argument("--cache", metavar="DIR")
+    parser.add_argument("--json", metavar="R.json")
+    parser.add_argument("--resume", action="store_true")
+    parser.add_argument("--objects", metavar="A,B", help="only these receivers")
+    parser.add_argument(
+        "--allow-other-driver", action="store_true", help="resume although the GPU driver changed"
+    )
+
+
+def exit_code(error):
+    """The exit code for what went wrong."""
+    for kinds, code in (
+        ((NoCheckpoint,), EXIT_NO_CHECKPOINT),
+        ((InputsChanged,), EXIT_CHANGED),
+        ((CacheError, OSError), EXIT_CACHE),
+        ((native.NativeModuleMissing, NoGpu), EXIT_NO_NATIVE),
+        ((WriteFailed,), EXIT_CACHE),
+    ):
+        if isinstance(error, kinds):
+            return code
+    return EXIT_FAILED
+
+
+def frame_line(result, seconds_left):
+    return (
+        f"SNOWBOUGH frame={result.frame} first={result.first} last={result.last} depth={result.depth:.6f} "
+        f"volume={result.volume:.6f} slid={result.slid:.6f} seconds={result.seconds['total']:.3f} "
+        f"left={seconds_left:.1f} "
+        + " ".join(f"{name}={result.seconds[name]:.3f}" for name in ("evaluate", "gpu", "files"))
+    )
+
+
+def run(args):
+    """Bakes as the command line says and returns the exit code.
+
+    args: namespace with frames ("1-48" or None), cache (folder or None), json (file or None), resume
+    (bool), objects ("A,B" or None).
+    """
+    scene = bpy.context.scene
+    report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
+    code, message = EXIT_FAILED, None
+    try:
+        settings = scene.snowbough
+        first, last = settings.frame_start, settings.frame_end
+        if args.frames:
+            first, last = plan.parse_frames(args.frames, first, last)
+        objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
+        request = make_request(
+            scene,
+            resume=bool(args.resume),
+            first=first,
+            last=last,
+            objects=objects,
+            directory=args.cache,
+            allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
+        )
+        code, message = _bake(request, report)
+    except (ValueError, RuntimeError, OSError) as error:
+        code, message = exit_code(error), one_line(error)
+    report["exit_code"], report["error"] = code, message
+    if args.json:
+        try:
+            Path(args.json).parent.mkdir(parents=True, exist_ok=True)
+            write_bytes(args.json, json.dumps(report, indent=1).encode() + b"\n")
+        except (CacheError, OSError) as error:
+            message, code = message or one_line(error), code or EXIT_CACHE
+    if message:
+        print(f"SNOWBOUGH error={json.dumps(message)} code={code}", file=sys.stderr, flush=True)
+    else:
+        print(
+            f"SNOWBOUGH done frames={len(report['frames'])} version={report.get('version', '')}", flush=True
+        )
+    return code
+
+
+def _bake(request, report):
+    """(exit code, message or None)"""
+
+    def on_frame(result):
+        left = running.seconds_left() or 0.0
+        print(frame_line(result, left), flush=True)
+        report["frames"].append(
+            {
+                "frame": result.frame,
+                "depth": result.depth,
+                "volume": result.volume,
+                "slid": result.slid,
+                "seconds": {name: round(value, 6) for name, value in sorted(result.seconds.items())},
+            }
+        )
+
+    running = prepare_bake(bpy.context.scene, request, on_frame)
+    report["warnings"] = preflight.warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    for text in report["warnings"]:
+        print(f"SNOWBOUGH warning={json.dumps(text)}", file=sys.stderr, flush=True)
+    engine.run(bpy.context, running)
+    job = running.job
+    report["version"] = str(job.version) if job.version else ""
+    report["pixel_size"] = job.pixel_size
+    report["receivers"] = {label: str(folder) for label, folder in sorted(job.folders.items())}
+    report["settings"] = {"frame_start": request.frame_start, "frame_end": request.frame_end,
+                          "first": request.first, "last": request.last}  # fmt: skip
+    if running.error is not None:
+        return exit_code(running.error), one_line(running.error)
+    if running.cancelled:
+        return EXIT_STOPPED, describe(running)[1]
+    return EXIT_OK, None

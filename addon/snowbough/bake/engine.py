@@ -1,0 +1,361 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The hidden render engine that a bake runs in.
+
+A render is the one place where Blender evaluates a scene as the render sees it (render subdivision, render
+visibility), in a thread of its own, with its progress bar and Esc, in the window and in the background.
+So a bake is a render with an engine that draws nothing: its ``render()`` walks the frames with
+``self.frame_set`` and hands what it reads to a BakeJob, which holds plain data only.
+
+What a render needs and a bake must not change is set before and put back after, by names and never by
+references, which an undo would leave dangling: engine, size, a temporary camera where there is none, the
+other view layers, and Snowbough's own displacement, or a second bake would snow on the first one's snow.
+The engine's class is registered only while a bake runs, so it shows up in no menu.
+"""
+
+import os
+import sys
+import time
+
+import bpy
+
+from .. import session
+from ..result.displacement import Muted
+from ..scene.reader import SceneReader
+from .request import BakeCancelled
+
+ENGINE = "SNOWBOUGH_BAKE"
+CAMERA = "Snowbough Bake Camera"
+
+POLL_SECONDS = 0.1
+
+WINDOW_NICENESS = 10
+
+# Blender notes in one flag for all threads whether Python may write to its data: each draw() of a panel and
+# our render() set it and, when they end, put back what they found. Were Python to switch threads in the
+# middle of a draw() while render() begins or ends, nothing could be written to any more. With so long an
+# interval it switches only where a thread waits or leaves Python.
+SWITCH_SECONDS = 5.0
+
+# How often panels show the progress: drawing takes time from the bake.
+REDRAW_SECONDS = 0.5
+
+# A frame takes less even where maps are huge; loading a file waits no longer than this for the bake's last.
+STOPPING_SECONDS = 120.0
+
+# What a bake renders with: attribute of scene.render -> value.
+RENDER_SETTINGS = {
+    "engine": ENGINE,
+    "resolution_x": 16,
+    "resolution_y": 16,
+    "resolution_percentage": 100,
+    "use_border": False,
+    "use_compositing": False,
+    "use_sequencer": False,
+    "use_multiview": False,
+    "use_freestyle": False,
+    # Blender's own lock stops drawing the 3D view and takes the clicks from our Stop button: ui.editing_lock
+    # keeps the artist's hands off instead.
+    "use_lock_interface": False,
+}
+
+
+class RunningBake:
+    """A bake, and afterwards how it went. Texts and numbers only, besides the job."""
+
+    def __init__(self, job, specs, scale_length, on_frame=None):
+        self.job = job
+        self.specs = specs
+        self.scale_length = scale_length
+        self.on_frame = on_frame
+        self.error = None
+        self.cancelled = False
+        self.stop_requested = False
+        self.begun = time.monotonic()
+        self.shown = 0.0
+        self.in_render = False
+        self.done = False
+        self.last_result = None
+
+    @property
+    def fraction(self):
+        """0 to 1."""
+        if self.last_result is None:
+            return 0.0
+        result = self.last_result
+        return (result.frame - result.first + 1) / (result.last - result.first + 1)
+
+    def seconds_left(self):
+        """An estimate from the frames so far, None before the first."""
+        results = self.job.results
+        if not results:
+            return None
+        pace = sum(result.seconds["total"] for result in results) / len(results)
+        return pace * (results[-1].last - results[-1].frame)
+
+    def status(self):
+        """One line for people: ``frame 12 of 1-48, 0:34 left``."""
+        if self.stop_requested:
+            return "stopping after this frame"
+        if self.last_result is None:
+            return "preparing the bake"
+        left = int(self.seconds_left() + 0.5)
+        result = self.last_result
+        return f"frame {result.frame} of {result.first}-{result.last}, {left // 60}:{left % 60:02d} left"
+
+
+_prepared = None
+_finished = None
+# Whether this module's handlers are those of the add-on that is switched on. A bake that ends after the add-on
+# was switched off, and perhaps on again, ends in the module that began it.
+_registered = False
+_switch_interval = None
+
+
+def _step_back():
+    """Lets the window's thread go first where processors are short: lowers this thread's priority and with
+    it that of all threads it starts, the software driver's too. Elsewhere than on Linux it would be the
+    whole process's."""
+    if sys.platform == "linux":
+        os.nice(WINDOW_NICENESS)
+
+
+class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
+    bl_idname = ENGINE
+    bl_label = "Snowbough Bake"
+
+    def render(self, depsgraph):
+        running = session.bake
+        if running is None or running.in_render:
+            return
+        running.in_render = True
+        reader = SceneReader(running.specs, running.scale_length)
+        in_window = not bpy.app.background
+        if in_window:
+            _step_back()
+
+        def evaluate(frame, subframe):
+            self.frame_set(frame, subframe)
+            return reader.read(depsgraph, frame)
+
+        def report(result):
+            running.last_result = result
+            self.update_progress(running.fraction)
+            if in_window:
+                self.update_stats("Snowbough", running.status())
+            if running.on_frame is not None:
+                running.on_frame(result)
+
+        def cancelled():
+            return running.stop_requested or self.test_break()
+
+        try:
+            running.job.run(evaluate, report, cancelled)
+        except BakeCancelled:
+            running.cancelled = True
+        except Exception as error:  # an exception that leaves render() would only be printed
+            running.error = error
+        finally:
+            running.done = True
+
+
+def _class_is_registered():
+    return "bl_rna" in SNOWBOUGH_BAKE.__dict__
+
+
+class _PreparedScene:
+    """What was changed for the bake, by names. restore() puts it back."""
+
+    def __init__(self, scene, view_layer):
+        self._scene_name = scene.name
+        render = scene.render
+        self._settings = {name: getattr(render, name) for name in RENDER_SETTINGS if hasattr(render, name)}
+        self._frame = (scene.frame_current, scene.frame_subframe)
+        self._layers = {layer.name: layer.use for layer in scene.view_layers}
+        self._muted = Muted(scene)
+        preferences = bpy.context.preferences.view
+        self._display = preferences.render_display_type
+        self._temporary_camera = scene.camera is None
+
+        if not _class_is_registered():
+            bpy.utils.register_class(SNOWBOUGH_BAKE)
+        self._muted.__enter__()
+        for name in self._settings:
+            setattr(render, name, RENDER_SETTINGS[name])
+        for layer in scene.view_layers:
+            layer.use = layer.name == view_layer.name
+        if self._temporary_camera:
+            scene.camera = bpy.data.objects.new(CAMERA, bpy.data.cameras.new(CAMERA))
+        preferences.render_display_type = "NONE"
+
+    def restore(self, keep_engine=False):
+        bpy.context.preferences.view.render_display_type = self._display
+        scene = bpy.data.scenes.get(self._scene_name)
+        if scene is not None:
+            for name, value in self._settings.items():
+                setattr(scene.render, name, value)
+            for layer in scene.view_layers:
+                layer.use = self._layers.get(layer.name, layer.use)
+            self._muted.__exit__()
+            if self._temporary_camera:
+                self._remove_camera(scene)
+            scene.frame_set(self._frame[0], subframe=self._frame[1])
+        if not keep_engine:
+            bpy.utils.unregister_class(SNOWBOUGH_BAKE)
+
+    @staticmethod
+    def _remove_camera(scene):
+        camera = scene.camera
+        if camera is not None and camera.name.startswith(CAMERA):
+            data = camera.data
+            scene.camera = None
+            bpy.data.objects.remove(camera)
+            bpy.data.cameras.remove(data)
+
+
+def _begin(context, running):
+    global _prepared
+    if session.bake is not None:
+        raise RuntimeError("A bake is running already")
+    _prepared = _PreparedScene(context.scene, context.view_layer)
+    session.bake = running
+
+
+def _end():
+    global _prepared
+    running, session.bake = session.bake, None
+    prepared, _prepared = _prepared, None
+    _restore_switching()
+    prepared.restore()
+    if not running.in_render and running.error is None:
+        running.error = RuntimeError("Blender did not start the render that the bake runs in")
+    return running
+
+
+def _restore_switching():
+    global _switch_interval
+    if _switch_interval is not None:
+        sys.setswitchinterval(_switch_interval)
+        _switch_interval = None
+
+
+def run(context, running):
+    """Bakes and returns when it is done, in the background or in a script. The outcome is in `running`."""
+    _begin(context, running)
+    try:
+        bpy.ops.render.render(scene=context.scene.name)
+    finally:
+        _end()
+
+
+def start(context, running, finished):
+    """Starts the bake as a job of Blender's and returns at once. finished(running) is called in the main
+    thread when everything is put back; not at all when another file is loaded meanwhile."""
+    global _finished, _switch_interval
+    _begin(context, running)
+    _finished = finished
+    _switch_interval = sys.getswitchinterval()
+    sys.setswitchinterval(SWITCH_SECONDS)
+    try:
+        outcome = bpy.ops.render.render("INVOKE_DEFAULT", scene=context.scene.name)
+    except RuntimeError:
+        _end()
+        raise
+    if "CANCELLED" in outcome:
+        running.error = RuntimeError("Blender is rendering: wait for it, then bake")
+        _end()
+        raise running.error
+    bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
+
+
+def stop():
+    """Asks the running bake to stop after the frame it works on."""
+    if session.bake is not None:
+        session.bake.stop_requested = True
+
+
+def _poll():
+    """Waits in the main thread for the job's end."""
+    global _finished
+    if session.bake is None:
+        return None
+    if time.monotonic() - session.bake.shown > REDRAW_SECONDS:
+        session.bake.shown = time.monotonic()
+        _redraw_panels()
+        _show_status(f"Baking snow: {session.bake.status()}    Esc: stop and keep what is done")
+    if bpy.app.is_job_running("RENDER") or not (
+        session.bake.done or time.monotonic() - session.bake.begun > 5.0
+    ):
+        return POLL_SECONDS
+    running = _end()
+    finished, _finished = _finished, None
+    _show_status(None)
+    if session.enabled:
+        finished(running)
+    if not _registered:  # the add-on was switched off meanwhile
+        _remove_handlers()
+    return None
+
+
+def _redraw_panels():
+    """Only what shows the bake's progress: drawing the scene itself would take time from the bake."""
+    for window in bpy.context.window_manager.windows:
+        for area in window.screen.areas:
+            if area.type == "PROPERTIES":
+                area.tag_redraw()
+            elif area.type == "VIEW_3D":
+                for region in area.regions:
+                    if region.type == "UI":
+                        region.tag_redraw()
+
+
+def _show_status(text):
+    """In the status bar of all windows; None gives it back to Blender."""
+    for window in bpy.context.window_manager.windows:
+        window.workspace.status_text_set(text)
+
+
+@bpy.app.handlers.persistent
+def _forget(*_):
+    """Another file is about to be loaded: waits until the render thread has left the scene, and puts
+    everything back, in case that loading fails. Blender's job itself ends in the middle of loading."""
+    global _prepared, _finished
+    if _prepared is None:
+        return
+    running, session.bake = session.bake, None
+    running.stop_requested = True
+    begun = time.monotonic()
+    while running.in_render and not running.done and time.monotonic() - begun < STOPPING_SECONDS:
+        time.sleep(0.01)
+    _restore_switching()
+    _prepared.restore(keep_engine=True)
+    _show_status(None)
+    _prepared = _finished = None
+
+
+@bpy.app.handlers.persistent
+def _after_load(*_):
+    """The engine's class outlives the job that Blender ended while it loaded the file."""
+    if session.bake is None and _class_is_registered():
+        bpy.utils.unregister_class(SNOWBOUGH_BAKE)
+
+
+def register():
+    global _registered
+    _registered = session.enabled = True
+    bpy.app.handlers.load_pre.append(_forget)
+    bpy.app.handlers.load_post.append(_after_load)
+
+
+def _remove_handlers():
+    bpy.app.handlers.load_pre.remove(_forget)
+    bpy.app.handlers.load_post.remove(_after_load)
+
+
+def unregister():
+    """While a bake runs, the add-on's rest goes and the bake is asked to stop; _poll stays until Blender's
+    job has ended, since the render thread is in the engine until then, and puts everything back."""
+    global _registered
+    _registered = session.enabled = False
+    stop()
+    if _prepared is None:
+        _remove_handlers()

@@ -1,0 +1,433 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake from its first pose to its last file, as plain data: no ``bpy`` and no reference into the scene.
+
+The hidden render engine (bake.engine) calls BakeJob.run in Blender's render thread and hands in a way to
+get poses. Three things run beside each other: Blender evaluates the next pose in this thread, the
+simulation works on the pose before in a second one, and others (map_writer) make maps of what the
+simulation left of the poses before that, pack them and write them. Order and results do not depend on
+how the threads are scheduled.
+
+What a job does, in order: looks at the shot's first pose (it fixes resolutions and the occlusion grid,
+whichever part of the shot is baked); picks and locks the version; starts, or walks the frames up to a
+checkpoint again, compares them with what the checkpoint was baked from, and restores it; then frame by
+frame: steps, maps, manifest, and a checkpoint where one is due or the bake is stopped.
+"""
+
+import collections
+import contextlib
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+from ..cache import versions
+from ..cache.errors import CacheError, CacheFinished, InputsChanged, NoCheckpoint
+from ..cache.files import digest, make_folder
+from ..cache.folder import checkpoints
+from ..cache.lock import drop_dead_lock, lock_folder
+from ..cache.manifest import read_inputs, read_manifest
+from ..scene.inputs import SceneInputs
+from ..scene.tracker import SceneTracker
+from . import baked_receiver, plan, simulation
+from .log import open_log
+from .map_writer import MapWriter, WriteFailed
+from .request import BakeCancelled, FrameResult, NoGpu
+
+
+class BakeJob:
+    """One bake. `native` is the module snowbough_native, or what stands in for it in tests."""
+
+    def __init__(self, request, native):
+        self.request = request
+        self.native = native
+        self.root = versions.scene_folder(request.cache, request.scene_name)
+        self.version = None
+        self.receivers = []
+        self.baked = []
+        """The receivers asked for, also those that were finished before."""
+        self.pixel_size = 0.0
+        self.results = []
+        self.folders = {}
+        """Receiver's label -> folder, once the version is picked."""
+        self._simulation = None
+        self._registry = None
+        # Whether the simulation's state is that of the last frame reported.
+        self._between_frames = True
+        self._tracker = SceneTracker()
+        self._inputs_at = []
+        # What the simulation has not been told yet.
+        self._positions = {}
+        self._driver = ""
+        # Makes its context beside the first pose; the simulation takes it over.
+        self._gpu = native.Gpu()
+
+    # -- the recipe ------------------------------------------------------------------------------------
+
+    def run(self, evaluate, report=lambda result: None, cancelled=lambda: False):
+        """Bakes. evaluate(frame, subframe) -> scene.pose.ScenePose; report(FrameResult) after each
+        frame; cancelled() is asked between frames.
+
+        Raises BakeCancelled, CacheError and its kinds, ValueError (scene or settings) or
+        RuntimeError (no EGL, driver).
+        """
+        request = self.request
+        with contextlib.ExitStack() as stack:
+            stack.enter_context(self._gpu)
+            first_pose = evaluate(request.frame_start, 0.0)
+            snowfall = self._plan(evaluate)
+            self._identify(first_pose)
+            settings = self._settings(snowfall)
+            added, self._positions = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
+            stack.callback(self._close_simulation)
+            if not self._may_resume():
+                self._make_simulation(added)  # lays maps out while the driver is still being loaded
+            self._driver = driver_of(self._gpu)  # without a GPU nothing is begun
+            make_folder(self.root)
+            stack.callback(versions.remove_empty_folders, self.root)
+            self._open_version(settings, stack)
+            if not self.receivers:
+                self._compare_finished(evaluate, snowfall, first_pose, cancelled)
+                return
+            rest = self._checkpoint_frame()
+            if self._may_resume():  # only now is known which receivers are finished and need no map
+                self._make_simulation(added)
+            log = stack.enter_context(open_log(self.root))
+            log(f"{self._driver}; {self.version.name}; {', '.join(r.label for r in self.receivers)}")
+            self._registry.prepare()
+            if rest is None:
+                for receiver in self.receivers:
+                    receiver.start(settings)
+                begin = request.frame_start
+            else:
+                self._resume_from(rest, evaluate, snowfall, first_pose, settings, log, cancelled)
+                begin = rest + 1
+            self._bake(begin, evaluate, snowfall, settings, report, cancelled, log)
+
+    def _plan(self, evaluate):
+        request = self.request
+        rates = request.rates
+        if rates is None:
+            rates = [evaluate(frame, 0.0).rate for frame in range(request.frame_start, request.frame_end + 1)]
+        return plan.plan_snowfall(
+            request.frame_start, request.frame_end, request.start_depth, request.end_depth, rates
+        )
+
+    def _identify(self, pose):
+        """Finds the receivers in the shot's first pose and fixes resolutions and the grid."""
+        request = self.request
+        seen = {(o.receiver.name, o.receiver.library) for o in pose.objects.values() if o.receiver}
+        for spec in request.receivers:
+            if spec.enabled and (spec.name, spec.library) not in seen:
+                raise ValueError(
+                    f"'{spec.name}' is on the list of receivers, but the render does not show it at frame "
+                    f"{request.frame_start}: make it renderable, or take it off the list"
+                )
+        enabled = [o for o in pose.objects.values() if o.receiver and o.receiver.enabled]
+        if not enabled:
+            raise ValueError(
+                "There is nothing for snow to lie on: select objects and use 'Add Snow to Selected'"
+            )
+        texels, wanted = [], set(request.objects)
+        for obj in enabled:
+            receiver = baked_receiver.measure(obj, request.texel_size)
+            texels.append(receiver.texel)
+            names = {obj.receiver.name, obj.label, obj.key}
+            if not request.objects or names & set(request.objects):
+                self.receivers.append(receiver)
+            wanted -= names
+        if wanted:
+            raise ValueError(
+                f"No enabled receiver is named {', '.join(sorted(wanted))}; there are: "
+                f"{', '.join(sorted({o.receiver.name for o in enabled}))}"
+            )
+        self.pixel_size = simulation.pixel_size(pose, texels, request.pixel_size)
+
+    # -- settings, version, checkpoint -----------------------------------------------------------------
+
+    def _settings(self, snowfall):
+        return {**self.request.shot(), "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
+
+    def _may_resume(self):
+        """Whether the bake may go on where another one stopped."""
+        return self.request.resume or self.request.first > self.request.frame_start
+
+    def _open_version(self, settings, stack):
+        keys = [receiver.key for receiver in self.receivers]
+        number, finished = None, []
+        if self._may_resume():
+            number, finished = versions.resumable_version(self.root, keys)
+        if number is None:
+            number = versions.choose_version(self.root, keys, digest(settings))
+        self.version = versions.version_folder(self.root, number)
+        self.baked = list(self.receivers)
+        for receiver in self.receivers:
+            receiver.folder = self.version / receiver.key
+            self.folders[receiver.label] = receiver.folder
+        for receiver in self.receivers:
+            if receiver.key in finished:
+                receiver.compare_settings(settings)
+                drop_dead_lock(receiver.folder)
+        self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
+        for receiver in self.receivers:
+            stack.enter_context(lock_folder(receiver.folder))
+            # Between choosing and locking another machine may have finished it.
+            if (read_manifest(receiver.folder) or {}).get("complete"):
+                raise CacheFinished(
+                    f"{receiver.label} was just finished in {self.version.name} by another bake"
+                )
+
+    def _checkpoint_frame(self):
+        """The frame of the checkpoint to go on from, None for a fresh start."""
+        request = self.request
+        common = set.intersection(*(set(checkpoints(r.folder)) for r in self.receivers))
+        if request.resume:
+            usable = [frame for frame in common if request.first - 1 <= frame <= request.last]
+            if usable:
+                return max(usable)
+        elif request.first - 1 in common and request.first > request.frame_start:
+            return request.first - 1
+        if request.first > request.frame_start:
+            there = f"there are: {sorted(common)}" if common else "there is none"
+            raise NoCheckpoint(
+                f"Frame {request.first} needs the checkpoint of frame {request.first - 1} in {self.version} "
+                f"({there}). Bake from frame {request.frame_start}, or start after a checkpoint"
+            )
+        return None
+
+    def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
+        """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
+        request = self.request
+        numbers, states, before = set(), {}, None
+        for receiver in self.receivers:
+            receiver.compare_settings(settings)
+            number, states[receiver.key], driver, before = receiver.read_checkpoint(frame)
+            numbers.add(number)
+            if driver != self._driver and not request.allow_other_driver:
+                raise InputsChanged(
+                    f"The checkpoint was made with another driver ({driver}, this is {self._driver}), so the "
+                    "bake would not end with the same bytes: resume there, or allow another driver"
+                )
+        if len(numbers) > 1:
+            raise InputsChanged(
+                f"The receivers' checkpoints of frame {frame} do not belong together (steps "
+                f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
+            )
+        log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
+        added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
+        self._registry.register_changes(added)
+        self._positions.update(moved)
+        difference = SceneInputs(before).first_difference(self._tracker.inputs)
+        if difference:
+            raise InputsChanged(
+                f"The scene is not the one that was baked ({difference}): bake again from the start"
+            )
+        for receiver in self.receivers:
+            receiver.forget_after(frame)
+        self.native.set_simulation_state(self._simulation, {"step_number": numbers.pop(), "objects": states})
+        log(f"restored the checkpoint of frame {frame}")
+
+    def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
+        """Compares the scene, frame by frame, with what the finished receivers were baked from."""
+        recorded = next((poses for r in self.baked if (poses := read_inputs(r.folder)) is not None), None)
+        if recorded is None:
+            return
+        self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
+        difference = SceneInputs(recorded).first_difference(self._tracker.inputs)
+        if difference:
+            raise InputsChanged(
+                f"The scene is not the one that {self.version.name} was baked from ({difference}): bake again; "
+                "the finished version is kept until it is freed"
+            )
+
+    def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
+        """Evaluates all poses up to frame ``last`` without snow; returns what register_changes() of the
+        tracker does, for all together."""
+        start = (self.request.frame_start, 0.0)
+        added, positions = self._tracker.register_changes(first_pose, *start)
+        for frame in range(start[0], last + 1):
+            if cancelled():
+                raise BakeCancelled
+            for at, _ in self._poses(snowfall, frame):
+                if at != start:
+                    more, moved = self._tracker.register_changes(evaluate(*at), *at)
+                    added.update(more)  # of an object that changed its mesh, the last one
+                    positions.update(moved)
+        return added, positions
+
+    # -- the scene and the simulation ------------------------------------------------------------------
+
+    def _make_simulation(self, added):
+        """With the objects of the shot's first pose, as SceneTracker.register_changes gives them. Needs no GPU yet."""
+        request = self.request
+        self._simulation = simulation.make_simulation(
+            self.native, request.snow, self.pixel_size, wait_for_gpu=False
+        )
+        # Maps for the receivers that this bake writes; all else shelters them.
+        maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
+        self._registry = simulation.Registry(self._simulation, maps)
+        self._registry.register_changes(added)
+
+    def _poses(self, snowfall, frame):
+        """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""
+        request = self.request
+        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps)
+        if frame == request.frame_start:
+            steps = plan.preroll_steps(snowfall, request.fps, request.snow["slide_half_life"]) + steps
+        poses = []
+        for step in steps:
+            at = (step.frame, step.subframe)
+            if not poses or poses[-1][0] != at:
+                poses.append((at, []))
+            poses[-1][1].append(step)
+        return poses
+
+    def _bake(self, begin, evaluate, snowfall, settings, report, cancelled, log):
+        request = self.request
+        clock = time.perf_counter
+        with MapWriter() as writer, ThreadPoolExecutor(1, "snowbough-step") as worker:
+            pending = collections.deque()
+            started = clock()
+
+            def finish():
+                nonlocal started
+                result = pending.popleft().result()
+                result.seconds["total"], started = clock() - started, clock()
+                result.seconds["files"] = writer.busy_since_last_call()
+                self.results.append(result)
+                log(
+                    f"frame {result.frame} "
+                    + " ".join(f"{name} {value:.4f}" for name, value in sorted(result.seconds.items()))
+                )
+                report(result)
+
+            try:
+                for frame in range(begin, request.last + 1):
+                    if cancelled():
+                        raise BakeCancelled
+                    work, evaluating = [], clock()
+                    for at, steps in self._poses(snowfall, frame):
+                        pose = evaluate(*at)
+                        direction = plan.fall_direction(pose.fall_angle, pose.bearing)
+                        work.append((*self._tracker.register_changes(pose, *at), direction, steps))
+                    evaluating = clock() - evaluating
+                    inputs = [list(entry) for entry in self._tracker.inputs.poses]
+                    pending.append(
+                        worker.submit(
+                            self._frame, frame, work, inputs, snowfall, settings, writer, evaluating
+                        )
+                    )
+                    # Only now, so that the worker need not wait for the frame before to be reported.
+                    if len(pending) > 1:
+                        finish()
+                while pending:
+                    finish()
+            except BaseException as error:
+                # What was computed is worth keeping; the first error is the one to tell about.
+                while pending:
+                    try:
+                        finish()
+                    except Exception as later:
+                        if isinstance(error, BakeCancelled):
+                            raise later from None
+                if isinstance(error, BakeCancelled):
+                    self._stop(settings, writer)
+                elif not isinstance(error, (CacheError, WriteFailed, OSError)):
+                    # A scene that cannot be read any more (the add-on was switched off, say) is no reason
+                    # to lose the frames since the last checkpoint.
+                    with contextlib.suppress(Exception):
+                        self._stop(settings, writer)
+                raise
+            last = request.last
+            if last == request.frame_end:
+                writer.flush()
+                for receiver in self.receivers:
+                    receiver.complete(settings, self.native, self._inputs_at)
+            else:
+                self._stop(settings, writer)
+
+    def _frame(self, frame, work, inputs, snowfall, settings, writer, evaluating):
+        """The steps of one frame, in the worker's thread; the writer makes its maps and, where due, the
+        checkpoint."""
+        request, clock = self.request, time.perf_counter
+        begun = clock()
+        if not self._between_frames:
+            raise RuntimeError("the frame before broke off")
+        self._between_frames = False
+        for added, changed, direction, steps in work:
+            self._registry.register_changes(added)
+            self._positions.update(changed)
+            for step in steps:
+                self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
+                self._positions = {}
+        snowing = clock() - begun
+        volume = slid = 0.0
+        reading = -clock()
+        balance = self._simulation.statistics()["objects"]
+        for receiver in self.receivers:
+            snapshot = self._simulation.snapshot(receiver.key, normal=request.write_normals)
+            total = balance[receiver.key]["total"]
+            lying, gone = float(total["held_volume"]), float(total["slid_volume"])
+            volume, slid = volume + lying, slid + gone
+            depth = snowfall.totals[frame - request.frame_start]
+            noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
+            writer.call(
+                lambda output, receiver=receiver, noted=noted: receiver.write_maps(
+                    self.native, output, noted
+                ),
+                snapshot.output,
+            )
+        reading += clock()
+        self._inputs_at = inputs
+        saving = clock()
+        regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
+        if regular and frame < request.frame_end:
+            self._checkpoint(frame, settings, writer)
+        self._between_frames = True
+        saving = clock() - saving
+        result = FrameResult(frame, request.first, request.last, snowfall.totals[frame - request.frame_start],
+                             volume, slid)  # fmt: skip
+        result.seconds = {
+            "evaluate": evaluating,
+            "snow": snowing,
+            "maps": reading,
+            "gpu": snowing + reading + saving,
+        }
+        return result
+
+    # -- files -----------------------------------------------------------------------------------------
+
+    def _checkpoint(self, frame, settings, writer):
+        """Reads the state back; packing and writing it is the writer's, after the maps before it."""
+        state = self.native.simulation_state(self._simulation)
+        inputs, driver = self._inputs_at, self._driver
+        for receiver in self.receivers:
+            writer.call(
+                lambda receiver=receiver: receiver.write_checkpoint(frame, settings, state, driver, inputs)
+            )
+
+    def _stop(self, settings, writer):
+        """Leaves a checkpoint at the last frame that is whole. Where the simulation broke off in the middle of
+        a frame its state belongs to none, and the last regular checkpoint must do."""
+        writer.flush()
+        done = self.receivers[0].frames
+        if self._between_frames and done and done[-1]["frame"] not in checkpoints(self.receivers[0].folder):
+            self._checkpoint(done[-1]["frame"], settings, writer)
+            writer.flush()
+
+    def _close_simulation(self):
+        if self._simulation is not None:
+            self._simulation.close()
+            self._simulation = None
+
+
+def driver_of(gpu):
+    """What decides about the last bit of a map, of a native.Gpu. Raises NoGpu."""
+    try:
+        info = gpu.info
+    except RuntimeError as error:
+        raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
+    return f"{info['renderer']}, {info['version']}"
+
+
+def driver_name(native):
+    """driver_of the GPU that a bake would take. Raises NoGpu."""
+    with native.Gpu() as gpu:
+        return driver_of(gpu)

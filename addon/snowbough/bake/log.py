@@ -1,0 +1,32 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake's log: times and the GPU in a file of their own, so that equal bakes are equal bytes. No ``bpy``."""
+
+import contextlib
+import datetime
+import os
+import socket
+
+from ..cache.errors import CacheError
+from ..cache.files import make_folder
+from ..names import safe_name
+
+
+@contextlib.contextmanager
+def open_log(root):
+    """Gives a function that writes a line with the time into <root>/logs/<time>-<host>-<process>.log."""
+    folder = root / "logs"
+    make_folder(folder)
+    stamp = datetime.datetime.now(datetime.timezone.utc).strftime("%Y%m%dT%H%M%S")
+    path = folder / f"{stamp}-{safe_name(socket.gethostname())}-{os.getpid()}.log"
+    with contextlib.ExitStack() as stack:
+        try:
+            stream = stack.enter_context(open(path, "a", encoding="utf-8"))
+        except OSError as error:
+            raise CacheError(f"{path} could not be written: {error.strerror}") from error
+
+        def log(line):
+            with contextlib.suppress(OSError):  # a full disk is told about by the maps' own writer
+                stream.write(f"{datetime.datetime.now(datetime.timezone.utc).isoformat()} {line}\n")
+                stream.flush()
+
+        yield log

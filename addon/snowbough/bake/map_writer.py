@@ -1,0 +1,83 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Makes, packs and writes maps and checkpoints beside the simulation, in threads of its own. No ``bpy``."""
+
+import queue
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor
+
+# So many maps may wait; more would only fill memory when the disk is the slowest.
+MAX_WAITING = 8
+# So many maps are made at a time: what one thread cannot share with others is done beside the next map.
+MAKERS = 2
+
+
+class WriteFailed(RuntimeError):
+    """A map could not be written: full disk, folder gone. Names the file and the reason."""
+
+
+class MapWriter:
+    """``with MapWriter() as writer: writer.call(write, make)``.
+
+    call() and flush() raise what went wrong with earlier work: that a file could not be written (disk full,
+    folder gone) as WriteFailed; after that nothing more is done. Leaving the block waits for all work.
+    """
+
+    def __init__(self):
+        self._queue = queue.Queue(MAX_WAITING)
+        self._error = None
+        self._busy = 0.0
+        self._busy_before = 0.0
+        self._makers = ThreadPoolExecutor(MAKERS, "snowbough-maps")
+        self._thread = threading.Thread(target=self._work, name="snowbough-files", daemon=True)
+
+    def __enter__(self):
+        self._thread.start()
+        return self
+
+    def __exit__(self, kind, error, trace):
+        self._queue.put(None)
+        self._thread.join()
+        self._makers.shutdown()
+        if error is None:
+            self._raise()
+
+    def call(self, write, make=None):
+        """Queues write(), which writes files; what was queued before is on disk by then. make() is called
+        for its argument, beside other maps."""
+        self._raise()
+        self._queue.put((write, self._makers.submit(make) if make else None))
+
+    def busy_since_last_call(self):
+        """Seconds that the thread which writes was busy since the last call of this."""
+        busy = self._busy
+        before, self._busy_before = self._busy_before, busy
+        return busy - before
+
+    def flush(self):
+        """Waits until all queued files are on disk."""
+        self._queue.join()
+        self._raise()
+
+    def _raise(self):
+        if self._error is not None:
+            raise self._error
+
+    def _work(self):
+        while (task := self._queue.get()) is not None:
+            write, made = task
+            try:
+                if self._error is None:
+                    given = () if made is None else (made.result(),)
+                    begun = time.perf_counter()
+                    write(*given)
+                    self._busy += time.perf_counter() - begun
+                elif made is not None:
+                    made.cancel()
+            except (OSError, RuntimeError) as error:  # both are handed to the thread that bakes
+                self._error = WriteFailed(f"{error}. What is done is kept: make room, then resume")
+            except Exception as error:
+                self._error = error
+            finally:
+                task = write = made = given = None  # and the map with it: the next may be long in coming
+                self._queue.task_done()

@@ -1,0 +1,93 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How a bake ended, and what the scene learns from it: where the files of each receiver lie."""
+
+from pathlib import Path
+
+import bpy
+
+from .. import session
+from ..cache.folder import baked_frames
+from ..result import displacement
+from ..scene.pose import library_path
+
+
+def describe(running):
+    """(severity, one clear line) on how a RunningBake ended."""
+    if running.error is not None:
+        return "ERROR", one_line(running.error)
+    if running.cancelled:
+        return "WARNING", "The bake was stopped. What was baked is kept: Resume goes on from there"
+    results = running.job.results
+    if not results:
+        return "INFO", "Everything was baked already, from the scene as it is now"
+    seconds = sum(result.seconds["total"] for result in results)
+    return "INFO", f"Baked {len(results)} frames in {seconds:.1f} s"
+
+
+def one_line(error):
+    text = " ".join(str(error).split())
+    return text or type(error).__name__
+
+
+def shown_folder(folder):
+    """A folder as Blender stores it: beside a saved .blend relative to it, so that both may move together."""
+    if bpy.data.filepath:
+        try:
+            return bpy.path.relpath(str(folder))
+        except ValueError:  # another drive on Windows
+            pass
+    return str(folder)
+
+
+def after_bake(scene, running):
+    """What the scene learns from a bake: where the files of each receiver lie. What shows older ones is
+    wired to the new ones, and images are read again."""
+    job = running.job
+    scene.snowbough.cache_used = job.request.cache
+    by_object = {}
+    for receiver in job.baked:
+        by_object.setdefault((receiver.spec.name, receiver.spec.library), receiver.folder)
+    for entry in scene.snowbough.receivers:
+        if entry.object is None:
+            continue
+        folder = by_object.get((entry.object.name, library_path(entry.object)))
+        if folder is not None and baked_frames(folder):
+            entry.folder = shown_folder(folder)
+            displacement.refresh(scene, entry)
+    for image in bpy.data.images:
+        if image.source == "SEQUENCE" and str(job.root) in bpy.path.abspath(image.filepath):
+            image.reload()
+
+
+@bpy.app.handlers.persistent
+def _forget_outcome(*_):
+    """How a bake of another file went is no news here."""
+    session.last_outcome = session.NO_OUTCOME
+
+
+@bpy.app.handlers.persistent
+def heal_folders(*_):
+    """After Save As elsewhere the image paths are remapped by Blender, our folders beside the .blend are
+    not: finds them again in the cache that the last bake wrote to."""
+    for scene in bpy.data.scenes:
+        used = scene.snowbough.cache_used
+        for entry in scene.snowbough.receivers:
+            if not entry.folder or not used or Path(bpy.path.abspath(entry.folder)).is_dir():
+                continue
+            # <cache>/<scene>/<version>/<receiver>
+            candidate = Path(used).joinpath(*Path(entry.folder.lstrip("/").replace("\\", "/")).parts[-3:])
+            if candidate.is_dir():
+                entry.folder = shown_folder(candidate)
+
+
+def register():
+    for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_post):
+        handlers.append(heal_folders)
+    bpy.app.handlers.load_pre.append(_forget_outcome)
+
+
+def unregister():
+    for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_post):
+        if heal_folders in handlers:
+            handlers.remove(heal_folders)
+    bpy.app.handlers.load_pre.remove(_forget_outcome)

@@ -1,0 +1,176 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From an artist's numbers to snowfall: how much falls on which frame, from where, onto which grid.
+
+Pure numbers, no ``bpy``. Depths are metres on open level ground, angles radians, frames integers.
+
+**When snow falls.** Frame f lays ``(end_depth - start_depth) * rate(f) / sum of all rates``, and the map
+of frame f shows the moment after that. ``start_depth`` lies there before the first frame's own snow: it is
+laid in PREROLL_STEPS steps on the first frame's pose. With substeps, frame f's snow is laid on the poses at
+the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own pose; the first
+frame has no such interval within the shot and takes all its snow on its own pose. The depths are
+differences of a running total that ends at ``end_depth`` itself, so rounding cannot gather.
+"""
+
+import math
+from dataclasses import dataclass
+
+from ..names import MAX_FALL_ANGLE
+
+PREROLL_STEPS = 32
+
+MIN_AUTOMATIC_RESOLUTION = 256
+MAX_AUTOMATIC_RESOLUTION = 4096
+
+# An automatic pixel size never asks for more occlusion pixels than this for the whole scene: finer
+# ground would cost minutes a frame without a GPU.
+MAX_AUTOMATIC_PIXELS = 4096 * 4096
+
+# To rest: 64 half-lives leave 5e-20 of an excess.
+REST_HALF_LIVES = 64
+
+
+@dataclass(frozen=True)
+class Step:
+    """One call of the simulation."""
+
+    frame: int
+    """The pose is that of time ``frame + subframe``."""
+    subframe: float
+    depth: float
+    """Metres on open level ground."""
+    dt: float
+    """Seconds."""
+
+
+@dataclass(frozen=True)
+class Snowfall:
+    """The snowfall of a whole shot. It does not depend on which part of the shot is baked."""
+
+    frame_start: int
+    frame_end: int
+    preroll: float
+    """Metres that lie before the first frame's own snow."""
+    depths: tuple
+    """Metres that each frame lays, first to last."""
+    totals: tuple
+    """Metres that lie on each frame's map, pre-roll included."""
+
+
+def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates):
+    """Spreads ``end_depth - start_depth`` over the frames as ``rates`` say.
+
+    rates: one number >= 0 for every frame from frame_start to frame_end.
+    Raises ValueError for an empty range, an end depth below the start depth, wrong or no rates.
+    """
+    count = frame_end - frame_start + 1
+    if count < 1:
+        raise ValueError(f"The last frame ({frame_end}) is before the first ({frame_start})")
+    if frame_start < 0:
+        raise ValueError(f"The first frame is {frame_start}: image sequences start at frame 0 or later")
+    if not (0 <= start_depth <= end_depth):
+        raise ValueError(
+            f"Snow does not melt here: the end depth ({end_depth:g} m) must not be below the start depth "
+            f"({start_depth:g} m), nor either below 0"
+        )
+    if len(rates) != count:
+        raise ValueError(f"{count} frames need {count} rates, got {len(rates)}")
+    for frame, rate in zip(range(frame_start, frame_end + 1), rates):
+        if not (rate >= 0 and math.isfinite(rate)):
+            raise ValueError(f"The rate at frame {frame} is {rate}; it must be a number from 0 up")
+    falling = math.fsum(rates)
+    if falling == 0 and end_depth > start_depth:
+        raise ValueError(
+            "The rate is 0 on every frame, so the end depth cannot be reached: "
+            "raise the rate somewhere, or set the end depth to the start depth"
+        )
+    totals = []
+    for index in range(1, count + 1):
+        share = math.fsum(rates[:index]) / falling if falling else 0.0
+        totals.append(start_depth + (end_depth - start_depth) * share)
+    totals[-1] = end_depth
+    depths = [max(0.0, after - before) for before, after in zip([start_depth] + totals, totals)]
+    return Snowfall(frame_start, frame_end, start_depth, tuple(depths), tuple(totals))
+
+
+def preroll_steps(snowfall, fps, slide_half_life):
+    """The steps before the first frame's own snow: PREROLL_STEPS, then one without snow until nothing
+    slides any more. Empty when nothing lies there."""
+    if snowfall.preroll <= 0:
+        return []
+    frame = snowfall.frame_start
+    steps = [Step(frame, 0.0, snowfall.preroll / PREROLL_STEPS, 1.0 / fps) for _ in range(PREROLL_STEPS)]
+    return steps + [Step(frame, 0.0, 0.0, REST_HALF_LIVES * slide_half_life)]
+
+
+def frame_steps(snowfall, frame, fps, substeps=1):
+    """The steps that lay the snow of ``frame``, in order; the last one is on its own pose."""
+    depth = snowfall.depths[frame - snowfall.frame_start] / substeps
+    dt = 1.0 / (fps * substeps)
+    if frame == snowfall.frame_start:
+        return [Step(frame, 0.0, depth, dt)] * substeps
+    between = [Step(frame - 1, index / substeps, depth, dt) for index in range(1, substeps)]
+    return between + [Step(frame, 0.0, depth, dt)]
+
+
+def fall_direction(fall_angle, bearing):
+    """unit_direction of the falling snow. Raises ValueError for a fall angle that is not from 0 to
+    MAX_FALL_ANGLE."""
+    if not 0 <= fall_angle <= MAX_FALL_ANGLE + 1e-6:
+        raise ValueError(
+            f"The fall angle is {math.degrees(fall_angle):.2f} degrees; it must be from 0 to "
+            f"{math.degrees(MAX_FALL_ANGLE):g}"
+        )
+    return unit_direction(fall_angle, bearing)
+
+
+def unit_direction(fall_angle, bearing):
+    """Unit vector at fall_angle radians from straight down, towards bearing: radians clockwise from +Y seen
+    from above, where the wind blows to."""
+    return (
+        math.sin(fall_angle) * math.sin(bearing),
+        math.sin(fall_angle) * math.cos(bearing),
+        -math.cos(fall_angle),
+    )
+
+
+def metres_per_map(surface_area, uv_area):
+    """Length that a map's full width has on the surface, in metres, on average over the layout."""
+    if surface_area <= 0:
+        raise ValueError("the surface has no area")
+    if uv_area <= 0:
+        raise ValueError("the UV map has no area: unwrap the object")
+    return math.sqrt(surface_area / uv_area)
+
+
+def automatic_resolution(surface_area, uv_area, texel_size):
+    """The smallest power of two whose texels are not larger than texel_size metres, within limits."""
+    wanted = metres_per_map(surface_area, uv_area) / texel_size
+    resolution = MIN_AUTOMATIC_RESOLUTION
+    while resolution < wanted and resolution < MAX_AUTOMATIC_RESOLUTION:
+        resolution *= 2
+    return resolution
+
+
+def automatic_pixel_size(texel_sizes, low, high):
+    """The finest of texel_sizes, coarsened until a box from low to high (metres) fits the limit of
+    MAX_AUTOMATIC_PIXELS seen from any side."""
+    if not texel_sizes:
+        raise ValueError("there is no receiver")
+    extent = sorted(max(0.0, b - a) for a, b in zip(low, high))
+    # The shadow of a box is never larger than diagonal x the diagonal of its two longest sides.
+    area = math.hypot(*extent) * math.hypot(extent[1], extent[2])
+    return max(min(texel_sizes), math.sqrt(area / MAX_AUTOMATIC_PIXELS))
+
+
+def parse_frames(text, frame_start, frame_end):
+    """``"5-20"`` or ``"7"`` as (first, last). Raises ValueError when it is not inside the shot."""
+    first, dash, last = text.strip().partition("-")
+    try:
+        first, last = int(first), int(last if dash else first)
+    except ValueError:
+        raise ValueError(f"'{text}' is no frame range; write it like 1-48") from None
+    if not frame_start <= first <= last <= frame_end:
+        raise ValueError(
+            f"Frames {first}-{last} are not inside the shot, which is {frame_start}-{frame_end} in the scene"
+        )
+    return first, last

@@ -1,0 +1,255 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What would spoil a bake, found before it: a list of issues, many with a fix at one click.
+
+check() looks at meshes as they are evaluated now and is too slow to run with every redraw, so an operator
+runs it and the panel shows what it found (session.issues).
+"""
+
+import shutil
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from .. import compat, native, session
+from ..cache import versions
+from ..result import displacement
+from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
+from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
+from . import baked_receiver, changes_since_bake, plan
+from .from_scene import cache_directory, constant_rates
+from .job import driver_name
+from .outcome import one_line
+
+# Measured: smooth float maps pack to about this share of their raw size.
+PACKED_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Issue:
+    severity: str
+    """ERROR (a bake would be refused), WARNING (it would not look right) or INFO."""
+    text: str
+    object_name: str = ""
+    fix: str = ""
+    """UNWRAP, SHOW_IN_RENDER, SAVE, BAKE_SIMULATIONS or nothing."""
+
+
+def check(scene, depsgraph):
+    """All issues of a bake of the scene now, the worst first."""
+    issues = [*_environment(), *_settings(scene), *_cache(scene)]
+    specs = receivers.receiver_specs(scene)
+    if not specs:
+        issues.append(Issue("ERROR", "There are no receivers: select meshes and use Add Snow to Selected"))
+    sizes = []
+    for entry in scene.snowbough.receivers:
+        if entry.object is not None and entry.enabled:
+            own, size = _receiver(scene, entry, depsgraph)
+            issues += own
+            sizes.append(size)
+    issues += _amounts(scene, [size for size in sizes if size])
+    issues += _alpha(depsgraph)
+    issues += [Issue(*trouble) for trouble in physics_caches.troubles(scene)]
+    for text in [
+        *changes_since_bake.settings_changes(scene),
+        *changes_since_bake.scene_changes(scene, depsgraph),
+    ]:
+        issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
+    order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
+    return sorted(issues, key=lambda issue: order[issue.severity])
+
+
+def warnings(scene, depsgraph):
+    """The texts of what would be baked but would not look right."""
+    enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
+    issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
+    issues += [*_alpha(depsgraph), *(Issue(*trouble) for trouble in physics_caches.troubles(scene))]
+    return [issue.text for issue in issues if issue.severity == "WARNING"]
+
+
+def _alpha(depsgraph):
+    """Materials whose alpha snow cannot follow, and objects that lack the UVs for one that it can."""
+    alphas, seen, issues = {}, set(), []
+    for instance in depsgraph.object_instances:
+        obj = instance.object
+        if obj.type != "MESH" or obj.original.hide_render or not obj.original.snowbough.occlude:
+            continue
+        pointers = (obj.original.as_pointer(), obj.data.as_pointer())
+        if obj.original.snowbough.is_shell or pointers in seen:
+            continue
+        seen.add(pointers)
+        for material in mesh_record.materials_of(obj, obj.data):
+            if material is None:
+                continue
+            known = (material.name, library_path(material))
+            try:
+                if known not in alphas:
+                    alphas[known] = None  # a material that cannot be followed is told of once
+                    alphas[known] = material_alpha.of_material(material)
+                alpha = alphas[known]
+                if alpha is not None and mesh_record.alpha_uv_map(alpha, obj.data) is None:
+                    wanted = f" '{alpha.uv_map}'" if alpha.uv_map else ""
+                    raise material_alpha.UnknownAlpha(f"'{obj.name}' has no UV map{wanted}")
+            except material_alpha.UnknownAlpha as error:
+                text = f"Snow takes the material '{material.name}' for opaque: {error}"
+                issues.append(Issue("WARNING", text, obj.name))
+    return issues
+
+
+def _environment():
+    try:
+        driver_name(native.load())
+    except RuntimeError as error:
+        yield Issue("ERROR", one_line(error))
+    if bpy.app.autoexec_fail:
+        yield Issue(
+            "ERROR", "Blender has disabled scripts in this file: allow Auto Run Python Scripts and reload"
+        )
+
+
+def _settings(scene):
+    settings = scene.snowbough
+    rates = constant_rates(scene, settings.frame_start, settings.frame_end)
+    if rates is None:  # driven: only a walk through the frames can tell
+        rates = (1.0,) * (settings.frame_end - settings.frame_start + 1)
+    try:
+        plan.plan_snowfall(
+            settings.frame_start, settings.frame_end, settings.start_depth, settings.end_depth, rates
+        )
+    except ValueError as error:
+        yield Issue("ERROR", str(error))
+
+
+def _cache(scene):
+    try:
+        folder = Path(cache_directory(scene))
+    except ValueError as error:
+        yield Issue("ERROR", str(error), fix="SAVE" if not bpy.data.filepath else "")
+        return
+    existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
+    if not existing.is_dir() or not _is_writable(existing):
+        yield Issue("ERROR", f"The cache folder {folder} cannot be written: choose another one")
+    root = versions.scene_folder(folder, scene.name)
+    numbers = versions.versions(root)
+    if numbers:
+        yield Issue(
+            "INFO",
+            f"There are bakes already, the newest is v{numbers[-1]:03d}; finished ones are never overwritten",
+        )
+
+
+def _is_writable(folder):
+    probe = folder / f".snowbough-probe-{id(folder)}"
+    try:
+        probe.touch()
+        probe.unlink()
+    except OSError:
+        return False
+    return True
+
+
+def _receiver(scene, entry, depsgraph):
+    """(issues, map size in texels a side or None) of one line of the list."""
+    obj = entry.object
+    name = obj.name
+    issues = []
+    if obj.hide_render:
+        issues.append(Issue("ERROR", f"'{name}' is hidden in renders", name, "SHOW_IN_RENDER"))
+    if obj.type != "MESH":
+        return issues, entry.resolution or None
+    evaluated = obj.evaluated_get(depsgraph)
+    mesh = evaluated.data
+    if not len(mesh.polygons):
+        return [*issues, Issue("ERROR", f"'{name}' has no faces", name)], None
+    layers = [layer.name for layer in mesh.uv_layers]
+    active = mesh.uv_layers.active.name if mesh.uv_layers.active else ""
+    uv_map = uv_maps.choose_uv_map(entry.uv_map, layers, active)
+    if uv_map is None:
+        lost = f"has no UV map '{entry.uv_map}'" if layers else "has no UV map"
+        return [*issues, Issue("ERROR", f"'{name}' {lost}", name, "UNWRAP")], None
+    uv = uv_maps.corner_uv(mesh, uv_map)
+    outside = uv_overlap.outside_share(uv)
+    if outside:
+        issues.append(
+            Issue("ERROR", f"{outside:.0%} of '{name}'s UV map '{uv_map}' lie outside 0 to 1", name, "UNWRAP")
+        )
+    overlap = uv_overlap.overlap_share(uv)
+    if overlap > uv_overlap.TOLERANCE:
+        issues.append(
+            Issue(
+                "WARNING",
+                f"{overlap:.0%} of '{name}'s UV map '{uv_map}' overlap: snow that falls on one place shows on all",
+                name,
+                "UNWRAP",
+            )
+        )
+    if min(obj.matrix_world.to_scale()) <= 0 or obj.matrix_world.determinant() < 0:
+        issues.append(
+            Issue("WARNING", f"'{name}' has a negative scale: apply it (Ctrl+A), or use a snow shell", name)
+        )
+    elif displacement.uniform_scale(obj) is None:
+        issues.append(
+            Issue(
+                "WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use a snow shell", name
+            )
+        )
+    return issues, receivers.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
+
+
+def _automatic_size(scene, obj, mesh, uv):
+    compat.ensure_triangles(mesh)
+    triangles = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", triangles)
+    positions = world_positions(
+        compat.read_positions(mesh), np.array(obj.matrix_world), metres_per_unit(scene)
+    )
+    topology = Topology(triangles.reshape(-1, 3), uv, len(positions), "")
+    try:
+        areas = baked_receiver.surface_and_uv_area(topology, positions)
+        return plan.automatic_resolution(*areas, scene.snowbough.texel_size)
+    except ValueError:
+        return None
+
+
+def _amounts(scene, sizes):
+    """Disk and memory that the maps take."""
+    if not sizes:
+        return
+    texels = sum(size * size for size in sizes)
+    frames = scene.snowbough.frame_end - scene.snowbough.frame_start + 1
+    disk = texels * 4 * PACKED_SHARE * frames
+    # A texel of a receiver takes about 100 bytes on the GPU while snow falls (positions, targets, maps).
+    memory = texels * 100
+    yield Issue(
+        "INFO",
+        f"{len(sizes)} maps, up to {max(sizes)} texels a side: at most about {_size(disk)} on disk for {frames} "
+        f"frames, {_size(memory)} of memory",
+    )
+    try:
+        folder = Path(cache_directory(scene))
+        existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
+        free = shutil.disk_usage(existing).free
+    except (ValueError, OSError):
+        return
+    if free < disk:
+        yield Issue("WARNING", f"Only {_size(free)} are free in {existing}; the bake may take {_size(disk)}")
+
+
+def _size(count):
+    return f"{count / 2**30:.1f} GiB" if count >= 2**30 else f"{max(1, round(count / 2**20))} MiB"
+
+
+@bpy.app.handlers.persistent
+def _forget(*_):
+    """What was found in another file is no news here."""
+    session.issues.clear()
+
+
+def register():
+    bpy.app.handlers.load_pre.append(_forget)
+
+
+def unregister():
+    session.issues.clear()
+    bpy.app.handlers.load_pre.remove(_forget)

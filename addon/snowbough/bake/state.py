@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""How far a scene's bake is, as the panels show it."""
+
+import time
+
+from .. import session
+from ..cache import versions
+from ..cache.errors import CacheError
+from ..cache.manifest import read_manifest
+from .from_scene import existing_cache
+
+# A look into the cache is a few file reads; panels redraw with every movement of the mouse.
+LOOK_SECONDS = 1.0
+
+
+def state_of(scene):
+    """EMPTY (no receivers), BAKING, BAKED (all enabled receivers have files), or READY."""
+    if session.bake is not None:
+        return "BAKING"
+    enabled = [entry for entry in scene.snowbough.receivers if entry.object and entry.enabled]
+    if not enabled:
+        return "EMPTY"
+    return "BAKED" if all(entry.folder for entry in enabled) else "READY"
+
+
+def resumable(scene):
+    """Whether the newest version holds an unfinished bake, as it was at most LOOK_SECONDS ago."""
+    root = existing_cache(scene)
+    if root is None:
+        return False
+    when, found = session.unfinished_bakes.get(str(root), (0.0, False))
+    if time.monotonic() - when > LOOK_SECONDS:
+        found = _has_unfinished(root)
+        session.unfinished_bakes[str(root)] = (time.monotonic(), found)
+    return found
+
+
+def _has_unfinished(root):
+    numbers = versions.versions(root)
+    if not numbers:
+        return False
+    folder = versions.version_folder(root, numbers[-1])
+    for child in folder.iterdir():
+        try:
+            manifest = read_manifest(child)
+        except CacheError:
+            continue
+        if manifest is not None and not manifest["complete"]:
+            return True
+    return False

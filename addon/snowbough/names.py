@@ -1,0 +1,57 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Names and limits that several rooms use, each written once. No ``bpy``.
+
+What is part of files (names of UV maps, properties, modifiers) must stay: scenes made before are found by it.
+"""
+
+import hashlib
+import math
+import re
+
+# UV maps: bark tiles, leaves lie where their exporter put them, snow stores every place once.
+BARK_UV = "bark"
+LEAF_UV = "leaf"
+SNOW_UV = "snow"
+
+# How far beyond 0 to 1 UVs may lie on a snow map; the native module has the same.
+UV_TOLERANCE = 1e-4
+
+# On an object: the side in texels that its UV map `snow` was laid out for.
+SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
+
+# Texels a side of an accumulation map, as the native module takes them.
+MIN_RESOLUTION = 64
+MAX_RESOLUTION = 8192
+
+# Radians between falling snow and the vertical: beyond, open ground would need endlessly deep snow.
+MAX_FALL_ANGLE = math.radians(89.5)
+
+# The node group of all snow materials.
+SNOW_GROUP = "Snowbough Snow"
+
+# The modifiers that a receiver gets for its displacement.
+SUBDIVISION_MODIFIER = "Snowbough Subdivision"
+DISPLACE_MODIFIER = "Snowbough Displace"
+OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER)
+
+# Exit codes of the command line (bake.cli and tree.cli say when).
+EXIT_OK = 0
+EXIT_FAILED = 1
+EXIT_NO_CHECKPOINT = 3
+EXIT_CHANGED = 4
+EXIT_CACHE = 5
+EXIT_NO_NATIVE = 6
+EXIT_STOPPED = 130
+
+
+def safe_name(name):
+    """A file name that every system takes: ASCII letters, digits, ``.``, ``_``, ``-``; at most 64."""
+    cleaned = re.sub(r"[^A-Za-z0-9._-]", "_", name)[:64].lstrip(".-")
+    return cleaned or "_"
+
+
+def receiver_key(name, identity):
+    """Folder name of a receiver: its safe name and eight digits that tell apart local and linked objects
+    of one name and instances. identity: tuple of what is unique about it (library, instancer, index)."""
+    text = "\0".join(str(part) for part in (name, *identity))
+    return f"{safe_name(name)}-{hashlib.blake2b(text.encode(), digest_size=4).hexdigest()}"

@@ -1,0 +1,103 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Baked maps as Blender images: the sequence of a folder, with the frames that are really there.
+
+A frame outside the files renders magenta and displaces wildly, so the duration is counted from the
+files. Blender holds the last file after its frame; before the first one there is no file, and whoever
+shows the sequence must show no snow there.
+"""
+
+import re
+import struct
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+
+from ..cache.files import EVER_COVERED
+
+HEADER_BYTES = 4096
+# Name, type and size of the attribute that holds the first and last pixels (OpenEXR File Layout).
+DATA_WINDOW = b"dataWindow\0box2i\0\x10\0\0\0"
+
+
+@dataclass
+class BakedSequence:
+    """An image sequence of one receiver: `duration` square files of `size` texels from frame `first` on."""
+
+    image: bpy.types.Image
+    first: int
+    duration: int
+    size: int
+
+    @property
+    def last(self):
+        return self.first + self.duration - 1
+
+    def configure(self, image_user):
+        """Sets an image user so that scene frame n shows the file of frame n."""
+        image_user.frame_duration = self.duration
+        image_user.frame_start = self.first
+        image_user.frame_offset = self.first - 1
+        image_user.use_cyclic = False
+        image_user.use_auto_refresh = True
+
+
+def frames_on_disk(folder, kind):
+    """Frame numbers of `<kind>_<frame>.exr` in `folder`: the unbroken run from the first one on."""
+    pattern = re.compile(rf"{re.escape(kind)}_(\d+)\.exr")
+    matches = (pattern.fullmatch(entry.name) for entry in Path(folder).glob(f"{kind}_*.exr"))
+    frames = sorted(int(match.group(1)) for match in matches if match)
+    return [frame for index, frame in enumerate(frames) if frame == frames[0] + index]
+
+
+def _load(path, name):
+    """The image of that file, loaded once and read again from disk."""
+    path = Path(path)
+    for image in bpy.data.images:
+        if image.library is None and image.filepath and Path(bpy.path.abspath(image.filepath)) == path:
+            image.reload()
+            break
+    else:
+        image = bpy.data.images.load(str(path))
+        image.name = name
+        if bpy.data.filepath:
+            try:
+                image.filepath = bpy.path.relpath(str(path))
+            except ValueError:
+                pass  # another drive on Windows: the path stays absolute
+    image.colorspace_settings.name = "Non-Color"
+    return image
+
+
+def _width(path):
+    """Texels of an EXR file, as its header says, or 0 where it is none. Blender would read all of it; and the
+    sequence's own image is empty while the scene stands before its first frame."""
+    with open(path, "rb") as stream:
+        header = stream.read(HEADER_BYTES)
+    at = header.find(DATA_WINDOW)
+    if at < 0:
+        return 0
+    left, _, right, _ = struct.unpack_from("<4i", header, at + len(DATA_WINDOW))
+    return right - left + 1
+
+
+def load_sequence(folder, kind):
+    """The BakedSequence of `height` or `normal` files in `folder`, or None where there are none."""
+    if not folder:
+        return None
+    folder = Path(bpy.path.abspath(folder))
+    frames = frames_on_disk(folder, kind)
+    if not frames:
+        return None
+    path = folder / f"{kind}_{frames[0]:04d}.exr"
+    image = _load(path, f"{folder.name} {kind}")
+    image.source = "SEQUENCE"
+    return BakedSequence(image, frames[0], len(frames), _width(path))
+
+
+def load_ever_covered(folder):
+    """The image that says where snow ever lay during the bake, or None where it is not there."""
+    if not folder:
+        return None
+    path = Path(bpy.path.abspath(folder)) / EVER_COVERED
+    return _load(path, f"{path.parent.name} ever covered") if path.is_file() else None

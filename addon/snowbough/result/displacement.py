@@ -1,0 +1,213 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Gives baked snow its thickness: by the material, by modifiers, or as a shell of its own.
+
+ADAPTIVE  Cycles displaces the surface in the material and dices it to the pixel.
+MODIFIER  Subdivision and Displace modifiers: real geometry in every renderer and the viewport.
+SHELL     a separate snow object (see snow_shell): the receiver itself is not touched.
+NONE      the material only.
+"""
+
+import bpy
+
+from .. import compat
+from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER
+from ..scene.pose import metres_per_unit
+from . import baked_images, original_state, snow_material, snow_shell
+
+SCALE_TOLERANCE = 1e-3
+
+MODES = (
+    (
+        "ADAPTIVE",
+        "Cycles Displacement",
+        "The material displaces; Cycles subdivides the mesh to the size of a pixel",
+    ),
+    (
+        "MODIFIER",
+        "Modifiers",
+        "Subdivision and Displace modifiers: geometry in every renderer; needs uniform scale",
+    ),
+    (
+        "SHELL",
+        "Snow Shell",
+        "A separate snow object with its own material; also for linked and instanced meshes",
+    ),
+    ("NONE", "None", "Snow changes the material only"),
+)
+
+
+def uniform_scale(obj):
+    """The object's world scale where it is the same along all axes (without mirroring), else None."""
+    scale = obj.matrix_world.to_scale()
+    if min(scale) <= 0.0 or max(scale) > min(scale) * (1.0 + SCALE_TOLERANCE):
+        return None
+    return sum(scale) / 3.0
+
+
+def default_mode(obj):
+    """What suits an object when the artist has not chosen."""
+    if snow_material.is_shared(obj) or uniform_scale(obj) is None:
+        return "SHELL"
+    return "MODIFIER"
+
+
+def _texture(obj, sequence):
+    texture = bpy.data.textures.new(f"{obj.name} snow height", "IMAGE")
+    texture.image = sequence.image
+    texture.extension = "EXTEND"
+    texture.use_clamp = False
+    sequence.configure(texture.image_user)
+    return texture
+
+
+def _add_modifiers(scene, receiver):
+    obj = receiver.object
+    scale = uniform_scale(obj)
+    if scale is None:
+        raise ValueError(
+            f"{obj.name} is scaled differently along its axes, which would bend the snow: "
+            "apply the scale (Ctrl+A) or choose the snow shell"
+        )
+    sequence = baked_images.load_sequence(receiver.folder, "height")
+    subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
+    subdivision.subdivision_type = "SIMPLE"
+    if sequence is not None:
+        subdivision.render_levels = snow_shell.subdivision_levels(obj, sequence.size)
+    else:  # not baked yet: nothing to displace
+        subdivision.render_levels = 0
+    subdivision.levels = max(0, subdivision.render_levels - 1)
+    if sequence is None:
+        return
+    displace = obj.modifiers.new(DISPLACE_MODIFIER, "DISPLACE")
+    displace.texture = _texture(obj, sequence)
+    displace.texture_coords = "UV"
+    displace.uv_layer = snow_material.uv_map_name(receiver)
+    displace.mid_level = 0.0
+    displace.strength = 1.0 / (scale * metres_per_unit(scene))
+    displace.direction = "NORMAL"
+
+
+def _add_adaptive(scene, receiver):
+    obj = receiver.object
+    feature_set = compat.cycles_feature_set(scene)
+    subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
+    subdivision.subdivision_type = "SIMPLE"
+    subdivision.levels = 0
+    subdivision.render_levels = 1
+    if not compat.set_adaptive_subdivision(scene, obj, subdivision, True):
+        obj.modifiers.remove(subdivision)
+        raise ValueError("Cycles is switched off in the preferences: enable its add-on or choose Modifiers")
+    return feature_set
+
+
+def _remove_modifiers(scene, receiver, record):
+    obj = receiver.object
+    if obj is None or obj.type != "MESH":
+        return
+    subdivision = obj.modifiers.get(SUBDIVISION_MODIFIER)
+    if subdivision is not None and record.get("displacement") == "ADAPTIVE":
+        compat.set_adaptive_subdivision(scene, obj, subdivision, False)
+        others = any(
+            original_state.read(other).get("displacement") == "ADAPTIVE"
+            for other in scene.snowbough.receivers
+            if other != receiver
+        )
+        if record.get("feature_set") and not others:
+            scene.cycles.feature_set = record["feature_set"]
+    displace = obj.modifiers.get(DISPLACE_MODIFIER)
+    if displace is not None:
+        texture = displace.texture
+        obj.modifiers.remove(displace)
+        if texture is not None and texture.users == 0:
+            bpy.data.textures.remove(texture)
+    if subdivision is not None:
+        obj.modifiers.remove(subdivision)
+
+
+def clear(scene, receiver):
+    """Removes what apply() added and leaves the materials as they are."""
+    record = original_state.read(receiver)
+    _remove_modifiers(scene, receiver, record)
+    snow_shell.remove(receiver)
+    record = original_state.read(receiver)
+    for key in ("displacement", "feature_set"):
+        record.pop(key, None)
+    original_state.write(receiver, record)
+
+
+def apply(scene, receiver, mode):
+    """Adds snow of that mode to the receiver, replacing what an earlier call made.
+
+    Raises ValueError that says what to do when the mode does not suit the object; nothing is changed then.
+    """
+    obj = receiver.object
+    if mode == "MODIFIER" and uniform_scale(obj) is None:
+        raise ValueError(
+            f"{obj.name} is scaled differently along its axes, which would bend the snow: "
+            "apply the scale (Ctrl+A) or choose the snow shell"
+        )
+    if mode != "SHELL" and snow_material.is_shared(obj):
+        raise ValueError(
+            f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
+        )
+    clear(scene, receiver)
+    record_update = {"displacement": mode}
+    if mode == "SHELL":
+        snow_material.remove(receiver)
+        snow_shell.make(scene, receiver)
+    else:
+        snow_material.add(scene, receiver, displace=mode == "ADAPTIVE")
+        if mode == "MODIFIER":
+            _add_modifiers(scene, receiver)
+        elif mode == "ADAPTIVE":
+            record_update["feature_set"] = _add_adaptive(scene, receiver)
+    record = original_state.read(receiver)
+    record.update(record_update)
+    original_state.write(receiver, record)
+
+
+def mode_of(receiver):
+    """The mode of the snow that is on the receiver now, or None."""
+    return original_state.read(receiver).get("displacement")
+
+
+def refresh(scene, receiver):
+    """After a bake: shows the new files on a receiver that has snow already."""
+    mode = mode_of(receiver)
+    if mode is not None:
+        apply(scene, receiver, mode)
+
+
+def remove(scene, receiver):
+    """Restores the object exactly as it was before snow was added to it."""
+    clear(scene, receiver)
+    snow_material.remove(receiver)
+
+
+class Muted:
+    """Context: our own displacement is off, so that snow does not fall on snow.
+
+    switch: "show_render" for render evaluation, "show_viewport" for what the viewport shows.
+    """
+
+    def __init__(self, scene, switch="show_render"):
+        self._switch = switch
+        self._modifiers = [
+            (obj.name, modifier.name, getattr(modifier, switch))
+            for obj in scene.objects
+            for modifier in getattr(obj, "modifiers", ())
+            if modifier.name in OWN_MODIFIERS
+        ]
+
+    def _set(self, value_of):
+        for obj, name, shown in self._modifiers:
+            modifier = bpy.data.objects[obj].modifiers.get(name) if obj in bpy.data.objects else None
+            if modifier is not None:
+                setattr(modifier, self._switch, value_of(shown))
+
+    def __enter__(self):
+        self._set(lambda shown: False)
+        return self
+
+    def __exit__(self, *_exception):
+        self._set(lambda shown: shown)

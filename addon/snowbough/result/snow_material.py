@@ -1,0 +1,275 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Adds snow to a receiver's materials, and removes it.
+
+Each of the object's materials is copied for this receiver, the copy mixes the node group
+`Snowbough Snow` over the original surface, and the copy sits in an OBJECT-linked slot: neither the
+original material nor the mesh's own slots are changed, and other users of both see nothing of it.
+"""
+
+import bpy
+
+from .. import compat
+from ..names import SNOW_UV
+from ..scene.pose import metres_per_unit
+from . import baked_images, original_state, snow_nodes
+
+FRAME_LABEL = "Snowbough"
+
+
+def uv_map_name(receiver):
+    """The UV map that the snow is stored in: the receiver's own choice, `snow`, or the active one."""
+    if receiver.object.type != "MESH":  # an instanced collection: its meshes share the name
+        return receiver.uv_map or SNOW_UV
+    layers = receiver.object.data.uv_layers
+    for name in (receiver.uv_map, SNOW_UV):
+        if name and name in layers:
+            return name
+    return layers.active.name if layers.active else ""
+
+
+def is_shared(obj):
+    """Linked, overridden or instanced objects and meshes are never changed: they get a shell."""
+    if obj.type != "MESH":
+        return True
+    return bool(obj.library or obj.override_library or obj.data.library or obj.data.users > 1)
+
+
+# --------------------------------------------------------------------------------------------------
+# Nodes in one material
+
+
+class _Builder:
+    """Makes nodes inside one labelled frame of a tree."""
+
+    def __init__(self, tree):
+        self.tree = tree
+        self.frame = tree.nodes.new("NodeFrame")
+        self.frame.label = FRAME_LABEL
+
+    def node(self, kind, location):
+        node = self.tree.nodes.new(kind)
+        node.parent = self.frame
+        node.location = location
+        return node
+
+    def link(self, output, input_):
+        self.tree.links.new(output, input_)
+
+
+def _sampled(builder, sequence, uv_map, location):
+    """An image texture node that shows the sequence in the receiver's UV map."""
+    uv = builder.node("ShaderNodeUVMap", (location[0] - 220, location[1]))
+    uv.uv_map = uv_map
+    texture = builder.node("ShaderNodeTexImage", location)
+    texture.image = sequence.image
+    texture.extension = "EXTEND"
+    sequence.configure(texture.image_user)
+    builder.link(uv.outputs[0], texture.inputs["Vector"])
+    return texture.outputs["Color"]
+
+
+def _height(builder, sequence, uv_map):
+    """The height in metres: the sequence from its first frame on, nothing before it.
+
+    Blender has no file to show before the first frame and would show magenta: a step on the first frame,
+    keyframed like anything an artist makes, switches it off there.
+    """
+    if sequence is None:  # not baked yet: no snow
+        value = builder.node("ShaderNodeValue", (-700, 0))
+        value.outputs[0].default_value = 0.0
+        return value.outputs[0]
+    begun = builder.node("ShaderNodeMath", (-420, 0))
+    begun.operation = "MULTIPLY"
+    begun.label = "From the first baked frame on"
+    for frame, value in ((sequence.first - 1, 0.0), (sequence.first, 1.0)):
+        begun.inputs[1].default_value = value
+        begun.inputs[1].keyframe_insert("default_value", frame=frame)
+    path = begun.inputs[1].path_from_id("default_value")
+    for curve in compat.curves_of(builder.tree):
+        if curve.data_path == path:
+            for key in curve.keyframe_points:
+                key.interpolation = "CONSTANT"
+    builder.link(_sampled(builder, sequence, uv_map, (-700, 0)), begun.inputs[0])
+    return begun.outputs[0]
+
+
+def _normal(builder, sequence, uv_map):
+    if sequence is None:
+        return builder.node("ShaderNodeNewGeometry", (-700, -300)).outputs["Normal"]
+    node = builder.node("ShaderNodeNormalMap", (-420, -300))
+    node.space = "TANGENT"
+    node.uv_map = uv_map
+    builder.link(_sampled(builder, sequence, uv_map, (-700, -300)), node.inputs["Color"])
+    return node.outputs[0]
+
+
+def _output_node(tree):
+    node = tree.get_output_node("ALL") or tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
+    return node or tree.nodes.new("ShaderNodeOutputMaterial")
+
+
+def add_snow_nodes(material, height, normal, uv_map, displacement_scale):
+    """Mixes snow over what the material shows.
+
+    height, normal: BakedSequence or None. displacement_scale: Blender units per metre when the
+    material moves the surface (Cycles displacement), or None when geometry does.
+    """
+    tree = material.node_tree
+    output = _output_node(tree)
+    surface = next(iter(output.inputs["Surface"].links), None)
+    displaced = next(iter(output.inputs["Displacement"].links), None)
+    surface = surface.from_socket if surface else None
+    displaced = displaced.from_socket if displaced else None
+
+    builder = _Builder(tree)
+    group = builder.node("ShaderNodeGroup", (-160, 0))
+    group.node_tree = snow_nodes.ensure_group()
+    height_output = _height(builder, height, uv_map)
+    builder.link(height_output, group.inputs["Height"])
+    builder.link(_normal(builder, normal, uv_map), group.inputs["Normal"])
+    if surface is not None:
+        builder.link(surface, group.inputs["Shader"])
+    builder.link(group.outputs["Shader"], output.inputs["Surface"])
+
+    if displacement_scale is not None:
+        node = builder.node("ShaderNodeDisplacement", (-160, -420))
+        node.space = "WORLD"
+        node.inputs["Midlevel"].default_value = 0.0
+        node.inputs["Scale"].default_value = displacement_scale
+        builder.link(height_output, node.inputs["Height"])
+        result = node.outputs[0]
+        if displaced is not None:
+            both = builder.node("ShaderNodeVectorMath", (60, -420))
+            both.operation = "ADD"
+            builder.link(displaced, both.inputs[0])
+            builder.link(result, both.inputs[1])
+            result = both.outputs[0]
+        builder.link(result, output.inputs["Displacement"])
+        compat.set_displacement_method(material, "BOTH")
+    builder.frame.location = (output.location.x - 200, output.location.y + 260)
+    output.location.x += 420
+
+
+# --------------------------------------------------------------------------------------------------
+# A receiver's slots
+
+
+def _plain_material(name, original):
+    """A material with nodes that looks like `original`, one without nodes, or like Blender's default."""
+    material = bpy.data.materials.new(name)
+    compat.use_material_nodes(material)
+    principled = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    if original is not None:
+        principled.inputs["Base Color"].default_value = original.diffuse_color
+        principled.inputs["Metallic"].default_value = original.metallic
+        principled.inputs["Roughness"].default_value = original.roughness
+    return material
+
+
+def _snowy_copy(obj, original):
+    name = f"{original.name if original else obj.name} snow"
+    if original is None or original.node_tree is None or not original.use_nodes:
+        return _plain_material(name, original)
+    material = original.copy()
+    material.name = name
+    animation = material.node_tree.animation_data
+    if animation is not None and animation.action is not None:
+        animation.action = animation.action.copy()  # a copied material still shares its curves
+    return material
+
+
+def _note_slots(obj, record):
+    """Notes, once, what is in the object's slots, and keeps it from being lost; one without slots gets one."""
+    if "slots" in record:
+        return
+    record["added_slot"] = not obj.material_slots
+    if record["added_slot"]:
+        obj.data.materials.append(None)
+    record["slots"] = []
+    for slot in obj.material_slots:
+        original = slot.material
+        kept = original is not None and original.library is None and not original.use_fake_user
+        if kept:
+            original.use_fake_user = True
+        record["slots"].append(
+            {
+                "link": slot.link,
+                "material": original.name_full if original else None,
+                "library": original.library.filepath if original and original.library else None,
+                "fake_user": kept,
+            }
+        )
+
+
+def _find_material(entry):
+    for material in bpy.data.materials:
+        library = material.library.filepath if material.library else None
+        if material.name_full == entry["material"] and library == entry["library"]:
+            return material
+    return None
+
+
+def _drop_copies(obj, record):
+    for name in record.pop("copies", []):
+        material = bpy.data.materials.get(name)
+        if material is not None and material.library is None:
+            for slot in obj.material_slots:
+                if slot.material == material:
+                    slot.material = None
+            if material.users == int(material.use_fake_user):
+                animation = material.node_tree.animation_data
+                action = animation.action if animation else None
+                bpy.data.materials.remove(material)
+                if action is not None and action.users == 0:
+                    bpy.data.actions.remove(action)
+
+
+def add(scene, receiver, displace):
+    """Adds snow to the receiver's materials, or renews it after a bake. `displace`: by the material.
+
+    Raises ValueError for objects that must not be changed and objects without a UV map.
+    """
+    obj = receiver.object
+    if is_shared(obj):
+        raise ValueError(
+            f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
+        )
+    uv_map = uv_map_name(receiver)
+    if not uv_map:
+        raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")
+    height = baked_images.load_sequence(receiver.folder, "height")
+    normal = baked_images.load_sequence(receiver.folder, "normal")
+    scale = 1.0 / metres_per_unit(scene) if displace else None
+
+    record = original_state.read(receiver)
+    _note_slots(obj, record)
+    _drop_copies(obj, record)
+    record["copies"] = []
+    for slot, entry in zip(obj.material_slots, record["slots"]):
+        material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
+        add_snow_nodes(material, height, normal, uv_map, scale)
+        slot.link = "OBJECT"
+        slot.material = material
+        record["copies"].append(material.name)
+    original_state.write(receiver, record)
+
+
+def remove(receiver):
+    """Gives the receiver its own materials and slots back."""
+    obj = receiver.object
+    record = original_state.read(receiver)
+    if "slots" not in record:
+        return
+    _drop_copies(obj, record)
+    for slot, entry in zip(obj.material_slots, record.pop("slots")):
+        original = _find_material(entry) if entry["material"] else None
+        slot.link = "OBJECT"
+        slot.material = None
+        slot.link = entry["link"]
+        if entry["link"] == "OBJECT":
+            slot.material = original
+        if original is not None and entry["fake_user"]:
+            original.use_fake_user = False
+    if record.pop("added_slot"):
+        obj.data.materials.clear()  # the one slot is ours; pop() would leave it on the object
+    original_state.write(receiver, record)

@@ -1,0 +1,73 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The scene's list of receivers: finding, adding and reading its lines, and where its objects are."""
+
+from mathutils import Vector
+
+from ..names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV
+from . import uv_maps
+from .pose import ReceiverSpec, library_path
+
+
+def find(scene, obj):
+    """The list's line for an object, or None."""
+    return next((entry for entry in scene.snowbough.receivers if entry.object == obj), None)
+
+
+def add(context, obj):
+    """Puts obj on the list (once) with a UV map that snow can use. Returns its line.
+    Raises ValueError for what cannot gather snow."""
+    scene = context.scene
+    uv_map = ""
+    if obj.type == "MESH":
+        if not len(obj.data.polygons):
+            raise ValueError(f"'{obj.name}' has no faces")
+        existing = find(scene, obj)
+        if existing is not None and existing.uv_map in obj.data.uv_layers:
+            return existing
+        uv_map = uv_maps.clean_uv_map(obj.data) or uv_maps.make_uv_map(context, obj)
+    elif not (obj.type == "EMPTY" and obj.instance_type == "COLLECTION"):
+        raise ValueError(f"'{obj.name}' is no mesh and instances no collection: convert it to a mesh first")
+    entry = find(scene, obj)
+    if entry is None:
+        entry = scene.snowbough.receivers.add()
+        entry.object = obj
+        entry.name = obj.name
+    entry.uv_map = uv_map
+    scene.snowbough.active_receiver = len(scene.snowbough.receivers) - 1
+    return entry
+
+
+def receiver_resolution(entry):
+    """The resolution of a line of the list; where that is 0, the one that an imported tree's map ``snow``
+    was laid out for (charts and gutters are so many texels wide); else 0, automatic."""
+    laid_out = entry.object.get(SNOW_RESOLUTION_PROPERTY, 0) if entry.uv_map in ("", SNOW_UV) else 0
+    return entry.resolution or min(int(laid_out), MAX_RESOLUTION)
+
+
+def receiver_specs(scene):
+    """The scene's list as ReceiverSpec, without empty and doubled lines."""
+    specs = {}
+    for entry in scene.snowbough.receivers:
+        if entry.object is None:
+            continue
+        library = library_path(entry.object)
+        specs.setdefault(
+            (entry.object.name, library),
+            ReceiverSpec(entry.object.name, library, entry.uv_map, receiver_resolution(entry), entry.enabled),
+        )
+    return list(specs.values())
+
+
+def bounds(scene):
+    """(centre, radius) of the receivers' bounding boxes in Blender units; ((0, 0, 0), 1) without any."""
+    corners = [
+        receiver.object.matrix_world @ Vector(corner)
+        for receiver in scene.snowbough.receivers
+        if receiver.object is not None
+        for corner in receiver.object.bound_box
+    ]
+    if not corners:
+        return Vector(), 1.0
+    low = Vector(map(min, zip(*corners)))
+    high = Vector(map(max, zip(*corners)))
+    return (low + high) / 2.0, max((high - low).length / 2.0, 1e-6)

@@ -1,0 +1,77 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Does a UV layout store every place of a surface once? No ``bpy``.
+
+The layout is drawn into a grid, triangle by triangle, row by row, as spans of cells. Spans are closed on the
+left and open on the right, and every edge is worked out from its lower to its upper end, so that
+neighbouring triangles share no cell. No grid is kept: the spans' ends in their order tell how many lie over
+each other where, and a grid's fresh memory would take longer than all the rest.
+"""
+
+import numpy as np
+
+from ..names import UV_TOLERANCE
+
+GRID = 1024
+
+# Shares below this come from cells on the borders of charts that touch.
+TOLERANCE = 0.005
+
+
+def overlap_share(corner_uv, grid=GRID):
+    """Share (0 to 1) of the drawn cells that more than one triangle claims.
+
+    corner_uv: (T, 3, 2) in 0..1; what lies outside is left out. Triangles much smaller than a cell seldom
+    hold a cell's centre, so a share only says something on layouts that fill at least a few cells.
+    """
+    drawn, claimed_twice = _count_cells(np.asarray(corner_uv, dtype=np.float64) * grid, grid)
+    return claimed_twice / drawn if drawn else 0.0
+
+
+def outside_share(corner_uv):
+    """Share of the corners that lie outside the map by more than names.UV_TOLERANCE."""
+    uv = np.asarray(corner_uv)
+    if not uv.size:
+        return 0.0
+    outside = ((uv < -UV_TOLERANCE) | (uv > 1 + UV_TOLERANCE)).any(axis=-1)
+    return float(outside.mean())
+
+
+def _count_cells(points, grid):
+    """Of the cells whose centres triangles (T, 3, 2) hold: how many, and how many of them more than one does."""
+    row, left, right = _spans(points, grid)
+    begin = np.clip(np.ceil(left - 0.5), 0, grid).astype(np.int64)
+    end = np.clip(np.ceil(right - 0.5), 0, grid).astype(np.int64)
+    valid = end > begin
+    # Rows behind each other; a span's end is never in the next row.
+    first_cell = row[valid] * (grid + 1)
+    ends = np.concatenate([first_cell + begin[valid], first_cell + end[valid]])
+    order = np.argsort(ends)
+    depth = np.cumsum(np.where(order < len(first_cell), 1, -1))[:-1]
+    lengths = np.diff(ends[order])
+    return int(lengths[depth > 0].sum()), int(lengths[depth > 1].sum())
+
+
+def _spans(points, grid):
+    """The rows that triangles cross at the height of their cells' centres, one entry a triangle and row: the
+    row, and where the triangle begins and ends there."""
+    low = np.clip(np.ceil(points[:, :, 1].min(axis=1) - 0.5), 0, grid).astype(np.int64)
+    high = np.clip(np.ceil(points[:, :, 1].max(axis=1) - 0.5), 0, grid).astype(np.int64)
+    rows_of = np.maximum(high - low, 0)
+    triangle = np.repeat(np.arange(len(points)), rows_of)
+    row = np.arange(len(triangle)) + (low + rows_of - np.cumsum(rows_of))[triangle]
+    y = row + 0.5
+    left = np.full(len(y), np.inf)
+    right = np.full(len(y), -np.inf)
+    for a, b in ((0, 1), (1, 2), (2, 0)):
+        swap = (points[:, a, 1] > points[:, b, 1])[:, None]
+        lower = np.where(swap, points[:, b], points[:, a])
+        upper = np.where(swap, points[:, a], points[:, b])
+        across, rise = (upper - lower).T
+        bottom = lower[:, 1][triangle]
+        crosses = (bottom <= y) & (y < upper[:, 1][triangle])
+        with np.errstate(divide="ignore", invalid="ignore"):  # level edges, which no row crosses
+            x = lower[:, 0][triangle] + across[triangle] * ((y - bottom) / rise[triangle])
+        left = np.where(crosses, np.minimum(left, x), left)
+        right = np.where(crosses, np.maximum(right, x), right)
+    empty = left > right
+    return row, np.where(empty, 0.0, left), np.where(empty, 0.0, right)

@@ -1,0 +1,128 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The armature of a tree from the bones' arrays, and the weights of meshes that it deforms."""
+
+from dataclasses import dataclass
+from itertools import islice
+
+import bmesh
+import bpy
+import numpy as np
+
+from .. import compat
+from .bone_names import fitting_names
+
+# Leaving edit mode silently deletes bones shorter than 1e-6; this share of the tree's height is far
+# below anything seen and safely above that.
+SHORTEST_BONE = 1e-5
+
+
+@dataclass
+class BoneArrays:
+    """One row a bone, parents before their children. Metres, Z up.
+
+    heads, tails float32 (B, 3); parents int32 (B,), -1 for a root; names: list of str, unique;
+    branches, levels int32 (B,): the branch a bone belongs to and that branch's level;
+    head_radii, tail_radii float32 (B,): the limb's radius there.
+    """
+
+    heads: np.ndarray
+    tails: np.ndarray
+    parents: np.ndarray
+    names: list
+    branches: np.ndarray
+    levels: np.ndarray
+    head_radii: np.ndarray
+    tail_radii: np.ndarray
+
+
+def bone_arrays(tree):
+    """BoneArrays of a native mesh, with names that fit into Blender."""
+    return BoneArrays(
+        tree.bone_heads,
+        tree.bone_tails,
+        tree.bone_parents,
+        fitting_names(tree.bone_names),
+        tree.bone_branches,
+        tree.bone_levels,
+        tree.bone_head_radii,
+        tree.bone_tail_radii,
+    )
+
+
+def _usable_tails(bones):
+    """Tails moved away from their heads where a bone is too short for Blender."""
+    along = bones.tails - bones.heads
+    lengths = np.linalg.norm(along, axis=1)
+    extent = np.ptp(np.concatenate([bones.heads, bones.tails]), axis=0).max()
+    shortest = max(SHORTEST_BONE * float(extent), SHORTEST_BONE)
+    short = lengths < shortest
+    along[short] = np.where(
+        lengths[short, None] > 0, along[short] / np.maximum(lengths[short, None], 1e-30), (0.0, 0.0, 1.0)
+    )
+    along[short] *= shortest
+    return np.where(short[:, None], bones.heads + along, bones.tails).astype(np.float32)
+
+
+def create_armature(context, name, bones, collection):
+    """Makes the armature object in `collection` and returns it; the object is active, in object mode.
+
+    Plain bones (no B-bones) named as `bones.names`. A segment that continues its branch is connected
+    to the one before, a branch's first is not: the connections tell limbs apart later on. The limb's
+    radii are the bones' head and tail radius. Bones are grouped by branch level.
+    """
+    armature = bpy.data.armatures.new(name)
+    rig = bpy.data.objects.new(name, armature)
+    collection.objects.link(rig)
+    context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    try:
+        edit_bones = [armature.edit_bones.new(bone) for bone in bones.names]
+        tails = _usable_tails(bones)
+        for attribute, values in (
+            ("head", bones.heads),
+            ("tail", tails),
+            ("head_radius", bones.head_radii),
+            ("tail_radius", bones.tail_radii),
+        ):
+            flat = np.ascontiguousarray(values, dtype=np.float32).reshape(-1)
+            armature.edit_bones.foreach_set(attribute, flat)
+        continues = (bones.parents >= 0) & (bones.branches[bones.parents] == bones.branches)
+        for bone, parent, connect in zip(edit_bones, bones.parents.tolist(), continues.tolist()):
+            if parent >= 0:
+                bone.parent = edit_bones[parent]
+                bone.use_connect = connect
+    finally:
+        bpy.ops.object.mode_set(mode="OBJECT")
+
+    number = {bone: index for index, bone in enumerate(bones.names)}
+    levels = [int(bones.levels[number[bone.name]]) for bone in armature.bones]
+    deepest = max(levels, default=0)
+    compat.assign_bone_level_groups(armature, levels, [f"Level {level}" for level in range(deepest + 1)])
+    armature.display_type = "STICK"
+    return rig
+
+
+def write_weights(mesh, indices, weights):
+    """Writes the weights into `mesh`, which has vertices only as yet; the groups' names are the object's.
+
+    indices int32 (V, K): vertex groups by number; weights float32 (V, K), 0 where unused; no bone twice in a
+    row. Weights go through a BMesh: VertexGroup.add walks the list of groups for every single vertex,
+    which takes several times longer with a thousand bones. Edges and faces come later, so that the
+    BMesh stays small.
+    """
+    weights = np.asarray(weights)
+    used = weights > 0
+    vertices, columns = np.nonzero(used)
+    entries = zip(np.asarray(indices)[vertices, columns].tolist(), weights[vertices, columns].tolist())
+    counts = np.count_nonzero(used, axis=1).tolist()
+    work = bmesh.new()
+    try:
+        work.from_mesh(mesh)
+        layer = work.verts.layers.deform.verify()
+        for vertex, count in zip(work.verts, counts):
+            groups = vertex[layer]
+            for bone, weight in islice(entries, count):
+                groups[bone] = weight
+        work.to_mesh(mesh)
+    finally:
+        work.free()

@@ -1,0 +1,126 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``cli.py import``: imports a tree into the loaded file, saves a .blend and a JSON report.
+
+Exit codes: 0 done; 1 the file is no tree, or something could not be written; 6 no native module;
+130 stopped. A file appears under its name only when it is complete.
+"""
+
+import argparse
+import json
+import os
+import sys
+from pathlib import Path
+
+import bpy
+
+from .. import native
+from ..names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK
+from . import import_tree
+from .import_options import declared, options_of
+
+# Options of an import whose names on the command line are not their own.
+FLAGS = {"foliage": "--no-foliage", "foliage_names": "--foliage"}
+
+
+def _within(number, keywords):
+    """A converter of texts into numbers of that type, inside the limits that the property was declared with."""
+    least, most = keywords.get("min", float("-inf")), keywords.get("max", float("inf"))
+
+    def convert(text):
+        value = number(text)
+        if not least <= value <= most:
+            raise argparse.ArgumentTypeError(f"{text} is not from {least} to {most}")
+        return value
+
+    convert.__name__ = number.__name__  # argparse names it for what is no number at all
+    return convert
+
+
+def _add_option(parser, name, kind, keywords):
+    """Adds an option of the import as its property was declared (tree.import_options)."""
+    flag = FLAGS.get(name, "--" + name.replace("_", "-"))
+    how = {"dest": name, "help": keywords["description"].replace("%", "%%")}
+    default = keywords.get("default", "")
+    if kind is bpy.props.BoolProperty:
+        how["action"] = "store_false" if default else "store_true"
+        if default:
+            how["help"] = f"not: {how['help']}"
+    else:
+        how["default"] = default
+        if kind is bpy.props.EnumProperty:
+            how["choices"] = [item[0] for item in keywords["items"]]
+        elif kind is bpy.props.StringProperty:
+            how["metavar"] = "NAMES"
+        else:
+            how["type"] = _within(int if kind is bpy.props.IntProperty else float, keywords)
+            how["metavar"] = "N"
+    parser.add_argument(flag, **how)
+
+
+def add_arguments(parser):
+    """What ``import`` takes; options as tree.import_options declares them."""
+    parser.add_argument("file", metavar="FILE.obj")
+    parser.add_argument(
+        "--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved"
+    )
+    parser.add_argument("--json", metavar="R.json", help="where the import report goes")
+    for name, kind, keywords in declared():
+        _add_option(parser, name, kind, keywords)
+
+
+def _write_json(path, report):
+    partial = path.with_name(f".{path.name}.part")
+    try:
+        partial.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _save_blend(path):
+    partial = path.with_name(f".{path.stem}.part.blend")
+    try:
+        bpy.ops.wm.save_as_mainfile(filepath=str(partial), copy=True, check_existing=False)
+        os.replace(partial, path)
+    finally:
+        partial.unlink(missing_ok=True)
+
+
+def _checked_target(name, suffix):
+    if name is None:
+        return None
+    path = Path(name).absolute()
+    if suffix and path.suffix != suffix:
+        raise ValueError(f"{name} must end in {suffix}")
+    if not path.parent.is_dir():
+        raise ValueError(f"there is no folder {path.parent} to write {path.name} into")
+    if not os.access(path.parent, os.W_OK):
+        raise ValueError(f"the folder {path.parent} cannot be written into")
+    return path
+
+
+def run(args):
+    """Imports as the command line says; returns the exit code. args: see add_arguments."""
+    try:
+        blend, report_file = _checked_target(args.out, ".blend"), _checked_target(args.json, "")
+        options = options_of(args)
+        # A callback is what lets Ctrl-C reach the native part.
+        tree = import_tree.read_native(Path(args.file).absolute(), options, progress=lambda _share: True)
+        if not bpy.data.filepath:
+            # No .blend was given: the startup file's cube, lamp and camera are nobody's scene.
+            bpy.data.batch_remove(list(bpy.context.scene.objects))
+        import_tree.create_tree(bpy.context, Path(args.file).stem, tree, options)
+        if blend:
+            _save_blend(blend)
+        if report_file:
+            _write_json(report_file, tree.report)
+    except native.NativeModuleMissing as error:
+        print(f"Snowbough: {error}", file=sys.stderr)
+        return EXIT_NO_NATIVE
+    except (ValueError, RuntimeError, OSError, MemoryError) as error:
+        print(f"Snowbough: {import_tree.message(error)}", file=sys.stderr)
+        return EXIT_FAILED
+    for text in tree.report["warnings"]:
+        print(f"Snowbough: warning: {text}")
+    print(f"Snowbough: {import_tree.summary(tree.report)}")
+    return EXIT_OK

@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The options of an import, declared once: the operators' properties, the presets and the command line all come
+from ImportProperties.
+"""
+
+from dataclasses import make_dataclass
+
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
+
+from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+
+LOD_COUNT = 4
+
+
+class ImportProperties:
+    """Mix-in of operators."""
+
+    up_axis: EnumProperty(
+        name="Up Axis",
+        description="Which of the file's axes points up",
+        items=(
+            ("AUTO", "Automatic", "Found from the tree's shape"),
+            ("Y", "Y", "The file's Y axis points up"),
+            ("Z", "Z", "The file's Z axis points up"),
+        ),
+        default="AUTO",
+    )
+    levels: StringProperty(
+        name="Level Names",
+        description="Names of groups from the trunk on, separated by commas; empty: found from the names themselves",
+    )
+    simplify: EnumProperty(
+        name="Simplify",
+        description="Which points of a branch become joints",
+        items=(
+            ("NONE", "Keep All", "Every point of the export becomes a joint"),
+            ("THESIS", "Attach Points", "Straight bones between a branch's children"),
+            ("TOLERANCE", "Tolerance", "As Attach Points, and what it takes to stay close to the original"),
+        ),
+        default="TOLERANCE",
+    )
+    tolerance: FloatProperty(
+        name="Tolerance",
+        description="How far a limb may stray from the original (radii of the limb)",
+        default=0.5,
+        min=0.0,
+        soft_max=4.0,
+    )
+    width: EnumProperty(
+        name="Width",
+        description="How thick branches are along their way",
+        items=(
+            ("ORIGINAL", "Original", "The export's own radii"),
+            ("INVERSE", "Flare", "Radii that flare towards each branch's root"),
+        ),
+        default="ORIGINAL",
+    )
+    species: EnumProperty(
+        name="Species",
+        description="How branches of the first level flare, where Width is Flare",
+        items=(
+            ("BROADLEAF", "Broad-leaf", "Branches of all levels flare alike"),
+            ("EVERGREEN", "Evergreen", "First branches are thin and straight with a short flare"),
+        ),
+        default="BROADLEAF",
+    )
+    lod: IntProperty(
+        name="Level of Detail",
+        description="0: four-sided limbs; each level doubles the sides and rounds them (levels)",
+        default=0,
+        min=0,
+        max=LOD_COUNT - 1,
+    )
+    lod_chain: BoolProperty(
+        name="Import LOD Chain",
+        description="All four levels of detail on one armature, named as game engines expect: _LOD0 is the finest",
+        default=False,
+    )
+    max_bones: IntProperty(
+        name="Max Bones",
+        description="Bone budget, 0 = all; the deepest bones hand their weights to their ancestors (bones)",
+        default=1000,
+        min=0,
+    )
+    max_bone_level: IntProperty(
+        name="Max Bone Level",
+        description="Last branch level that gets bones, -1 = all (levels)",
+        default=-1,
+        min=-1,
+    )
+    foliage: BoolProperty(
+        name="Foliage", description="Keep leaves, needles and flowers as a second object", default=True
+    )
+    foliage_names: StringProperty(
+        name="Foliage Names",
+        description="What is foliage: starts of the names of groups, objects or materials, separated by "
+        "commas; empty: told by usual names and by shape",
+    )
+    snow_resolution: IntProperty(
+        name="Snow Resolution",
+        description="Side of the accumulation map that the UV maps `snow` are laid out for (texels)",
+        default=1024,
+        min=MIN_RESOLUTION,
+        max=MAX_RESOLUTION,
+    )
+
+
+def declared():
+    """[(name, kind of property, what it was declared with: a dict)] of every option, in their order."""
+    return [
+        (name, option.function, option.keywords) for name, option in ImportProperties.__annotations__.items()
+    ]
+
+
+def _default(kind, keywords):
+    return keywords.get("default", "" if kind is StringProperty else 0)
+
+
+DEFAULTS = {name: _default(kind, keywords) for name, kind, keywords in declared()}
+
+ImportOptions = make_dataclass(
+    "ImportOptions", [(name, type(value), value) for name, value in DEFAULTS.items()]
+)
+ImportOptions.__doc__ = "What the properties of the same names say."
+
+
+def options_of(source):
+    """The ImportOptions that an operator, or another object with all options as attributes, holds."""
+    return ImportOptions(**{name: getattr(source, name) for name in DEFAULTS})

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's objects from the native arrays: meshes and their collection.
+
+What goes in are plain numpy arrays; what comes out are data-blocks named as the user finds them. A
+:class:`Ledger` remembers every data-block made, so that an error on the way leaves nothing behind.
+"""
+
+import bpy
+import numpy as np
+
+from .. import compat
+from ..names import BARK_UV, LEAF_UV, SNOW_UV
+from . import armature
+from .bone_names import NAME_BYTES, clip_utf8
+
+LEVEL_ATTRIBUTE = "branch_level"
+# glTF carries only attributes whose names begin with an underscore, and only those of points.
+POINT_LEVEL_ATTRIBUTE = "_BRANCH_LEVEL"
+
+
+class Ledger:
+    """Data-blocks made since it was opened; used as a context, it removes them when an error passes."""
+
+    KINDS = ("objects", "meshes", "armatures", "collections", "materials", "images", "actions")
+
+    def __enter__(self):
+        self._before = {kind: {block.name_full for block in getattr(bpy.data, kind)} for kind in self.KINDS}
+        return self
+
+    def __exit__(self, kind, error, trace):
+        if error is not None:
+            made = [
+                block
+                for kind in self.KINDS
+                for block in getattr(bpy.data, kind)
+                if block.name_full not in self._before[kind]
+            ]
+            bpy.data.batch_remove(made)
+        return False
+
+
+def file_title(path_stem, room):
+    """The file's name as data-blocks carry it, with `room` bytes left for what is appended."""
+    return clip_utf8(path_stem, NAME_BYTES - room) or "tree"
+
+
+def _checked(corner_vertex, vertex_count):
+    if len(corner_vertex) and (corner_vertex.min() < 0 or corner_vertex.max() >= vertex_count):
+        raise ValueError("a face names a vertex that is not there")
+    return corner_vertex
+
+
+def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, weights):
+    """A mesh from flat arrays.
+
+    vertices float32 (V, 3); corner_vertex int32 (L,); face_begin int32 (F + 1,): polygon f owns the
+    corners from face_begin[f] to face_begin[f + 1]; uvs: list of (name, float32 (L, 2)), in the
+    order the layers shall have; bones int32, weights float32 (V, K): see armature.write_weights.
+    Raises ValueError for an index out of range.
+    """
+    corner_vertex = _checked(np.ascontiguousarray(corner_vertex, dtype=np.int32).reshape(-1), len(vertices))
+    face_begin = np.ascontiguousarray(face_begin, dtype=np.int32)
+    faces = len(face_begin) - 1
+    mesh = bpy.data.meshes.new(name)
+    mesh.vertices.add(len(vertices))
+    armature.write_weights(mesh, bones, weights)
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(vertices, dtype=np.float32).reshape(-1))
+    mesh.loops.add(len(corner_vertex))
+    mesh.loops.foreach_set("vertex_index", corner_vertex)
+    mesh.polygons.add(faces)
+    compat.set_polygons(mesh, face_begin[:-1], np.diff(face_begin))
+    mesh.polygons.foreach_set("use_smooth", np.full(faces, smooth, dtype=bool))
+    for layer_name, _uv in uvs:
+        mesh.uv_layers.new(name=layer_name, do_init=False)
+    for layer_name, uv in uvs:
+        compat.set_uv(mesh.uv_layers[layer_name], uv)
+    mesh.update(calc_edges=True)
+    return mesh
+
+
+def create_object(name, mesh, bone_names):
+    """An object of `mesh` whose vertex groups are the bones, in their order."""
+    obj = bpy.data.objects.new(name, mesh)
+    for bone in bone_names:
+        obj.vertex_groups.new(name=bone)
+    return obj
+
+
+def point_levels(quads, face_level, vertex_count):
+    """int32 (V,): a vertex has the lowest branch level of its faces; 0 without faces."""
+    levels = np.zeros(vertex_count, dtype=np.int32)
+    # Deepest level first: what is written last stays.
+    for level in np.unique(face_level)[::-1]:
+        levels[quads[face_level == level].reshape(-1)] = level
+    return levels
+
+
+def create_bark(name, tree, bone_names, material):
+    """The bark object: UV maps `bark` and `snow` (in this order), branch levels, weights, one material.
+
+    tree: the native mesh (vertices, quads, uv_bark, uv_snow, branch_level, bone_indices,
+    bone_weights); bone_names: the armature's, one a native bone.
+    """
+    quads = np.asarray(tree.quads, dtype=np.int32)
+    vertices = np.asarray(tree.vertices, dtype=np.float32)
+    uvs = [(BARK_UV, tree.uv_bark), (SNOW_UV, tree.uv_snow)]
+    mesh = create_mesh(
+        name,
+        vertices,
+        quads,
+        np.arange(len(quads) + 1) * 4,
+        uvs,
+        smooth=True,
+        bones=tree.bone_indices,
+        weights=tree.bone_weights,
+    )
+    levels = np.ascontiguousarray(tree.branch_level, dtype=np.int32)
+    mesh.attributes.new(LEVEL_ATTRIBUTE, "INT", "FACE").data.foreach_set("value", levels)
+    # Float: glTF has no 32-bit integer attributes.
+    at_points = point_levels(quads, levels, len(vertices)).astype(np.float32)
+    mesh.attributes.new(POINT_LEVEL_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", at_points)
+    mesh.materials.append(material)
+    return create_object(name, mesh, bone_names)
+
+
+def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
+    """The leaves' object: UV maps `leaf` (the export's) and `snow`, each leaf weighted 1 to its bone.
+
+    foliage: the native arrays. snow_uv float32 (C, 2). leaf_bones int32 (leaves,) into bone_names.
+    materials: one a native material, then the one for faces without.
+    """
+    corner_vertex, face_begin = np.asarray(foliage.corner_vertex), np.asarray(foliage.face_begin)
+    uvs = [(LEAF_UV, foliage.corner_uv), (SNOW_UV, snow_uv)]
+    vertex_leaf = np.full(len(foliage.vertices), -1, dtype=np.int32)
+    vertex_leaf[corner_vertex] = np.repeat(foliage.face_leaf, np.diff(face_begin))
+    bones = np.where(vertex_leaf >= 0, np.asarray(leaf_bones)[vertex_leaf], 0).astype(np.int32)[:, None]
+    mesh = create_mesh(
+        name,
+        foliage.vertices,
+        corner_vertex,
+        face_begin,
+        uvs,
+        smooth=False,
+        bones=bones,
+        weights=np.ones(bones.shape, dtype=np.float32),
+    )
+    for material in materials:
+        mesh.materials.append(material)
+    # -1, no material, is the last slot.
+    slots = np.asarray(foliage.face_material) % len(materials)
+    mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
+    return create_object(name, mesh, bone_names)
+
+
+def bind(obj, rig):
+    """Parents `obj` to the armature and gives it the modifier that deforms it."""
+    obj.parent = rig
+    modifier = obj.modifiers.new("Armature", "ARMATURE")
+    modifier.object = rig
+    modifier.use_vertex_groups = True
+    modifier.use_bone_envelopes = False

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Ready-made settings of the import operator, shown in its file browser as Blender's operator presets.
+
+A preset says where it differs from the options' defaults. What follows from the file at hand is left as it is.
+"""
+
+import tempfile
+from pathlib import Path
+
+import bpy
+
+from .. import compat
+from .import_options import DEFAULTS
+
+OPERATOR = "import_scene.xfrog_tree"
+
+# Options that no preset sets.
+OF_THE_FILE = {"up_axis", "levels", "foliage_names", "snow_resolution"}
+
+PRESETS = {
+    "Broad-leaf": {"lod": 1},
+    "Evergreen": {"width": "INVERSE", "species": "EVERGREEN", "lod": 1},
+    "Game_engine": {"tolerance": 1.0, "lod_chain": True, "max_bones": 250, "max_bone_level": 2},
+    "Film_close-up": {"simplify": "NONE", "lod": 3, "max_bones": 0},
+}
+
+_registered = []
+
+
+def text_of(preset):
+    """The script with which Blender applies a preset to the operator."""
+    values = {**{name: value for name, value in DEFAULTS.items() if name not in OF_THE_FILE}, **preset}
+    lines = [f"op.{name} = {value!r}" for name, value in values.items()]
+    return "\n".join(["import bpy", "", "op = bpy.context.active_operator", "", *lines, ""])
+
+
+def write_presets(folder):
+    """Writes all presets as files into folder/operator/<operator>."""
+    target = Path(folder) / "operator" / OPERATOR
+    target.mkdir(parents=True, exist_ok=True)
+    for name, preset in PRESETS.items():
+        (target / f"{name}.py").write_text(text_of(preset), encoding="utf-8")
+
+
+def register():
+    # In Blender's own temporary folder, which goes with the session.
+    folder = Path(tempfile.mkdtemp(prefix="snowbough-", dir=bpy.app.tempdir)) / "presets"
+    write_presets(folder)
+    _registered.append((folder, compat.register_presets(folder)))
+
+
+def unregister():
+    compat.unregister_presets(*_registered.pop())

@@ -1,0 +1,141 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators ``snowbough.bake``, ``snowbough.stop_bake`` and ``snowbough.free_bake``."""
+
+import bpy
+
+from .. import session
+from ..bake import engine, from_scene, outcome
+from ..cache import versions
+from ..cache.errors import CacheError
+from ..result import displacement
+from . import editing_lock
+from .text import wrapped
+
+POPUP_LETTERS = 80
+
+
+def _finished_in_window(running):
+    session.last_outcome = outcome.describe(running)
+    scene = bpy.data.scenes.get(running.job.request.scene_name)
+    if scene is not None:
+        outcome.after_bake(scene, running)
+        # A step of its own: else the next undo would take back what was done before the bake as well.
+        bpy.ops.ed.undo_push(message=SNOWBOUGH_OT_bake.bl_label)
+    severity, text = session.last_outcome
+    if severity == "ERROR":
+
+        def draw(self, _context):
+            for part in wrapped(text, lambda line: len(line) <= POPUP_LETTERS):
+                self.layout.label(text=part)
+
+        bpy.context.window_manager.popup_menu(draw, title="Snowbough", icon="ERROR")
+
+
+class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
+    bl_idname = "snowbough.bake"
+    bl_label = "Bake Snow"
+    bl_description = (
+        "Let snow fall over the shot and write a height map per receiver and frame. "
+        "Esc stops between frames and keeps what is done"
+    )
+    bl_options = {"REGISTER"}
+
+    resume: bpy.props.BoolProperty(
+        name="Resume",
+        description="Go on from the last checkpoint of a bake that was stopped",
+        default=False,
+    )
+
+    @classmethod
+    def ready(cls, context):
+        if not any(entry.object for entry in context.scene.snowbough.receivers):
+            cls.poll_message_set("Add snow to objects first")
+            return False
+        return True
+
+    def _prepare(self, context):
+        request = from_scene.make_request(context.scene, resume=self.resume)
+        return from_scene.prepare_bake(context.scene, request)
+
+    def invoke(self, context, _event):
+        try:
+            engine.start(context, self._prepare(context), _finished_in_window)
+            editing_lock.lock(context)
+        except (ValueError, RuntimeError) as error:
+            return self._refuse(error)
+        return {"FINISHED"}
+
+    def execute(self, context):
+        try:
+            running = self._prepare(context)
+            if bpy.app.background:  # nobody sees a progress bar there: a line a frame
+                running.on_frame = lambda _result: print(f"Snowbough: baked {running.status()}", flush=True)
+            engine.run(context, running)
+        except (ValueError, RuntimeError) as error:
+            return self._refuse(error)
+        session.last_outcome = outcome.describe(running)
+        outcome.after_bake(context.scene, running)
+        self.report({session.last_outcome[0]}, session.last_outcome[1])
+        return {"CANCELLED"} if running.error or running.cancelled else {"FINISHED"}
+
+    def _refuse(self, error):
+        session.last_outcome = ("ERROR", outcome.one_line(error))
+        self.report({"ERROR"}, session.last_outcome[1])
+        return {"CANCELLED"}
+
+
+class SNOWBOUGH_OT_stop_bake(bpy.types.Operator):
+    bl_idname = "snowbough.stop_bake"
+    bl_label = "Stop Baking"
+    bl_description = "Stop after the frame that is being baked and keep what is done"
+
+    @classmethod
+    def poll(cls, _context):
+        if session.bake is None:
+            cls.poll_message_set("No bake is running")
+            return False
+        return True
+
+    def execute(self, _context):
+        engine.stop()
+        return {"FINISHED"}
+
+
+class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
+    bl_idname = "snowbough.free_bake"
+    bl_label = "Free Bake"
+    bl_description = (
+        "Remove the files of all bakes of this scene from the cache, and nothing else. "
+        "Files do not come back with undo"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_confirm(self, event)
+
+    def execute(self, context):
+        root = from_scene.existing_cache(context.scene)
+        try:
+            removed = versions.free(root) if root is not None else 0
+        except CacheError as error:
+            self.report({"ERROR"}, outcome.one_line(error))
+            return {"CANCELLED"}
+        for entry in context.scene.snowbough.receivers:
+            entry.folder = ""
+            if entry.object is not None:
+                displacement.refresh(context.scene, entry)
+        self.report({"INFO"}, f"Removed {removed} files")
+        return {"FINISHED"}
+
+
+CLASSES = (SNOWBOUGH_OT_bake, SNOWBOUGH_OT_stop_bake, SNOWBOUGH_OT_free_bake)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The direction of the falling snow in the 3D view: two dials with an arrow, or an Empty that drives it.
+
+Both edit `fall_angle` and `bearing` of the scene's settings, which stay the only truth: keyframes and
+drivers on them work with or without either.
+"""
+
+import math
+
+import bpy
+from mathutils import Euler, Matrix, Vector
+
+from ..bake.plan import unit_direction
+from ..names import MAX_FALL_ANGLE
+from ..scene.receivers import bounds
+from .editing_lock import NotWhileBaking
+
+ARROW_NAME = "Snow Direction"
+
+# With the Empty's world rotation as XYZ Euler angles x, y, z its +Z axis, the arrow, points to
+#   (cos z sin y cos x + sin z sin x,  sin z sin y cos x - cos z sin x,  cos y cos x).
+# Only functions of Blender's own expression evaluator, so that the drivers run where scripts may not.
+_DRIVER_FALL_ANGLE = f"min(acos(min(max(-cos(y)*cos(x), -1), 1)), {MAX_FALL_ANGLE:.6f})"
+_DRIVER_BEARING = "atan2(cos(z)*sin(y)*cos(x)+sin(z)*sin(x), sin(z)*sin(y)*cos(x)-cos(z)*sin(x))"
+
+
+def arrow_rotation(fall_angle, bearing):
+    """Euler angles (XYZ) of an Empty whose +Z axis points in the direction."""
+    return Euler((math.pi + fall_angle, 0.0, -bearing), "XYZ")
+
+
+def frame_matrix(axis, zero, origin):
+    """4x4 matrix at `origin` whose Z is `axis` and whose Y is `zero`: how a dial is placed."""
+    z = axis.normalized()
+    y = (zero - zero.dot(z) * z).normalized()
+    x = y.cross(z)
+    return Matrix.Translation(origin) @ Matrix((x, y, z)).transposed().to_4x4()
+
+
+def drive_by(scene, empty):
+    """Lets the Empty's rotation drive the scene's fall angle and bearing."""
+    settings = scene.snowbough
+    # Both get stored values before their drivers run: Blender evaluates drivers side by side, and two that
+    # each have to store a first value can lose one of them.
+    settings.fall_angle, settings.bearing = settings.fall_angle, settings.bearing
+    for path, expression in (("fall_angle", _DRIVER_FALL_ANGLE), ("bearing", _DRIVER_BEARING)):
+        settings.driver_remove(path)
+        driver = settings.driver_add(path).driver
+        driver.type = "SCRIPTED"
+        for axis in "xyz":
+            variable = driver.variables.new()
+            variable.name = axis
+            variable.type = "TRANSFORMS"
+            target = variable.targets[0]
+            target.id = empty
+            target.transform_type = f"ROT_{axis.upper()}"
+            target.transform_space = "WORLD_SPACE"
+            target.rotation_mode = "XYZ"
+        driver.expression = expression
+
+
+def is_driven(scene):
+    """Whether a driver or an action decides the direction, so that dials could not."""
+    animation = scene.animation_data
+    paths = {"snowbough.fall_angle", "snowbough.bearing"}
+    return animation is not None and any(driver.data_path in paths for driver in animation.drivers)
+
+
+class SNOWBOUGH_OT_add_direction_arrow(NotWhileBaking, bpy.types.Operator):
+    """Adds an arrow whose rotation drives the direction of the snow"""
+
+    bl_idname = "snowbough.add_direction_arrow"
+    bl_label = "Add Direction Arrow"
+    bl_options = {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        scene = context.scene
+        settings = scene.snowbough
+        centre, radius = bounds(scene)
+        empty = bpy.data.objects.new(ARROW_NAME, None)
+        empty.empty_display_type = "SINGLE_ARROW"
+        empty.empty_display_size = radius
+        empty.location = centre + Vector((0.0, 0.0, 2.0 * radius))
+        empty.rotation_euler = arrow_rotation(settings.fall_angle, settings.bearing)
+        scene.collection.objects.link(empty)
+        drive_by(scene, empty)
+        return {"FINISHED"}
+
+
+class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
+    """Dials for the bearing (level) and the fall angle (upright), and an arrow along the fall."""
+
+    bl_idname = "SNOWBOUGH_GGT_direction"
+    bl_label = "Snow Direction"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "WINDOW"
+    bl_options = {"3D", "PERSISTENT", "SHOW_MODAL_ALL"}
+
+    @classmethod
+    def poll(cls, context):
+        scene = context.scene
+        return bool(scene.snowbough.show_direction and scene.snowbough.receivers) and not is_driven(scene)
+
+    def setup(self, context):
+        # The gizmos outlive the scene they were made for: handlers ask for the current one.
+        def getter(name):
+            return lambda: getattr(bpy.context.scene.snowbough, name)
+
+        def setter(name):
+            def set_(value):
+                value = max(0.0, min(value, MAX_FALL_ANGLE)) if name == "fall_angle" else value
+                setattr(bpy.context.scene.snowbough, name, value)
+
+            return set_
+
+        self.dials = {}
+        for name, color in (("bearing", (0.35, 0.65, 1.0)), ("fall_angle", (0.65, 0.85, 1.0))):
+            dial = self.gizmos.new("GIZMO_GT_dial_3d")
+            dial.draw_options = {"ANGLE_START_Y", "ANGLE_VALUE"}
+            dial.target_set_handler("offset", get=getter(name), set=setter(name))
+            dial.use_draw_value = True
+            dial.use_draw_modal = True
+            dial.line_width = 2.0
+            dial.color = color
+            dial.alpha = 0.5
+            dial.color_highlight = (1.0, 1.0, 1.0)
+            dial.alpha_highlight = 1.0
+            self.dials[name] = dial
+        self.arrow = self.gizmos.new("GIZMO_GT_arrow_3d")
+        self.arrow.draw_style = "NORMAL"
+        self.arrow.target_set_handler("offset", get=lambda: 0.0, set=lambda _value: None)
+        self.arrow.color = (0.9, 0.95, 1.0)
+        self.arrow.alpha = 0.9
+        self.arrow.hide_select = True
+
+    def draw_prepare(self, context):
+        settings = context.scene.snowbough
+        centre, radius = bounds(context.scene)
+        origin = centre + Vector((0.0, 0.0, radius))
+        along = Vector(unit_direction(settings.fall_angle, settings.bearing))
+        ahead = Vector(unit_direction(math.pi / 2, settings.bearing))
+        across = ahead.cross(Vector((0.0, 0.0, -1.0)))
+        # A dial's value grows from its Y axis towards its X axis, clockwise as seen from its Z axis.
+        self.dials["bearing"].matrix_basis = frame_matrix(Vector((0, 0, 1)), Vector((0, 1, 0)), origin)
+        self.dials["fall_angle"].matrix_basis = frame_matrix(across, Vector((0, 0, -1)), origin)
+        self.arrow.matrix_basis = (
+            Matrix.Translation(origin) @ along.to_track_quat("Z", "Y").to_matrix().to_4x4()
+        )
+
+
+CLASSES = (SNOWBOUGH_OT_add_direction_arrow, SNOWBOUGH_GGT_direction)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What several panels show: the bake with its progress and outcome, what the check found, the result's buttons,
+one receiver's settings; and texts broken into lines that fit."""
+
+import blf
+
+from .. import compat, session
+from ..bake import changes_since_bake
+from ..bake import state as bake_state
+from ..result import displacement
+from .text import wrapped
+
+ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
+MODE_NAMES = {mode[0]: mode[1] for mode in displacement.MODES} | {"NONE": "Material Only"}
+
+# So many changes are named in the panel.
+MAX_CHANGES = 5
+
+# Pixels that a line of text loses to its icon, the margins of panel and box, and a scroll bar; to the tabs of
+# a sidebar; and to a button beside it.
+MARGIN, TABS, BUTTON = 71, 20, 48
+FEWEST_LETTERS = 12
+UI_FONT = 0
+
+
+def draw_text(column, context, text, icon, reserved=0):
+    """A text in as many lines as the region's width asks for; reserved: pixels that something else needs."""
+    preferences, region = context.preferences, context.region
+    scale = preferences.system.ui_scale
+    room = region.width - scale * (MARGIN + reserved + (TABS if region.type == "UI" else 0))
+    blf.size(UI_FONT, preferences.ui_styles[0].widget.points * scale)
+
+    def fits(line):
+        return len(line) <= FEWEST_LETTERS or blf.dimensions(UI_FONT, line)[0] <= room
+
+    for index, line in enumerate(wrapped(text, fits)):
+        column.label(text=line, icon=icon if index == 0 else "BLANK1")
+
+
+def draw_bake(layout, context):
+    """The buttons of the bake, or its progress while one runs."""
+    scene = context.scene
+    running = session.bake
+    column = layout.column()
+    if running is not None:
+        where, _, left = running.status().partition(", ")
+        column.label(text=where.capitalize(), icon="RENDER_ANIMATION")
+        if left:
+            compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}, {left}")
+        column.operator("snowbough.stop_bake", icon="CANCEL")
+        draw_text(column, context, "Editing is locked. Esc stops, too", "LOCKED")
+        return
+    state, unfinished = bake_state.state_of(scene), bake_state.resumable(scene)
+    changes = changes_since_bake.settings_changes(scene) if state == "BAKED" else []
+    buttons = column.column(align=True)
+    main = buttons.row(align=True)
+    main.scale_y = 1.3
+    if state != "EMPTY" and unfinished:
+        main.operator("snowbough.bake", text="Resume", icon="PLAY").resume = True
+        buttons.operator("snowbough.bake", text="Bake from the Start", icon="FREEZE").resume = False
+    else:
+        again = state == "BAKED"
+        main.operator(
+            "snowbough.bake", text="Bake Again" if again else "Bake Snow", icon="FREEZE"
+        ).resume = False
+    if state == "BAKED" and not unfinished:
+        buttons.operator("snowbough.bake", text="Compare with Scene", icon="VIEWZOOM").resume = True
+    if state == "BAKED" or unfinished:
+        buttons.operator("snowbough.free_bake", icon="TRASH")
+    if changes:
+        box = column.box().column(align=True)
+        draw_text(box, context, "Baked with other settings. Bake again to see these:", "ERROR")
+        for change in changes[:MAX_CHANGES]:
+            draw_text(box, context, change, "DOT")
+        if len(changes) > MAX_CHANGES:
+            draw_text(box, context, f"and {len(changes) - MAX_CHANGES} more", "BLANK1")
+    severity, text = session.last_outcome
+    if text:
+        draw_text(column.box().column(align=True), context, text, ICONS[severity])
+
+
+def draw_issues(layout, context):
+    issues = session.issues.get(context.scene.name)
+    layout.operator("snowbough.preflight", icon="CHECKMARK")
+    if issues is None:
+        return
+    if not any(issue.severity != "INFO" for issue in issues):
+        layout.label(text="Nothing in the way", icon="CHECKMARK")
+    for issue in issues:
+        row = layout.row()
+        draw_text(
+            row.column(align=True), context, issue.text, ICONS[issue.severity], BUTTON if issue.fix else 0
+        )
+        if issue.fix:
+            button = row.row()
+            button.alignment = "RIGHT"
+            fix = button.operator("snowbough.fix", text="Fix")
+            fix.kind, fix.object_name = issue.fix, issue.object_name
+
+
+def draw_result(layout, context):
+    column = layout.column(align=True)
+    column.enabled = bake_state.state_of(context.scene) == "BAKED"
+    column.operator("snowbough.setup_material", icon="MATERIAL")
+    column.operator_menu_enum(
+        "snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE"
+    )
+    column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
+    layout.operator("snowbough.remove", icon="X")
+    if not column.enabled:
+        layout.label(text="Bake first", icon="INFO")
+    if not compat.eevee_displaces():
+        text = "EEVEE of this Blender shows Cycles Displacement as bumps only"
+        draw_text(layout.column(align=True), context, text, "INFO")
+
+
+def draw_receiver(layout, entry):
+    """The settings of one line of the list."""
+    column = layout.column()
+    column.use_property_split = True
+    column.use_property_decorate = False
+    column.prop(entry, "resolution")
+    if entry.object is not None and entry.object.type == "MESH":
+        column.prop_search(entry, "uv_map", entry.object.data, "uv_layers", icon="GROUP_UVS")
+        mode = displacement.mode_of(entry)
+        if mode:
+            split = column.split(factor=0.4)
+            name = split.row()
+            name.alignment = "RIGHT"
+            name.label(text="Shown With")
+            split.label(text=MODE_NAMES[mode], icon="MATERIAL")
+    if entry.folder:
+        column.prop(entry, "folder", text="Baked Files")

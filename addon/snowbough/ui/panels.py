@@ -1,0 +1,245 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Where an artist finds everything: Scene properties (all settings and the list of receivers), the sidebar
+of the 3D view (quick actions), and the Physics properties of an object.
+
+Panels only read; what takes time is done by operators, which leave their results for the panels.
+"""
+
+import bpy
+
+from .. import session
+from ..bake import state
+from ..scene import receivers
+from ..scene.reader import SURFACE_TYPES
+from . import panel_parts
+
+
+class SNOWBOUGH_UL_receivers(bpy.types.UIList):
+    def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index=0):
+        if item.object is None:
+            layout.label(text="Object is gone: take this line off", icon="ERROR")
+            return
+        split = layout.split(factor=0.62)
+        row = split.row(align=True)
+        row.prop(item, "enabled", text="")
+        row.prop(item.object, "name", text="", emboss=False, icon="OUTLINER_OB_" + _icon_kind(item.object))
+        size = split.row(align=True)
+        size.alignment = "RIGHT"
+        size.label(text=str(item.resolution) if item.resolution else "auto")
+        size.label(text="", icon="CHECKMARK" if item.folder else "BLANK1")
+
+
+def _icon_kind(obj):
+    return obj.type if obj.type in {"MESH", "EMPTY"} else "MESH"
+
+
+class _ScenePanel:
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "scene"
+
+
+class SNOWBOUGH_PT_scene(_ScenePanel, bpy.types.Panel):
+    bl_label = "Snowbough"
+
+    def draw(self, context):
+        scene = context.scene
+        if state.state_of(scene) == "EMPTY":
+            column = self.layout.column()
+            panel_parts.draw_text(column, context, "No object gathers snow yet. Select some, then:", "INFO")
+            column.operator("snowbough.add_receivers", icon="ADD")
+            return
+        panel_parts.draw_bake(self.layout, context)
+
+
+class SNOWBOUGH_PT_receivers(_ScenePanel, bpy.types.Panel):
+    bl_label = "Receivers"
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+
+    def draw(self, context):
+        settings = context.scene.snowbough
+        layout = self.layout
+        layout.enabled = session.bake is None
+        row = layout.row()
+        row.template_list(
+            "SNOWBOUGH_UL_receivers", "", settings, "receivers", settings, "active_receiver", rows=3
+        )
+        buttons = row.column(align=True)
+        buttons.operator("snowbough.add_receivers", text="", icon="ADD")
+        buttons.operator("snowbough.remove_receiver", text="", icon="REMOVE")
+        if not 0 <= settings.active_receiver < len(settings.receivers):
+            return
+        panel_parts.draw_receiver(layout, settings.receivers[settings.active_receiver])
+
+
+class _Settings(_ScenePanel):
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+    names = ()
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.enabled = session.bake is None
+        for group in self.names:
+            column = layout.column(align=True)
+            for name in group:
+                column.prop(context.scene.snowbough, name)
+
+
+class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
+    bl_label = "Snowfall"
+    names = (
+        ("start_depth", "end_depth"),
+        ("rate",),
+        ("fall_angle", "bearing", "flutter"),
+    )
+
+    def draw(self, context):
+        super().draw(context)
+        settings = context.scene.snowbough
+        column = self.layout.column(align=True)
+        column.prop(settings, "show_direction")
+        column.operator("snowbough.add_direction_arrow", icon="EMPTY_SINGLE_ARROW")
+        column = self.layout.column(align=True)
+        column.prop(settings, "use_scene_range")
+        sub = column.column(align=True)
+        sub.enabled = not settings.use_scene_range
+        sub.prop(settings, "frame_start")
+        sub.prop(settings, "frame_end")
+
+
+class SNOWBOUGH_PT_settling(_Settings, bpy.types.Panel):
+    bl_label = "Settling"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("max_depth", "slide_half_life"), ("blur_radius",))
+
+
+class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):
+    bl_label = "Maps and Cache"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("cache_directory",), ("texel_size", "pixel_size"), ("checkpoint_interval",), ("write_normals",))
+
+
+class SNOWBOUGH_PT_advanced(_Settings, bpy.types.Panel):
+    bl_label = "Advanced"
+    bl_options = {"DEFAULT_CLOSED"}
+    names = (("substeps",), ("seed", "noise_density"), ("mapping",))
+
+
+class SNOWBOUGH_PT_preflight(_ScenePanel, bpy.types.Panel):
+    bl_label = "Check"
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+
+    def draw(self, context):
+        panel_parts.draw_issues(self.layout, context)
+
+
+class SNOWBOUGH_PT_result(_ScenePanel, bpy.types.Panel):
+    bl_label = "Result"
+    bl_parent_id = "SNOWBOUGH_PT_scene"
+
+    def draw(self, context):
+        panel_parts.draw_result(self.layout, context)
+
+
+class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
+    bl_label = "Snow"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Snowbough"
+
+    def draw(self, context):
+        layout = self.layout
+        settings = context.scene.snowbough
+        column = layout.column()
+        column.enabled = session.bake is None
+        column.operator("snowbough.add_receivers", icon="ADD")
+        if len(settings.receivers):
+            split = column.column(align=True)
+            split.use_property_split = True
+            split.use_property_decorate = False
+            for name in ("end_depth", "fall_angle", "bearing"):
+                split.prop(settings, name)
+            running = session.preview is not None
+            column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
+        panel_parts.draw_bake(layout, context)
+
+
+class SNOWBOUGH_PT_sidebar_result(bpy.types.Panel):
+    bl_label = "Result"
+    bl_parent_id = "SNOWBOUGH_PT_sidebar"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Snowbough"
+
+    @classmethod
+    def poll(cls, context):
+        return state.state_of(context.scene) == "BAKED"
+
+    def draw(self, context):
+        panel_parts.draw_result(self.layout, context)
+
+
+class SNOWBOUGH_PT_tree(bpy.types.Panel):
+    bl_label = "Tree"
+    bl_space_type = "VIEW_3D"
+    bl_region_type = "UI"
+    bl_category = "Snowbough"
+
+    def draw(self, context):
+        column = self.layout.column()
+        column.enabled = session.bake is None
+        column.operator("import_scene.xfrog_tree", text="Import Xfrog Tree", icon="IMPORT")
+        column.operator("snowbough.add_sway", icon="FORCE_WIND")
+
+
+class SNOWBOUGH_PT_object(bpy.types.Panel):
+    bl_label = "Snowbough"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "physics"
+    bl_options = {"DEFAULT_CLOSED"}
+
+    @classmethod
+    def poll(cls, context):
+        kinds = SURFACE_TYPES | {"EMPTY"}
+        return context.object is not None and context.object.type in kinds
+
+    def draw(self, context):
+        layout = self.layout
+        layout.use_property_split = True
+        layout.enabled = session.bake is None
+        entry = receivers.find(context.scene, context.object)
+        if entry is None:
+            layout.prop(context.object.snowbough, "occlude")
+            layout.operator("snowbough.add_receivers", icon="ADD")
+            return
+        layout.prop(entry, "enabled")
+        panel_parts.draw_receiver(layout, entry)
+
+
+CLASSES = (
+    SNOWBOUGH_UL_receivers,
+    SNOWBOUGH_PT_scene,
+    SNOWBOUGH_PT_receivers,
+    SNOWBOUGH_PT_snowfall,
+    SNOWBOUGH_PT_settling,
+    SNOWBOUGH_PT_cache,
+    SNOWBOUGH_PT_advanced,
+    SNOWBOUGH_PT_preflight,
+    SNOWBOUGH_PT_result,
+    SNOWBOUGH_PT_sidebar,
+    SNOWBOUGH_PT_sidebar_result,
+    SNOWBOUGH_PT_tree,
+    SNOWBOUGH_PT_object,
+)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,71 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that look for what would spoil a bake, and mend it."""
+
+import bpy
+
+from .. import session
+from ..bake import preflight
+from ..bake.outcome import one_line
+from ..scene import uv_maps
+from .editing_lock import NotWhileBaking
+
+
+class SNOWBOUGH_OT_preflight(NotWhileBaking, bpy.types.Operator):
+    bl_idname = "snowbough.preflight"
+    bl_label = "Check Scene"
+    bl_description = "Look for what would spoil a bake: UV maps, visibility, scale, cache, memory"
+    bl_options = {"REGISTER"}
+
+    def execute(self, context):
+        issues = preflight.check(context.scene, context.evaluated_depsgraph_get())
+        session.issues[context.scene.name] = issues
+        counts = {kind: sum(issue.severity == kind for issue in issues) for kind in ("ERROR", "WARNING")}
+        self.report({"INFO"}, f"{counts['ERROR']} errors, {counts['WARNING']} warnings")
+        return {"FINISHED"}
+
+
+class SNOWBOUGH_OT_fix(NotWhileBaking, bpy.types.Operator):
+    bl_idname = "snowbough.fix"
+    bl_label = "Fix"
+    bl_description = "Mend this, then check again"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: bpy.props.StringProperty(name="Kind", description="What to mend", options={"HIDDEN"})
+    object_name: bpy.props.StringProperty(
+        name="Object", description="The receiver to mend it on", options={"HIDDEN"}
+    )
+
+    def execute(self, context):
+        if self.kind == "SAVE":
+            return bpy.ops.wm.save_as_mainfile("INVOKE_DEFAULT")
+        if self.kind == "BAKE_SIMULATIONS":
+            bpy.ops.ptcache.bake_all(bake=True)
+            return bpy.ops.snowbough.preflight()
+        entries = [entry for entry in context.scene.snowbough.receivers if entry.object is not None]
+        entry = next((entry for entry in entries if entry.object.name == self.object_name), None)
+        if entry is None:
+            self.report({"ERROR"}, f"'{self.object_name}' is no receiver any more: check again")
+            return {"CANCELLED"}
+        try:
+            if self.kind == "SHOW_IN_RENDER":
+                entry.object.hide_render = False
+            elif self.kind == "UNWRAP":
+                clean = uv_maps.clean_uv_map(entry.object.data)
+                entry.uv_map = clean or uv_maps.make_uv_map(context, entry.object)
+        except (ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, one_line(error))
+            return {"CANCELLED"}
+        return bpy.ops.snowbough.preflight()
+
+
+CLASSES = (SNOWBOUGH_OT_preflight, SNOWBOUGH_OT_fix)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The operator that switches the live preview on and off."""
+
+import bpy
+
+from .. import session
+from ..bake import preview
+from ..bake.outcome import one_line
+from .editing_lock import NotWhileBaking
+
+
+class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
+    """Shows snow in the viewport as the timeline plays forward, on small maps; nothing is baked"""
+
+    bl_idname = "snowbough.toggle_preview"
+    bl_label = "Live Preview"
+
+    @classmethod
+    def ready(cls, context):
+        if session.preview is not None or any(
+            receiver.object for receiver in context.scene.snowbough.receivers
+        ):
+            return True
+        cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")
+        return False
+
+    def execute(self, context):
+        if session.preview is not None:
+            preview.stop()
+            return {"FINISHED"}
+        try:
+            preview.start(context.scene, context.evaluated_depsgraph_get())
+        except (ValueError, RuntimeError) as error:
+            self.report({"ERROR"}, one_line(error))
+            return {"CANCELLED"}
+        return {"FINISHED"}
+
+
+def register():
+    bpy.utils.register_class(SNOWBOUGH_OT_toggle_preview)
+
+
+def unregister():
+    bpy.utils.unregister_class(SNOWBOUGH_OT_toggle_preview)

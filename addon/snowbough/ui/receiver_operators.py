@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that put objects on the scene's list of receivers and take them off.
+
+add_receivers also gives the objects snow material and displacement, which show nothing until there are baked
+files; a bake refreshes them.
+"""
+
+import bpy
+
+from ..result import displacement
+from ..scene import receivers
+from .editing_lock import NotWhileBaking
+
+
+class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
+    bl_idname = "snowbough.add_receivers"
+    bl_label = "Add Snow to Selected"
+    bl_description = (
+        "Let snow lie on the selected objects: gives them a UV map without overlaps where needed, snow material "
+        "and displacement. They show snow once it is baked"
+    )
+    bl_options = {"REGISTER", "UNDO"}
+
+    setup_result: bpy.props.BoolProperty(
+        name="Set Up Material and Displacement",
+        description="Also give them snow material and displacement, as suits each; Remove Snow takes both off",
+        default=True,
+    )
+
+    @classmethod
+    def ready(cls, context):
+        if not context.selected_objects:
+            cls.poll_message_set("Select meshes, or empties that instance a collection")
+            return False
+        return True
+
+    def execute(self, context):
+        added, refused = 0, []
+        for obj in list(context.selected_objects):
+            try:
+                entry = receivers.add(context, obj)
+                added += 1
+                if self.setup_result and displacement.mode_of(entry) is None:
+                    displacement.apply(context.scene, entry, displacement.default_mode(obj))
+            except ValueError as error:
+                refused.append(str(error))
+        for text in refused:
+            self.report({"WARNING"} if added else {"ERROR"}, text)
+        return {"FINISHED"} if added else {"CANCELLED"}
+
+
+class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
+    bl_idname = "snowbough.remove_receiver"
+    bl_label = "Take off the List"
+    bl_description = "Take the active line off the list; the object and baked files stay as they are"
+    bl_options = {"REGISTER", "UNDO"}
+
+    @classmethod
+    def ready(cls, context):
+        if not len(context.scene.snowbough.receivers):
+            cls.poll_message_set("The list is empty")
+            return False
+        return True
+
+    def execute(self, context):
+        settings = context.scene.snowbough
+        settings.receivers.remove(settings.active_receiver)
+        settings.active_receiver = max(0, min(settings.active_receiver, len(settings.receivers) - 1))
+        return {"FINISHED"}
+
+
+CLASSES = (SNOWBOUGH_OT_add_receivers, SNOWBOUGH_OT_remove_receiver)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

@@ -1,0 +1,127 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operators that put the baked result into the scene: material, displacement, plain geometry, removal."""
+
+import bpy
+from bpy.props import BoolProperty, EnumProperty
+
+from ..result import baked_images, displacement, snow_material, snow_shell
+from .editing_lock import NotWhileBaking
+
+
+def _chosen(context, only_selected):
+    """The receivers to work on: those of the selected objects, or all."""
+    receivers = [receiver for receiver in context.scene.snowbough.receivers if receiver.object is not None]
+    if only_selected:
+        receivers = [receiver for receiver in receivers if receiver.object.select_get()]
+    return receivers
+
+
+class _ReceiverOperator(NotWhileBaking):
+    """Runs `work` on each chosen receiver; what does not suit one is reported and the others go on."""
+
+    bl_options = {"REGISTER", "UNDO"}
+
+    only_selected: BoolProperty(
+        name="Only Selected", description="Work on the receivers of the selected objects only", default=False
+    )
+
+    @classmethod
+    def ready(cls, context):
+        if any(receiver.object for receiver in context.scene.snowbough.receivers):
+            return True
+        cls.poll_message_set("Add receivers first: select meshes and use Add Snow to Selected")
+        return False
+
+    def execute(self, context):
+        receivers = _chosen(context, self.only_selected)
+        if not receivers:
+            self.report({"ERROR"}, "None of the selected objects is a receiver: select one, or add it first")
+            return {"CANCELLED"}
+        done = 0
+        for receiver in receivers:
+            try:
+                self.work(context, receiver)
+                done += 1
+            except ValueError as error:
+                self.report({"WARNING" if len(receivers) > 1 else "ERROR"}, str(error))
+        if not done:
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"{self.done_text}: {done} of {len(receivers)} receivers")
+        return {"FINISHED"}
+
+
+class SNOWBOUGH_OT_setup_material(_ReceiverOperator, bpy.types.Operator):
+    """Mixes the snow material over the receivers' own materials, which stay as they are"""
+
+    bl_idname = "snowbough.setup_material"
+    bl_label = "Set Up Snow Material"
+    done_text = "Snow material"
+
+    def work(self, context, receiver):
+        mode = displacement.mode_of(receiver)
+        if mode == "SHELL" or (mode is None and snow_material.is_shared(receiver.object)):
+            displacement.apply(context.scene, receiver, "SHELL")
+        else:
+            displacement.apply(context.scene, receiver, mode or "NONE")
+
+
+class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
+    """Gives the baked snow its thickness"""
+
+    bl_idname = "snowbough.setup_displacement"
+    bl_label = "Set Up Snow Displacement"
+    done_text = "Displacement"
+
+    mode: EnumProperty(
+        name="Displacement",
+        description="How snow gets its thickness",
+        items=(("AUTO", "Automatic", "Modifiers; a shell for linked, instanced or unevenly scaled objects"),)
+        + displacement.MODES,
+        default="AUTO",
+    )
+
+    def work(self, context, receiver):
+        mode = displacement.default_mode(receiver.object) if self.mode == "AUTO" else self.mode
+        displacement.apply(context.scene, receiver, mode)
+
+
+class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
+    """Makes plain mesh objects of the snow as it lies in the current frame"""
+
+    bl_idname = "snowbough.apply_at_frame"
+    bl_label = "Apply Snow at Frame"
+    done_text = "Snow as plain geometry"
+
+    def work(self, context, receiver):
+        if baked_images.load_sequence(receiver.folder, "height") is None:
+            raise ValueError(f"{receiver.object.name} has no baked snow: bake first")
+        snow_shell.freeze(context.scene, receiver, context.evaluated_depsgraph_get())
+
+
+class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
+    """Takes the snow off again: materials, modifiers and shells are as they were; baked files stay"""
+
+    bl_idname = "snowbough.remove"
+    bl_label = "Remove Snow"
+    done_text = "Removed snow"
+
+    def work(self, context, receiver):
+        displacement.remove(context.scene, receiver)
+
+
+CLASSES = (
+    SNOWBOUGH_OT_setup_material,
+    SNOWBOUGH_OT_setup_displacement,
+    SNOWBOUGH_OT_apply_at_frame,
+    SNOWBOUGH_OT_remove,
+)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

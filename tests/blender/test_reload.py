@@ -1,0 +1,94 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""After switching off and on, or reloading scripts, the code that runs is that on disk."""
+
+import json
+import os
+import shutil
+import subprocess
+import sys
+from pathlib import Path
+
+import bpy
+import pytest
+
+# Run in a Blender of its own with a copy of the add-on, whose files it changes.
+PROGRAM = """
+import json
+import sys
+from pathlib import Path
+import addon_utils
+import bpy
+
+def look():
+    handlers = [function.__module__ for name in ("load_pre", "load_post", "save_pre", "save_post")
+                for function in getattr(bpy.app.handlers, name)]
+    return {
+        "button": bpy.ops.snowbough.bake.get_rna_type().name,
+        "setting": bpy.context.scene.snowbough.bl_rna.properties["end_depth"].name,
+        "steps": sys.modules["snowbough.bake.job"].plan.PREROLL_STEPS,
+        "resolution": sys.modules["snowbough.bake.plan"].MOST,
+        "handlers": sorted(name for name in handlers if name.startswith("snowbough")),
+        "menu": [draw.__module__ for draw in bpy.types.TOPBAR_MT_file_import.draw._draw_funcs
+                 if draw.__module__.startswith("snowbough")],
+        "outcome": sys.modules["snowbough.session"].last_outcome,
+        "folders": len(bpy.utils.preset_paths("operator/import_scene.xfrog_tree")),
+    }
+
+def change(name, old, new):
+    path = folder / name
+    text = path.read_text()
+    assert old in text
+    path.write_text(text.replace(old, new))
+
+scripts = Path(SCRIPTS)
+folder = scripts / "addons" / "snowbough"
+change("bake/plan.py", "PREROLL_STEPS = 32", "from ..names import MAX_RESOLUTION as MOST\\nPREROLL_STEPS = 32")
+bpy.ops.preferences.addon_enable(module="snowbough")
+assert Path(sys.modules["snowbough"].__file__).parent == folder
+sys.modules["snowbough.session"].last_outcome = ("INFO", "kept")
+before = look()
+# Of other lengths than before, since compiled files are told by second and size.
+change("ui/bake_operators.py", 'bl_label = "Bake Snow"', 'bl_label = "Bake Much Snow"')
+change("settings.py", 'name="End Depth"', 'name="Depth at the End"')
+change("bake/plan.py", "PREROLL_STEPS = 32", "PREROLL_STEPS = 164")
+change("names.py", "MAX_RESOLUTION = 8192", "MAX_RESOLUTION = 16384")
+RELOAD
+Path(RESULT).write_text(json.dumps([before, look()]))
+"""
+
+WAYS = {
+    "switched off and on": """
+bpy.ops.preferences.addon_disable(module="snowbough")
+assert not hasattr(bpy.types.Scene, "snowbough")
+bpy.ops.preferences.addon_enable(module="snowbough")
+""",
+    # What script.reload (F8) does, once no operator runs any more.
+    "scripts reloaded": "bpy.utils.load_scripts(reload_scripts=True)",
+}
+
+
+@pytest.mark.parametrize("way", WAYS)
+def test_changed_code_runs_after_a_reload(addon, tmp_path, way):
+    source = Path(addon("cli").__file__).parent
+    scripts, result = tmp_path / "scripts", tmp_path / "result.json"
+    shutil.copytree(source, scripts / "addons" / "snowbough", ignore=shutil.ignore_patterns("__pycache__"))
+    program = PROGRAM.replace("SCRIPTS", repr(str(scripts))).replace("RESULT", repr(str(result)))
+    program = program.replace("RELOAD", WAYS[way])
+    if bpy.app.binary_path:
+        command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-exit-code", "1"]
+        command += ["--python-expr", program]
+    else:
+        command = [sys.executable, "-c", program]
+    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stdout + done.stderr
+    before, after = json.loads(result.read_text())
+    assert (before["button"], before["setting"]) == ("Bake Snow", "End Depth")
+    assert (before["steps"], before["resolution"]) == (32, 8192)
+    assert (after["button"], after["setting"]) == ("Bake Much Snow", "Depth at the End")
+    assert (after["steps"], after["resolution"]) == (164, 16384)
+    # Nothing is there twice, and what the session held is still there.
+    assert len(before["handlers"]) >= 8 and before["menu"] == ["snowbough.ui.import_operators"]
+    for name in ("handlers", "menu", "folders"):
+        assert after[name] == before[name], name
+    assert after["outcome"] == ["INFO", "kept"]

@@ -1,0 +1,150 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What is declared once arrives everywhere: settings in simulation, manifest and panels, import options in the
+operators, the presets and the command line."""
+
+import json
+from pathlib import Path
+
+import bpy
+import pytest
+import snow_scene as s
+
+# What each setting of the simulation is set to here: other than its default.
+OTHER = {
+    "flutter": 0.25,
+    "max_depth": 0.5,
+    "slide_half_life": 1.5,
+    "seed": 3,
+    "noise_density": 0.5,
+    "mapping": "GEOMETRY",
+}
+
+
+@pytest.fixture
+def snowy(tmp_path):
+    """A shot of two frames on one receiver, all settings of the simulation others than by default."""
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path, (1, 2), **OTHER)
+    return bpy.context.scene
+
+
+def test_each_setting_of_the_simulation_is_set_here(addon):
+    assert set(addon("settings").SNOW_SETTINGS) == OTHER.keys()
+
+
+def test_the_settings_go_into_the_request_as_they_are(addon, snowy):
+    snow = addon("bake.from_scene").make_request(snowy).snow
+    assert snow == {name: getattr(snowy.snowbough, name) for name in OTHER}
+    assert snow == {name: pytest.approx(value) for name, value in OTHER.items()}
+
+
+@pytest.fixture
+def made(addon, monkeypatch):
+    """Keyword arguments of each SnowSimulation that is made."""
+    real, made = addon("native").load(), []
+
+    class Native:
+        def __getattr__(self, name):
+            return getattr(real, name)
+
+        def SnowSimulation(self, **arguments):
+            made.append(arguments)
+            return real.SnowSimulation(**arguments)
+
+    monkeypatch.setattr(addon("native"), "load", Native)
+    return made
+
+
+@pytest.mark.parametrize("call", [s.bake, lambda: bpy.ops.snowbough.toggle_preview()])
+def test_bake_and_preview_hand_all_of_them_to_the_simulation(snowy, made, call):
+    call()
+    (arguments,) = made
+    expected = {**OTHER, "flutter": 14.3239448783}  # degrees
+    assert {name: arguments[name] for name in OTHER} == {n: pytest.approx(v) for n, v in expected.items()}
+
+
+def test_the_manifest_names_all_of_them(snowy, tmp_path):
+    s.bake()
+    manifest = json.loads((s.folder_of(tmp_path, "Ground") / "object.json").read_text())
+    snowfall = manifest["settings"]["snowfall"]
+    assert {name: snowfall[name] for name in OTHER} == {name: pytest.approx(v) for name, v in OTHER.items()}
+
+
+def test_a_bake_of_the_format_before_is_still_that_of_the_scene(addon, snowy, tmp_path):
+    """Format 1 had flutter in degrees, as BakeRequest carried it."""
+    s.bake()
+    path = s.folder_of(tmp_path, "Ground") / "object.json"
+    manifest = json.loads(path.read_text())
+    snowfall = manifest["settings"]["snowfall"]
+    snowfall["flutter"] *= 57.29577951308232
+    manifest["format"] = 1
+    path.write_text(json.dumps(manifest))
+    assert addon("bake.changes_since_bake").settings_changes(snowy) == []
+    s.bake(resume=True)  # compares settings and poses, and refuses what has changed
+    snowy.snowbough.flutter = 0.125
+    assert addon("bake.changes_since_bake").settings_changes(snowy) == ["Flutter: 0.125, was 0.25"]
+
+
+def test_panels_show_every_setting_of_the_simulation(addon):
+    panels = addon("ui.panels")
+    shown = {
+        name
+        for cls in panels.CLASSES
+        for group in getattr(cls, "names", ())
+        for name in ([group] if isinstance(group, str) else group)
+    }
+    assert set(addon("settings").SNOW_SETTINGS) - shown == set()
+
+
+# -- options of the import --------------------------------------------------------------------------------
+
+
+def test_both_operators_have_every_option(addon):
+    names = addon("tree.import_options").DEFAULTS.keys()
+    for operator in (bpy.ops.import_scene.xfrog_tree, bpy.ops.snowbough.import_tree_job):
+        assert names <= set(operator.get_rna_type().properties.keys())
+
+
+def test_the_command_line_has_every_option_with_its_default(addon):
+    options, parser = addon("tree.import_options"), addon("cli").parser()
+    given = options.options_of(parser.parse_args(["import", "tree.obj"]))
+    assert given == options.ImportOptions()
+    assert given.max_bones == 1000 and given.simplify == "TOLERANCE" and given.foliage is True
+
+
+@pytest.mark.parametrize(
+    "arguments, name, value",
+    [
+        (["--up-axis", "Z"], "up_axis", "Z"),
+        (["--levels", "Trunk,Branch"], "levels", "Trunk,Branch"),
+        (["--tolerance", "1.5"], "tolerance", 1.5),
+        (["--lod", "3"], "lod", 3),
+        (["--lod-chain"], "lod_chain", True),
+        (["--max-bone-level", "-1"], "max_bone_level", -1),
+        (["--no-foliage"], "foliage", False),
+        (["--foliage", "leaf"], "foliage_names", "leaf"),
+        (["--snow-resolution", "512"], "snow_resolution", 512),
+    ],
+)
+def test_options_of_the_command_line_arrive(addon, arguments, name, value):
+    given = addon("cli").parser().parse_args(["import", "tree.obj", *arguments])
+    assert getattr(given, name) == value
+
+
+@pytest.mark.parametrize(
+    "arguments", [["--lod", "4"], ["--max-bones", "-1"], ["--snow-resolution", "9000"], ["--width", "THIN"]]
+)
+def test_what_a_property_would_not_take_is_a_wrong_command_line(addon, arguments, capsys):
+    assert addon("cli").run(["import", "tree.obj", *arguments]) == 2
+    assert arguments[0] in capsys.readouterr().err
+
+
+def test_every_preset_sets_every_option_but_those_of_the_file(addon):
+    presets, names = addon("tree.presets"), addon("tree.import_options").DEFAULTS.keys()
+    assert presets.OF_THE_FILE <= names
+    folders = map(Path, bpy.utils.preset_paths(f"operator/{presets.OPERATOR}"))
+    folder = next(folder for folder in folders if (folder / "Evergreen.py").exists())
+    assert {path.stem for path in folder.glob("*.py")} == presets.PRESETS.keys()
+    for path in folder.glob("*.py"):
+        lines = [line for line in path.read_text().splitlines() if line.startswith("op.")]
+        assert {line[3:].partition(" = ")[0] for line in lines} == names - presets.OF_THE_FILE

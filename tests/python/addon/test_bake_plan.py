@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snowfall from an artist's numbers (snowbough.bake.plan), without Blender."""
+
+import math
+import random
+
+import pytest
+from snowbough.bake import plan
+
+
+def test_an_even_rate_lays_the_same_depth_on_every_frame():
+    snowfall = plan.plan_snowfall(1, 4, 0.0, 0.4, [1, 1, 1, 1])
+    assert snowfall.depths == pytest.approx((0.1, 0.1, 0.1, 0.1))
+    assert snowfall.totals == pytest.approx((0.1, 0.2, 0.3, 0.4))
+
+
+def test_the_rate_shapes_the_fall():
+    snowfall = plan.plan_snowfall(10, 12, 0.0, 0.4, [1, 0, 3])
+    assert snowfall.depths == pytest.approx((0.1, 0.0, 0.3))
+
+
+def test_the_last_total_is_the_end_depth_itself_for_any_rates():
+    seed = random.randrange(1 << 30)
+    print("seed", seed)
+    numbers = random.Random(seed)
+    for _ in range(50):
+        rates = [numbers.random() for _ in range(numbers.randrange(1, 300))]
+        start, end = sorted((numbers.random(), numbers.random()))
+        snowfall = plan.plan_snowfall(1, len(rates), start, end, rates)
+        assert snowfall.totals[-1] == end
+        assert math.fsum(snowfall.depths) + start == pytest.approx(end, rel=1e-12)
+        assert min(snowfall.depths) >= 0
+
+
+def test_start_depth_is_laid_before_the_first_frame_and_then_rests():
+    snowfall = plan.plan_snowfall(5, 6, 0.32, 0.5, [1, 1])
+    steps = plan.preroll_steps(snowfall, fps=24, slide_half_life=2.0)
+    assert len(steps) == 33
+    assert {(step.frame, step.subframe) for step in steps} == {(5, 0.0)}
+    assert [step.depth for step in steps[:32]] == pytest.approx([0.01] * 32)
+    assert steps[-1].depth == 0 and steps[-1].dt == 128.0
+
+
+def test_no_start_depth_means_no_preroll():
+    snowfall = plan.plan_snowfall(1, 2, 0.0, 0.1, [1, 1])
+    assert plan.preroll_steps(snowfall, 24, 2.0) == []
+
+
+def test_substeps_end_on_the_frame_itself_and_share_its_depth():
+    snowfall = plan.plan_snowfall(1, 2, 0.0, 0.8, [1, 1])
+    steps = plan.frame_steps(snowfall, 2, fps=25, substeps=4)
+    assert [(s.frame, s.subframe) for s in steps] == [(1, 0.25), (1, 0.5), (1, 0.75), (2, 0.0)]
+    assert [s.depth for s in steps] == pytest.approx([0.1] * 4)
+    assert [s.dt for s in steps] == pytest.approx([0.01] * 4)
+
+
+def test_the_first_frame_needs_no_pose_from_before_the_shot():
+    snowfall = plan.plan_snowfall(1, 2, 0.0, 0.8, [1, 1])
+    steps = plan.frame_steps(snowfall, 1, fps=25, substeps=4)
+    assert [(s.frame, s.subframe) for s in steps] == [(1, 0.0)] * 4
+    assert sum(s.depth for s in steps) == pytest.approx(0.4)
+
+
+def test_a_shot_of_one_frame_gets_the_end_depth():
+    assert plan.plan_snowfall(7, 7, 0.1, 0.3, [1]).totals == (0.3,)
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ((5, 4, 0, 1, []), "before the first"),
+        ((-1, 4, 0, 1, [1] * 6), "frame 0 or later"),
+        ((1, 2, 0.5, 0.1, [1, 1]), "does not melt"),
+        ((1, 2, 0, 1, [1]), "2 frames need 2 rates"),
+        ((1, 2, 0, 1, [1, -1]), "rate at frame 2"),
+        ((1, 2, 0, 1, [0, 0]), "rate is 0 on every frame"),
+    ],
+)
+def test_bad_input_says_what_is_wrong(arguments, message):
+    with pytest.raises(ValueError, match=message):
+        plan.plan_snowfall(*arguments)
+
+
+@pytest.mark.parametrize(
+    "angle, bearing, direction",
+    [
+        (0, 0, (0, 0, -1)),
+        (45, 0, (0, math.sqrt(0.5), -math.sqrt(0.5))),
+        (45, 90, (math.sqrt(0.5), 0, -math.sqrt(0.5))),
+        (30, 180, (0, -0.5, -math.sqrt(0.75))),
+    ],
+)
+def test_the_bearing_turns_clockwise_from_north(angle, bearing, direction):
+    assert plan.fall_direction(math.radians(angle), math.radians(bearing)) == pytest.approx(
+        direction, abs=1e-12
+    )
+
+
+def test_a_horizontal_fall_is_refused():
+    with pytest.raises(ValueError, match="89.5"):
+        plan.fall_direction(math.radians(90), 0)
+
+
+def test_the_automatic_resolution_reaches_the_texel_size():
+    # 10 m x 10 m over the whole map: 1000 texels of 1 cm, so 1024.
+    assert plan.automatic_resolution(100.0, 1.0, 0.01) == 1024
+    # The same surface on a quarter of the map needs twice as many.
+    assert plan.automatic_resolution(100.0, 0.25, 0.01) == 2048
+    assert plan.automatic_resolution(1.0, 1.0, 0.01) == 256
+    assert plan.automatic_resolution(1e6, 1.0, 0.01) == 4096
+
+
+def test_the_automatic_pixel_is_the_finest_texel_until_the_scene_is_too_large():
+    assert plan.automatic_pixel_size([0.02, 0.01], (0, 0, 0), (10, 10, 1)) == 0.01
+    coarse = plan.automatic_pixel_size([0.01], (0, 0, 0), (1000, 1000, 0))
+    assert coarse == pytest.approx(math.sqrt(2) * 1000 / 4096)
+
+
+def test_frames_of_the_command_line_lie_inside_the_shot():
+    assert plan.parse_frames("3-20", 1, 48) == (3, 20)
+    assert plan.parse_frames("7", 1, 48) == (7, 7)
+    for text in ("0-5", "5-3", "40-49", "a-b", ""):
+        with pytest.raises(ValueError):
+            plan.parse_frames(text, 1, 48)

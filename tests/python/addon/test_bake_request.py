@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings on their way into a simulation and a manifest (snowbough.bake.request, .simulation), without Blender."""
+
+import math
+from dataclasses import replace
+from types import SimpleNamespace
+
+import pytest
+from snowbough.bake.request import BakeRequest
+from snowbough.bake.simulation import make_simulation
+
+SNOW = {"flutter": math.radians(3.0), "max_depth": 0.7, "seed": 5, "a_new_setting": "x"}
+
+
+def request(**changes):
+    whole = BakeRequest(
+        scene_name="Scene", cache="/c", frame_start=1, frame_end=12, first=1, last=12, fps=24.0, start_depth=0.0,
+        end_depth=0.1, rates=(1.0,) * 12, snow=SNOW, texel_size=0.01, pixel_size=0.0, blur_radius=2.0, substeps=1,
+        checkpoint_interval=10, write_normals=False, receivers=(),
+    )  # fmt: skip
+    return replace(whole, **changes)
+
+
+def test_a_snow_setting_is_part_of_the_shot_under_its_own_name():
+    assert SNOW.items() <= request().shot().items()
+
+
+def test_what_decides_about_all_maps_is_part_of_the_shot():
+    own = {name: value for name, value in request().shot().items() if name not in SNOW}
+    assert own == {
+        "frame_start": 1,
+        "frame_end": 12,
+        "fps": 24.0,
+        "start_depth": 0.0,
+        "end_depth": 0.1,
+        "blur_radius": 2.0,
+        "substeps": 1,
+        "checkpoint_interval": 10,
+        "write_normals": False,
+    }
+
+
+@pytest.mark.parametrize(
+    "changed",
+    [
+        {"first": 5},
+        {"last": 7},
+        {"cache": "/d"},
+        {"objects": ("Cart",)},
+        {"resume": True},
+        {"texel_size": 0.5},
+    ],
+)
+def test_parts_of_a_shot_on_other_machines_are_the_same_shot(changed):
+    assert request(**changed).shot() == request().shot()
+
+
+def test_the_native_module_gets_all_snow_settings_and_flutter_in_degrees():
+    native = SimpleNamespace(SnowSimulation=lambda **arguments: arguments)
+    given = make_simulation(native, SNOW, 0.02, wait_for_gpu=False)
+    assert given == {
+        "pixel_size": 0.02,
+        "wait_for_gpu": False,
+        "flutter": pytest.approx(3.0, rel=1e-15),
+        "max_depth": 0.7,
+        "seed": 5,
+        "a_new_setting": "x",
+    }
+    assert SNOW["flutter"] == math.radians(3.0)

@@ -1,0 +1,235 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The bake's folders, manifests and locks (snowbough.cache), without Blender."""
+
+import math
+import os
+import stat
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import snowbough
+from snowbough import names
+from snowbough.cache import errors, files, folder, lock, manifest, versions
+from snowbough.scene.inputs import SceneInputs, fingerprint
+
+
+def baked(path, frames=(1, 2), complete=True, shot="s"):
+    path.mkdir(parents=True, exist_ok=True)
+    for frame in frames:
+        (path / files.frame_file("height", frame)).write_bytes(b"exr")
+    manifest.write_manifest(
+        path, {"complete": complete, "settings": {"shot": shot}, "hash": "h", "frames": []}
+    )
+    return path
+
+
+def test_names_become_safe_file_names():
+    assert names.safe_name("Cart") == "Cart"
+    assert names.safe_name("../Bänk: 1/2") == "_B_nk__1_2"
+    assert names.safe_name("...") == "_"
+
+
+def test_objects_of_one_name_get_folders_of_their_own():
+    local = names.receiver_key("Rock", ("", "", ""))
+    linked = names.receiver_key("Rock", ("//rocks.blend", "", ""))
+    instance = names.receiver_key("Rock", ("", "Empty", "3"))
+    assert len({local, linked, instance}) == 3
+    assert local == names.receiver_key("Rock", ("", "", ""))
+    assert local.startswith("Rock-") and len(local) == len("Rock-") + 8
+
+
+def test_a_file_is_written_whole_or_not_at_all(tmp_path):
+    (tmp_path / "target").mkdir()  # a folder cannot be replaced by a file
+    with pytest.raises(errors.CacheError, match="could not be written"):
+        files.write_bytes(tmp_path / "target", b"x")
+    assert sorted(os.listdir(tmp_path)) == ["target"]
+
+
+def test_equal_manifests_are_equal_bytes():
+    assert files.to_json({"b": 1, "a": [1.5, "ä"]}) == files.to_json({"a": [1.5, "ä"], "b": 1})
+
+
+def test_a_checkpoint_counts_only_with_its_state(tmp_path):
+    folder.write_sidecar(tmp_path, 10, {"x": 1})
+    assert folder.checkpoints(tmp_path) == []
+    (tmp_path / "state_0010").write_bytes(b"s")
+    (tmp_path / "state_0020").write_bytes(b"s")
+    assert folder.checkpoints(tmp_path) == [10]
+    folder.remove_stray_files(tmp_path)
+    assert sorted(os.listdir(tmp_path)) == ["state_0010", "state_0010.json"]
+    assert folder.read_sidecar(tmp_path, 10) == {"x": 1}
+
+
+def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
+    for frame in (4, 5, 10, 12):
+        folder.write_sidecar(tmp_path, frame, {})
+        (tmp_path / files.state_file(frame)).write_bytes(b"s")
+    folder.remove_irregular_checkpoints(tmp_path, frame_start=1, interval=5, before=12)
+    assert folder.checkpoints(tmp_path) == [5, 10, 12]
+
+
+def test_the_first_bake_is_version_1(tmp_path):
+    assert versions.choose_version(tmp_path / "none", ["a"], "s") == 1
+
+
+def test_a_finished_receiver_is_never_overwritten(tmp_path):
+    baked(tmp_path / "v001" / "a")
+    assert versions.choose_version(tmp_path, ["a"], "s") == 2
+
+
+def test_an_unfinished_bake_is_done_again_in_place(tmp_path):
+    baked(tmp_path / "v001" / "a", complete=False)
+    assert versions.choose_version(tmp_path, ["a"], "s") == 1
+
+
+def test_machines_that_share_a_shot_fill_one_version(tmp_path):
+    baked(tmp_path / "v001" / "a", shot="s")
+    assert versions.choose_version(tmp_path, ["b"], "s") == 1
+    assert versions.choose_version(tmp_path, ["b"], "other shot") == 2
+
+
+def test_resume_finds_the_unfinished_version(tmp_path):
+    baked(tmp_path / "v001" / "a")
+    baked(tmp_path / "v002" / "a", complete=False)
+    baked(tmp_path / "v002" / "b")
+    assert versions.resumable_version(tmp_path, ["a", "b"]) == (2, ["b"])
+    assert versions.resumable_version(tmp_path, ["c"]) == (None, [])
+
+
+def manifest_of_format_1(path, flutter):
+    """A manifest as it was written while flutter was in degrees; as a file, and what it said."""
+    snowfall = {"flutter": flutter, "end_depth": 0.1}
+    settings = {"shot": files.digest(snowfall), "snowfall": snowfall, "receiver": {"resolution": 64}}
+    written = {
+        "format": 1,
+        "complete": True,
+        "hash": files.digest(settings),
+        "settings": settings,
+        "frames": [1],
+    }
+    path.mkdir(parents=True)
+    (path / files.MANIFEST).write_bytes(files.to_json(written))
+
+
+@pytest.mark.parametrize("degrees", [0.0, 3.0, 17.3, 45.0])
+def test_a_manifest_with_flutter_in_degrees_is_read_as_the_number_that_blender_holds(tmp_path, degrees):
+    held = float(np.float32(np.radians(degrees)))  # Blender's properties are single precision
+    manifest_of_format_1(tmp_path / "a", math.degrees(held))
+    read = manifest.read_manifest(tmp_path / "a")
+    assert read["settings"]["snowfall"] == {"flutter": held, "end_depth": 0.1}
+    assert read["complete"] and read["frames"] == [1]
+
+
+def test_machines_go_on_sharing_a_version_that_was_begun_in_the_earlier_format(tmp_path):
+    held = float(np.float32(np.radians(3.0)))
+    manifest_of_format_1(tmp_path / "v001" / "a", math.degrees(held))
+    shot = {"flutter": held, "end_depth": 0.1}
+    assert versions.choose_version(tmp_path, ["b"], files.digest(shot)) == 1
+
+
+def test_a_manifest_of_a_later_format_is_refused(tmp_path):
+    (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": manifest.FORMAT + 1}))
+    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
+        manifest.read_manifest(tmp_path)
+
+
+def test_free_removes_exactly_what_the_bake_made(tmp_path):
+    first = baked(tmp_path / "v001" / "a")
+    baked(tmp_path / "v001" / "b")
+    (first / "notes.txt").write_text("mine")
+    versions.free(tmp_path)
+    left = [path for path in tmp_path.rglob("*") if path.is_file()]
+    assert left == [first / "notes.txt"]
+
+
+def test_free_takes_only_the_receivers_named(tmp_path):
+    baked(tmp_path / "v001" / "a")
+    kept = baked(tmp_path / "v001" / "b")
+    assert versions.free(tmp_path, ["a"]) == 3
+    assert not (tmp_path / "v001" / "a").exists() and folder.baked_frames(kept) == [1, 2]
+
+
+def test_a_folder_is_locked_against_a_second_bake(tmp_path):
+    with lock.lock_folder(tmp_path / "a"):
+        with pytest.raises(errors.CacheBusy, match=f"process {os.getpid()}"):
+            with lock.lock_folder(tmp_path / "a"):
+                pass
+    with lock.lock_folder(tmp_path / "a"):
+        pass
+    assert not (tmp_path / "a" / "lock").exists()
+
+
+def test_a_killed_bake_blocks_nobody(tmp_path):
+    program = (
+        "import os; from snowbough.cache import lock\n"
+        f"held = lock.lock_folder({str(tmp_path / 'a')!r}); held.__enter__(); os.kill(os.getpid(), 9)"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(Path(snowbough.__file__).parent.parent)}
+    assert subprocess.run([sys.executable, "-c", program], env=environment).returncode == -9
+    assert (tmp_path / "a" / "lock").exists()
+    with lock.lock_folder(tmp_path / "a"):
+        pass
+
+
+@pytest.mark.skipif(os.name != "posix", reason="needs POSIX permissions")
+def test_an_unwritable_cache_says_what_to_do(tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("not a folder")
+    with pytest.raises(errors.CacheError, match="Choose another"):
+        files.make_folder(blocked / "cache")
+    if os.getuid() != 0:
+        tmp_path.chmod(stat.S_IRUSR | stat.S_IXUSR)
+        with pytest.raises(errors.CacheError, match="Choose another"):
+            files.make_folder(tmp_path / "cache")
+
+
+def test_changed_settings_are_named():
+    before = {"end_depth": 0.1, "rates": [1] * 50, "receiver": {"resolution": 1024}, "old": 1}
+    after = {"end_depth": 0.2, "rates": [2] * 50, "receiver": {"resolution": 2048}, "new": 1}
+    assert manifest.describe_changes(before, after) == [
+        "end_depth: 0.1 -> 0.2",
+        "new: added",
+        "old: removed",
+        "rates: changed",
+        "receiver: resolution: 1024 -> 2048",
+    ]
+
+
+def recorded(*poses):
+    inputs = SceneInputs()
+    for number, prints in enumerate(poses, 1):
+        inputs.add(str(number), prints)
+    return inputs
+
+
+def test_a_changed_object_is_named_with_the_frame():
+    still = {"Cart": ["t", "s", "u"], "Ground": ["t", "s", "u"]}
+    before = recorded(still, still, still)
+    assert before.first_difference(recorded(still, still, still)) is None
+    moved = recorded(still, {**still, "Cart": ["x", "s", "u"]}, still)
+    assert before.first_difference(moved) == "Cart: transform changed at frame 2"
+    assert moved.first_difference(before) == "Cart: transform changed at frame 2"
+    bent = recorded(still, still, {**still, "Ground": ["t", "x", "u"]})
+    assert before.first_difference(bent) == "Ground: shape changed at frame 3"
+    gone = recorded({"Ground": ["t", "s", "u"]})
+    assert before.first_difference(gone) == "Cart: removed at frame 1"
+
+
+def test_only_changes_are_stored_and_survive_json():
+    still = {"Cart": ["t", "s", "u"]}
+    inputs = recorded(still, still)
+    assert inputs.poses[1] == ["2", {}]
+    again = SceneInputs(inputs.poses[:1])
+    again.add("2", still)
+    assert again.poses == inputs.poses
+
+
+def test_fingerprints_tell_shapes_and_values_apart():
+    a = np.arange(6, dtype=np.float32)
+    assert fingerprint(a) == fingerprint(a.copy())
+    assert fingerprint(a) != fingerprint(a.reshape(2, 3))
+    assert fingerprint(a) != fingerprint(a + 1)
+    assert fingerprint(np.empty((0, 3))) == fingerprint(np.empty((0, 3)))

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Maps made beside each other are written in order (snowbough.bake.map_writer), without Blender."""
+
+import threading
+
+import pytest
+from snowbough.bake import map_writer
+
+WAIT = 20.0
+
+
+def test_two_maps_are_made_at_a_time_and_written_in_order():
+    written, second_made = [], threading.Event()
+
+    def first():
+        assert second_made.wait(WAIT), "the second map waits for the first"
+        return "first"
+
+    def second():
+        second_made.set()
+        return "second"
+
+    with map_writer.MapWriter() as writer:
+        writer.call(written.append, first)
+        writer.call(written.append, second)
+        writer.call(lambda: written.append("checkpoint"))
+        writer.flush()
+        assert written == ["first", "second", "checkpoint"]
+
+
+def test_a_map_that_cannot_be_made_stops_what_follows():
+    written = []
+
+    def fail():
+        raise MemoryError("no room")
+
+    with pytest.raises(MemoryError, match="no room"), map_writer.MapWriter() as writer:
+        writer.call(written.append, fail)
+        writer.call(lambda: written.append("later"))
+        writer.flush()
+    assert written == []
+
+
+def test_a_full_disk_says_what_to_do():
+    def write():
+        raise OSError("map.exr: No space left on device")
+
+    with (
+        pytest.raises(map_writer.WriteFailed, match=r"map\.exr: No space .* make room, then resume"),
+        map_writer.MapWriter() as writer,
+    ):
+        writer.call(write)
+        writer.flush()
+
+
+def test_leaving_waits_for_all_and_tells_what_failed():
+    written = []
+    with map_writer.MapWriter() as writer:
+        writer.call(written.append, lambda: 1)
+    assert written == [1]
+    with pytest.raises(map_writer.WriteFailed), map_writer.MapWriter() as writer:
+        writer.call(lambda: (_ for _ in ()).throw(OSError("gone")))

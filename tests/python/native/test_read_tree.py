@@ -1,0 +1,390 @@
+"""read_tree and Skeleton as Python sees them, on small files and on the real trees where they are there."""
+
+import json
+import os
+import pathlib
+import subprocess
+import sys
+import threading
+import time
+
+import numpy as np
+import pytest
+import snowbough_native as native
+
+TREES = pathlib.Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "trees"
+needs_trees = pytest.mark.skipif(not TREES.is_dir(), reason="../shared/data/trees is not there")
+
+
+def ring(x, y, z, radius):
+    return [(x + radius, y, z), (x, y + radius, z), (x - radius, y, z), (x, y - radius, z)]
+
+
+def tube(points, radius, first, flat=False):
+    """OBJ text of a four-sided tube along z, or of squares across it."""
+    lines = []
+    for point in points:
+        lines += ["v %g %g %g" % corner for corner in ring(*point, radius)]
+    for i in range(len(points)):
+        a = first + 4 * i
+        if flat:
+            lines.append(f"f {a} {a + 1} {a + 2} {a + 3}")
+        elif i + 1 < len(points):
+            for c in range(4):
+                d = (c + 1) % 4
+                lines.append(f"f {a + c} {a + d} {a + 4 + d} {a + 4 + c}")
+    return "\n".join(lines) + "\n"
+
+
+def small_tree(flat=False):
+    trunk = [(0, 0, z) for z in range(6)]
+    limb = [(0.3 * i, 0, 3 + 0.5 * i) for i in range(4)]
+    return (
+        "g trunk1\n"
+        + tube(trunk, 0.4, 1, flat)
+        + "g branch1\n"
+        + tube(limb, 0.1, 25, flat)
+        + "g leaves\nv 1 0.2 4.5\nv 1.1 0.4 4.5\nv 1 0.6 4.5\nvt 0.25 0.75\nf 41/1 42/1 43/1\n"
+    )
+
+
+@pytest.fixture
+def small(tmp_path):
+    path = tmp_path / "small tree ä.obj"
+    path.write_text(small_tree())
+    return path
+
+
+def one_branch(**changes):
+    branch = {
+        "name": "trunk",
+        "level": 0,
+        "parent": -1,
+        "attach_point": (0, 0, 0),
+        "points": [(0, 0, 0), (0, 0, 2)],
+        "radii": [0.2, 0.1],
+        "areas": [0.1, 0.02],
+    }
+    branch.update(changes)
+    return branch
+
+
+def test_branches_are_arrays(small):
+    skeleton = native.read_tree(small)
+    trunk, branch = skeleton.branches
+    assert (trunk.name, trunk.level, trunk.parent) == ("trunk1", 0, -1)
+    assert (branch.name, branch.level, branch.parent) == ("branch1", 1, 0)
+    assert trunk.points.shape == (6, 3) and trunk.points.dtype == np.float32
+    np.testing.assert_allclose(trunk.radii, 0.4, rtol=1e-6)
+    np.testing.assert_allclose(trunk.areas, 0.32, rtol=1e-5)
+    np.testing.assert_allclose(branch.attach_point, (0, 0, 3), atol=1e-6)
+    assert skeleton.height == pytest.approx(5)
+
+
+def test_arrays_are_read_only_and_outlive_the_skeleton(small):
+    points = native.read_tree(small).branches[0].points
+    assert not points.flags.writeable
+    np.testing.assert_array_equal(points[:, 2], range(6))
+
+
+def test_report(small):
+    report = native.read_tree(small).report
+    assert report == {
+        "form": "TUBES_PER_GROUP",
+        "up_axis": "Z",
+        "branches_per_level": [1, 1],
+        "skipped_parts": [],
+        "extra_roots": [],
+        "foliage_parts": 1,
+        "warnings": [],
+    }
+
+
+def test_squares_with_leaves(tmp_path):
+    path = tmp_path / "squares.obj"
+    path.write_text(small_tree(flat=True))
+    assert native.read_tree(str(path)).report["form"] == "SQUARES_PER_GROUP"
+
+
+def test_foliage(small):
+    foliage = native.read_tree(small).foliage
+    assert foliage.vertices.shape == (3, 3)
+    assert foliage.face_begin.tolist() == [0, 3]
+    assert foliage.corner_vertex.tolist() == [0, 1, 2]
+    assert foliage.corner_uv.tolist() == [[0.25, 0.75]] * 3
+    assert foliage.face_material.tolist() == [-1]
+    assert foliage.face_leaf.tolist() == [0]
+    assert foliage.leaf_branch.tolist() == [1]
+    assert foliage.leaf_attach_point.shape == (1, 3)
+    assert foliage.materials == []
+
+
+def test_foliage_off(small):
+    skeleton = native.read_tree(small, foliage=False)
+    assert len(skeleton.foliage.vertices) == 0
+    assert skeleton.report["skipped_parts"] == [{"name": "foliage (1 parts)", "reason": "left out by option"}]
+
+
+def test_simplify(small):
+    assert len(native.read_tree(small, simplify="THESIS").branches[0].points) == 2
+    assert len(native.read_tree(small, simplify="TOLERANCE").branches[0].points) == 3
+
+
+@pytest.mark.parametrize(
+    "arguments, message",
+    [
+        ({"up_axis": "X"}, "up_axis"),
+        ({"simplify": "ALL"}, "simplify"),
+        ({"tolerance": -1}, "tolerance"),
+        ({"levels": "stem"}, "'trunk1'"),
+    ],
+)
+def test_bad_options(small, arguments, message):
+    with pytest.raises(ValueError, match=message):
+        native.read_tree(small, **arguments)
+
+
+@pytest.mark.parametrize(
+    "text, message",
+    [
+        ("", "no Wavefront OBJ"),
+        ("Dear reader,\nhello\n", "no Wavefront OBJ"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 x\n", r"bad\.obj:3: malformed number 'x'"),
+        ("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 7\n", r"bad\.obj:4: vertex index 7 is out of range"),
+        ("v 0 0 0\nv nan 0 0\n", r"bad\.obj:2: .*not finite"),
+        ("g leaves\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", "holds no branches, only 1 leaves"),
+    ],
+)
+def test_bad_files(tmp_path, text, message):
+    path = tmp_path / "bad.obj"
+    path.write_text(text)
+    with pytest.raises(ValueError, match=message):
+        native.read_tree(path)
+
+
+def test_missing_file(tmp_path):
+    with pytest.raises(ValueError, match="cannot be opened"):
+        native.read_tree(tmp_path / "nothing.obj")
+    with pytest.raises(ValueError, match="directory"):
+        native.read_tree(tmp_path)
+
+
+def test_progress_runs_from_0_to_1(small):
+    shares = []
+    native.read_tree(small, progress=shares.append)
+    assert shares == sorted(shares) and shares[0] == 0 and shares[-1] == 1
+
+
+INTERRUPTED_READ = """
+import os, signal, sys, threading, time
+import snowbough_native
+
+sent = []
+
+def press():
+    time.sleep(0.05)
+    sent.append(time.perf_counter())
+    os.kill(os.getpid(), signal.SIGINT)
+
+threading.Thread(target=press).start()
+try:
+    snowbough_native.read_tree(sys.argv[1])
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", time.perf_counter() - sent[0])
+"""
+
+
+def test_ctrl_c_ends_a_long_read(tmp_path):
+    # Relative indices make equal blocks a file of many tubes: some 40 MB, far more than 50 ms of reading.
+    block = "".join("v %g %g %g\n" % corner for z in range(20) for corner in ring(0, 0, z, 0.1))
+    block += "".join(f"f {a} {a + 1} {a + 5} {a + 4}\n" for a in range(-80, -5))
+    path = tmp_path / "many.obj"
+    path.write_text(block * (40_000_000 // len(block)))
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
+    run = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED_READ, str(path)],
+        env=environment,
+        text=True,
+        capture_output=True,
+        timeout=60,
+    )
+    path.unlink()
+    assert run.returncode == 0, run.stderr
+    word, *seconds = run.stdout.split()
+    assert word == "interrupted"
+    assert float(seconds[0]) < 2
+
+
+def test_progress_cancels(small):
+    with pytest.raises(KeyboardInterrupt):
+        native.read_tree(small, progress=lambda share: False)
+
+
+def test_what_progress_raises_comes_through(small):
+    def stop(share):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        native.read_tree(small, progress=stop)
+
+
+def test_from_branches():
+    child = one_branch(name="twig", level=1, parent=0, attach_point=(0, 0, 1))
+    skeleton = native.Skeleton.from_branches([one_branch(), child])
+    assert [branch.name for branch in skeleton.branches] == ["trunk", "twig"]
+    assert skeleton.branches[1].attach_point.tolist() == [0, 0, 1]
+    assert skeleton.report["branches_per_level"] == [1, 1]
+    assert skeleton.height == 2
+
+
+@pytest.mark.parametrize(
+    "changes, message",
+    [
+        ({"points": np.zeros((0, 3))}, "no points"),
+        ({"points": [1, 2, 3]}, "shape"),
+        ({"radii": [0.1]}, "as many radii"),
+        ({"areas": [0.1, -1]}, "area"),
+        ({"points": [(0, 0, 0), (0, 0, float("nan"))]}, "not finite"),
+        ({"parent": 0}, "after its parent"),
+        ({"level": -1}, "level"),
+        ({"name": 3}, "string"),
+        ({"attach_point": (0, 0)}, "attach_point"),
+        ({"points": "no"}, "points"),
+    ],
+)
+def test_from_branches_checks(changes, message):
+    with pytest.raises(ValueError, match=message):
+        native.Skeleton.from_branches([one_branch(**changes)])
+
+
+def test_from_branches_names_the_missing_field():
+    branch = one_branch()
+    del branch["areas"]
+    with pytest.raises(ValueError, match="branch 0 lacks 'areas'"):
+        native.Skeleton.from_branches([branch])
+    with pytest.raises(ValueError, match="at least one"):
+        native.Skeleton.from_branches([])
+
+
+def z_up(points):
+    points = np.asarray(points, np.float32)
+    return np.stack([points[:, 0], -points[:, 2], points[:, 1]], axis=1)
+
+
+@needs_trees
+@pytest.mark.parametrize("name", ["AL06a_squares", "BL02A_squares_tris"])
+def test_squares_are_exact(name):
+    skeleton = native.read_tree(TREES / "squares" / f"{name}.obj")
+    truth = json.loads((TREES / "squares" / f"{name}.json").read_text())["branches"]
+    found = {branch.name: branch for branch in skeleton.branches}
+    assert skeleton.report["form"] == "SQUARES_PER_GROUP" and skeleton.report["up_axis"] == "Y"
+    assert sorted(found) == sorted(branch["name"] for branch in truth)
+    right = 0
+    for branch in truth:
+        mine = found[branch["name"]]
+        np.testing.assert_allclose(mine.points, z_up(branch["points"]), atol=1e-5 * skeleton.height)
+        parent = skeleton.branches[mine.parent].name if mine.parent >= 0 else None
+        right += parent == branch["parent"]
+        assert mine.level == branch["level"]
+    assert right >= 0.99 * len(truth)
+
+
+def segment_distances(points, polylines):
+    begin = np.concatenate([line[:-1] for line in polylines]).astype(float)
+    along = np.concatenate([line[1:] - line[:-1] for line in polylines]).astype(float)
+    squared = np.maximum((along**2).sum(1), 1e-30)
+    distances = []
+    for point in points:
+        t = np.clip(((point - begin) * along).sum(1) / squared, 0, 1)
+        distances.append(np.linalg.norm(point - begin - t[:, None] * along, axis=1).min())
+    return np.array(distances)
+
+
+@needs_trees
+def test_al06a_lies_on_the_skeleton_that_others_made():
+    skeleton = native.read_tree(TREES / "tubes" / "AL06a.obj")
+    assert skeleton.report["branches_per_level"][0] == 1 and len(skeleton.branches) == 199
+    lines = (TREES / "tubes" / "AL06a.txtskl").read_text().splitlines()
+    theirs = np.array([line.split()[:3] for line in lines if len(line.split()) == 4], float)
+    # Their z is negated against the OBJ's, which is Y up.
+    theirs = theirs[:, [0, 2, 1]]
+    distances = segment_distances(theirs, [branch.points for branch in skeleton.branches])
+    assert np.median(distances) < 1e-4 * skeleton.height
+
+
+@needs_trees
+@pytest.mark.parametrize(
+    "name, form, up_axis, branches, foliage",
+    [
+        ("tubes/BL02A_Betula_lenta", "MERGED_TUBES", "Y", 1348, 0),
+        ("levels/Acer_saccharum_y1", "TUBES_PER_LEVEL", "Y", 27, 0),
+        ("levels/quaking_aspen", "TUBES_PER_LEVEL", "Y", 1222, 21988),
+        ("levels/test_small", "TUBES_PER_LEVEL", "Y", 3, 3),
+        ("levels/sapling_tree1", "MERGED_TUBES", "Z", 46, 0),
+    ],
+)
+def test_real_trees_need_no_options(name, form, up_axis, branches, foliage):
+    skeleton = native.read_tree(TREES / f"{name}.obj")
+    report = skeleton.report
+    assert (report["form"], report["up_axis"], len(skeleton.branches), report["foliage_parts"]) == (
+        form,
+        up_axis,
+        branches,
+        foliage,
+    )
+    assert report["extra_roots"] == [] and report["skipped_parts"] == []
+    assert report["branches_per_level"][0] == 1
+    assert skeleton.branches[0].points[0, 2] < 0.05 * skeleton.height
+
+
+@needs_trees
+def test_aspen_leaves_hang_twig_by_twig():
+    """Arbaro writes leaves in the order of the twigs: numbers of twigs that do not fall are right."""
+    skeleton = native.read_tree(TREES / "levels" / "quaking_aspen.obj")
+    twigs = [
+        int(skeleton.branches[b].name.removeprefix("stems_2_"))
+        for b in skeleton.foliage.leaf_branch
+        if skeleton.branches[b].level == 2
+    ]
+    assert len(twigs) > 0.999 * len(skeleton.foliage.leaf_branch)
+    assert np.count_nonzero(np.diff(twigs) < 0) < 0.001 * len(twigs)
+
+
+@needs_trees
+def test_reading_twice_gives_the_same():
+    first, second = (native.read_tree(TREES / "levels" / "quaking_aspen.obj") for _ in range(2))
+    for a, b in zip(first.branches, second.branches):
+        assert a.name == b.name and a.parent == b.parent
+        np.testing.assert_array_equal(a.points, b.points)
+    np.testing.assert_array_equal(first.foliage.leaf_branch, second.foliage.leaf_branch)
+
+
+@needs_trees
+def test_the_gil_is_free_while_reading():
+    reader = threading.Thread(target=native.read_tree, args=(TREES / "levels" / "quaking_aspen.obj",))
+    ticks = 0
+    reader.start()
+    while reader.is_alive():
+        ticks += 1
+        time.sleep(0.001)
+    assert ticks > 5
+
+
+def test_foliage_takes_a_bool_a_word_or_names(tmp_path):
+    ring = [(0.1, 0), (0, 0.1), (-0.1, 0), (0, -0.1)]
+    lines = ["g trunk1"] + [f"v {x} {y} {z}" for z in range(3) for x, y in ring]
+    for low in (1, 5):
+        lines += [f"f {low + k} {low + (k + 1) % 4} {low + 4 + (k + 1) % 4} {low + 4 + k}" for k in range(4)]
+    lines += ["v 0 0 2", "v 0.3 0 2.1", "v 0.3 0.1 2.3", "g tags", "f 13 14 15"]
+    path = tmp_path / "tree.obj"
+    path.write_text("\n".join(lines) + "\n")
+    corners = [
+        len(native.read_tree(path, foliage=value).foliage.corner_vertex)
+        for value in (True, "AUTO", "", "tags", False, "NONE")
+    ]
+    assert corners == [3, 3, 3, 3, 0, 0]
+    with pytest.raises(ValueError, match="starts with 'petals'"):
+        native.read_tree(path, foliage="petals")
+    with pytest.raises(ValueError, match="foliage must be"):
+        native.read_tree(path, foliage=3)

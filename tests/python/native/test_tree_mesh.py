@@ -1,0 +1,301 @@
+"""The rebuilt tree as Python sees it: arrays, options, bones, and real exports where they are at hand."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import snowbough_native as native
+
+TREES = Path(__file__).resolve().parents[3] / ".." / "shared" / "data" / "trees"
+REAL_TREES = [
+    "tubes/AL06a.obj",
+    "tubes/BL02A_Betula_lenta.obj",
+    "squares/AL06a_squares.obj",
+    "squares/BL02A_squares_tris.obj",
+    "levels/Acer_saccharum_y1.obj",
+    "levels/quaking_aspen.obj",
+    "levels/sapling_tree1.obj",
+    "levels/test_small.obj",
+]
+
+
+def branch(name, level, parent, points, radius):
+    points = np.array(points, np.float32)
+    radii = np.full(len(points), radius, np.float32)
+    return {
+        "name": name,
+        "level": level,
+        "parent": parent,
+        "attach_point": points[0],
+        "points": points,
+        "radii": radii,
+        "areas": np.float32(np.pi) * radii**2,
+    }
+
+
+def small_tree():
+    return native.Skeleton.from_branches(
+        [
+            branch("trunk", 0, -1, [(0, 0, z) for z in range(6)], 0.2),
+            branch("left", 1, 0, [(0, 0, 2.5), (-1, 0, 3), (-2, 0, 3.2)], 0.1),
+            branch("right", 1, 0, [(0, 0, 3.5), (1, 0, 4), (2, 0, 4.2)], 0.05),
+            branch("twig", 2, 2, [(1, 0, 4), (1.2, 0.5, 4.4)], 0.02),
+        ]
+    )
+
+
+def real_tree(name):
+    path = TREES / name
+    if not path.is_file():
+        pytest.skip(f"{name} is not in shared/data/trees")
+    return native.read_tree(path)
+
+
+def centreline_distance(branches, points, radii_of):
+    """Distance from each point to the branch, less its radius there."""
+    start, step = branches.points[:-1].astype(float), np.diff(branches.points.astype(float), axis=0)
+    square = np.maximum((step**2).sum(1), 1e-30)
+    t = np.clip(((points[:, None] - start) * step).sum(2) / square, 0, 1)
+    distance = np.linalg.norm(points[:, None] - start - step * t[..., None], axis=2)
+    nearest, each = distance.argmin(1), np.arange(len(points))
+    along = t[each, nearest]
+    radius = radii_of[nearest] * (1 - along) + radii_of[nearest + 1] * along
+    return distance[each, nearest] - radius
+
+
+def wood_outside_parents(skeleton, pieces=8):
+    """Volume of the original tubes less what lies inside their parents."""
+    branches = skeleton.branches
+    t = (np.arange(pieces) + 0.5) / pieces
+    total = 0.0
+    for limb in branches:
+        points, width = limb.points.astype(float), np.sqrt(limb.areas.astype(float))
+        if len(points) < 2:
+            continue
+        middle = (points[:-1, None] * (1 - t)[:, None] + points[1:, None] * t[:, None]).reshape(-1, 3)
+        area = (width[:-1, None] * (1 - t) + width[1:, None] * t).ravel() ** 2
+        volume = np.repeat(np.linalg.norm(np.diff(points, axis=0), axis=1) / pieces, pieces) * area
+        if limb.parent >= 0 and len(branches[limb.parent].points) > 1:
+            parent = branches[limb.parent]
+            radii = np.sqrt(parent.areas.astype(float) / np.pi)
+            volume = volume[centreline_distance(parent, middle, radii) > 0]
+        total += volume.sum()
+    return total
+
+
+def test_arrays_have_the_shapes_that_are_promised():
+    mesh = native.build_tree_mesh(small_tree())
+    vertices, faces, bones = len(mesh.vertices), len(mesh.quads), len(mesh.bone_names)
+    assert bones == 5 + 2 + 2 + 1
+    assert mesh.vertices.shape == (vertices, 3) and mesh.vertices.dtype == np.float32
+    assert mesh.quads.shape == (faces, 4) and mesh.quads.dtype == np.int32
+    assert mesh.uv_bark.shape == mesh.uv_snow.shape == (faces, 4, 2)
+    assert mesh.branch_level.shape == (faces,) and set(mesh.branch_level) == {0, 1, 2}
+    assert mesh.bone_indices.shape == mesh.bone_weights.shape == (vertices, 4)
+    assert mesh.bone_heads.shape == mesh.bone_tails.shape == (bones, 3)
+    assert mesh.bone_parents.shape == mesh.bone_levels.shape == mesh.bone_branches.shape == (bones,)
+    assert mesh.bone_head_radii.shape == mesh.bone_tail_radii.shape == (bones,)
+    assert mesh.bone_names[:2] == ["trunk.0", "trunk.1"]
+    assert mesh.bone_map is None
+
+
+def test_arrays_outlive_the_mesh():
+    vertices = native.build_tree_mesh(small_tree()).vertices
+    assert np.isfinite(vertices).all()
+
+
+def test_weights_sum_to_one():
+    mesh = native.build_tree_mesh(small_tree(), lod=1)
+    assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
+
+
+def test_max_influences_is_kept():
+    mesh = native.build_tree_mesh(small_tree(), max_influences=1)
+    assert (mesh.bone_weights > 0).sum(1).max() == 1
+
+
+@pytest.mark.parametrize(
+    "options, complaint",
+    [
+        ({"width": "WIDE"}, "ORIGINAL, INVERSE"),
+        ({"species": "PALM"}, "BROADLEAF, EVERGREEN"),
+        ({"lod": 7}, "lod must be from 0"),
+        ({"max_influences": 5}, "max_influences must be from 1 to 4"),
+    ],
+)
+def test_unknown_options_are_errors_that_list_the_choices(options, complaint):
+    with pytest.raises(ValueError, match=complaint):
+        native.build_tree_mesh(small_tree(), **options)
+
+
+def test_check_mesh_says_what_is_wrong():
+    mesh = native.build_tree_mesh(small_tree())
+    whole = native.check_mesh(mesh.vertices, mesh.quads)
+    assert whole["closed"] and whole["winding_ok"] and whole["euler"] == [2]
+    torn = native.check_mesh(mesh.vertices, mesh.quads[1:])
+    assert not torn["closed"] and torn["boundary_edges"] == 4
+    with pytest.raises(ValueError, match="shape"):
+        native.check_mesh(mesh.vertices, mesh.quads[:, :3])
+
+
+def descendants(parents, bone):
+    found = np.zeros(len(parents), bool)
+    found[bone] = True
+    for child in range(bone + 1, len(parents)):
+        found[child] = parents[child] >= 0 and found[parents[child]]
+    return found
+
+
+@pytest.mark.parametrize("bone", range(10))
+def test_bending_a_bone_moves_only_what_hangs_on_it(bone):
+    mesh = native.build_tree_mesh(small_tree())
+    moved = descendants(mesh.bone_parents, bone)
+    share = (mesh.bone_weights * moved[mesh.bone_indices]).sum(1)
+    half = np.sqrt(0.5)
+    turn = np.array([[1, 0, 0], [0, half, -half], [0, half, half]])
+    bent = (mesh.vertices - mesh.bone_heads[bone]) @ turn.T + mesh.bone_heads[bone]
+    posed = mesh.vertices * (1 - share[:, None]) + bent * share[:, None]
+    still = share == 0
+    assert still.any() or bone == 0
+    assert np.array_equal(posed[still], mesh.vertices[still])
+    assert np.abs(posed[~still] - mesh.vertices[~still]).max() > 1e-3
+    assert native.check_mesh(posed, mesh.quads)["closed"]
+
+
+def test_reduce_bones_hands_weights_to_ancestors():
+    mesh = native.build_tree_mesh(small_tree())
+    reduced = native.reduce_bones(mesh, max_bones=0, max_bone_level=0)
+    assert reduced.bone_names == [f"trunk.{i}" for i in range(5)]
+    assert list(reduced.bone_map) == [0, 1, 2, 3, 4, 2, 2, 3, 3, 3]
+    assert np.abs(reduced.bone_weights.sum(1) - 1).max() < 1e-6
+    assert len(mesh.bone_names) == 10
+    assert len(native.reduce_bones(mesh, max_bones=6).bone_names) == 6
+
+
+def test_leaf_bones_is_empty_without_leaves():
+    skeleton = small_tree()
+    assert native.leaf_bones(skeleton, native.build_tree_mesh(skeleton)).shape == (0,)
+
+
+def test_leaves_hang_on_the_bone_nearest_to_them():
+    skeleton = real_tree("levels/quaking_aspen.obj")
+    mesh = native.build_tree_mesh(skeleton)
+    foliage = skeleton.foliage
+    bones = native.leaf_bones(skeleton, mesh)
+    assert bones.shape == foliage.leaf_branch.shape
+    if len(bones) == 0:
+        pytest.skip("quaking_aspen.obj came in without leaves")
+    assert np.array_equal(mesh.bone_branches[bones], foliage.leaf_branch)
+
+
+@pytest.mark.parametrize("name", REAL_TREES)
+def test_a_real_export_becomes_one_closed_surface_a_root(name):
+    skeleton = real_tree(name)
+    mesh = native.build_tree_mesh(skeleton)
+    report = mesh.report
+    roots = sum(limb.parent < 0 for limb in skeleton.branches)
+    assert report["components"] == roots
+    assert report["euler"] == [2] * roots
+    assert report["closed"] and report["winding_ok"]
+    assert report["zero_area_faces"] == 0 and report["unused_vertices"] == 0
+    assert report["crossing_junctions"] <= 0.02 * report["junctions"]
+    assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
+    assert set(mesh.bone_branches) == set(range(len(skeleton.branches)))
+    assert abs(report["volume"] / wood_outside_parents(skeleton) - 1) < 0.10
+
+
+def test_a_finer_level_of_a_real_tree_has_the_same_seams_and_weights():
+    skeleton = real_tree("tubes/AL06a.obj")
+    base, fine = native.build_tree_mesh(skeleton), native.build_tree_mesh(skeleton, lod=1)
+    assert len(fine.quads) == 4 * len(base.quads)
+    assert np.array_equal(np.repeat(base.branch_level, 4), fine.branch_level)
+    assert np.abs(fine.uv_bark.reshape(-1, 4, 4, 2)[:, range(4), range(4)] - base.uv_bark).max() == 0
+    check = native.check_mesh(fine.vertices, fine.quads)
+    assert check["closed"] and check["zero_area_faces"] == 0
+
+
+@pytest.mark.parametrize("lod", [1, 2])
+def test_finer_levels_of_a_real_tree_lie_on_the_limbs_radii(lod):
+    skeleton = real_tree("tubes/AL06a.obj")
+    mesh = native.build_tree_mesh(skeleton, lod=lod)
+    # The trunk's walls, where no branch has a say: its bones alone hold the vertex.
+    trunk = skeleton.branches[0]
+    own = (mesh.bone_weights * (mesh.bone_branches[mesh.bone_indices] == 0)).sum(1) > 1 - 1e-6
+    own &= np.isin(np.arange(len(own)), mesh.quads[mesh.face_part == 0])
+    radii = np.sqrt(trunk.areas.astype(float) / np.pi)
+    off = np.abs(centreline_distance(trunk, mesh.vertices[own].astype(float), radii)) / radii[0]
+    assert len(off) > 200
+    assert np.median(off) < 0.001 and np.percentile(off, 95) < 0.01 and off.max() < 0.05
+
+
+def test_progress_of_the_mesh_runs_from_0_to_1():
+    shares = []
+    native.build_tree_mesh(small_tree(), progress=shares.append)
+    assert len(shares) > 5
+    assert shares == sorted(shares) and shares[0] == 0 and shares[-1] == 1
+
+
+@pytest.mark.parametrize("until", [0.1, 0.4, 0.6, 0.8])
+def test_progress_cancels_the_surface_and_the_charts(until):
+    shares = []
+
+    def go_on(share):
+        shares.append(share)
+        return share < until
+
+    with pytest.raises(KeyboardInterrupt):
+        native.build_tree_mesh(small_tree(), progress=go_on)
+    assert [share >= until for share in shares].count(True) == 1  # it asked no more after the answer
+
+
+def test_what_progress_raises_comes_through_the_mesh():
+    def stop(share):
+        raise LookupError("enough")
+
+    with pytest.raises(LookupError, match="enough"):
+        native.build_tree_mesh(small_tree(), progress=stop)
+
+
+INTERRUPTED_BUILD = """
+import os, signal, sys
+import snowbough_native
+
+skeleton = snowbough_native.read_tree(sys.argv[1])
+# Ctrl-C is pressed while the surface is under way.
+asked = []
+def press(share):
+    asked.append(share)
+    if len(asked) == 3:
+        os.kill(os.getpid(), signal.SIGINT)
+try:
+    snowbough_native.build_tree_mesh(skeleton, progress=press)
+    print("finished")
+except KeyboardInterrupt:
+    print("interrupted", len(asked))
+"""
+
+
+def test_ctrl_c_ends_a_build():
+    maple = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
+    environment = dict(os.environ, PYTHONPATH=os.path.dirname(native.__file__))
+    run = subprocess.run(
+        [sys.executable, "-c", INTERRUPTED_BUILD, str(maple)],
+        env=environment,
+        text=True,
+        capture_output=True,
+        timeout=60,
+    )
+    assert run.returncode == 0, run.stderr
+    word, calls = run.stdout.split()
+    assert word == "interrupted" and int(calls) < 6
+
+
+def test_the_mesh_does_not_depend_on_threads():
+    one, three = (native.build_tree_mesh(small_tree(), threads=threads) for threads in (1, 3))
+    for name in ("vertices", "quads", "uv_bark", "uv_snow", "bone_indices", "bone_weights"):
+        assert np.array_equal(getattr(one, name), getattr(three, name)), name
+    with pytest.raises(ValueError, match="threads"):
+        native.build_tree_mesh(small_tree(), threads=-1)
