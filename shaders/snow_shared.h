@@ -79,7 +79,7 @@ SNOWBOUGH_SHARED_SIZE(TexelStep, 16)
 struct SeenPixel {
   /// 1 + triangle with kBackFace, 0 = nothing.
   uint triangle;
-  /// In metres along the fall.
+  /// In metres along the fall; kOpenSky where there is nothing.
   float depth;
 };
 SNOWBOUGH_SHARED_SIZE(SeenPixel, 8)
@@ -156,6 +156,8 @@ const uint kAlphaMirror = 1u;
 const uint kAlphaExtend = 2u;
 const uint kAlphaClip = 3u;
 const uint kBackFace = 0x80000000u;
+/// Deeper than anything.
+const float kOpenSky = 3e38f;
 /// See TexelStep::gain.
 const float kGainUnits = 268435456.0f;
 /// Pixels on every side of a tile that its neighbours own: what lies at its edge looks at them, too.

@@ -23,7 +23,7 @@ KERNEL_UNIFORM(int, goes_on);
 
 /// A fragment is sampled in cells of at most so many pixels, in so many cells along each side: beyond that
 /// the cells grow, and the steps' samples fall on other places in them.
-KERNEL_CONSTANT float kCellPixels = 1.25f;
+KERNEL_CONSTANT float kCellPixels = 1.5f;
 KERNEL_CONSTANT int kMostCells = 8;
 KERNEL_CONSTANT float kLeastWindow = 1e-3f;
 
@@ -67,6 +67,24 @@ GainTriangle gain_triangle(int triangle, int map_triangle) {
   return found;
 }
 
+/// Where a fragment is looked at: in cells, one sample each. Alike for all that hold the same share of a
+/// triangle.
+struct FragmentCells {
+  int along_u;
+  int along_v;
+  /// From the fragment's centroid to the first sample, and from cell to cell, in weights of the triangle's
+  /// second and third corner.
+  vec2 first;
+  vec2 step_u;
+  vec2 step_v;
+  /// How many cells are as wide and as high as a pixel.
+  vec2 windows;
+  /// Of each in all of them.
+  float part;
+};
+
+KERNEL_MEMORY(FragmentCells, last_cells)
+
 /// The cells along one side of a fragment, which is `extent` pixels long.
 int cell_count(vec2 extent) {
   return clamp(int(ceil(max(abs(extent.x), abs(extent.y)) / kCellPixels)), 1, kMostCells);
@@ -77,50 +95,65 @@ float place_in_cell(vec2 extent, int cells, float shift) {
   return max(abs(extent.x), abs(extent.y)) > kCellPixels * float(cells) ? shift : 0.5f;
 }
 
-/// The point of a triangle with these weights of its second and third corner; of weights beside the triangle,
-/// one on its rim.
-vec3 point_on(KERNEL_CONST_REF(GainTriangle) own, vec2 weights) {
-  const vec2 inside = max(weights, 0.0f);
-  const float sum = max(inside.x + inside.y, 1.0f);
-  return own.corner + (inside.x / sum) * own.edge_b + (inside.y / sum) * own.edge_c;
-}
-
 /// How far weights reach on the grid.
 vec2 extent_of(KERNEL_CONST_REF(GainTriangle) own, vec2 weights) {
   return weights.x * vec2(own.edge_b) + weights.y * vec2(own.edge_c);
 }
 
+FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
+  // Within a texel, a fragment is looked at as a square as large as it is.
+  const float size = sqrt(min(1.0f, share * own.texels));
+  const vec2 extent_u = extent_of(own, own.along_u * size);
+  const vec2 extent_v = extent_of(own, own.along_v * size);
+  FragmentCells cells;
+  cells.along_u = cell_count(extent_u);
+  cells.along_v = cell_count(extent_v);
+  cells.step_u = own.along_u * (size / float(cells.along_u));
+  cells.step_v = own.along_v * (size / float(cells.along_v));
+  cells.first =
+      (place_in_cell(extent_u, cells.along_u, fall.sampling.x) - 0.5f * float(cells.along_u)) * cells.step_u +
+      (place_in_cell(extent_v, cells.along_v, fall.sampling.y) - 0.5f * float(cells.along_v)) * cells.step_v;
+  cells.windows = 1.0f / clamp(abs(extent_u) / float(cells.along_u) + abs(extent_v) / float(cells.along_v),
+                               kLeastWindow, 1.0f);
+  cells.part = 1.0f / float(cells.along_u * cells.along_v);
+  return cells;
+}
+
+/// The point of a triangle with these weights of its second and third corner; of weights beside the triangle,
+/// one on its rim.
+vec3 point_on(KERNEL_CONST_REF(GainTriangle) own, vec2 weights) {
+  vec2 inside = max(weights, 0.0f);
+  const float sum = inside.x + inside.y;
+  if (sum > 1.0f) {
+    inside /= sum;
+  }
+  return own.corner + inside.x * own.edge_b + inside.y * own.edge_c;
+}
+
+/// What falls on the point with these weights; `most`: what would where it sees all of the sky. Each point is
+/// looked at in the one tile that its pixel belongs to.
+uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights, vec2 windows, float most) {
+  PlanePoint point;
+  point.at = point_on(own, weights);
+  point.gradient = own.gradient;
+  point.hair = own.hair;
+  point.pixel_depth = own.pixel_depth;
+  point.triangle = triangle;
+  const ivec2 pixel = ivec2(floor(vec2(point.at))) - tile_origin;
+  return is_in_tile(pixel) ? uint(most * seen_part(point, windows) + 0.5f) : 0u;
+}
+
 /// What a fragment gains in this tile; `most`: what it would gain where all of it sees the sky.
 uint fragment_gain(uvec4 fragment, KERNEL_CONST_REF(GainTriangle) own, float most) {
-  // Within a texel, a fragment is looked at as a square as large as it is.
-  const float size = sqrt(min(1.0f, uintBitsToFloat(fragment.y) * own.texels));
-  const vec2 side_u = own.along_u * size;
-  const vec2 side_v = own.along_v * size;
-  const vec2 extent_u = extent_of(own, side_u);
-  const vec2 extent_v = extent_of(own, side_v);
-  const int cells_u = cell_count(extent_u);
-  const int cells_v = cell_count(extent_v);
-  const float first_u = place_in_cell(extent_u, cells_u, fall.sampling.x) / float(cells_u) - 0.5f;
-  const float first_v = place_in_cell(extent_v, cells_v, fall.sampling.y) / float(cells_v) - 0.5f;
-  const vec2 window =
-      clamp(abs(extent_u) / float(cells_u) + abs(extent_v) / float(cells_v), kLeastWindow, 1.0f);
-  const vec2 centre = vec2(uintBitsToFloat(fragment.z), uintBitsToFloat(fragment.w));
-  const float most_a_cell = most / float(cells_u * cells_v);
+  KERNEL_CONST_REF(FragmentCells) cells =
+      KERNEL_KEPT(last_cells, uvec2(fragment.x, fragment.y), fragment_cells(own, uintBitsToFloat(fragment.y)));
+  const vec2 first = vec2(uintBitsToFloat(fragment.z), uintBitsToFloat(fragment.w)) + cells.first;
+  const float most_a_cell = most * cells.part;
   uint gain = 0u;
-  for (int v = 0; v < cells_v; ++v) {
-    for (int u = 0; u < cells_u; ++u) {
-      PlanePoint point;
-      point.at = point_on(own, centre + (first_u + float(u) / float(cells_u)) * side_u +
-                                   (first_v + float(v) / float(cells_v)) * side_v);
-      point.gradient = own.gradient;
-      point.hair = own.hair;
-      point.pixel_depth = own.pixel_depth;
-      point.triangle = fragment.x;
-      // Each sample is looked at in the one tile that its pixel belongs to.
-      const ivec2 pixel = ivec2(floor(vec2(point.at))) - tile_origin;
-      if (is_in_tile(pixel)) {
-        gain += uint(most_a_cell * seen_part(point, window) + 0.5f);
-      }
+  for (int v = 0; v < cells.along_v; ++v) {
+    for (int u = 0; u < cells.along_u; ++u) {
+      gain += point_gain(fragment.x, own, first + float(u) * cells.step_u + float(v) * cells.step_v,
+                         cells.windows, most_a_cell);
     }
   }
   return gain;

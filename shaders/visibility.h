@@ -75,20 +75,36 @@ bool is_own_surface(ivec2 pixel, uvec2 shown, float plane_depth, PlanePoint poin
 /// pixel's centre. Another surface shades the point as soon as it lies nearer: a cloth on a table.
 bool is_open(ivec2 pixel, float plane_depth, PlanePoint point) {
   const uvec2 shown = uvec2(texelFetch(occlusion, pixel_index(pixel)));
-  return shown.x == 0u || uintBitsToFloat(shown.y) >= plane_depth - point.hair ||
+  return uintBitsToFloat(shown.y) >= plane_depth - point.hair ||
          is_own_surface(pixel, shown, plane_depth, point);
+}
+
+/// How far the nearest of the four pixels around the point lies behind its plane, in metres. `pixel`: the lower
+/// left one; `plane_depth`: the plane's depth at its centre.
+float clearance(int pixel, float plane_depth, vec2 gradient) {
+  const float depth_00 = uintBitsToFloat(texelFetch(occlusion, pixel).y);
+  const float depth_10 = uintBitsToFloat(texelFetch(occlusion, pixel + 1).y);
+  const float depth_01 = uintBitsToFloat(texelFetch(occlusion, pixel + tile_size.x).y);
+  const float depth_11 = uintBitsToFloat(texelFetch(occlusion, pixel + tile_size.x + 1).y);
+  const float lower = min(depth_00, depth_10 - gradient.x);
+  const float upper = min(depth_01, depth_11 - gradient.x);
+  return min(lower, upper - gradient.y) - plane_depth;
 }
 
 /// Which part (0 to 1) of the snow that falls towards the point arrives: the mean over a window of pixels, at
 /// most one pixel wide and high, of what is open and, by noise, gives snow. A window as large as the pixel is
 /// bilinear filtering; a smaller one keeps shadows as sharp as the map can hold. The window must lie within
-/// the tile and its margin.
-float seen_part(PlanePoint point, vec2 window) {
+/// the tile and its margin. `windows`: how many windows are as wide and as high as a pixel.
+float seen_part(PlanePoint point, vec2 windows) {
   const vec2 lower = floor(vec2(point.at) - 0.5f);
   const vec2 offset = vec2(point.at) - 0.5f - lower;
-  const vec2 right = clamp((offset - 0.5f) / window + 0.5f, 0.0f, 1.0f);
   const ivec2 pixel = ivec2(lower) - tile_origin;
   const float plane_depth = point.at.z - dot(point.gradient, offset);
+  // Nearly always.
+  if (fall.range.w >= 1.0f && clearance(pixel_index(pixel), plane_depth, point.gradient) >= -point.hair) {
+    return 1.0f;
+  }
+  const vec2 right = clamp((offset - 0.5f) * windows + 0.5f, 0.0f, 1.0f);
   float seen = 0.0f;
   for (int i = 0; i < 4; ++i) {
     const int x = i & 1;

@@ -26,11 +26,11 @@ from . import compat
 from .names import MAX_FALL_ANGLE, MAX_RESOLUTION
 
 MAPPINGS = (
-    ("COMPUTE", "Compute", "Integer atomics in a compute shader: the same bytes every time"),
+    ("COMPUTE", "Compute", "Texels gather what they see of the sky: smooth, and the same bytes every time"),
     (
         "GEOMETRY",
         "Geometry",
-        "A geometry shader and additive blending, as the method was first published; slower",
+        "Pixels scatter their snow over texels, as the method was first published: uneven; for comparison",
     ),
 )
 

@@ -262,7 +262,8 @@ void bind_snow(py::module_& module) {
       "nor units. wait_for_gpu: whether RuntimeError is raised here where there is no GPU; else "
       "objects\n"
       "can be added while the driver is being loaded, and the first call that needs it raises.\n"
-      "processor_kernels: whether COMPUTE's longest loops run on the processor where the driver is a "
+      "processor_kernels: whether COMPUTE's longest loops run on the processor where the driver is "
+      "a "
       "software\n"
       "renderer, which is faster; the result is the same but for the last bits of what slides.\n"
       "A context manager: leaving it closes the simulation.")

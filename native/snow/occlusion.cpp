@@ -1,6 +1,7 @@
 #include "snow/occlusion.h"
 
 #include <algorithm>
+#include <bit>
 #include <string>
 
 namespace snowbough::snow {
@@ -63,7 +64,7 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, cons
   // The viewport is the same for all tiles of a block, the scissor cuts out this one.
   glEnable(GL_SCISSOR_TEST);
   glScissor(0, 0, size.x, size.y);
-  const GLuint nothing[4] = {0, 0, 0, 0};
+  const GLuint nothing[4] = {0, std::bit_cast<GLuint>(shared::kOpenSky), 0, 0};
   const GLfloat far_away = 1.0f;
   glClearBufferuiv(GL_COLOR, 0, nothing);
   glClearBufferfv(GL_DEPTH, 0, &far_away);

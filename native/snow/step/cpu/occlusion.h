@@ -32,7 +32,7 @@ class OcclusionPass {
   /// Fills `seen`, row by row, with what the sky sees in each of `pixels` (local pixels of the
   /// grid): nearest in metres along the fall, of equally near ones that drawn first, whichever way
   /// it faces; back faces are marked. What an alpha mask cuts away is not there. A pixel that shows
-  /// nothing is {0, 0}. One call at a time.
+  /// nothing is {0, kOpenSky}. One call at a time.
   /// @throws std::invalid_argument when `seen` has not as many elements as there are pixels, or the
   /// rectangle is wider than 16,320 pixels.
   void run(const OcclusionScene& scene, const PixelRect& pixels, std::span<shared::SeenPixel> seen);

@@ -61,7 +61,7 @@ void store(const BinPixels& bin, const SeenPixels& pixels) {
 void store_nothing(const SeenPixels& pixels) {
   const glm::ivec2 size = pixels.rect.size();
   for (int32_t y = 0; y < size.y; ++y) {
-    std::fill_n(pixels.first + y * pixels.pitch, size.x, shared::SeenPixel{0, 0.0f});
+    std::fill_n(pixels.first + y * pixels.pitch, size.x, shared::SeenPixel{0, shared::kOpenSky});
   }
 }
 
