@@ -15,6 +15,10 @@ from ..cache.manifest import describe_changes, read_manifest, write_inputs, writ
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 from . import plan
 
+# How snow is laid: what is baked is continued by the way that it began with. The first one (pixels shared out
+# among texels) wrote nothing here.
+DEPOSIT = "gathered"
+
 
 @dataclass
 class BakedReceiver:
@@ -36,7 +40,7 @@ class BakedReceiver:
     def settings(self, shot):
         """What its maps depend on: the shot's settings (a dict) and its own."""
         own = {"resolution": self.resolution, "uv_map": self.uv_map, "name": self.label}
-        return {"shot": digest(shot), "snowfall": shot, "receiver": own}
+        return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
     def compare_settings(self, shot):
         """Raises InputsChanged, naming what differs, where the folder was baked with other settings."""
