@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "snow/simulation.h"
-#include "snow/texel_table.h"
+#include "snow/texels/texel_table.h"
 
 namespace {
 

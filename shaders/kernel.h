@@ -13,8 +13,8 @@
 #define KERNEL_MAKE4(type, a, b, c, d) type(a, b, c, d)
 /// What was found last, by two numbers, for a kernel that asks for it again: neighbouring texels lie in the
 /// same triangle.
-#define KERNEL_MEMORY(type, name)
-#define KERNEL_KEPT(name, key, found) found
+#define KERNEL_MEMO(type, name)
+#define KERNEL_MEMOIZED(name, key, found) found
 #define KERNEL_CONST_REF(type) const type
 /// A shader's variants have all of their blocks bound, a kernel's may be null.
 #define KERNEL_IS_BOUND(name) true
@@ -34,9 +34,9 @@
 #define KERNEL_MAKE2(type, a, b) type{a, b}
 #define KERNEL_MAKE3(type, a, b, c) type{a, b, c}
 #define KERNEL_MAKE4(type, a, b, c, d) type{a, b, c, d}
-#define KERNEL_MEMORY(type, name) kernel::Kept<type> name;
+#define KERNEL_MEMO(type, name) kernel::Memo<type> name;
 #define KERNEL_CONST_REF(type) const type&
-#define KERNEL_KEPT(name, key, found) (name).get(key, [&] { return found; })
+#define KERNEL_MEMOIZED(name, key, found) (name).get(key, [&] { return found; })
 #define KERNEL_IS_BOUND(name) ((name) != nullptr)
 #define KERNEL_UNIFORM(type, name) type name
 #define KERNEL_UNIFORM_BLOCK(block, type, name) type name

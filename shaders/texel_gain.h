@@ -42,7 +42,7 @@ struct GainTriangle {
   float texels;
 };
 
-KERNEL_MEMORY(GainTriangle, last_triangle)
+KERNEL_MEMO(GainTriangle, last_triangle)
 
 /// `map_triangle`: its index among map_triangles.
 GainTriangle gain_triangle(int triangle, int map_triangle) {
@@ -83,7 +83,7 @@ struct FragmentCells {
   float part;
 };
 
-KERNEL_MEMORY(FragmentCells, last_cells)
+KERNEL_MEMO(FragmentCells, last_cells)
 
 /// The cells along one side of a fragment, which is `extent` pixels long.
 int cell_count(vec2 extent) {
@@ -146,7 +146,7 @@ uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights,
 /// What a fragment gains in this tile; `most`: what it would gain where all of it sees the sky.
 uint fragment_gain(uvec4 fragment, KERNEL_CONST_REF(GainTriangle) own, float most) {
   KERNEL_CONST_REF(FragmentCells) cells =
-      KERNEL_KEPT(last_cells, uvec2(fragment.x, fragment.y), fragment_cells(own, uintBitsToFloat(fragment.y)));
+      KERNEL_MEMOIZED(last_cells, uvec2(fragment.x, fragment.y), fragment_cells(own, uintBitsToFloat(fragment.y)));
   const vec2 first = vec2(uintBitsToFloat(fragment.z), uintBitsToFloat(fragment.w)) + cells.first;
   const float most_a_cell = most * cells.part;
   uint gain = 0u;
@@ -175,7 +175,7 @@ void gather_texel(int index, int map_offset) {
 #endif
     if (of_triangle.x > 0.0f && area > 0.0f) {
       KERNEL_CONST_REF(GainTriangle) own =
-          KERNEL_KEPT(last_triangle, uvec2(fragment.x, 0u),
+          KERNEL_MEMOIZED(last_triangle, uvec2(fragment.x, 0u),
                       gain_triangle(int(fragment.x), int(fragment.x) + map_offset));
       gain += fragment_gain(fragment, own, of_triangle.x * (area / surface.area) * kGainUnits);
     }

@@ -1,5 +1,6 @@
 // Lists the groups of texels that have anything to do in this step: those on which snow lies or which
 // have a triangle that faces the fall. All that the passes would do to the others is nothing.
+#include "lib/facing.h"
 #include "snow_shared.h"
 
 layout(local_size_x = 64) in;
@@ -15,15 +16,12 @@ uniform bool all_groups;
 layout(std430) buffer GroupStates { uint group_states[]; };
 layout(std430) buffer ActiveGroups { GroupListHeader active_header; uint active_groups[]; };
 
-/// Faces that are edge-on but for rounding may take snow.
-const float kEdgeOn = 1e-5;
-
 bool faces_the_fall(int group) {
   const int end = int(texelFetch(group_begin, group + 1).x);
   bool faces = false;
   for (int i = int(texelFetch(group_begin, group).x); i < end && !faces; ++i) {
     const int triangle = int(texelFetch(group_triangles, i).x);
-    faces = texelFetch(triangle_surface, triangle).x > -kEdgeOn;
+    faces = may_face_the_fall(texelFetch(triangle_surface, triangle).x);
   }
   return faces;
 }

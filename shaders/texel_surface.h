@@ -18,7 +18,7 @@ struct TexelSurface {
   float up;
 };
 
-KERNEL_MEMORY(TexelSurface, last_surface)
+KERNEL_MEMO(TexelSurface, last_surface)
 
 TexelSurface sum_of_fragments(int i, int end) {
   TexelSurface sum = KERNEL_MAKE2(TexelSurface, 0.0f, 0.0f);
@@ -42,7 +42,7 @@ TexelSurface surface_of(int begin, int end) {
   // Texels that lie in one triangle as wholes are alike.
   if (begin + 1 == end) {
     const uvec4 fragment = texelFetch(fragments, begin);
-    return KERNEL_KEPT(last_surface, uvec2(fragment.x, fragment.y), sum_of_fragments(begin, end));
+    return KERNEL_MEMOIZED(last_surface, uvec2(fragment.x, fragment.y), sum_of_fragments(begin, end));
   }
 #endif
   return sum_of_fragments(begin, end);

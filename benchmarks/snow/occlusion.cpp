@@ -8,7 +8,7 @@
 // size, one tenth as many. "large": 1,000 random triangles half a tile wide. "holes": a mask of 64
 // x 64 texels cuts every other texel out of each triangle. Times are the medians of repeated runs,
 // each with all pixels where the deposit reads them: in a buffer, or in memory.
-#include "snow/occlusion.h"
+#include "snow/step/gl/occlusion.h"
 
 #include <algorithm>
 #include <chrono>
@@ -24,7 +24,7 @@
 #include "gpu/gpu_thread.h"
 #include "snow/step/cpu/occlusion.h"
 #include "snow/step/cpu/triangle_setup.h"
-#include "snow/triangle_fall.h"
+#include "snow/step/gl/triangle_setup.h"
 
 namespace snowbough::snow {
 namespace {

@@ -207,6 +207,21 @@ GpuInfo read_info(const std::string& label) {
 
 }  // namespace
 
+std::string why_no_hardware() {
+  try {
+    require_libraries();
+  } catch (const std::runtime_error& error) {
+    return error.what();
+  }
+  const std::vector<Candidate> candidates = list_candidates();
+  const bool lists_devices = std::any_of(candidates.begin(), candidates.end(),
+                                         [](const Candidate& c) { return c.device != nullptr; });
+  const bool has_hardware =
+      std::any_of(candidates.begin(), candidates.end(),
+                  [](const Candidate& c) { return c.device != nullptr && !c.software; });
+  return lists_devices && !has_hardware ? "EGL lists no graphics hardware" : "";
+}
+
 bool is_software(std::string_view renderer) {
   return renderer.find("llvmpipe") != std::string_view::npos ||
          renderer.find("softpipe") != std::string_view::npos;

@@ -25,6 +25,10 @@ bool is_software(std::string_view renderer);
 /// Whether that of the current context does. GPU thread.
 bool renders_in_software();
 
+/// Why no context on graphics hardware can be had, as far as that is known without making one: no
+/// EGL or OpenGL library, or only software devices. Empty: there may be one.
+std::string why_no_hardware();
+
 /// An off-screen OpenGL 4.5 core context without a surface, current on the thread that made it.
 /// Creating and destroying it leaves every other context of the process alone.
 class EglContext {

@@ -2,9 +2,9 @@
 
 #include "bindings.h"
 #include "numpy_arrays.h"
-#include "snow/cpu_output.h"
-#include "snow/seam_table.h"
-#include "snow/texel_table.h"
+#include "snow/output/cpu_filter.h"
+#include "snow/seams/seam_table.h"
+#include "snow/texels/texel_table.h"
 
 namespace py = pybind11;
 
@@ -78,7 +78,7 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     // Only the surface's own texels count.
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
-    output = snow::CpuOutput(table, seams, plan)
+    output = snow::CpuFilter(table, seams, plan)
                  .run(std::move(owned), snow::surface_metrics(topology, points));
   }
   py::dict result;

@@ -3,6 +3,7 @@
 #include <glm/vec3.hpp>
 #include <optional>
 
+#include "base/thread_pool.h"
 #include "bindings.h"
 #include "numpy_arrays.h"
 #include "object_alpha.h"
@@ -16,12 +17,12 @@ namespace {
 
 using snow::SnowSimulation;
 
-snow::DepositMapping mapping_from(const std::string& name) {
+snow::gl::DepositMapping mapping_from(const std::string& name) {
   if (name == "COMPUTE") {
-    return snow::DepositMapping::kCompute;
+    return snow::gl::DepositMapping::kCompute;
   }
   if (name == "GEOMETRY") {
-    return snow::DepositMapping::kGeometry;
+    return snow::gl::DepositMapping::kGeometry;
   }
   throw std::invalid_argument("mapping must be COMPUTE or GEOMETRY, not " + name);
 }
@@ -31,7 +32,7 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                                 double slide_half_life, double blur_radius,
                                                 int64_t seed, const std::string& mapping,
                                                 int32_t tile_size, const std::string& device,
-                                                bool wait_for_gpu, bool processor_kernels) {
+                                                const std::string& engine, bool wait_for_gpu) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
                                     flutter,
@@ -41,9 +42,9 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                     static_cast<uint32_t>(seed),
                                     mapping_from(mapping),
                                     tile_size,
+                                    snow::engine_kind(engine),
                                     device,
-                                    wait_for_gpu,
-                                    processor_kernels};
+                                    wait_for_gpu};
   const py::gil_scoped_release release;
   return std::make_unique<SnowSimulation>(settings);
 }
@@ -240,6 +241,49 @@ py::dict memory_estimate(const SnowSimulation& simulation) {
   return dict;
 }
 
+py::dict engine_dict(const std::string& name, const std::string& driver,
+                     const std::string& reason) {
+  py::dict dict;
+  dict["name"] = name;
+  dict["driver"] = driver;
+  dict["reason"] = reason;
+  return dict;
+}
+
+/// Keeps an engine, and with it the driver that it has loaded, until it is closed.
+class HeldEngine {
+ public:
+  HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
+    const snow::EngineChoice::Wish wish{snow::engine_kind(engine), mapping_from(mapping), device};
+    const py::gil_scoped_release release;
+    base::start_thread_pool();
+    choice_ = std::make_unique<snow::EngineChoice>(wish);
+  }
+  HeldEngine(const HeldEngine&) = delete;
+  HeldEngine& operator=(const HeldEngine&) = delete;
+
+  py::dict info() {
+    if (choice_ == nullptr) throw std::runtime_error("the engine is closed: make a new Engine");
+    std::string name;
+    std::string driver;
+    {
+      const py::gil_scoped_release release;
+      const snow::Engine& engine = choice_->engine();
+      name = engine.name();
+      driver = engine.driver();
+    }
+    return engine_dict(name, driver, choice_->reason());
+  }
+
+  void close() {
+    const py::gil_scoped_release release;
+    choice_.reset();
+  }
+
+ private:
+  std::unique_ptr<snow::EngineChoice> choice_;
+};
+
 }  // namespace
 
 void bind_snow(py::module_& module) {
@@ -247,6 +291,20 @@ void bind_snow(py::module_& module) {
   py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
       .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");
+
+  py::class_<HeldEngine, HeldWithoutGil<HeldEngine>>(
+      module, "Engine",
+      "The engine that a simulation of these arguments would have (see SnowSimulation), begun and\n"
+      "held: simulations made meanwhile share its driver. A context manager: leaving it lets go.")
+      .def(py::init<const std::string&, const std::string&, const std::string&>(),
+           "engine"_a = "AUTO", "mapping"_a = "COMPUTE", "device"_a = "")
+      .def_property_readonly(
+          "info", &HeldEngine::info,
+          "As SnowSimulation.engine. Raises RuntimeError, saying what to do, where GL is asked for\n"
+          "and no OpenGL 4.5 context can be made.")
+      .def("close", &HeldEngine::close, "Lets go.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](HeldEngine& self, const py::args&) { self.close(); });
 
   using Holder = HeldWithoutGil<SnowSimulation>;
   py::class_<SnowSimulation, Holder>(
@@ -257,29 +315,39 @@ void bind_snow(py::module_& module) {
       "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
       "level\n"
       "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
-      "mapping: COMPUTE or GEOMETRY. tile_size (a power of two from 64 to 4096) and device change "
-      "neither result\n"
-      "nor units. wait_for_gpu: whether RuntimeError is raised here where there is no GPU; else "
-      "objects\n"
-      "can be added while the driver is being loaded, and the first call that needs it raises.\n"
-      "processor_kernels: whether COMPUTE's longest loops run on the processor where the driver is "
-      "a "
-      "software\n"
-      "renderer, which is faster; the result is the same but for the last bits of what slides.\n"
+      "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
+      "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
+      "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 to\n"
+      "4096) and device change neither result nor units; where a device is named, AUTO is GL.\n"
+      "wait_for_gpu: whether RuntimeError is raised here where the engine GL is asked for and not to\n"
+      "be had; else objects can be added while the driver is being loaded, and the first call that\n"
+      "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
                        double slide_half_life, double blur_radius, int64_t seed,
                        const std::string& mapping, int32_t tile_size, const std::string& device,
-                       bool wait_for_gpu, bool processor_kernels) {
+                       const std::string& engine, bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
                                            slide_half_life, blur_radius, seed, mapping, tile_size,
-                                           device, wait_for_gpu, processor_kernels)
+                                           device, engine, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
            "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "wait_for_gpu"_a = true,
-           "processor_kernels"_a = true)
+           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO",
+           "wait_for_gpu"_a = true)
+      .def_property_readonly(
+          "engine",
+          [](SnowSimulation& simulation) {
+            snow::EngineInfo info;
+            {
+              const py::gil_scoped_release release;
+              info = simulation.engine_info();
+            }
+            return engine_dict(info.name, info.driver, info.reason);
+          },
+          "What does the passes, waited for: a dict of 'name' (GL or CPU), 'driver' (what decides\n"
+          "about last bits) and 'reason' (why this one).")
       .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
            "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
            "blur_radius"_a = py::none(), "alpha"_a = py::none(),
@@ -338,12 +406,9 @@ void bind_snow(py::module_& module) {
           "Balance of the last step, under 'total' of all steps, and under 'objects' by receiver:\n"
           "volumes in m3, areas in m2.")
       .def("memory_estimate", &memory_estimate,
-           "What the simulation takes on the GPU, in bytes by kind, and as a line of text.")
-      .def(
-          "gpu_info", [](const SnowSimulation& self) { return self.gpu_info().renderer; },
-          "The renderer's name.")
+           "What the simulation takes, in bytes by kind, and as a line of text.")
       .def("close", &SnowSimulation::close, py::call_guard<py::gil_scoped_release>(),
-           "Releases everything on the GPU. Further calls raise RuntimeError.")
+           "Releases everything. Further calls raise RuntimeError.")
       .def(
           "__enter__", [](SnowSimulation& self) -> SnowSimulation& { return self; },
           py::return_value_policy::reference_internal)

@@ -4,7 +4,7 @@
 
 #include <string>
 
-#include "snow/alpha_mask.h"
+#include "snow/scene/alpha_mask.h"
 
 namespace snowbough::python {
 

@@ -8,7 +8,6 @@
 #include <stdexcept>
 
 #include "base/thread_pool.h"
-#include "snow/simulation_gpu.h"
 
 namespace snowbough::snow {
 
@@ -55,8 +54,9 @@ glm::dvec3 unit_fall(const glm::dvec3& direction) {
 SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(settings) {
   check_settings(settings);
   base::start_thread_pool();
-  thread_ = settings.wait_for_gpu ? gpu::GpuThread::shared(settings.device)
-                                  : gpu::GpuThread::begin(settings.device);
+  choice_ = std::make_unique<EngineChoice>(
+      EngineChoice::Wish{settings.engine, settings.mapping, settings.device});
+  if (settings.wait_for_gpu) choice_->engine();
 }
 
 SnowSimulation::~SnowSimulation() {
@@ -65,16 +65,13 @@ SnowSimulation::~SnowSimulation() {
 
 void SnowSimulation::close() {
   const std::scoped_lock lock(mutex_);
-  if (gpu_ != nullptr) {
-    thread_->run([this] { gpu_.reset(); });
-  }
-  thread_.reset();
+  choice_.reset();
   outputs_.clear();
   objects_.clear();
 }
 
 void SnowSimulation::require_open() const {
-  if (thread_ == nullptr) {
+  if (choice_ == nullptr) {
     throw std::runtime_error("the simulation is closed: make a new SnowSimulation");
   }
 }
@@ -87,23 +84,37 @@ std::vector<const SceneObject*> SnowSimulation::all_objects() const {
   return result;
 }
 
+Engine& SnowSimulation::engine() {
+  require_open();
+  return choice_->engine();
+}
+
 void SnowSimulation::build_scene() {
+  Engine& engine = choice_->engine();
   require_memory(estimate_memory(all_objects(), settings_.tile_size,
-                                 settings_.mapping == DepositMapping::kGeometry),
-                 available_memory(thread_->info()));
-  if (gpu_ == nullptr) {
-    gpu_ = std::make_unique<Gpu>();
-  }
-  gpu_->scene = SceneBuffers{};
-  gpu_->scene =
-      build_scene_buffers(all_objects(), thread_->info(),
-                          {kernels_on_processor(), settings_.mapping == DepositMapping::kGeometry});
+                                 settings_.mapping == gl::DepositMapping::kGeometry),
+                 engine.free_memory());
+  engine.build_scene(all_objects());
   for (auto& [name, object] : objects_) {
     object->moved = true;
   }
   scene_is_current_ = true;
   write_state(pending_state_);
+}
+
+void SnowSimulation::step_on(Engine& engine, const FrameStep& step) {
+  engine.run([&] {
+    if (!scene_is_current_) {
+      build_scene();
+    }
+    std::vector<SceneObject*> objects;
+    for (auto& [name, object] : objects_) {
+      objects.push_back(object.get());
+    }
+    run_step(engine, objects, step);
+  });
   pending_state_ = {};
+  choice_->settle();
 }
 
 void SnowSimulation::step(const PositionMap& positions, double depth, const glm::dvec3& direction,
@@ -116,30 +127,26 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   if (!std::isfinite(dt) || dt < 0.0) {
     refuse("step: dt must be 0 seconds or more");
   }
-  FrameStep::Input input;
-  input.fall = {unit_fall(direction),
+  FrameStep frame;
+  frame.fall = {unit_fall(direction),
                 settings_.pixel_size,
                 settings_.flutter * std::numbers::pi / 180.0,
                 settings_.noise_density,
                 depth,
                 settings_.seed,
                 step_number_};
-  input.stability = {static_cast<float>(settings_.max_depth),
+  frame.stability = {static_cast<float>(settings_.max_depth),
                      static_cast<float>(settings_.slide_half_life)};
-  input.dt = dt;
-  input.mapping = settings_.mapping;
-  input.tile_size = settings_.tile_size;
+  frame.dt = dt;
+  frame.tile_size = settings_.tile_size;
   take_positions(positions);
-  thread_->run([&] {
-    if (!scene_is_current_) {
-      build_scene();
-    }
-    std::vector<SceneObject*> objects;
-    for (auto& [name, object] : objects_) {
-      objects.push_back(object.get());
-    }
-    gpu_->frame_step.run(objects, gpu_->scene, input);
-  });
+  try {
+    step_on(engine(), frame);
+  } catch (const std::runtime_error& error) {
+    if (!choice_->may_fall_back()) throw;
+    scene_is_current_ = false;
+    step_on(choice_->fall_back(error.what()), frame);
+  }
   ++step_number_;
 }
 
@@ -186,11 +193,7 @@ std::vector<float> SnowSimulation::stored_height(const std::string& name) {
       map_memory_->take(static_cast<size_t>(resolution) * static_cast<size_t>(resolution));
   if (scene_is_current_) {
     const size_t object = index_of(name);
-    thread_->run([&] {
-      const SceneBuffers& scene = gpu_->scene;
-      const MapGroup& group = scene.groups[static_cast<size_t>(scene.group[object])];
-      group.read_height(scene.slot[object] - group.first_slot, heights);
-    });
+    engine().run([&] { choice_->engine().read_height(object, heights); });
     return heights;
   }
   std::fill(heights.begin(), heights.end(), 0.0f);
@@ -239,10 +242,6 @@ SnowStatistics SnowSimulation::statistics() {
   SnowStatistics statistics;
   statistics.step_number = step_number_;
   const SimulationState state = scene_is_current_ ? SimulationState{} : pending_state_;
-  std::vector<shared::ObjectSums> sums;
-  if (scene_is_current_) {
-    sums = thread_->run([&] { return gpu_->scene.sums.read_all<shared::ObjectSums>(); });
-  }
   size_t index = 0;
   for (const auto& [name, object] : objects_) {
     const size_t at = index++;
@@ -251,7 +250,7 @@ SnowStatistics SnowSimulation::statistics() {
     }
     shared::ObjectSums own{};
     if (scene_is_current_) {
-      own = sums[static_cast<size_t>(gpu_->scene.slot[at])];
+      choice_->engine().run([&] { own = choice_->engine().read_sums(at); });
     }
     for (const ObjectState& saved : state.objects) {
       if (saved.name == name) {
@@ -268,20 +267,20 @@ SnowStatistics SnowSimulation::statistics() {
 MemoryEstimate SnowSimulation::memory_estimate() const {
   const std::scoped_lock lock(mutex_);
   return estimate_memory(all_objects(), settings_.tile_size,
-                         settings_.mapping == DepositMapping::kGeometry);
+                         settings_.mapping == gl::DepositMapping::kGeometry);
 }
 
-const gpu::GpuInfo& SnowSimulation::gpu_info() const {
-  require_open();
-  return thread_->info();
+EngineInfo SnowSimulation::engine_info() {
+  const std::scoped_lock lock(mutex_);
+  const Engine& now = engine();
+  return {now.name(), now.driver(), choice_->reason()};
 }
 
 SimulationState SnowSimulation::read_state() {
   SimulationState state;
   state.step_number = step_number_;
-  thread_->run([&] {
-    const SceneBuffers& scene = gpu_->scene;
-    const auto sums = scene.sums.read_all<shared::ObjectSums>();
+  Engine& engine = choice_->engine();
+  engine.run([&] {
     size_t index = 0;
     for (const auto& [name, object] : objects_) {
       const size_t at = index++;
@@ -291,10 +290,9 @@ SimulationState SnowSimulation::read_state() {
       ObjectState saved;
       saved.name = name;
       saved.resolution = object->description.topology.resolution;
-      const MapGroup& group = scene.groups[static_cast<size_t>(scene.group[at])];
-      group.read_height(scene.slot[at] - group.first_slot, saved.height);
-      std::memcpy(saved.sums.data(), &sums[static_cast<size_t>(scene.slot[at])],
-                  sizeof(shared::ObjectSums));
+      engine.read_height(at, saved.height);
+      const shared::ObjectSums sums = engine.read_sums(at);
+      std::memcpy(saved.sums.data(), &sums, sizeof sums);
       state.objects.push_back(std::move(saved));
     }
   });
@@ -302,16 +300,14 @@ SimulationState SnowSimulation::read_state() {
 }
 
 void SnowSimulation::write_state(const SimulationState& state) {
-  SceneBuffers& scene = gpu_->scene;
+  Engine& engine = choice_->engine();
   for (const ObjectState& saved : state.objects) {
     const size_t at = index_of(saved.name);
-    MapGroup& group = scene.groups[static_cast<size_t>(scene.group[at])];
-    const int32_t slot = scene.slot[at];
-    group.write_height(slot - group.first_slot, saved.height);
-    scene.sums.write(int64_t{slot} * static_cast<int64_t>(sizeof(shared::ObjectSums)),
-                     sizeof(shared::ObjectSums), saved.sums.data());
+    engine.write_height(at, saved.height);
+    shared::ObjectSums sums;
+    std::memcpy(&sums, saved.sums.data(), sizeof sums);
+    engine.write_sums(at, sums);
   }
-  TexelGroupsPass::forget(scene);
 }
 
 SimulationState SnowSimulation::state() {
@@ -343,7 +339,7 @@ void SnowSimulation::set_state(const SimulationState& state) {
   }
   step_number_ = state.step_number;
   if (scene_is_current_) {
-    thread_->run([&] { write_state(state); });
+    choice_->engine().run([&] { write_state(state); });
   } else {
     pending_state_ = state;
   }

@@ -10,14 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "gpu/gpu_thread.h"
-#include "snow/frame_step.h"
-#include "snow/map_memory.h"
-#include "snow/map_output.h"
-#include "snow/memory_estimate.h"
-#include "snow/output_tables.h"
-#include "snow/scene_object.h"
-#include "snow/simulation_state.h"
+#include "snow/step/choose_engine.h"
+#include "snow/step/frame_step.h"
+#include "snow/output/map_memory.h"
+#include "snow/output/map_output.h"
+#include "snow/scene/memory_estimate.h"
+#include "snow/output/output_filter.h"
+#include "snow/scene/scene_object.h"
+#include "snow/scene/statistics.h"
+#include "snow/state/simulation_state.h"
 
 namespace snowbough::snow {
 
@@ -37,18 +38,27 @@ struct SimulationSettings {
   /// Sigma in metres of the blur of `output`; the stored map stays sharp.
   double blur_radius = 0.0;
   uint32_t seed = 0;
-  DepositMapping mapping = DepositMapping::kCompute;
+  gl::DepositMapping mapping = gl::DepositMapping::kCompute;
   /// Largest edge of an occlusion tile in pixels: a power of two from 64 to 4096. It changes memory
   /// and speed, never the result.
   int32_t tile_size = 2048;
+  /// Which engine does the passes; see EngineChoice.
+  EngineKind engine = EngineKind::kAuto;
   /// Which EGL device, see gpu::EglContext.
   std::string device;
-  /// Whether the constructor waits for the context and throws where there is none; else the first
+  /// Whether the constructor waits for the engine and throws where there is none; else the first
   /// call that needs it does, and objects come in while the driver is still being loaded.
   bool wait_for_gpu = true;
-  /// Whether the kernels of COMPUTE run on the processor where the driver is a software renderer,
-  /// which is faster, instead of as shaders; see snow/processor_kernel.h.
-  bool processor_kernels = true;
+};
+
+/// Which engine a simulation has.
+struct EngineInfo {
+  /// "GL" or "CPU".
+  std::string name;
+  /// What decides about last bits.
+  std::string driver;
+  /// Why this one: a sentence without its full stop.
+  std::string reason;
 };
 
 /// Positions of one object, N of them, in metres.
@@ -71,15 +81,15 @@ class OutputSnapshot {
   std::vector<float> stored_;
   std::vector<SurfaceMetric> metrics_;
   MapOutput done_;
-  std::shared_ptr<OutputTables> tables_;
+  std::shared_ptr<OutputFilter> filter_;
   std::shared_ptr<MapMemory> memory_;
 };
 
-/// Snow that accumulates on moving objects. All GL work happens on the GPU thread; calls from
-/// several threads are taken one at a time.
+/// Snow that accumulates on moving objects. Calls from several threads are taken one at a time.
 class SnowSimulation {
  public:
-  /// @throws std::invalid_argument for settings out of range, std::runtime_error without a GPU.
+  /// @throws std::invalid_argument for settings out of range, std::runtime_error where the engine
+  /// that is asked for is not to be had.
   explicit SnowSimulation(const SimulationSettings& settings);
   ~SnowSimulation();
   SnowSimulation(const SnowSimulation&) = delete;
@@ -125,7 +135,8 @@ class SnowSimulation {
   std::vector<std::string> receivers() const;
   SnowStatistics statistics();
   MemoryEstimate memory_estimate() const;
-  const gpu::GpuInfo& gpu_info() const;
+  /// What does the passes, and why; waits for it.
+  EngineInfo engine_info();
 
   /// What a checkpoint holds; positions are not part of it.
   SimulationState state();
@@ -140,42 +151,41 @@ class SnowSimulation {
   /// std::invalid_argument naming what differs.
   void restore(const std::string& path, bool any_driver);
 
-  /// Releases everything on the GPU. Further calls throw std::runtime_error.
+  /// Releases everything. Further calls throw std::runtime_error.
   void close();
 
  private:
-  struct Gpu;
-
   const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
   std::vector<float> stored_height(const std::string& name);
   std::vector<const SceneObject*> all_objects() const;
   void require_open() const;
   SceneObject make_object(ObjectDescription description);
-  /// Takes the maps and sums off the GPU, before the set of objects changes.
+  /// Takes the maps and sums off the engine, before the set of objects changes.
   void set_state_aside();
   void take_positions(const PositionMap& positions);
-  /// Builds the GPU's scene where objects came in since the last step; the maps keep their content.
+  /// Lays the engine's scene out anew; the maps keep their content.
   void build_scene();
+  void step_on(Engine& engine, const FrameStep& step);
   double blur_radius_of(const SceneObject& receiver) const;
-  bool outputs_on_processor() const;
-  bool kernels_on_processor() const;
+  Engine& engine();
   SimulationState read_state();
   void write_state(const SimulationState& state);
   size_t index_of(const std::string& name) const;
 
   SimulationSettings settings_;
   mutable std::mutex mutex_;
-  std::shared_ptr<gpu::GpuThread> thread_;
-  std::unique_ptr<Gpu> gpu_;
+  /// Null when closed.
+  std::unique_ptr<EngineChoice> choice_;
   /// By name: the drawing order.
   std::map<std::string, std::shared_ptr<SceneObject>> objects_;
   /// Alpha masks of all objects so far, so that equal ones are held once.
   std::vector<std::weak_ptr<const AlphaMask>> masks_;
-  OutputTableStore outputs_;
+  OutputFilterCache outputs_;
   std::shared_ptr<MapMemory> map_memory_ = std::make_shared<MapMemory>();
   bool scene_is_current_ = false;
   uint32_t step_number_ = 0;
-  /// Set before the scene is on the GPU: taken over when it is built.
+  /// Set before the engine has the scene: taken over when it is laid out, and kept until that
+  /// engine has done a step.
   SimulationState pending_state_;
 };
 

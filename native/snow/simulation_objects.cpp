@@ -4,7 +4,7 @@
 #include <cstring>
 #include <stdexcept>
 
-#include "snow/fragment_opacity.h"
+#include "snow/scene/fragment_opacity.h"
 #include "snow/simulation.h"
 
 namespace snowbough::snow {

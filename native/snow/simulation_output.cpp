@@ -2,12 +2,12 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
+#include <optional>
 #include <sstream>
 #include <stdexcept>
 
-#include "snow/checkpoint.h"
+#include "snow/state/checkpoint.h"
 #include "snow/simulation.h"
-#include "snow/simulation_gpu.h"
 
 namespace snowbough::snow {
 namespace {
@@ -37,7 +37,7 @@ std::string number(double value) {
 /// Lines "name=value" of all that decides about the bits of the result.
 std::string describe(const SimulationSettings& s,
                      const std::map<std::string, std::shared_ptr<SceneObject>>& objects,
-                     const gpu::GpuInfo& gpu, bool kernels_on_processor) {
+                     const Engine& engine) {
   std::string text;
   text += "pixel_size=" + number(s.pixel_size) + "\n";
   text += "noise_density=" + number(s.noise_density) + "\n";
@@ -46,11 +46,10 @@ std::string describe(const SimulationSettings& s,
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
-          (s.mapping == DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
+          (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
   // The first deposit shared pixels out among texels and was not written here.
   text += "deposit=gathered\n";
-  text += "driver=" + gpu.renderer + ", " + gpu.version +
-          (kernels_on_processor ? ", kernels on the processor" : "") + "\n";
+  text += "driver=" + engine.name() + ", " + engine.driver() + "\n";
   for (const auto& [name, object] : objects) {
     const MapTopology& topology = object->description.topology;
     uint64_t hash = digest(topology.triangles.data(), topology.triangles.size() * 4);
@@ -116,15 +115,6 @@ double SnowSimulation::blur_radius_of(const SceneObject& receiver) const {
   return own < 0.0 ? settings_.blur_radius : own;
 }
 
-bool SnowSimulation::outputs_on_processor() const {
-  return gpu::is_software(thread_->info().renderer);
-}
-
-bool SnowSimulation::kernels_on_processor() const {
-  return settings_.processor_kernels && settings_.mapping == DepositMapping::kCompute &&
-         gpu::is_software(thread_->info().renderer);
-}
-
 void SnowSimulation::prepare_output(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   require_open();
@@ -133,15 +123,15 @@ void SnowSimulation::prepare_output(const std::string& name) {
     throw std::invalid_argument(
         "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
   }
-  outputs_.begin(object, blur_radius_of(*object), outputs_on_processor());
+  outputs_.begin(object, blur_radius_of(*object), choice_->is_cpu());
 }
 
 MapOutput OutputSnapshot::output() {
   if (!stored_.empty()) {
-    return tables_->output_on_processor(std::move(stored_), metrics_);
+    return filter_->run(std::move(stored_), metrics_);
   }
   if (done_.normal.empty()) {
-    tables_->level(done_.height);
+    filter_->level(done_.height);
   }
   return std::move(done_);
 }
@@ -158,32 +148,29 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
     throw std::invalid_argument("object '" + name +
                                 "' has no positions yet: output is known after its first step");
   }
-  const std::shared_ptr<OutputTables> tables =
-      outputs_.get(object, blur_radius_of(*object), outputs_on_processor());
+  Engine& now = engine();
+  const std::shared_ptr<OutputFilter> filter =
+      outputs_.get(object, blur_radius_of(*object), choice_->is_cpu());
   const MapTopology& topology = object->description.topology;
   OutputSnapshot snapshot;
   snapshot.resolution_ = topology.resolution;
-  snapshot.tables_ = tables;
+  snapshot.filter_ = filter;
   if (with_normals) {
     const std::vector<glm::vec3> positions(object->positions.begin(),
                                            object->positions.begin() + topology.vertex_count);
     snapshot.metrics_ = surface_metrics(topology, positions);
   }
-  const auto fits = [&] {
-    return largest_output_buffer(object->table, tables->seams()) <=
-           thread_->info().max_storage_buffer_bytes;
-  };
-  if (outputs_on_processor() || !scene_is_current_ || !fits()) {
-    snapshot.stored_ = stored_height(name);
-    snapshot.memory_ = map_memory_;
+  std::optional<MapOutput> done;
+  if (scene_is_current_) {
+    const size_t at = index_of(name);
+    now.run([&] { done = now.filter_output(at, *filter, snapshot.metrics_); });
+  }
+  if (done) {
+    snapshot.done_ = std::move(*done);
     return snapshot;
   }
-  const size_t at = index_of(name);
-  snapshot.done_ = thread_->run([&] {
-    const MapGroup& group = gpu_->scene.groups[static_cast<size_t>(gpu_->scene.group[at])];
-    return tables->output_on_gpu(thread_->resource<OutputPasses>(), group.height,
-                                 gpu_->scene.slot[at] - group.first_slot, snapshot.metrics_);
-  });
+  snapshot.stored_ = stored_height(name);
+  snapshot.memory_ = map_memory_;
   return snapshot;
 }
 
@@ -192,7 +179,7 @@ void SnowSimulation::save(const std::string& path) {
   CheckpointData data;
   {
     const std::scoped_lock lock(mutex_);
-    data.settings_hash = describe(settings_, objects_, thread_->info(), kernels_on_processor());
+    data.description = describe(settings_, objects_, engine());
   }
   data.step_number = now.step_number;
   for (const ObjectState& object : now.objects) {
@@ -209,10 +196,8 @@ void SnowSimulation::restore(const std::string& path, bool any_driver) {
   CheckpointData data = load_checkpoint(path);
   {
     const std::scoped_lock lock(mutex_);
-    require_open();
-    const std::string changed = differences(
-        data.settings_hash, describe(settings_, objects_, thread_->info(), kernels_on_processor()),
-        any_driver);
+    const std::string changed =
+        differences(data.description, describe(settings_, objects_, engine()), any_driver);
     if (!changed.empty()) {
       throw std::invalid_argument(path +
                                   " belongs to another simulation; what differs: " + changed);

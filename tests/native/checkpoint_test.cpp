@@ -1,4 +1,4 @@
-#include "snow/checkpoint.h"
+#include "snow/state/checkpoint.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ class Checkpoint : public ::testing::Test {
 
 CheckpointData example() {
   CheckpointData data;
-  data.settings_hash = "9f86d081";
+  data.description = "9f86d081";
   data.step_number = 48;
   data.totals = {{"deposited_volume", 1.0 / 3.0}, {"slid_volume", 1e-300}};
   CheckpointMap map;
@@ -57,7 +57,7 @@ CheckpointData example() {
 TEST_F(Checkpoint, comesBackBitForBit) {
   save_checkpoint(path_, example());
   const CheckpointData data = load_checkpoint(path_);
-  EXPECT_EQ(data.settings_hash, "9f86d081");
+  EXPECT_EQ(data.description, "9f86d081");
   EXPECT_EQ(data.step_number, 48u);
   EXPECT_THAT(data.totals,
               ElementsAre(Pair("deposited_volume", 1.0 / 3.0), Pair("slid_volume", 1e-300)));

@@ -1,5 +1,5 @@
 // Which triangles decide whether a work group of texels has anything to do.
-#include "snow/group_triangles.h"
+#include "snow/scene/group_triangles.h"
 
 #include <gtest/gtest.h>
 
@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "shaders/snow_shared.h"
-#include "snow/surface_order.h"
+#include "snow/texels/texel_order.h"
 
 namespace snowbough::snow {
 namespace {
@@ -57,7 +57,7 @@ TEST(GroupTriangles, areThoseOnTheGroup) {
       SCOPED_TRACE(std::to_string(resolution) + (split ? ", two charts" : ", one chart"));
       const TexelTable table = build_texel_table(quads(16, resolution, split));
       ASSERT_EQ(table.chart_count, split ? 2 : 1);
-      const std::vector<int32_t> order = surface_order(table);
+      const std::vector<int32_t> order = texel_order(table);
       GroupTriangles groups;
       add_group_triangles(table, order, 0, groups);
       const auto wanted = expected(table, order);
@@ -70,7 +70,7 @@ TEST(GroupTriangles, areThoseOnTheGroup) {
 
 TEST(GroupTriangles, ofASecondReceiverFollowWithTheirOwnNumbers) {
   const TexelTable table = build_texel_table(quads(16, 64, false));
-  const std::vector<int32_t> order = surface_order(table);
+  const std::vector<int32_t> order = texel_order(table);
   GroupTriangles groups;
   add_group_triangles(table, order, 0, groups);
   add_group_triangles(table, order, 1000, groups);

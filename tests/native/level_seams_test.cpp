@@ -1,4 +1,4 @@
-#include "snow/level_seams.h"
+#include "snow/seams/seam_leveller.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,10 +7,10 @@
 #include <cmath>
 #include <random>
 
-#include "snow/charts.h"
-#include "snow/seam_factor.h"
-#include "snow/seam_gaps.h"
-#include "snow/seam_gradients.h"
+#include "snow/texels/charts.h"
+#include "snow/seams/least_squares.h"
+#include "snow/seams/seam_samples.h"
+#include "snow/seams/seam_gradients.h"
 #include "snow_layouts.h"
 
 namespace snowbough::snow {

@@ -1,4 +1,4 @@
-#include "snow/map_memory.h"
+#include "snow/output/map_memory.h"
 
 #include <gtest/gtest.h>
 

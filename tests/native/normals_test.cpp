@@ -1,4 +1,4 @@
-#include "snow/normals.h"
+#include "snow/output/normals.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -6,7 +6,7 @@
 #include <glm/mat2x2.hpp>
 
 #include "gpu/gpu_thread.h"
-#include "snow/normals_pass.h"
+#include "snow/output/gl/normals_pass.h"
 #include "snow_layouts.h"
 
 namespace snowbough::snow {

@@ -7,7 +7,7 @@
 #include <stdexcept>
 
 #include "gpu/buffer_writer.h"
-#include "snow/texel_groups.h"
+#include "snow/step/gl/texel_groups.h"
 #include "snow_bench.h"
 
 namespace snowbough::snow {

@@ -4,11 +4,11 @@
 #include <chrono>
 #include <random>
 
-#include "snow/charts.h"
-#include "snow/dilate.h"
-#include "snow/level_seams.h"
-#include "snow/seam_table.h"
-#include "snow/smoothing.h"
+#include "snow/texels/charts.h"
+#include "snow/output/dilate.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/seams/seam_table.h"
+#include "snow/output/smoothing.h"
 #include "snow_layouts.h"
 #include "snow_reference.h"
 

@@ -1,10 +1,10 @@
-#include "snow/seam_walk.h"
+#include "snow/seams/seam_walk.h"
 
 #include <gtest/gtest.h>
 
 #include <functional>
 
-#include "snow/surface_metric.h"
+#include "snow/seams/surface_metric.h"
 
 namespace snowbough::snow {
 namespace {

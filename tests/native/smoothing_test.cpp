@@ -1,4 +1,4 @@
-#include "snow/smoothing.h"
+#include "snow/output/smoothing.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -10,10 +10,10 @@
 #include <thread>
 
 #include "gpu/gpu_thread.h"
-#include "snow/cpu_output.h"
-#include "snow/dilate.h"
-#include "snow/output_tables.h"
-#include "snow/smoothing_pass.h"
+#include "snow/output/cpu_filter.h"
+#include "snow/output/dilate.h"
+#include "snow/output/output_filter.h"
+#include "snow/output/gl/smoothing_pass.h"
 #include "snow_layouts.h"
 #include "snow_reference.h"
 
@@ -246,7 +246,7 @@ std::vector<float> output_on_gpu(const Map& map, const SmoothingPlan& plan,
   });
 }
 
-TEST(OutputTables, onTheGpuGivesWhatTheProcessorGivesOnATube) {
+TEST(OutputFilter, onTheGpuGivesWhatTheProcessorGivesOnATube) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 128));
   const auto metrics = surface_metrics(map.mesh.topology, map.mesh.positions);
   const auto receiver = std::make_shared<SceneObject>();
@@ -257,7 +257,7 @@ TEST(OutputTables, onTheGpuGivesWhatTheProcessorGivesOnATube) {
   for (const float radius : {0.0f, 0.01f, 0.1f}) {
     const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
     const MapOutput expected = output_reference(map.table, map.seams, plan, stored, metrics);
-    OutputTables tables(receiver, radius, false);
+    OutputFilter tables(receiver, radius, false);
     const auto output = [&](const std::vector<SurfaceMetric>& wanted) {
       return gpu::GpuThread::shared()->run([&] {
         gpu::Texture maps(GL_R32F, 128, 128, 2);
@@ -330,7 +330,7 @@ void expect_fast_agrees(const Map& map, float radius, int32_t threads, uint32_t 
   const auto stored = random_map(map, seed);
   const auto metrics = surface_metrics(map.mesh.topology, map.mesh.positions);
   const MapOutput expected = output_reference(map.table, map.seams, plan, stored, metrics);
-  CpuOutput output(map.table, map.seams, plan, threads);
+  CpuFilter output(map.table, map.seams, plan, threads);
   const MapOutput made = output.run(stored, metrics);
   float worst = 0.0f;
   for (size_t i = 0; i < stored.size(); ++i) {
@@ -341,30 +341,30 @@ void expect_fast_agrees(const Map& map, float radius, int32_t threads, uint32_t 
   EXPECT_EQ(output.run(stored).height, made.height) << "a second run must not remember the first";
 }
 
-TEST(CpuOutput, agreesWithThePlainFilterOnATube) {
+TEST(CpuFilter, agreesWithThePlainFilterOnATube) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   for (const float radius : {0.0f, 0.004f, 0.01f, 0.1f}) expect_fast_agrees(map, radius, 2);
 }
 
-TEST(CpuOutput, agreesWithThePlainFilterOnTheBunny) {
+TEST(CpuFilter, agreesWithThePlainFilterOnTheBunny) {
   LaidOutMesh mesh = bunny();
   if (mesh.positions.empty()) GTEST_SKIP() << "shared/data/snow/stanford-bunny.obj is not there";
   const Map map = make_map(std::move(mesh));
   for (const uint32_t seed : {5, 6, 7, 8, 9}) expect_fast_agrees(map, 0.0006f, 2, seed);
 }
 
-TEST(CpuOutput, doesNotDependOnTheNumberOfThreads) {
+TEST(CpuFilter, doesNotDependOnTheNumberOfThreads) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.03f);
   const auto stored = random_map(map, 5);
-  const auto one = CpuOutput(map.table, map.seams, plan, 1).run(stored).height;
-  EXPECT_EQ(CpuOutput(map.table, map.seams, plan, 3).run(stored).height, one);
+  const auto one = CpuFilter(map.table, map.seams, plan, 1).run(stored).height;
+  EXPECT_EQ(CpuFilter(map.table, map.seams, plan, 3).run(stored).height, one);
 }
 
-TEST(CpuOutput, mapsMadeAtOnceAreWhatTheyAreAlone) {
+TEST(CpuFilter, mapsMadeAtOnceAreWhatTheyAreAlone) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 256));
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.03f);
-  CpuOutput output(map.table, map.seams, plan);
+  CpuFilter output(map.table, map.seams, plan);
   std::vector<std::vector<float>> stored;
   std::vector<std::vector<float>> expected;
   for (const uint32_t seed : {1, 2, 3, 4}) {
@@ -388,10 +388,10 @@ std::vector<float> patch_of(const Map& map, size_t first, size_t count) {
   return stored;
 }
 
-TEST(CpuOutput, patchesOfSnowSpreadLikeThePlainFilterAlsoAcrossSeams) {
+TEST(CpuFilter, patchesOfSnowSpreadLikeThePlainFilterAlsoAcrossSeams) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 320));
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.06f);
-  CpuOutput output(map.table, map.seams, plan);
+  CpuFilter output(map.table, map.seams, plan);
   const size_t texels = map.table.texel.size();
   for (size_t first = 0; first + 3 < texels; first += texels / 8) {
     const auto stored = patch_of(map, first, 3);
@@ -404,13 +404,13 @@ TEST(CpuOutput, patchesOfSnowSpreadLikeThePlainFilterAlsoAcrossSeams) {
   }
 }
 
-TEST(CpuOutput, nothingStaysWhereSnowIsGone) {
+TEST(CpuFilter, nothingStaysWhereSnowIsGone) {
   const Map map = make_map(cylinder(24, 8, 0.5f, 2.0f, 512));
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.06f);
-  CpuOutput output(map.table, map.seams, plan);
+  CpuFilter output(map.table, map.seams, plan);
   output.run(random_map(map, 5));
   const auto patch = patch_of(map, map.table.texel.size() / 2, 100);
-  EXPECT_EQ(output.run(patch).height, CpuOutput(map.table, map.seams, plan).run(patch).height);
+  EXPECT_EQ(output.run(patch).height, CpuFilter(map.table, map.seams, plan).run(patch).height);
   const std::vector<float> bare(patch.size(), 0.0f);
   EXPECT_EQ(output.run(bare).height, bare);
 }
@@ -421,7 +421,7 @@ TEST(MapOutput, timeOfAFullMapOf1024) {
   const SmoothingPlan plan = plan_smoothing(map.table, map.seams, 0.02f);
   EXPECT_EQ(plan.passes, 1);
   EXPECT_EQ(plan.closing_passes, 2);
-  CpuOutput output(map.table, map.seams, plan);
+  CpuFilter output(map.table, map.seams, plan);
   std::vector<float> expected;
   for (int i = 0; i < 4; ++i) {
     const auto start = std::chrono::steady_clock::now();

@@ -5,10 +5,10 @@
 #include <glm/vec4.hpp>
 
 #include "gpu/gpu_thread.h"
-#include "snow/memory_estimate.h"
-#include "snow/occlusion.h"
-#include "snow/scene_buffers.h"
-#include "snow/triangle_fall.h"
+#include "snow/scene/memory_estimate.h"
+#include "snow/step/gl/occlusion.h"
+#include "snow/step/gl/scene_buffers.h"
+#include "snow/step/gl/triangle_setup.h"
 
 namespace snowbough::snow {
 namespace {

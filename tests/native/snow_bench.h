@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "snow/frame_step.h"
-#include "snow/scene_buffers.h"
+#include "snow/step/frame_step.h"
+#include "snow/step/gl/scene_buffers.h"
 
 namespace snowbough::snow {
 

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "snow/texel_table.h"
+#include "snow/texels/texel_table.h"
 
 // Meshes with snow layouts for the tests of seams, smoothing and normals.
 namespace snowbough::snow {

@@ -7,12 +7,12 @@
 #include <numbers>
 
 #include "gpu/gpu_thread.h"
-#include "snow/frame_step.h"
-#include "snow/level_seams.h"
-#include "snow/memory_estimate.h"
-#include "snow/scene_buffers.h"
+#include "snow/step/frame_step.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/scene/memory_estimate.h"
+#include "snow/step/gl/scene_buffers.h"
 #include "snow/simulation.h"
-#include "snow/texel_groups.h"
+#include "snow/step/gl/texel_groups.h"
 #include "snow_bench.h"
 #include "snow_layouts.h"
 

@@ -2,12 +2,12 @@
 
 #include <vector>
 
-#include "snow/dilate.h"
-#include "snow/level_seams.h"
-#include "snow/map_output.h"
-#include "snow/normals.h"
-#include "snow/seam_table.h"
-#include "snow/smoothing.h"
+#include "snow/output/dilate.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/output/map_output.h"
+#include "snow/output/normals.h"
+#include "snow/seams/seam_table.h"
+#include "snow/output/smoothing.h"
 
 // Smoothing in its plainest form: what the fast ones are compared with.
 namespace snowbough::snow {

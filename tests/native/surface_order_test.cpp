@@ -1,5 +1,5 @@
 // The order of a receiver's texels on the GPU.
-#include "snow/surface_order.h"
+#include "snow/texels/texel_order.h"
 
 #include <gtest/gtest.h>
 
@@ -14,7 +14,7 @@ TEST(SurfaceOrder, GoesByChartThenBySquareThenByTheTablesOwnOrder) {
   table.texel = {3, 4, 40, 64 + 3, 33 * 64 + 3};
   table.chart = {0, 1, 0, 0, 0};
   table.fragment_begin = {0, 1, 2, 3, 4, 5};
-  EXPECT_EQ(surface_order(table), (std::vector<int32_t>{0, 3, 2, 4, 1}));
+  EXPECT_EQ(texel_order(table), (std::vector<int32_t>{0, 3, 2, 4, 1}));
 }
 
 TEST(SurfaceOrder, PutsTexelsOfFewFragmentsFirstInTheirWorkGroup) {
@@ -31,7 +31,7 @@ TEST(SurfaceOrder, PutsTexelsOfFewFragmentsFirstInTheirWorkGroup) {
   for (int32_t i = 0; i <= 33 * 32; ++i) {
     table.fragment_begin.push_back(i + (i > 5 ? 1 : 0) + (i > 1024 + 7 ? 1 : 0));
   }
-  const std::vector<int32_t> order = surface_order(table);
+  const std::vector<int32_t> order = texel_order(table);
   EXPECT_EQ(order[4], 4);
   EXPECT_EQ(order[5], 6);
   EXPECT_EQ(order[1023], 5);
@@ -42,7 +42,7 @@ TEST(SurfaceOrder, PutsTexelsOfFewFragmentsFirstInTheirWorkGroup) {
 TEST(SurfaceOrder, OfNothingIsNothing) {
   TexelTable table;
   table.resolution = 64;
-  EXPECT_TRUE(surface_order(table).empty());
+  EXPECT_TRUE(texel_order(table).empty());
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "snow/texel_table.h"
+#include "snow/texels/texel_table.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "snow/charts.h"
+#include "snow/texels/charts.h"
 
 namespace snowbough::snow {
 namespace {

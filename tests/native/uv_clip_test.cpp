@@ -1,4 +1,4 @@
-#include "snow/uv_clip.h"
+#include "snow/texels/uv_clip.h"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 #include <glm/vec4.hpp>
 
 #include "shaders/lib/occlusion_pixel.h"
-#include "snow/fall_grid.h"
+#include "snow/scene/projection.h"
 
 namespace snowbough::snow::cpu {
 

@@ -5,7 +5,7 @@
 
 #include "base/thread_pool.h"
 #include "shaders/snow_shared.h"
-#include "snow/fall_grid.h"
+#include "snow/scene/projection.h"
 #include "snow/step/cpu/occlusion_scene.h"
 #include "snow/step/cpu/triangle_bins.h"
 

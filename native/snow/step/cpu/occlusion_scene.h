@@ -5,7 +5,7 @@
 #include <span>
 
 #include "shaders/snow_shared.h"
-#include "snow/triangle_range.h"
+#include "snow/scene/triangle_range.h"
 
 namespace snowbough::snow::cpu {
 

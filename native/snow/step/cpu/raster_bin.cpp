@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "shaders/lib/occlusion_pixel.h"
-#include "snow/processor_kernel.h"
+#include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/grid_triangle.h"
 #include "snow/step/cpu/triangle_bins.h"
 
@@ -53,7 +53,7 @@ void store(const BinPixels& bin, const SeenPixels& pixels) {
     const uint32_t* seen = bin.seen + y * kBinSize;
     const float* depth = bin.depth + y * kBinSize;
     for (int32_t x = 0; x < size.x; ++x) {
-      row[x] = {seen[x], seen[x] != 0 ? depth[x] : 0.0f};
+      row[x] = {seen[x], seen[x] != 0 ? depth[x] : shared::kOpenSky};
     }
   }
 }

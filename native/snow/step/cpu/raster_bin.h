@@ -5,7 +5,7 @@
 #include <span>
 
 #include "shaders/snow_shared.h"
-#include "snow/fall_grid.h"
+#include "snow/scene/projection.h"
 #include "snow/step/cpu/draw_list.h"
 #include "snow/step/cpu/occlusion_scene.h"
 

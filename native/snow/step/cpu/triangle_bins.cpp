@@ -8,7 +8,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "snow/processor_kernel.h"
+#include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/grid_triangle.h"
 
 namespace snowbough::snow::cpu {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "snow/fall_grid.h"
+#include "snow/scene/projection.h"
 #include "snow/step/cpu/draw_list.h"
 
 namespace snowbough::snow::cpu {

@@ -7,7 +7,7 @@
 
 #include "base/parallel_for.h"
 #include "shaders/lib/triangle_setup.h"
-#include "snow/processor_kernel.h"
+#include "snow/step/cpu/kernel.h"
 
 namespace snowbough::snow::cpu {
 namespace {

@@ -1,0 +1,62 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+
+#include "gpu/program.h"
+#include "gpu/resources.h"
+#include "snow/seams/seam_table.h"
+#include "snow/output/smoothing.h"
+#include "snow/texels/texel_table.h"
+
+namespace snowbough::snow {
+
+/// Invocations of a work group of the passes that make output.
+inline constexpr int32_t kOutputGroup = 64;
+
+/// Bytes of the largest storage buffer that output on the GPU would need for this map.
+int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams);
+
+/// WeightedRows on the GPU, with the place that each row's sum goes to.
+struct RowBuffers {
+  int32_t count = 0;
+  gpu::Buffer begin;
+  gpu::Buffer source;
+  gpu::Buffer weight;
+  gpu::Buffer target;
+};
+
+/// A receiver's tables and working arrays on the GPU.
+struct OutputBuffers {
+  /// What one axis needs: see TexelLines. Two arrays take turns as source and target.
+  struct Lines {
+    int32_t length = 0;
+    gpu::Buffer place;
+    std::array<gpu::Buffer, 2> line;
+    int32_t current = 0;
+    RowBuffers ghosts;
+  };
+  int32_t texel_count = 0;
+  int32_t resolution = 0;
+  int32_t passes = 0;
+  int32_t closing_passes = 0;
+  gpu::Buffer texel;
+  gpu::Buffer level;
+  gpu::Buffer filter_levels;
+  Lines u;
+  Lines v;
+  RowBuffers dilation;
+  /// The output heights, resolution^2 floats.
+  gpu::Buffer map;
+  /// vec4 an owned texel.
+  gpu::Buffer normals;
+};
+
+/// Uploads a receiver's tables. GPU thread.
+OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
+                                  const SmoothingPlan& plan);
+
+/// Binds both axes' places and the arrays that hold the heights now: PlaceU, PlaceV, LineU, LineV.
+void bind_lines(gpu::Program& program, const OutputBuffers& buffers);
+
+}  // namespace snowbough::snow

@@ -1,0 +1,142 @@
+#include "snow/output/output_filter.h"
+
+#include <algorithm>
+#include <exception>
+
+
+namespace snowbough::snow {
+
+OutputFilter::OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius,
+                           bool on_processor)
+    : receiver_(std::move(receiver)), blur_radius_(blur_radius), on_processor_(on_processor) {}
+
+void OutputFilter::build() {
+  std::call_once(built_, [this] {
+    const MapTopology& topology = receiver_->description.topology;
+    const std::vector<glm::vec3>& rest = receiver_->description.rest;
+    seams_ = build_seam_table(topology, receiver_->table,
+                              {rest.begin(), rest.begin() + topology.vertex_count});
+    plan_ = plan_smoothing(receiver_->table, seams_, static_cast<float>(blur_radius_));
+    if (on_processor_) {
+      make_cpu_filter();
+    } else {
+      make_leveller();
+    }
+  });
+}
+
+void OutputFilter::make_cpu_filter() {
+  cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_, plan_);
+}
+
+void OutputFilter::make_leveller() {
+  const bool is_smoothed = plan_.closing_passes > 0;
+  leveller_ = std::make_unique<SeamLeveller>(is_smoothed ? seams_.levelling : SeamLevelling());
+}
+
+const SeamTable& OutputFilter::seams() {
+  build();
+  return seams_;
+}
+
+const SmoothingPlan& OutputFilter::plan() {
+  build();
+  return plan_;
+}
+
+MapOutput OutputFilter::run(std::vector<float> stored,
+                                            const std::vector<SurfaceMetric>& metrics) {
+  build();
+  {
+    const std::scoped_lock lock(making_);
+    if (cpu_filter_ == nullptr) {
+      make_cpu_filter();
+    }
+  }
+  return cpu_filter_->run(std::move(stored), metrics);
+}
+
+void OutputFilter::level(std::vector<float>& map) {
+  build();
+  const std::scoped_lock lock(making_);
+  if (leveller_ == nullptr) {
+    make_leveller();
+  }
+  leveller_->run(map);
+}
+
+OutputFilterCache::~OutputFilterCache() {
+  clear();
+  {
+    const std::scoped_lock lock(mutex_);
+    stopping_ = true;
+  }
+  wake_.notify_all();
+  for (std::thread& worker : workers_) {
+    worker.join();
+  }
+}
+
+std::shared_ptr<OutputFilter> OutputFilterCache::get(
+    const std::shared_ptr<const SceneObject>& receiver, double blur_radius, bool on_processor) {
+  std::shared_ptr<OutputFilter>& known = filters_[receiver->description.name];
+  if (known == nullptr) {
+    known = std::make_shared<OutputFilter>(receiver, blur_radius, on_processor);
+  }
+  return known;
+}
+
+void OutputFilterCache::begin(const std::shared_ptr<const SceneObject>& receiver, double blur_radius,
+                             bool on_processor) {
+  if (filters_.contains(receiver->description.name)) {
+    return;
+  }
+  const size_t most_workers = std::max(std::thread::hardware_concurrency(), 1u);
+  {
+    const std::scoped_lock lock(mutex_);
+    waiting_.push_back(get(receiver, blur_radius, on_processor));
+    if (idle_ < waiting_.size() && workers_.size() < most_workers) {
+      workers_.emplace_back([this] { work(); });
+    }
+  }
+  wake_.notify_one();
+}
+
+void OutputFilterCache::forget(const std::string& name) {
+  const auto found = filters_.find(name);
+  if (found == filters_.end()) {
+    return;
+  }
+  const std::scoped_lock lock(mutex_);
+  std::erase(waiting_, found->second);
+  filters_.erase(found);
+}
+
+void OutputFilterCache::clear() {
+  const std::scoped_lock lock(mutex_);
+  waiting_.clear();
+  filters_.clear();
+}
+
+void OutputFilterCache::work() {
+  std::unique_lock lock(mutex_);
+  while (true) {
+    ++idle_;
+    wake_.wait(lock, [this] { return stopping_ || !waiting_.empty(); });
+    --idle_;
+    if (stopping_) {
+      return;
+    }
+    const std::shared_ptr<OutputFilter> next = waiting_.front();
+    waiting_.pop_front();
+    lock.unlock();
+    try {
+      next->build();
+    } catch (const std::exception&) {
+      // Whoever asks for the filter tries again and gets the exception.
+    }
+    lock.lock();
+  }
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <string>
+#include <vector>
+
+#include "snow/scene/alpha_mask.h"
+#include "snow/scene/projection.h"
+#include "snow/texels/texel_table.h"
+
+namespace snowbough::snow {
+
+/// What add_object gets: a mesh whose topology stays the same until replace_object gives it
+/// another.
+struct ObjectDescription {
+  /// Unique; objects are drawn in the order of their names, whatever the order of adding.
+  std::string name;
+  /// Triangles and texture coordinates (these only matter for receivers) and the map's resolution.
+  MapTopology topology;
+  /// Gathers snow on a map of its own. A receiver always occludes, too.
+  bool receive = true;
+  /// Keeps snow from what is behind it.
+  bool occlude = true;
+  /// Where snow falls through the object.
+  ObjectAlpha alpha;
+  /// Positions in metres of the pose in which output measures distances across seams and for the
+  /// blur; empty: those of the object's first step. A simulation that goes on from a checkpoint
+  /// takes the pose that the first one began with, so that it ends with the same output.
+  std::vector<glm::vec3> rest;
+  /// Sigma in metres of the blur of this object's output; negative: the simulation's.
+  double blur_radius = -1.0;
+};
+
+/// An object as the simulation holds it.
+struct SceneObject {
+  ObjectDescription description;
+  /// Receivers only.
+  TexelTable table;
+  /// See fragment_opacity.h; empty: opaque.
+  std::vector<float> fragment_opacity;
+  /// Current world positions in metres; empty before the first step that names the object.
+  std::vector<glm::vec3> positions;
+  Bounds bounds;
+  /// Positions changed since the last step.
+  bool moved = true;
+
+  int32_t triangle_count() const {
+    return static_cast<int32_t>(description.topology.triangles.size() / 3);
+  }
+};
+
+}  // namespace snowbough::snow

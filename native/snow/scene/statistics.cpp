@@ -1,0 +1,43 @@
+#include "snow/scene/statistics.h"
+
+namespace snowbough::snow {
+namespace {
+
+void add(SnowBalance& sum, const SnowBalance& other) {
+  sum.deposited_volume += other.deposited_volume;
+  sum.slid_volume += other.slid_volume;
+  sum.held_volume += other.held_volume;
+  sum.stretched_volume += other.stretched_volume;
+  sum.visible_area += other.visible_area;
+  sum.back_face_area += other.back_face_area;
+}
+
+}  // namespace
+
+StatisticsPair balance_of(const shared::ObjectSums& sums) {
+  StatisticsPair pair;
+  SnowBalance& step = pair.step;
+  step.deposited_volume = sums.deposited;
+  step.slid_volume = sums.slid;
+  step.held_volume = sums.held;
+  step.stretched_volume = sums.held - (sums.held_before + sums.deposited - sums.slid);
+  step.visible_area = sums.visible_area;
+  step.back_face_area = sums.back_face_area;
+
+  SnowBalance& total = pair.total;
+  total.deposited_volume = sums.total_deposited;
+  total.slid_volume = sums.total_slid;
+  total.held_volume = sums.held;
+  total.stretched_volume = sums.total_stretched;
+  total.visible_area = sums.total_visible_area;
+  // Back faces have no total of their own: what counts is whether they show now.
+  total.back_face_area = step.back_face_area;
+  return pair;
+}
+
+void add_balance(StatisticsPair& sum, const StatisticsPair& other) {
+  add(sum.step, other.step);
+  add(sum.total, other.total);
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,316 @@
+#include "snow/seams/seam_leveller.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+#include <utility>
+
+#include "snow/seams/seam_gradients.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// How much a change of the map counts beside a difference that is left: in the first problem (both
+/// in metres), then in the second (both parts of the height).
+constexpr float kDamping = 0.05f;
+constexpr float kFineDamping = 0.0015f;
+/// What part of the height at a seam the sides may differ by, what the second problem is solved
+/// again for, and how much more makes a texel take part fully; heights under least_height count as
+/// that.
+constexpr float kLevelWithin = 0.005f;
+constexpr float kLevelAgain = 0.01f;
+constexpr float kLevelFade = 0.01f;
+/// What a factor may take, in multiplications: the one that is made once, about two seconds, and
+/// the one that is made for every map.
+constexpr int64_t kMostWork = int64_t{1} << 29;
+constexpr int64_t kMostFineWork = int64_t{1} << 26;
+/// How often the second problem is solved again at most, each time for what is still too far apart:
+/// what suits the thinnest snow drives thicker snow beside it apart again.
+constexpr int32_t kMostRepeats = 4;
+/// Rounds in place of a factor.
+constexpr int32_t kRounds = 20;
+constexpr int32_t kFineRounds = 30;
+/// In the first problem, changes below this part of least_height are not followed on.
+constexpr float kNegligible = 1e-5f;
+
+/// Gives the points' texels new numbers, up to the last, which stays.
+void renumber(std::vector<SeamRow>& points, const std::vector<int32_t>& number) {
+  std::array<std::pair<int32_t, float>, kSeamTerms> terms;
+  for (SeamRow& point : points) {
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      terms[t] = {number[point.source[t]], point.weight[t]};
+    }
+    std::sort(terms.begin(), terms.end());
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      std::tie(point.source[t], point.weight[t]) = terms[t];
+    }
+  }
+}
+
+}  // namespace
+
+SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
+    : texel_(levelling.texel),
+      unknowns_(levelling.unknowns),
+      least_height_(levelling.least_height),
+      points_(levelling.points),
+      heights_(texel_.size() + 1, 0.0f),
+      limits_(texel_.size() + 1, 0.0f),
+      marks_(texel_.size() + 1, 0.0f),
+      fine_number_(texel_.size(), -1) {
+  std::vector<int32_t> number(texel_.size() + 1);
+  std::iota(number.begin(), number.end(), 0);
+  renumber(points_, number);
+  const std::vector<int32_t> order = SeamFactor::elimination_order(points_, unknowns_);
+  for (int32_t k = 0; k < unknowns_; ++k) {
+    number[order[k]] = k;
+    texel_[k] = levelling.texel[order[k]];
+  }
+  renumber(points_, number);
+  const auto own_end = levelling.texel.begin() + unknowns_;
+  for (auto i = static_cast<size_t>(unknowns_); i < texel_.size(); ++i) {
+    const auto own = std::lower_bound(levelling.texel.begin(), own_end, texel_[i]);
+    if (own == own_end || *own != texel_[i]) continue;
+    foreign_.emplace_back(static_cast<int32_t>(i), number[own - levelling.texel.begin()]);
+  }
+  looker_begin_.assign(static_cast<size_t>(unknowns_) + 2, 0);
+  const auto for_each_look = [&](const auto& visit) {
+    for (size_t p = 0; p < points_.size(); ++p) {
+      for (const int32_t texel : points_[p].source) {
+        if (texel < unknowns_) visit(texel, static_cast<int32_t>(p));
+      }
+    }
+  };
+  // Shifted by one place, so that the second walk leaves the beginnings where they belong.
+  for_each_look([&](int32_t texel, int32_t) { ++looker_begin_[texel + 2]; });
+  std::partial_sum(looker_begin_.begin(), looker_begin_.end(), looker_begin_.begin());
+  lookers_.resize(static_cast<size_t>(looker_begin_.back()));
+  for_each_look([&](int32_t texel, int32_t p) { lookers_[looker_begin_[texel + 1]++] = p; });
+  sight_of_.assign(points_.size(), -1);
+  factorised_ = factor_.compute(points_, unknowns_, kDamping, kMostWork);
+  factor_.shrink();
+}
+
+inline SeamLeveller::Sight SeamLeveller::look_at(int32_t point) const {
+  const SeamRow& row = points_[point];
+  Sight sight{point, true, false, 0.0f, 0.0f};
+  for (int32_t t = 0; t < kSeamTerms; ++t) {
+    const float part = row.weight[t] * heights_[row.source[t]];
+    sight.gap += part;
+    sight.height += std::fabs(part);
+  }
+  return sight;
+}
+
+void SeamLeveller::level_all() {
+  values_.assign(heights_.size(), 0.0f);
+  std::fill(limits_.begin(), limits_.end(), 0.0f);
+  for (const Sight& sight : seen_) sight_of_[sight.point] = -1;
+  seen_.clear();
+  foreign_sights_.clear();
+  for (size_t p = 0; p < points_.size(); ++p) {
+    const Sight sight = look_at(static_cast<int32_t>(p));
+    if (sight.height == 0.0f) continue;
+    const auto at = static_cast<int32_t>(seen_.size());
+    const SeamRow& point = points_[p];
+    seen_.push_back(sight);
+    sight_of_[p] = at;
+    if (looks_at_foreign(point)) foreign_sights_.push_back(at);
+    float limit = 0.0f;
+    for (const int32_t texel : point.source) limit = std::max(limit, heights_[texel]);
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      values_[point.source[t]] += point.weight[t] * sight.gap;
+      limits_[point.source[t]] = std::max(limits_[point.source[t]], limit);
+    }
+  }
+  values_.resize(static_cast<size_t>(unknowns_));
+  if (factorised_) {
+    factor_.solve(values_, kNegligible * least_height_);
+  } else {
+    solve_by_gradients(points_, static_cast<int32_t>(heights_.size()), kDamping, kRounds, values_);
+  }
+  for (int32_t i = 0; i < unknowns_; ++i) {
+    heights_[i] = std::clamp(heights_[i] - values_[i], 0.0f, limits_[i]);
+  }
+}
+
+/// Other charts' texels change on their own charts' account.
+void SeamLeveller::refresh_foreign() {
+  for (const auto& [foreign, own] : foreign_) heights_[foreign] = heights_[own];
+}
+
+/// Marks the texels that change for a point whose sides differ by more than a part `within` of the
+/// height, and takes the points that look at a marked texel.
+void SeamLeveller::mark(float within) {
+  for (const int32_t texel : marked_) marks_[texel] = 0.0f;
+  marked_.clear();
+  if (within == marked_within_) {
+    // What has not changed since then has no mark now either: what had one has changed.
+    for (const int32_t at : unsettled_) mark_for(seen_[at], within);
+  } else {
+    for (Sight& sight : seen_) mark_for(sight, within);
+  }
+  marked_within_ = within;
+  std::sort(marked_.begin(), marked_.end());
+  take_points();
+}
+
+void SeamLeveller::mark_for(Sight& sight, float within) {
+  if (sight.may_differ) {
+    sight = look_at(sight.point);
+    sight.height = std::max(0.5f * sight.height, least_height_);
+  }
+  const float over = std::fabs(sight.gap) / sight.height - within;
+  const float mark = std::min(over / kLevelFade, 1.0f);
+  if (mark <= 0.0f) return;
+  for (const int32_t texel : points_[sight.point].source) {
+    if (texel >= unknowns_) continue;
+    if (marks_[texel] == 0.0f) marked_.push_back(texel);
+    marks_[texel] = std::max(marks_[texel], mark);
+  }
+}
+
+void SeamLeveller::take_points() {
+  looked_on_.clear();
+  for (const int32_t texel : marked_) {
+    for (int32_t k = looker_begin_[texel]; k < looker_begin_[texel + 1]; ++k) {
+      const int32_t at = sight_of_[lookers_[k]];
+      if (at < 0 || std::exchange(seen_[at].is_noted, true)) continue;
+      looked_on_.push_back(at);
+    }
+  }
+  std::sort(looked_on_.begin(), looked_on_.end());
+  for (const int32_t at : unsettled_) seen_[at].may_differ = false;
+  fine_points_.clear();
+  for (const int32_t at : looked_on_) {
+    Sight& sight = seen_[at];
+    float share = 0.0f;
+    for (const int32_t texel : points_[sight.point].source) share = std::max(share, marks_[texel]);
+    fine_points_.push_back({sight.point, share / sight.height});
+    sight.is_noted = false;
+  }
+  unsettled_ = looked_on_;
+  unsettled_.insert(unsettled_.end(), foreign_sights_.begin(), foreign_sights_.end());
+  for (const int32_t at : unsettled_) seen_[at].may_differ = true;
+}
+
+inline bool SeamLeveller::looks_at_foreign(const SeamRow& point) const {
+  const auto none = static_cast<int32_t>(texel_.size());
+  return std::any_of(point.source.begin(), point.source.end(),
+                     [&](int32_t texel) { return texel >= unknowns_ && texel < none; });
+}
+
+/// By how much one unit of the second problem changes a texel's height.
+inline float SeamLeveller::fine_reach(int32_t texel) const {
+  return marks_[texel] * (heights_[texel] + least_height_);
+}
+
+/// Writes down the second problem for the texels that have a mark.
+void SeamLeveller::assemble() {
+  fine_texels_.clear();
+  for (const int32_t i : marked_) {
+    if (marks_[i] == 0.0f) continue;
+    fine_number_[i] = static_cast<int32_t>(fine_texels_.size());
+    fine_texels_.push_back(i);
+  }
+  values_.assign(fine_texels_.size(), 0.0f);
+  fine_rows_.clear();
+  for (const FinePoint& fine : fine_points_) {
+    const SeamRow& point = points_[fine.point];
+    const float gap = fine.share * look_at(fine.point).gap;
+    SeamRow row;
+    row.source.fill(static_cast<int32_t>(fine_texels_.size()));
+    int32_t count = 0;
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      const int32_t i = point.source[t];
+      if (marks_[i] == 0.0f) continue;
+      const float weight = fine.share * point.weight[t] * fine_reach(i);
+      row.source[count] = fine_number_[i];
+      row.weight[count++] = weight;
+      values_[fine_number_[i]] += weight * gap;
+    }
+    if (count > 0) fine_rows_.push_back(row);
+  }
+}
+
+/// Returns whether the solution is exact.
+bool SeamLeveller::solve_fine() {
+  const auto count = static_cast<int32_t>(fine_texels_.size());
+  if (fine_factor_.compute(fine_rows_, count, kFineDamping, kMostFineWork)) {
+    fine_factor_.solve(values_, 0.0f);
+    return true;
+  }
+  solve_by_gradients(fine_rows_, count + 1, kFineDamping, kFineRounds, values_);
+  return false;
+}
+
+/// The height that the second problem's solution gives its texel k, and that within limits.
+inline std::pair<float, float> SeamLeveller::fine_height(size_t k) const {
+  const int32_t i = fine_texels_[k];
+  const float height = heights_[i] - fine_reach(i) * values_[k];
+  return {height, std::clamp(height, 0.0f, limits_[i])};
+}
+
+/// Takes over the heights that hang together with none beyond its limits; those that are beyond
+/// stay at their limits, and the others wait. What is done loses its mark. Returns whether any
+/// waits.
+bool SeamLeveller::take_but_for_limits() {
+  const std::vector<int32_t> component = fine_factor_.components();
+  std::vector<bool> waits(fine_texels_.size(), false);
+  bool any = false;
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    const auto [height, limited] = fine_height(k);
+    if (height != limited) any = waits[component[k]] = true;
+  }
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    const auto [height, limited] = fine_height(k);
+    if (waits[component[k]] && height == limited) continue;
+    heights_[fine_texels_[k]] = limited;
+    marks_[fine_texels_[k]] = 0.0f;
+  }
+  return any;
+}
+
+bool SeamLeveller::level_fine(float within) {
+  mark(within);
+  assemble();
+  if (fine_texels_.empty()) return false;
+  if (solve_fine()) {
+    if (!take_but_for_limits()) return true;
+    assemble();
+    if (fine_texels_.empty()) return true;
+    solve_fine();
+  }
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    heights_[fine_texels_[k]] = fine_height(k).second;
+  }
+  return true;
+}
+
+void SeamLeveller::run(std::vector<float>& map) {
+  for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
+  level_all();
+  refresh_foreign();
+  marked_within_ = -1.0f;
+  bool differs = level_fine(kLevelWithin);
+  for (int32_t repeat = 0; repeat < kMostRepeats && differs; ++repeat) {
+    refresh_foreign();
+    differs = level_fine(kLevelAgain);
+  }
+  for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
+}
+
+int64_t SeamLeveller::bytes() const {
+  const auto of = [](const auto& values) {
+    return static_cast<int64_t>(values.capacity() * sizeof(values[0]));
+  };
+  return of(texel_) + of(points_) + of(heights_) + of(values_) + of(seen_) + of(marks_) +
+         of(fine_number_) + of(marked_) + of(looker_begin_) + of(lookers_) + of(sight_of_) +
+         of(foreign_sights_) + of(unsettled_) + of(looked_on_) + of(foreign_) + of(fine_texels_) +
+         of(fine_points_) + of(fine_rows_) + of(limits_) +
+         8 * (factor_.entries() + fine_factor_.entries());
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,113 @@
+#pragma once
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+#include "snow/seams/least_squares.h"
+#include "snow/seams/seam_samples.h"
+
+namespace snowbough::snow {
+
+/// Makes both sides of every seam show the same height, as a bilinear reader sees them. Only texels
+/// within a texel of a seam change, and only where there is snow; the volume changes with them, by
+/// about a part in 10,000.
+///
+/// Two least-squares problems, each solved exactly: what is left between the sides counts, and so,
+/// much less, does every change. The first is over all texels and points and leaves differences of
+/// some thousandths of the height, but more where snow thins out beside deep snow. It depends on
+/// the layout alone, so that its matrix is factorised once. The second is over what the first left
+/// too far apart, measured by the height there, and is factorised anew for each map; what it leaves
+/// too far apart is solved again, a few times. No texel falls below 0 or rises above the highest
+/// that its points look at: where the second problem wants that, the texel stays at its limit and
+/// what hangs together with it is solved once more.
+///
+/// How much a texel takes part in the second problem grows slowly from 0 at kLevelWithin on, so
+/// that whoever rounds otherwise comes to the same map.
+///
+/// Where charts are so small and so many that a factor would take too long, some rounds of
+/// conjugate gradients take its place.
+class SeamLeveller {
+ public:
+  /// Keeps no reference to `levelling`.
+  explicit SeamLeveller(const SeamLevelling& levelling);
+
+  /// `map`: resolution^2 heights, continued beyond the charts; changed in place.
+  void run(std::vector<float>& map);
+
+  /// What it keeps in memory from map to map.
+  int64_t bytes() const;
+
+ private:
+  /// A point that sees snow, and what the sides show there: their difference and their sum, metres.
+  struct Sight {
+    int32_t point;
+    /// Whether it may have changed since it was looked at.
+    bool may_differ;
+    /// Whether it is among looked_on_.
+    bool is_noted;
+    float gap;
+    float height;
+  };
+  /// A point of the second problem, and what its difference counts there, per metre.
+  struct FinePoint {
+    int32_t point;
+    float share;
+  };
+
+  Sight look_at(int32_t point) const;
+  void level_all();
+  void refresh_foreign();
+  /// Returns false where no point was further apart than a part `within` of the height.
+  bool level_fine(float within);
+  void mark(float within);
+  void mark_for(Sight& sight, float within);
+  void take_points();
+  bool looks_at_foreign(const SeamRow& point) const;
+  void assemble();
+  bool solve_fine();
+  bool take_but_for_limits();
+  float fine_reach(int32_t texel) const;
+  std::pair<float, float> fine_height(size_t k) const;
+
+  /// The map's texels in the order of elimination; those from unknowns_ on are only read. Arrays of
+  /// a value a texel have one more at the end, 0, for points that look at fewer than kSeamTerms.
+  std::vector<int32_t> texel_;
+  int32_t unknowns_ = 0;
+  float least_height_ = 0.0f;
+  std::vector<SeamRow> points_;
+  /// The points that look at unknown i: [looker_begin_[i], looker_begin_[i + 1]) of lookers_.
+  std::vector<int32_t> looker_begin_;
+  std::vector<int32_t> lookers_;
+  /// Texels that are only read because they are another chart's, and what they are there.
+  std::vector<std::pair<int32_t, int32_t>> foreign_;
+  bool factorised_ = false;
+  SeamFactor factor_;
+
+  std::vector<float> heights_;
+  /// What a texel may rise to: the highest that the points that look at it see.
+  std::vector<float> limits_;
+  /// What a solution is asked for, then what it is.
+  std::vector<float> values_;
+  std::vector<Sight> seen_;
+  /// Per point: its index in seen_; -1 = it sees no snow.
+  std::vector<int32_t> sight_of_;
+  /// In seen_: those that look at other charts' texels; those that may differ; those that look at a
+  /// marked texel.
+  std::vector<int32_t> foreign_sights_;
+  std::vector<int32_t> unsettled_;
+  std::vector<int32_t> looked_on_;
+  /// What marks were last made within; negative: none yet in this map.
+  float marked_within_ = -1.0f;
+  /// The second problem. Per texel: how much it takes part, 0 to 1, and its number there.
+  std::vector<float> marks_;
+  /// The unknowns that have a mark, and maybe some that have lost it, ascending.
+  std::vector<int32_t> marked_;
+  std::vector<int32_t> fine_number_;
+  std::vector<int32_t> fine_texels_;
+  std::vector<FinePoint> fine_points_;
+  std::vector<SeamRow> fine_rows_;
+  SeamFactor fine_factor_;
+};
+
+}  // namespace snowbough::snow

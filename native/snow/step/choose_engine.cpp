@@ -1,0 +1,79 @@
+#include "snow/step/choose_engine.h"
+
+#include <cstdlib>
+#include <stdexcept>
+
+#include "snow/step/cpu/engine.h"
+
+namespace snowbough::snow {
+namespace {
+
+bool names_a_device(const std::string& device) {
+  const char* wanted = std::getenv("SNOWBOUGH_EGL_DEVICE");
+  return !device.empty() || (wanted != nullptr && *wanted != '\0');
+}
+
+}  // namespace
+
+EngineKind engine_kind(const std::string& name) {
+  if (name == "AUTO") return EngineKind::kAuto;
+  if (name == "GL") return EngineKind::kGl;
+  if (name == "CPU") return EngineKind::kCpu;
+  throw std::invalid_argument("engine must be AUTO, GL or CPU, not " + name);
+}
+
+EngineChoice::EngineChoice(const Wish& wish) : mapping_(wish.mapping) {
+  const bool is_geometry = wish.mapping == gl::DepositMapping::kGeometry;
+  if (wish.kind == EngineKind::kCpu) {
+    if (is_geometry) {
+      throw std::invalid_argument(
+          "mapping GEOMETRY is drawn by OpenGL: use engine GL, or mapping COMPUTE");
+    }
+    engine_ = cpu::make_engine();
+    reason_ = "asked for";
+    return;
+  }
+  if (wish.kind == EngineKind::kGl || is_geometry || names_a_device(wish.device)) {
+    thread_ = gpu::GpuThread::begin(wish.device);
+    reason_ = wish.kind == EngineKind::kGl ? "asked for"
+              : is_geometry                ? "mapping GEOMETRY is drawn by OpenGL"
+                                           : "a device is named";
+    return;
+  }
+  const std::string without = gpu::why_no_hardware();
+  if (!without.empty()) {
+    engine_ = cpu::make_engine();
+    reason_ = without;
+    return;
+  }
+  may_fall_back_ = true;
+  thread_ = gpu::GpuThread::begin("");
+}
+
+Engine& EngineChoice::engine() {
+  if (engine_ != nullptr) return *engine_;
+  if (may_fall_back_) {
+    try {
+      if (gpu::is_software(thread_->info().renderer)) {
+        return fall_back("OpenGL would run on the processor, too (" + thread_->info().renderer +
+                         ")");
+      }
+    } catch (const std::runtime_error& error) {
+      return fall_back(error.what());
+    }
+    reason_ = "a graphics driver for " + thread_->info().renderer;
+  }
+  thread_->info();  // throws where there is none
+  engine_ = gl::make_engine(thread_, mapping_);
+  return *engine_;
+}
+
+Engine& EngineChoice::fall_back(const std::string& why) {
+  engine_ = cpu::make_engine();
+  thread_.reset();
+  reason_ = why;
+  may_fall_back_ = false;
+  return *engine_;
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,41 @@
+#include "snow/step/cpu/back_faces.h"
+
+#include <atomic>
+
+#include "base/parallel_for.h"
+
+namespace snowbough::snow::cpu {
+namespace {
+
+/// Adds to a count that other threads add to.
+void add(std::vector<uint32_t>& counts, uint32_t slot, uint32_t count) {
+  if (count > 0) std::atomic_ref(counts[slot]).fetch_add(count, std::memory_order_relaxed);
+}
+
+}  // namespace
+
+void count_back_faces(Scene& scene, const Tile& tile) {
+  const auto width = static_cast<size_t>(tile.with_margin().size().x);
+  const glm::ivec2 own = tile.pixels.size();
+  base::for_each_item(static_cast<size_t>(own.y), 16, [&](size_t y) {
+    const shared::SeenPixel* row =
+        scene.seen.data() + (y + shared::kTileMargin) * width + shared::kTileMargin;
+    uint32_t slot = 0;
+    uint32_t count = 0;
+    for (int32_t x = 0; x < own.x; ++x) {
+      if ((row[x].triangle & shared::kBackFace) == 0) continue;
+      const uint32_t triangle = (row[x].triangle & ~shared::kBackFace) - 1;
+      const uint32_t object = scene.layout.triangles[triangle].object;
+      if ((object & shared::kReceives) == 0) continue;
+      if ((object & ~shared::kReceives) != slot) {
+        add(scene.back_pixels, slot, count);
+        slot = object & ~shared::kReceives;
+        count = 0;
+      }
+      ++count;
+    }
+    add(scene.back_pixels, slot, count);
+  });
+}
+
+}  // namespace snowbough::snow::cpu

@@ -1,0 +1,34 @@
+#include "snow/step/cpu/choose_texels.h"
+
+#include <algorithm>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/facing.h"
+
+namespace snowbough::snow::cpu {
+namespace {
+
+bool faces_the_fall(const Scene& scene, const GroupTriangles& groups, size_t group) {
+  const auto begin = groups.triangles.begin() + groups.begin[group];
+  const auto end = groups.triangles.begin() + groups.begin[group + 1];
+  return std::any_of(begin, end, [&](uint32_t triangle) {
+    return shared::may_face_the_fall(scene.surface[triangle].x);
+  });
+}
+
+}  // namespace
+
+void choose_texels(Scene& scene) {
+  base::for_each_item(scene.receivers.size(), 1, [&](size_t r) {
+    Receiver& receiver = scene.receivers[r];
+    receiver.active.clear();
+    for (size_t group = 0; group < receiver.group_count(); ++group) {
+      if (receiver.holds_snow[group] != 0 || faces_the_fall(scene, receiver.groups, group)) {
+        receiver.active.push_back(static_cast<uint32_t>(group));
+        receiver.holds_snow[group] = 0;
+      }
+    }
+  });
+}
+
+}  // namespace snowbough::snow::cpu

@@ -1,0 +1,112 @@
+#include "snow/step/cpu/engine.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "shaders/lib/object_sums.h"
+#include "snow/scene/memory_estimate.h"
+#include "snow/step/cpu/back_faces.h"
+#include "snow/step/cpu/choose_texels.h"
+#include "snow/step/cpu/deposit.h"
+#include "snow/step/cpu/occlusion.h"
+#include "snow/step/cpu/scene.h"
+#include "snow/step/cpu/stability.h"
+#include "snow/step/cpu/texel_surface.h"
+#include "snow/step/cpu/triangle_setup.h"
+
+namespace snowbough::snow::cpu {
+namespace {
+
+#if defined(__x86_64__) || defined(_M_X64)
+constexpr const char* kFamily = "x86-64";
+#elif defined(__aarch64__) || defined(_M_ARM64)
+constexpr const char* kFamily = "arm64";
+#else
+constexpr const char* kFamily = "other";
+#endif
+
+class CpuEngine final : public Engine {
+ public:
+  std::string name() const override { return "CPU"; }
+  std::string driver() const override { return std::string("processor, ") + kFamily; }
+  int64_t free_memory() override { return machine_memory(); }
+  int32_t max_layers() const override { return std::numeric_limits<int32_t>::max(); }
+  void run(const std::function<void()>& work) override { work(); }
+
+  void build_scene(const std::vector<const SceneObject*>& objects) override {
+    scene_ = Scene{};
+    scene_ = cpu::build_scene(objects);
+  }
+  void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
+    std::copy(positions.begin(), positions.end(),
+              scene_.positions.begin() + scene_.layout.first_vertex[object]);
+  }
+
+  void set_up_triangles(const shared::FallFrame& frame) override {
+    scene_.frame = frame;
+    cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
+                          scene_.surface);
+  }
+  void choose_texels() override { cpu::choose_texels(scene_); }
+  void open_statistics() override {
+    std::fill(scene_.back_pixels.begin(), scene_.back_pixels.end(), 0u);
+    for (Receiver& receiver : scene_.receivers) receiver.sums = shared::opened(receiver.sums);
+  }
+  void evaluate_texels() override { cpu::evaluate_texels(scene_); }
+  void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
+    const PixelRect pixels = tile.with_margin();
+    const auto count =
+        static_cast<size_t>(pixels.size().x) * static_cast<size_t>(pixels.size().y);
+    if (scene_.seen.size() < count) scene_.seen.resize(count);
+    const SceneLayout& layout = scene_.layout;
+    occlusion_.run({scene_.corners, ranges,
+                    {layout.alpha_triangles, layout.alpha_places, layout.alpha_bits}},
+                   pixels, std::span(scene_.seen).first(count));
+  }
+  void count_back_faces(const Tile& tile) override { cpu::count_back_faces(scene_, tile); }
+  void gather_deposit(const Tile& tile, bool is_first) override {
+    cpu::gather_deposit(scene_, tile, is_first);
+  }
+  void settle(const StabilitySettings& settings, float full_gain, float dt) override {
+    cpu::settle(scene_, settings, full_gain, dt);
+  }
+  void close_statistics(float pixel_area) override {
+    for (Receiver& receiver : scene_.receivers) {
+      receiver.sums = shared::closed(receiver.sums, scene_.back_pixels[receiver.slot], pixel_area);
+    }
+  }
+
+  void read_height(size_t object, std::vector<float>& height) override {
+    height = receiver_of(object).height;
+  }
+  void write_height(size_t object, const std::vector<float>& height) override {
+    Receiver& receiver = receiver_of(object);
+    receiver.height = height;
+    std::fill(receiver.holds_snow.begin(), receiver.holds_snow.end(), uint8_t{1});
+  }
+  shared::ObjectSums read_sums(size_t object) override { return receiver_of(object).sums; }
+  void write_sums(size_t object, const shared::ObjectSums& sums) override {
+    receiver_of(object).sums = sums;
+  }
+  std::optional<MapOutput> filter_output(size_t, OutputFilter&,
+                                         const std::vector<SurfaceMetric>&) override {
+    return std::nullopt;
+  }
+  const SceneLayout& layout() const override { return scene_.layout; }
+
+ private:
+  Receiver& receiver_of(size_t object) {
+    return scene_.receivers[static_cast<size_t>(scene_.layout.plan.slot[object])];
+  }
+
+  Scene scene_;
+  OcclusionPass occlusion_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine() {
+  return std::make_unique<CpuEngine>();
+}
+
+}  // namespace snowbough::snow::cpu

@@ -1,0 +1,13 @@
+#pragma once
+
+#include <memory>
+
+#include "snow/step/engine.h"
+
+namespace snowbough::snow::cpu {
+
+/// All passes in C++ on the processor's cores. Needs no OpenGL and no graphics driver; runs on
+/// whatever thread calls it.
+std::unique_ptr<Engine> make_engine();
+
+}  // namespace snowbough::snow::cpu

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/common.hpp>
+#include <glm/exponential.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <glm/vector_relational.hpp>
+#include <vector>
+
+#include "base/simd.h"
+#include "shaders/kernel.h"
+#include "shaders/snow_shared.h"
+
+// What a C++ class needs in order to include a part of a shader as its members, so that a pass's
+// arithmetic is written once for both engines. One class a source file, since the parts are
+// included once. Uses glm's names, so it is for .cpp files only.
+
+/// An inner loop, with all that it calls.
+#if defined(__GNUC__)
+#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE __attribute__((flatten))
+#else
+#define SNOWBOUGH_KERNEL SNOWBOUGH_WIDE
+#endif
+
+namespace snowbough::shared {
+
+/// Elements of views with one component.
+struct Word {
+  uint x;
+};
+struct Number {
+  float x;
+};
+
+}  // namespace snowbough::shared
+
+namespace snowbough::snow::kernel {
+
+using namespace glm;     // NOLINT(google-build-using-namespace): the shaders' names
+using namespace shared;  // NOLINT(google-build-using-namespace)
+
+/// A value and what it was found by.
+template <typename Value>
+class Memo {
+ public:
+  template <typename Find>
+  const Value& get(uvec2 key, const Find& find) {
+    if (key.x != key_.x || key.y != key_.y) {
+      value_ = find();
+      key_ = key;
+    }
+    return value_;
+  }
+
+ private:
+  uvec2 key_{kNowhere};
+  Value value_{};
+};
+
+// Number by number: glm's vectors are unions, which the compiler copies through memory.
+inline Word texelFetch(const Word* view, int index) {
+  return {view[index].x};
+}
+inline Number texelFetch(const Number* view, int index) {
+  return {view[index].x};
+}
+inline uvec2 texelFetch(const uvec2* view, int index) {
+  return {view[index].x, view[index].y};
+}
+inline uvec4 texelFetch(const uvec4* view, int index) {
+  return {view[index].x, view[index].y, view[index].z, view[index].w};
+}
+inline vec4 texelFetch(const vec4* view, int index) {
+  return {view[index].x, view[index].y, view[index].z, view[index].w};
+}
+
+/// Arrays as the views of a kernel.
+inline const Word* words(const std::vector<uint32_t>& values) {
+  static_assert(sizeof(Word) == sizeof(uint32_t));
+  return reinterpret_cast<const Word*>(values.data());
+}
+inline const Number* numbers(const std::vector<float>& values) {
+  static_assert(sizeof(Number) == sizeof(float));
+  return reinterpret_cast<const Number*>(values.data());
+}
+template <typename Row, typename Element>
+const Row* rows(const std::vector<Element>& values) {
+  static_assert(sizeof(Element) % sizeof(Row) == 0);
+  return reinterpret_cast<const Row*>(values.data());
+}
+template <typename Row, typename Element>
+Row* rows(std::vector<Element>& values) {
+  static_assert(sizeof(Element) % sizeof(Row) == 0);
+  return reinterpret_cast<Row*>(values.data());
+}
+
+}  // namespace snowbough::snow::kernel

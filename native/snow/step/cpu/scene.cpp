@@ -1,0 +1,76 @@
+#include "snow/step/cpu/scene.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "base/parallel_for.h"
+#include "snow/texels/texel_order.h"
+
+namespace snowbough::snow::cpu {
+namespace {
+
+void add_texels(const SceneObject& object, const std::vector<int32_t>& order,
+                uint32_t first_triangle, Receiver& receiver) {
+  const TexelTable& table = object.table;
+  receiver.places.reserve(order.size());
+  receiver.fragment_begin.reserve(order.size() + 1);
+  receiver.fragments.reserve(table.fragment_triangle.size());
+  for (const int32_t index : order) {
+    const auto i = static_cast<size_t>(index);
+    receiver.places.push_back(static_cast<uint32_t>(table.texel[i]));
+    receiver.fragment_begin.push_back(static_cast<uint32_t>(receiver.fragments.size()));
+    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
+    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
+      const glm::vec2 weights = table.fragment_barycentric[f];
+      receiver.fragments.push_back(
+          {static_cast<uint32_t>(table.fragment_triangle[f]) + first_triangle,
+           table.fragment_share[f], weights.x, weights.y});
+      if (!object.fragment_opacity.empty()) {
+        receiver.opacity.push_back(object.fragment_opacity[f]);
+      }
+    }
+  }
+  receiver.fragment_begin.push_back(static_cast<uint32_t>(receiver.fragments.size()));
+}
+
+Receiver make_receiver(const SceneObject& object, uint32_t first_triangle) {
+  Receiver receiver;
+  receiver.resolution = object.table.resolution;
+  const std::vector<int32_t> order = texel_order(object.table);
+  add_texels(object, order, first_triangle, receiver);
+  add_group_triangles(object.table, order, first_triangle, receiver.groups);
+  receiver.steps.resize(receiver.places.size());
+  receiver.height.assign(
+      static_cast<size_t>(receiver.resolution) * static_cast<size_t>(receiver.resolution), 0.0f);
+  // Until the first step has looked, any of them may hold snow.
+  receiver.holds_snow.assign(
+      (receiver.places.size() + shared::kTexelGroup - 1) / shared::kTexelGroup, 1);
+  return receiver;
+}
+
+}  // namespace
+
+Scene build_scene(const std::vector<const SceneObject*>& objects) {
+  Scene scene;
+  scene.layout = lay_out_scene(objects, std::numeric_limits<int32_t>::max());
+  scene.positions.resize(static_cast<size_t>(scene.layout.vertex_count));
+  scene.corners.resize(3 * scene.layout.triangles.size());
+  scene.surface.resize(scene.layout.triangles.size());
+  scene.back_pixels.assign(objects.size(), 0);
+  const std::vector<size_t> by_slot = objects_by_slot(scene.layout.plan);
+  const auto receivers = static_cast<size_t>(std::count_if(
+      objects.begin(), objects.end(), [](const SceneObject* o) { return o->description.receive; }));
+  scene.receivers.resize(receivers);
+  base::for_each_item(receivers, 1, [&](size_t slot) {
+    const size_t object = by_slot[slot];
+    const auto first = static_cast<uint32_t>(scene.layout.first_triangle[object]);
+    Receiver& receiver = scene.receivers[slot];
+    receiver = make_receiver(*objects[object], first);
+    receiver.object = object;
+    receiver.slot = static_cast<uint32_t>(slot);
+    receiver.map_offset = scene.layout.map_offsets[slot];
+  });
+  return scene;
+}
+
+}  // namespace snowbough::snow::cpu

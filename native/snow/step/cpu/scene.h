@@ -1,0 +1,68 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "shaders/snow_shared.h"
+#include "snow/scene/group_triangles.h"
+#include "snow/scene/scene_layout.h"
+
+namespace snowbough::snow::cpu {
+
+/// A receiver's map and what the passes keep of its texels, which lie in groups of
+/// shared::kTexelGroup, near ones together (snow/texels/texel_order.h).
+struct Receiver {
+  size_t object = 0;
+  uint32_t slot = 0;
+  int32_t resolution = 0;
+  /// From a scene triangle's index to its index among the layout's map triangles.
+  int32_t map_offset = 0;
+  /// Per texel: row * resolution + column.
+  std::vector<uint32_t> places;
+  /// Fragments of texel i: [fragment_begin[i], fragment_begin[i + 1]).
+  std::vector<uint32_t> fragment_begin;
+  std::vector<shared::Fragment> fragments;
+  /// Per fragment (snow/scene/fragment_opacity.h); empty: opaque.
+  std::vector<float> opacity;
+  /// Of the step that is being computed.
+  std::vector<shared::TexelStep> steps;
+  /// Snow thickness in metres, row by row.
+  std::vector<float> height;
+
+  /// The triangles that decide whether a group has anything to do, whether snow lies on it, and
+  /// the groups that are at work in this step, ascending.
+  GroupTriangles groups;
+  std::vector<uint8_t> holds_snow;
+  std::vector<uint32_t> active;
+
+  shared::ObjectSums sums{};
+
+  size_t group_count() const { return holds_snow.size(); }
+  /// Texels of a group: [first_texel(group), first_texel(group + 1)).
+  size_t first_texel(size_t group) const {
+    return std::min(group * shared::kTexelGroup, places.size());
+  }
+};
+
+/// All that the passes read and write.
+struct Scene {
+  SceneLayout layout;
+  std::vector<glm::vec3> positions;
+  /// Of the triangle set-up: three corners and one surface a triangle.
+  std::vector<glm::vec4> corners;
+  std::vector<glm::vec4> surface;
+  shared::FallFrame frame{};
+  /// By slot.
+  std::vector<Receiver> receivers;
+  /// What the sky sees on the tile at hand and its margin.
+  std::vector<shared::SeenPixel> seen;
+  /// By slot: pixels of back faces.
+  std::vector<uint32_t> back_pixels;
+};
+
+/// Lays a scene out, maps bare, positions unknown. `objects` are sorted by name.
+Scene build_scene(const std::vector<const SceneObject*>& objects);
+
+}  // namespace snowbough::snow::cpu

@@ -1,0 +1,87 @@
+#include "snow/step/frame_step.h"
+
+#include <algorithm>
+
+namespace snowbough::snow {
+namespace {
+
+bool overlap(const PixelRect& a, const PixelRect& b) {
+  return a.low.x < b.high.x && b.low.x < a.high.x && a.low.y < b.high.y && b.low.y < a.high.y;
+}
+
+void hand_over_moved(Engine& engine, const std::vector<SceneObject*>& objects) {
+  for (size_t i = 0; i < objects.size(); ++i) {
+    if (objects[i]->moved) {
+      engine.set_positions(i, objects[i]->positions);
+      objects[i]->moved = false;
+    }
+  }
+}
+
+/// Triangles of the objects that may show in `shown`; neighbours in one run.
+std::vector<TriangleRange> ranges_in(const std::vector<SceneObject*>& objects,
+                                     const SceneLayout& layout, const std::vector<PixelRect>& rects,
+                                     const PixelRect& shown) {
+  std::vector<TriangleRange> ranges;
+  for (size_t i = 0; i < objects.size(); ++i) {
+    const ObjectDescription& object = objects[i]->description;
+    if (!(object.receive || object.occlude) || !overlap(rects[i], shown)) {
+      continue;
+    }
+    const int32_t first = layout.first_triangle[i];
+    const int32_t count = objects[i]->triangle_count();
+    TriangleRange range{first, count};
+    if (layout.first_alpha[i] >= 0) {
+      range.has_alpha = true;
+      range.alpha_offset = layout.first_alpha[i] - first;
+    }
+    if (!ranges.empty() && ranges.back().first + ranges.back().count == first &&
+        ranges.back().has_alpha == range.has_alpha &&
+        ranges.back().alpha_offset == range.alpha_offset) {
+      ranges.back().count += count;
+    } else {
+      ranges.push_back(range);
+    }
+  }
+  return ranges;
+}
+
+}  // namespace
+
+void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step) {
+  hand_over_moved(engine, objects);
+  // Extents and grid come from all objects, so that leaving out a receiver changes nothing.
+  Bounds bounds;
+  for (const SceneObject* object : objects) {
+    bounds.include(object->bounds);
+  }
+  const shared::FallFrame frame = make_fall_frame(step.fall, bounds);
+  std::vector<PixelRect> rects;
+  std::vector<PixelRect> receivers;
+  for (const SceneObject* object : objects) {
+    rects.push_back(pixels_of(object->bounds, frame));
+    if (object->description.receive) {
+      receivers.push_back(rects.back());
+    }
+  }
+  const std::vector<Tile> tiles =
+      step.fall.depth > 0.0 ? make_tiles(receivers, step.tile_size) : std::vector<Tile>{};
+
+  engine.set_up_triangles(frame);
+  engine.choose_texels();
+  engine.open_statistics();
+  if (tiles.empty()) {
+    engine.evaluate_texels();
+  }
+  for (const Tile& tile : tiles) {
+    engine.render_occlusion(tile, ranges_in(objects, engine.layout(), rects, tile.with_margin()));
+    engine.count_back_faces(tile);
+    engine.gather_deposit(tile, &tile == &tiles.front());
+  }
+  const double density = std::min(1.0, step.fall.noise_density);
+  engine.settle(step.stability, static_cast<float>(frame.range.z / density),
+                static_cast<float>(step.dt));
+  engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,159 @@
+#include "snow/step/gl/engine.h"
+
+#include <utility>
+
+#include "snow/output/gl/gpu_filter.h"
+#include "snow/step/gl/back_pixels.h"
+#include "snow/step/gl/deposit.h"
+#include "snow/step/gl/deposit_geometry.h"
+#include "snow/step/gl/free_memory.h"
+#include "snow/step/gl/occlusion.h"
+#include "snow/step/gl/scene_buffers.h"
+#include "snow/step/gl/stability.h"
+#include "snow/step/gl/statistics.h"
+#include "snow/step/gl/texel_groups.h"
+#include "snow/step/gl/texel_surface.h"
+#include "snow/step/gl/triangle_setup.h"
+
+namespace snowbough::snow::gl {
+namespace {
+
+/// Everything of a simulation that lies on the GPU; made, used and destroyed on its thread.
+struct Passes {
+  SceneBuffers scene;
+  TriangleFallPass triangles;
+  TexelGroupsPass groups;
+  TexelSurfacePass surface;
+  OcclusionPass occlusion;
+  BackPixelsPass back_pixels;
+  DepositPass deposit;
+  /// Made when it is first asked for.
+  std::unique_ptr<DepositGeometryPass> deposit_geometry;
+  StabilityPass stability;
+  StatisticsPass statistics;
+  OcclusionTarget target;
+  gpu::Buffer fall{static_cast<int64_t>(sizeof(shared::FallFrame))};
+  bool has_noise = false;
+};
+
+class GlEngine final : public Engine {
+ public:
+  GlEngine(std::shared_ptr<gpu::GpuThread> thread, DepositMapping mapping)
+      : thread_(std::move(thread)), by_geometry_(mapping == DepositMapping::kGeometry) {}
+  ~GlEngine() override {
+    if (passes_ != nullptr) thread_->run([this] { passes_.reset(); });
+  }
+  GlEngine(const GlEngine&) = delete;
+  GlEngine& operator=(const GlEngine&) = delete;
+
+  std::string name() const override { return "GL"; }
+  std::string driver() const override {
+    return thread_->info().renderer + ", " + thread_->info().version;
+  }
+  int64_t free_memory() override { return available_memory(thread_->info()); }
+  int32_t max_layers() const override { return thread_->info().max_array_layers; }
+  void run(const std::function<void()>& work) override { thread_->run(work); }
+
+  void build_scene(const std::vector<const SceneObject*>& objects) override {
+    if (passes_ == nullptr) passes_ = std::make_unique<Passes>();
+    passes_->scene = SceneBuffers{};
+    passes_->scene = build_scene_buffers(objects, thread_->info(), by_geometry_);
+  }
+  void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
+    passes_->scene.positions.write(int64_t{12} * layout().first_vertex[object],
+                                   static_cast<int64_t>(positions.size()) * 12, positions.data());
+  }
+
+  void set_up_triangles(const shared::FallFrame& frame) override {
+    passes_->has_noise = frame.range.w < 1.0f;
+    passes_->fall.write(0, sizeof frame, &frame);
+    passes_->triangles.run(passes_->scene, passes_->fall);
+  }
+  void choose_texels() override {
+    // GEOMETRY draws all texels.
+    passes_->groups.run(passes_->scene, by_geometry_);
+  }
+  void open_statistics() override { passes_->statistics.open(passes_->scene); }
+  void evaluate_texels() override {
+    passes_->surface.run(passes_->scene);
+    if (by_geometry_) begin_geometry();
+  }
+  void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
+    passes_->occlusion.run(passes_->scene, passes_->fall, tile, ranges, passes_->target);
+  }
+  void count_back_faces(const Tile& tile) override {
+    passes_->back_pixels.run(passes_->scene, tile, passes_->target);
+  }
+  void gather_deposit(const Tile& tile, bool is_first) override {
+    if (!by_geometry_) {
+      passes_->deposit.run(passes_->scene, passes_->fall, tile, passes_->target,
+                           passes_->has_noise, is_first);
+      return;
+    }
+    if (is_first) evaluate_texels();
+    passes_->deposit_geometry->run(passes_->scene, passes_->fall, tile, passes_->target);
+  }
+  void settle(const StabilitySettings& settings, float full_gain, float dt) override {
+    passes_->stability.run(passes_->scene, settings, full_gain, dt, by_geometry_);
+  }
+  void close_statistics(float pixel_area) override {
+    passes_->statistics.close(passes_->scene, pixel_area);
+  }
+
+  void read_height(size_t object, std::vector<float>& height) override {
+    group_of(object).read_height(layer_of(object), height);
+  }
+  void write_height(size_t object, const std::vector<float>& height) override {
+    group_of(object).write_height(layer_of(object), height);
+    TexelGroupsPass::forget(passes_->scene);
+  }
+  shared::ObjectSums read_sums(size_t object) override {
+    shared::ObjectSums sums;
+    passes_->scene.sums.read(sums_offset(object), sizeof sums, &sums);
+    return sums;
+  }
+  void write_sums(size_t object, const shared::ObjectSums& sums) override {
+    passes_->scene.sums.write(sums_offset(object), sizeof sums, &sums);
+  }
+
+  std::optional<MapOutput> filter_output(size_t object, OutputFilter& filter,
+                                         const std::vector<SurfaceMetric>& metrics) override {
+    if (largest_output_buffer(filter.receiver().table, filter.seams()) >
+        thread_->info().max_storage_buffer_bytes) {
+      return std::nullopt;
+    }
+    return filter_on_gpu(thread_->resource<OutputPasses>(), filter, group_of(object).height,
+                         layer_of(object), metrics);
+  }
+  const SceneLayout& layout() const override { return passes_->scene.layout; }
+
+ private:
+  void begin_geometry() {
+    if (passes_->deposit_geometry == nullptr) {
+      passes_->deposit_geometry = std::make_unique<DepositGeometryPass>();
+    }
+    passes_->deposit_geometry->begin(passes_->scene);
+  }
+  MapGroup& group_of(size_t object) {
+    return passes_->scene.groups[static_cast<size_t>(layout().plan.group[object])];
+  }
+  int32_t layer_of(size_t object) {
+    return layout().plan.slot[object] - group_of(object).first_slot;
+  }
+  int64_t sums_offset(size_t object) {
+    return int64_t{layout().plan.slot[object]} * static_cast<int64_t>(sizeof(shared::ObjectSums));
+  }
+
+  std::shared_ptr<gpu::GpuThread> thread_;
+  bool by_geometry_;
+  std::unique_ptr<Passes> passes_;
+};
+
+}  // namespace
+
+std::unique_ptr<Engine> make_engine(std::shared_ptr<gpu::GpuThread> thread,
+                                    DepositMapping mapping) {
+  return std::make_unique<GlEngine>(std::move(thread), mapping);
+}
+
+}  // namespace snowbough::snow::gl

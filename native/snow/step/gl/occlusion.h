@@ -1,0 +1,53 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "gpu/program.h"
+#include "gpu/resources.h"
+#include "snow/scene/projection.h"
+#include "snow/step/gl/scene_buffers.h"
+#include "snow/scene/triangle_range.h"
+
+namespace snowbough::snow {
+
+/// What the sky sees in the pixels of one tile: drawn on a texture, then copied row by row into a
+/// buffer, which llvmpipe reads several times faster. Grows to the largest tile asked for.
+struct OcclusionTarget {
+  gpu::Texture visible_texture;
+  gpu::Texture depth_texture;
+  gpu::Framebuffer framebuffer;
+  /// Per pixel of the tile with its margin: a shared::SeenPixel.
+  gpu::Buffer visible;
+  struct Views {
+    gpu::BufferTexture visible;
+  } views;
+
+  /// GPU thread.
+  void require_size(glm::ivec2 size);
+  /// Fills the buffer from the lower left `size` pixels of the texture. GPU thread.
+  void copy_pixels(glm::ivec2 size);
+};
+
+/// Renders the scene along the fall onto one tile of the grid, with its margin.
+class OcclusionPass {
+ public:
+  /// `fall` holds the FallFrame, the triangles are those of its TriangleFallPass. Clears and fills
+  /// `target` for the tile. Back faces are drawn and marked; what
+  /// an alpha mask cuts away is not there, whichever way it faces. Ranges are drawn in their order,
+  /// which decides where two surfaces coincide. GPU thread.
+  void run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+           const std::vector<TriangleRange>& ranges, OcclusionTarget& target);
+
+ private:
+  void use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& fall,
+           const Tile& tile);
+
+  gpu::Program program_{{"occlusion.vert.glsl", "occlusion.frag.glsl"}};
+  /// Made when the first object with alpha is drawn.
+  std::unique_ptr<gpu::Program> alpha_program_;
+  gpu::VertexArray vertices_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,188 @@
+#include "snow/step/gl/scene_buffers.h"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "snow/texels/texel_order.h"
+#include "snow/step/gl/texel_batches.h"
+
+namespace snowbough::snow {
+namespace {
+
+using shared::kTexelGroup;
+
+void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
+  if (bytes > info.max_storage_buffer_bytes) {
+    throw std::runtime_error(
+        std::string("the scene's ") + what + " take " + std::to_string(bytes >> 20) +
+        " MiB, the driver (" + info.renderer + ") takes " +
+        std::to_string(info.max_storage_buffer_bytes >> 20) +
+        " MiB: leave out or simplify objects that snow does not need, or use another GPU");
+  }
+}
+
+/// Writes a layer of a group's `owners`: per texel of the map its owner, 1 + index in the group,
+/// and its chart << 8 with its coverage in 255ths. In bands of rows, which take little memory.
+void upload_owners(const TexelTable& table, const std::vector<uint32_t>& owners, int32_t layer,
+                   gpu::Texture& texture) {
+  constexpr int32_t kBandRows = 64;
+  const int32_t resolution = table.resolution;
+  std::vector<glm::uvec2> band;
+  size_t i = 0;  // the table's texels are in the order of the map's
+  for (int32_t row = 0; row < resolution; row += kBandRows) {
+    const int32_t rows = std::min(kBandRows, resolution - row);
+    const int32_t first = row * resolution;
+    const int32_t count = rows * resolution;
+    band.assign(static_cast<size_t>(count), glm::uvec2(0));
+    for (; i < table.texel.size() && table.texel[i] < first + count; ++i) {
+      const auto texel = static_cast<size_t>(table.texel[i]);
+      const auto chart = static_cast<uint32_t>(table.chart[i]);
+      const auto coverage =
+          static_cast<uint32_t>(std::lround(std::clamp(table.coverage[i], 0.0f, 1.0f) * 255.0f));
+      band[texel - static_cast<size_t>(first)] = {owners[texel], chart << 8 | coverage};
+    }
+    texture.write_rows(layer, row, rows, GL_RG_INTEGER, GL_UNSIGNED_INT, band.data());
+  }
+}
+
+/// Fills in where GEOMETRY finds texels: a layer of the group's `owners`, and per map triangle the
+/// texel that holds most of it. `order`: the receiver's texels as they lie in the group, from
+/// `first_owner` on.
+void add_owners(const TexelTable& table, const std::vector<int32_t>& order, uint32_t first_owner,
+                int32_t layer, MapGroup& group, std::span<shared::MapTriangle> map_triangles) {
+  std::vector<uint32_t> owners(
+      static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution), 0);
+  std::vector<float> home_share(map_triangles.size(), 0.0f);
+  for (size_t at = 0; at < order.size(); ++at) {
+    const auto i = static_cast<size_t>(order[at]);
+    const auto owner = first_owner + static_cast<uint32_t>(at);
+    owners[static_cast<size_t>(table.texel[i])] = owner;
+    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
+    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
+      const auto triangle = static_cast<size_t>(table.fragment_triangle[f]);
+      if (table.fragment_share[f] > home_share[triangle]) {
+        home_share[triangle] = table.fragment_share[f];
+        map_triangles[triangle].home = owner;
+        map_triangles[triangle].chart = static_cast<uint32_t>(table.chart[i]);
+      }
+    }
+  }
+  upload_owners(table, owners, layer, group.owners);
+}
+
+/// Adds one receiver's texels to its group. `map_triangles`: the receiver's.
+void add_receiver(const SceneObject& object, int32_t first_triangle, int32_t layer,
+                  BatchWriter& writer, MapGroup& group,
+                  std::span<shared::MapTriangle> map_triangles) {
+  const TexelTable& table = object.table;
+  const auto map_texels =
+      static_cast<uint32_t>(table.resolution) * static_cast<uint32_t>(table.resolution);
+  const std::vector<int32_t> order = texel_order(table);
+  const auto first_owner = static_cast<uint32_t>(writer.next()) + 1;
+  for (size_t begin = 0; begin < order.size(); begin += kTexelGroup) {
+    const size_t count = std::min<size_t>(kTexelGroup, order.size() - begin);
+    writer.add_group(object, std::span(order).subspan(begin, count),
+                     static_cast<uint32_t>(first_triangle),
+                     static_cast<uint32_t>(layer) * map_texels);
+  }
+  add_group_triangles(table, order, static_cast<uint32_t>(first_triangle), writer.triangles());
+  if (group.owners.id() != 0) {
+    add_owners(table, order, first_owner, layer, group, map_triangles);
+  }
+}
+
+/// Adds the texels of a map group's receivers, in batches, and makes its maps.
+void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Group& plan,
+               SceneBuffers& scene, std::vector<shared::MapTriangle>& map_triangles) {
+  BatchWriter::Plan batches{static_cast<int32_t>(scene.groups.size()), 0, 0, false};
+  scene.groups.push_back(make_map_group(plan, scene.has_owners));
+  for (int32_t slot = plan.first_slot; slot < plan.end_slot; ++slot) {
+    const SceneObject& object = *by_slot[static_cast<size_t>(slot)];
+    batches.texel_count += (object.table.texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
+    batches.fragment_count += object.table.fragment_share.size();
+    batches.has_opacity |= !object.fragment_opacity.empty();
+  }
+  BatchWriter writer(scene, batches);
+  const std::vector<size_t> number = objects_by_slot(scene.layout.plan);
+  for (int32_t slot = plan.first_slot; slot < plan.end_slot; ++slot) {
+    const auto at = static_cast<size_t>(slot);
+    const SceneObject& object = *by_slot[at];
+    const int32_t first = scene.layout.first_triangle[number[at]];
+    writer.begin_object(slot, object.table.texel.size(), object.table.fragment_share.size());
+    add_receiver(object, first, slot - plan.first_slot, writer, scene.groups.back(),
+                 std::span(map_triangles)
+                     .subspan(static_cast<size_t>(first + scene.layout.map_offsets[at]),
+                              static_cast<size_t>(object.triangle_count())));
+    writer.end_object();
+  }
+  writer.finish();
+}
+
+/// Uploads the objects' alpha.
+void add_alpha(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuffers& scene) {
+  require_room(static_cast<int64_t>(layout.alpha_triangles.size() * sizeof(shared::AlphaTriangle)),
+               info, "triangles with alpha");
+  require_room(static_cast<int64_t>(layout.alpha_bits.size()) * 4, info, "alpha images");
+  scene.alpha_triangles = gpu::Buffer(layout.alpha_triangles);
+  scene.alpha_places = gpu::Buffer(layout.alpha_places);
+  scene.alpha_bits = gpu::Buffer(layout.alpha_bits);
+  scene.views.alpha_triangles = gpu::BufferTexture(scene.alpha_triangles, GL_RGBA32UI);
+  scene.views.alpha_places = gpu::BufferTexture(scene.alpha_places, GL_RGBA32UI);
+  scene.views.alpha_bits = gpu::BufferTexture(scene.alpha_bits, GL_R32UI);
+}
+
+/// Uploads triangles, and makes room for vertices and what the triangle set-up finds.
+void add_triangles(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuffers& scene) {
+  const auto triangles = static_cast<int64_t>(layout.triangles.size());
+  scene.triangle_count = static_cast<int32_t>(triangles);
+  require_room(triangles * 16, info, "triangles");
+  require_room(int64_t{12} * layout.vertex_count, info, "vertices");
+  scene.positions = gpu::Buffer(int64_t{12} * layout.vertex_count);
+  scene.triangles = gpu::Buffer(layout.triangles);
+  scene.triangle_sheets = gpu::Buffer(layout.triangle_sheets);
+  scene.triangle_corners = gpu::Buffer(triangles * 48);
+  scene.triangle_surface = gpu::Buffer(triangles * 16);
+  scene.views.positions = gpu::BufferTexture(scene.positions, GL_RGB32F);
+  scene.views.triangles = gpu::BufferTexture(scene.triangles, GL_RGBA32UI);
+  scene.views.triangle_words = gpu::BufferTexture(scene.triangles, GL_R32UI);
+  scene.views.triangle_corners = gpu::BufferTexture(scene.triangle_corners, GL_RGBA32F);
+  scene.views.triangle_surface = gpu::BufferTexture(scene.triangle_surface, GL_RGBA32F);
+  scene.views.triangle_sheets = gpu::BufferTexture(scene.triangle_sheets, GL_R32UI);
+}
+
+}  // namespace
+
+SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
+                                 const gpu::GpuInfo& info, bool with_owners) {
+  SceneBuffers scene;
+  scene.has_owners = with_owners;
+  SceneLayout layout = lay_out_scene(objects, info.max_array_layers);
+  add_triangles(layout, info, scene);
+  add_alpha(layout, info, scene);
+  std::vector<shared::MapTriangle> map_triangles = std::move(layout.map_triangles);
+  for (auto* done : {&layout.triangle_sheets, &layout.alpha_bits}) *done = {};
+  layout.triangles = {};
+  layout.alpha_triangles = {};
+  scene.layout = std::move(layout);
+
+  std::vector<const SceneObject*> by_slot;
+  for (const size_t object : objects_by_slot(scene.layout.plan)) by_slot.push_back(objects[object]);
+  for (const MapPlan::Group& group : scene.layout.plan.groups) {
+    add_group(by_slot, group, scene, map_triangles);
+  }
+  require_room(static_cast<int64_t>(map_triangles.size() * sizeof(shared::MapTriangle)), info,
+               "receivers' triangles");
+  scene.map_triangles = gpu::Buffer(map_triangles);
+  scene.map_offsets = gpu::Buffer(scene.layout.map_offsets);
+  scene.back_pixels = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(uint32_t)));
+  scene.sums = gpu::Buffer(static_cast<int64_t>(objects.size() * sizeof(shared::ObjectSums)));
+  scene.views.map_triangles = gpu::BufferTexture(scene.map_triangles, GL_RGBA32F);
+  scene.views.map_offsets = gpu::BufferTexture(scene.map_offsets, GL_R32I);
+  return scene;
+}
+
+}  // namespace snowbough::snow

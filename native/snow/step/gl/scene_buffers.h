@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "gpu/egl_context.h"
+#include "gpu/resources.h"
+#include "shaders/snow_shared.h"
+#include "snow/step/gl/map_groups.h"
+#include "snow/scene/scene_layout.h"
+
+namespace snowbough::snow {
+
+/// Texels of a batch: its steps, 16 bytes a texel, fit llvmpipe's largest storage buffer (128 MiB).
+inline constexpr int32_t kBatchTexels = (1 << 22) - static_cast<int32_t>(shared::kTexelGroup);
+/// OpenGL promises dispatches of 65,535 work groups; the smallest work groups take 64 texels.
+static_assert(kBatchTexels / 64 <= 65535 && kBatchTexels % shared::kTexelGroup == 0);
+
+/// A run of a map group's texels, with all that the passes keep per texel.
+struct TexelBatch {
+  int32_t group = 0;
+  /// The batch's texels within the group: [first, first + count); whole work groups.
+  int32_t first = 0;
+  int32_t count = 0;
+  /// Which work groups belong to which object; counted from the batch's beginning.
+  std::vector<shared::StatisticsSegment> segments;
+
+  /// layer * resolution^2 + row * resolution + column within the map group; shared::kNowhere fills
+  /// up the work group behind an object's last texel.
+  gpu::Buffer places;
+  gpu::Buffer fragment_begin;
+  gpu::Buffer fragments;
+  /// Per fragment, see snow/fragment_opacity.h; empty where all objects of the group are opaque.
+  gpu::Buffer fragment_opacity;
+  /// shared::TexelStep, of the step that is being computed.
+  gpu::Buffer steps;
+  gpu::Buffer partials;
+  gpu::Buffer segment_buffer;
+  gpu::Buffer group_slots;
+  /// Work groups of texels, see shaders/texel_groups.comp.glsl: the triangles that decide whether
+  /// one has anything to do, whether snow lies on it, and which are at work in this step.
+  gpu::Buffer group_begin;
+  gpu::Buffer group_triangles;
+  gpu::Buffer group_states;
+  gpu::Buffer active_groups;
+  int32_t group_count() const { return count / static_cast<int32_t>(shared::kTexelGroup); }
+
+  /// The buffers above as buffer textures, which llvmpipe reads a whole vector at a time.
+  struct Views {
+    gpu::BufferTexture places;
+    gpu::BufferTexture fragment_begin;
+    gpu::BufferTexture fragments;
+    gpu::BufferTexture fragment_opacity;
+    gpu::BufferTexture steps;
+    gpu::BufferTexture group_slots;
+    gpu::BufferTexture group_begin;
+    gpu::BufferTexture group_triangles;
+    gpu::BufferTexture active_groups;
+  } views;
+};
+
+/// Everything about the scene that lies on the GPU, in one set of buffers for all objects: a
+/// thousand small receivers cost a handful of dispatches.
+struct SceneBuffers {
+  /// Whether the groups have `owners` and map triangles a home, for DepositGeometryPass.
+  bool has_owners = false;
+  /// Without its arrays of triangles and alpha, which lie in the buffers.
+  SceneLayout layout;
+  int32_t triangle_count = 0;
+
+  gpu::Buffer positions;
+  gpu::Buffer triangles;
+  /// Triangles as the step's fall meets them, see shaders/triangle_fall.h.
+  gpu::Buffer triangle_corners;
+  gpu::Buffer triangle_surface;
+  /// Per triangle: its sheet (snow/sheets.h), numbered through all objects.
+  gpu::Buffer triangle_sheets;
+  gpu::Buffer map_triangles;
+  gpu::Buffer map_offsets;
+  /// Of the objects with alpha only: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks'
+  /// bits.
+  gpu::Buffer alpha_triangles;
+  gpu::Buffer alpha_places;
+  gpu::Buffer alpha_bits;
+  gpu::Buffer back_pixels;
+  gpu::Buffer sums;
+  std::vector<MapGroup> groups;
+  std::vector<TexelBatch> batches;
+
+  struct Views {
+    gpu::BufferTexture positions;
+    gpu::BufferTexture triangles;
+    /// `triangles` number by number.
+    gpu::BufferTexture triangle_words;
+    gpu::BufferTexture triangle_corners;
+    gpu::BufferTexture triangle_surface;
+    gpu::BufferTexture triangle_sheets;
+    gpu::BufferTexture map_triangles;
+    gpu::BufferTexture map_offsets;
+    gpu::BufferTexture alpha_triangles;
+    gpu::BufferTexture alpha_places;
+    gpu::BufferTexture alpha_bits;
+  } views;
+};
+
+/// Lays out and uploads the scene, positions excepted. `objects` are sorted by name and have
+/// positions; `with_owners`: see SceneBuffers. GPU thread.
+/// @throws std::runtime_error when a buffer would exceed the driver's limit (with the figure).
+SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
+                                 const gpu::GpuInfo& info, bool with_owners = false);
+
+}  // namespace snowbough::snow

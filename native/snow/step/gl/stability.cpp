@@ -1,0 +1,34 @@
+#include "snow/step/gl/stability.h"
+
+#include "snow/step/gl/texel_groups.h"
+
+namespace snowbough::snow {
+
+void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, float full_gain,
+                        float dt, bool on_deposit_maps) {
+  std::vector<std::string> defines{walkers_define(walkers_)};
+  if (on_deposit_maps) defines.emplace_back("DEPOSIT_MAP");
+  gpu::Program& program = programs_.with(defines);
+  for (TexelBatch& batch : scene.batches) {
+    const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
+    program.use();
+    program.bind_texture("groups", batch.views.active_groups);
+    program.bind("GroupStates", batch.group_states);
+    program.bind_texture("places", batch.views.places);
+    program.bind_texture("texel_steps", batch.views.steps);
+    if (on_deposit_maps) {
+      program.bind_texture("deposit_map", group.deposit);
+    }
+    program.set("full_gain", full_gain);
+    program.bind("Partials", batch.partials);
+    program.bind_image("height_map", group.height, GL_READ_WRITE);
+    program.set("max_depth", settings.max_depth);
+    program.set("dt", dt);
+    program.set("half_life", settings.reckoned_half_life());
+    program.dispatch_indirect(batch.active_groups, kWholeGroups);
+  }
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT | GL_SHADER_IMAGE_ACCESS_BARRIER_BIT |
+                  GL_TEXTURE_FETCH_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,22 @@
+#pragma once
+
+#include "gpu/program.h"
+#include "gpu/resources.h"
+#include "snow/step/gl/scene_buffers.h"
+
+namespace snowbough::snow {
+
+/// Evaluates every triangle on the current vertices as the fall of this step meets it: corners in
+/// pixels of the grid and depth, slopes, area. First pass of a step; all others build on it instead
+/// of on vertices.
+class TriangleFallPass {
+ public:
+  /// Fills the scene's `triangle_corners` and `triangle_surface` (shaders/triangle_fall.h).
+  /// `fall` holds the FallFrame. GPU thread.
+  void run(SceneBuffers& scene, const gpu::Buffer& fall);
+
+ private:
+  gpu::Program program_{{"triangle_fall.comp.glsl"}};
+};
+
+}  // namespace snowbough::snow
