@@ -72,7 +72,7 @@ void snow_step(benchmark::State& state) try {
     simulation.step({{"field", positions}}, 0.001, {0.3, 0.0, -1.0}, 1.0 / 24.0);
     benchmark::DoNotOptimize(simulation.statistics());
   }
-  state.SetLabel(simulation.gpu_info().renderer);
+  state.SetLabel(simulation.engine_info().driver);
 } catch (const std::exception& error) {
   // No EGL, or a map that is too large for the driver: said in the table.
   state.SkipWithError(error.what());

@@ -24,6 +24,7 @@ FLOORS = {
 # can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
 # need only be free of circles.
 ROOMS = {
+    "native/snow": "state texels seams scene output step",
     "native/tree": "skeleton obj rings read surface crossings mesh uv leaves",
 }
 
@@ -156,6 +157,18 @@ def wrong_arrows(root, floors, rooms):
 
 def test_no_include_or_import_runs_upwards_or_in_a_circle():
     assert list(wrong_arrows(ROOT, FLOORS, ROOMS)) == []
+
+
+def test_the_processors_engine_includes_nothing_of_opengl():
+    folder = ROOT / "native" / "snow" / "step" / "cpu"
+    lines = [
+        f"{path.name}:{number}: {line}"
+        for path in sorted(folder.iterdir())
+        for number, line in enumerate(path.read_text().splitlines(), 1)
+        if line.startswith("#include") and ('"gpu/' in line or "/gl/" in line or "epoxy" in line)
+    ]
+    assert len(list(folder.iterdir())) > 10
+    assert lines == []
 
 
 def test_arrows_are_found_at_all():

@@ -26,7 +26,7 @@ class EngineChoice {
     gl::DepositMapping mapping = gl::DepositMapping::kCompute;
     /// Which EGL device, see gpu::EglContext. Where one is named, here or in the environment, AUTO
     /// is GL.
-    std::string device;
+    std::string device = {};
   };
 
   /// @throws std::invalid_argument for GEOMETRY on the CPU, which has no such mapping.

@@ -7,7 +7,7 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/output/gl/normals_pass.h"
-#include "snow_layouts.h"
+#include "native/snow/layouts.h"
 
 namespace snowbough::snow {
 namespace {

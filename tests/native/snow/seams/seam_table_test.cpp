@@ -9,8 +9,8 @@
 #include "snow/seams/seam_leveller.h"
 #include "snow/seams/seam_table.h"
 #include "snow/output/smoothing.h"
-#include "snow_layouts.h"
-#include "snow_reference.h"
+#include "native/snow/layouts.h"
+#include "native/snow/reference.h"
 
 namespace snowbough::snow {
 namespace {

@@ -11,7 +11,7 @@
 #include "snow/seams/least_squares.h"
 #include "snow/seams/seam_samples.h"
 #include "snow/seams/seam_gradients.h"
-#include "snow_layouts.h"
+#include "native/snow/layouts.h"
 
 namespace snowbough::snow {
 namespace {

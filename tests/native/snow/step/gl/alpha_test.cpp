@@ -57,11 +57,11 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
     SceneBuffers scene = build_scene_buffers(pointers, gpu::GpuThread::shared()->info());
     std::vector<TriangleRange> ranges;
     for (size_t i = 0; i < objects.size(); ++i) {
-      scene.positions.write(int64_t{12} * scene.first_vertex[i],
+      scene.positions.write(int64_t{12} * scene.layout.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
                             objects[i].positions.data());
-      const int32_t first = scene.first_triangle[i];
-      ranges.push_back({first, 2, scene.first_alpha[i] >= 0, scene.first_alpha[i] - first});
+      const int32_t first = scene.layout.first_triangle[i];
+      ranges.push_back({first, 2, scene.layout.first_alpha[i] >= 0, scene.layout.first_alpha[i] - first});
     }
     FallSettings settings;
     settings.pixel_size = 1.0 / 16.0;

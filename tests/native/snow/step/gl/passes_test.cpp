@@ -7,14 +7,18 @@
 #include <numbers>
 
 #include "gpu/gpu_thread.h"
-#include "snow/step/frame_step.h"
+#include "snow/step/gl/back_pixels.h"
+#include "snow/step/gl/deposit.h"
+#include "snow/step/gl/deposit_geometry.h"
+#include "snow/step/gl/stability.h"
+#include "snow/step/gl/statistics.h"
 #include "snow/seams/seam_leveller.h"
 #include "snow/scene/memory_estimate.h"
 #include "snow/step/gl/scene_buffers.h"
 #include "snow/simulation.h"
 #include "snow/step/gl/texel_groups.h"
-#include "snow_bench.h"
-#include "snow_layouts.h"
+#include "native/snow/bench.h"
+#include "native/snow/layouts.h"
 
 namespace snowbough::snow {
 namespace {
@@ -183,10 +187,9 @@ std::vector<shared::TexelStep> gathered(Bench& bench, bool has_noise = false) {
 
 TEST(Deposit, IsTheCosineEverywhereOnAPlaneWhateverThePixels) {
   gpu::GpuThread::shared()->run([] {
-    for (const bool on_processor : where_kernels_run()) {
+    {
       for (const double pixel_size : {1.0 / 250.0, 1.0 / 90.0, 1.0 / 64.0, 1.0 / 20.0}) {
-        Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.75, 0, -1}, pixel_size),
-                    on_processor);
+        Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.75, 0, -1}, pixel_size));
         for (const shared::TexelStep& step : gathered(bench)) {
           EXPECT_NEAR(step.gain / shared::kGainUnits, 0.8, 1e-6) << pixel_size;
         }
@@ -218,9 +221,9 @@ float gain_at(const Bench& bench, const std::vector<shared::TexelStep>& steps, i
 
 TEST(Deposit, IsNoneBelowARoofAndWholeBesideIt) {
   gpu::GpuThread::shared()->run([] {
-    for (const bool on_processor : where_kernels_run()) {
+    {
       Bench bench(objects_of(square("a", 1.0f, 0.0f), square("roof", 0.5f, 2.0f, 64, false)),
-                  falling({0, 0, -1}, 1.0 / 64.0), on_processor);
+                  falling({0, 0, -1}, 1.0 / 64.0));
       const auto steps = gathered(bench);
       EXPECT_EQ(gain_at(bench, steps, 32, 32), 0.0f);
       EXPECT_EQ(gain_at(bench, steps, 18, 32), 0.0f);
@@ -282,11 +285,11 @@ TEST(Deposit, OnAFaceThatTurnsAwayIsNone) {
 
 TEST(Deposit, IsTheSameBitsHoweverTheTilesAreCut) {
   gpu::GpuThread::shared()->run([] {
-    for (const bool on_processor : where_kernels_run()) {
+    {
       std::vector<std::vector<uint32_t>> gains;
       for (const int32_t tile_size : {2048, 64}) {
         Bench bench(objects_of(square("a", 1.0f, 0.0f), square("roof", 0.5f, 0.4f)),
-                    falling({0.3, 0.2, -1}, 1.0 / 200.0), on_processor);
+                    falling({0.3, 0.2, -1}, 1.0 / 200.0));
         std::vector<PixelRect> rects;
         for (const SceneObject& object : bench.objects) {
           rects.push_back(pixels_of(object.bounds, bench.frame));
@@ -345,7 +348,6 @@ TEST(DepositGeometry, PutsEveryPixelsSnowOnTheTexelUnderIt) {
 
 TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
   gpu::GpuThread::shared()->run([] {
-    bool on_processor = false;
     const auto settle = [&](float height, float deposit, float dt, float max_depth,
                             bool is_ceiling = false) {
       SceneObject object = square("a", 1.0f, 0.0f);
@@ -354,7 +356,7 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
         std::swap(corners[1], corners[2]);
         std::swap(corners[4], corners[5]);
       }
-      Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1), on_processor);
+      Bench bench(objects_of(std::move(object)), falling({0, 0, -1}, 0.1));
       std::vector<float> heights(64 * 64, height);
       bench.scene.groups[0].write_height(0, heights);
       auto steps = bench.scene.batches[0].steps.read_all<shared::TexelStep>();
@@ -366,8 +368,7 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
       return heights[1000];
     };
     const double k = std::numbers::ln2 / 2.0;
-    for (const bool there : where_kernels_run()) {
-      on_processor = there;
+    {
       EXPECT_FLOAT_EQ(settle(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
       EXPECT_NEAR(settle(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
       EXPECT_NEAR(settle(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
@@ -439,12 +440,12 @@ TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
       BackPixelsPass(walkers).run(bench.scene, bench.tiles[0], bench.target);
       DepositPass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, false, true);
       StabilityPass(walkers).run(bench.scene, {}, 0.01f, 1.0f);
-      const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.group[0])];
+      const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.layout.plan.group[0])];
       heights.emplace_back(128 * 128);
       group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());
       statistics.close(bench.scene, 1.0f);
       sums.push_back(bench.scene.sums
-                         .read_all<shared::ObjectSums>()[static_cast<size_t>(bench.scene.slot[0])]);
+                         .read_all<shared::ObjectSums>()[static_cast<size_t>(bench.scene.layout.plan.slot[0])]);
     }
     EXPECT_EQ(heights[0], heights[1]);
     EXPECT_NEAR(sums[0].visible_area, sums[1].visible_area, 1e-5);

@@ -15,7 +15,7 @@
 #include "shaders/lib/occlusion_pixel.h"
 #include "snow/step/cpu/occlusion.h"
 #include "snow/step/cpu/triangle_setup.h"
-#include "snow_bench.h"
+#include "native/snow/bench.h"
 
 namespace snowbough::snow {
 namespace {
@@ -254,7 +254,7 @@ TEST(CpuOcclusion, NeighboursShareNoPixelAndLeaveNoneOut) {
 /// The same by the letter: every triangle, every pixel, three sides in 64 bits.
 Seen by_the_letter(const Corners& corners, const PixelRect& pixels) {
   const glm::ivec2 size = pixels.size();
-  Seen seen(static_cast<size_t>(size.x) * static_cast<size_t>(size.y), {0, 0.0f});
+  Seen seen(static_cast<size_t>(size.x) * static_cast<size_t>(size.y), {0, shared::kOpenSky});
   for (size_t t = 0; 3 * t < corners.size(); ++t) {
     const glm::vec4* c = &corners[3 * t];
     glm::i64vec2 p[3];
@@ -332,7 +332,7 @@ TEST(CpuOcclusion, WhatLiesOutsideOrHasNoAreaShowsNothing) {
                            at(0, 64)};
   for (const shared::SeenPixel& pixel : seen_of(corners, square_of(64))) {
     EXPECT_EQ(pixel.triangle, 0u);
-    EXPECT_EQ(pixel.depth, 0.0f);
+    EXPECT_EQ(pixel.depth, shared::kOpenSky);
   }
 }
 

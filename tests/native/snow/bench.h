@@ -8,7 +8,10 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "snow/step/frame_step.h"
+#include "snow/step/gl/occlusion.h"
+#include "snow/step/gl/texel_surface.h"
+#include "snow/step/gl/triangle_setup.h"
+#include "snow/texels/texel_table.h"
 #include "snow/step/gl/scene_buffers.h"
 
 namespace snowbough::snow {
@@ -34,16 +37,9 @@ inline SceneObject square(const std::string& name, float size, float z, int32_t 
   return object;
 }
 
-/// Where kernels can run here: as shaders; and where those run on the processor, there, too.
-inline std::vector<bool> where_kernels_run() {
-  const bool software = gpu::is_software(gpu::GpuThread::shared()->info().renderer);
-  return software ? std::vector<bool>{false, true} : std::vector<bool>{false};
-}
-
 /// A scene on the GPU with everything a pass needs. Lives on the GPU thread.
 struct Bench {
-  explicit Bench(std::vector<SceneObject> given, FallSettings settings = {},
-                 bool on_processor = false)
+  explicit Bench(std::vector<SceneObject> given, FallSettings settings = {})
       : objects(std::move(given)) {
     std::vector<const SceneObject*> pointers;
     Bounds bounds;
@@ -51,9 +47,9 @@ struct Bench {
       pointers.push_back(&object);
       bounds.include(object.bounds);
     }
-    scene = build_scene_buffers(pointers, info, {on_processor, true});
+    scene = build_scene_buffers(pointers, info, true);
     for (size_t i = 0; i < objects.size(); ++i) {
-      scene.positions.write(int64_t{12} * scene.first_vertex[i],
+      scene.positions.write(int64_t{12} * scene.layout.first_vertex[i],
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
                             objects[i].positions.data());
     }

@@ -12,10 +12,11 @@
 #include "gpu/gpu_thread.h"
 #include "snow/output/cpu_filter.h"
 #include "snow/output/dilate.h"
+#include "snow/output/gl/gpu_filter.h"
 #include "snow/output/output_filter.h"
 #include "snow/output/gl/smoothing_pass.h"
-#include "snow_layouts.h"
-#include "snow_reference.h"
+#include "native/snow/layouts.h"
+#include "native/snow/reference.h"
 
 namespace snowbough::snow {
 namespace {
@@ -257,19 +258,19 @@ TEST(OutputFilter, onTheGpuGivesWhatTheProcessorGivesOnATube) {
   for (const float radius : {0.0f, 0.01f, 0.1f}) {
     const SmoothingPlan plan = plan_smoothing(map.table, map.seams, radius);
     const MapOutput expected = output_reference(map.table, map.seams, plan, stored, metrics);
-    OutputFilter tables(receiver, radius, false);
+    OutputFilter filter(receiver, radius, false);
     const auto output = [&](const std::vector<SurfaceMetric>& wanted) {
       return gpu::GpuThread::shared()->run([&] {
         gpu::Texture maps(GL_R32F, 128, 128, 2);
         maps.write(1, GL_RED, GL_FLOAT, stored.data());
         OutputPasses passes;
-        return tables.output_on_gpu(passes, maps, 1, wanted);
+        return filter_on_gpu(passes, filter, maps, 1, wanted);
       });
     };
     const MapOutput whole = output(metrics);
     MapOutput heights = output({});
     EXPECT_TRUE(heights.normal.empty());
-    tables.level(heights.height);
+    filter.level(heights.height);
     EXPECT_EQ(heights.height, whole.height);
     float worst = 0.0f;
     float worst_normal = 0.0f;
