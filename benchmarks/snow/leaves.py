@@ -68,7 +68,7 @@ def main():
             sim.statistics()  # waits for the GPU
             times[name][0].append(1e3 * (time.perf_counter() - wall))
             times[name][1].append(1e3 * (time.process_time() - cpu))
-    print(f"{native.gpu_info()['renderer']}; {options.cards} cards, 1024 x 1024 pixels\n")
+    print(f"{native.Engine().info['driver']}; {options.cards} cards, 1024 x 1024 pixels\n")
     print("| cards | wall ms a step | CPU ms a step | of opaque | ground seen m2 |")
     print("|---|---|---|---|---|")
     base = statistics.median(times["opaque"][1])

@@ -48,7 +48,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawTextHelpFormatter)
     parser.add_argument("--steps", type=int, default=8, help="measured steps a row")
     steps = parser.parse_args().steps
-    print(f"{native.gpu_info()['renderer']}; every object moves in every step\n")
+    print(f"{native.Engine().info['driver']}; every object moves in every step\n")
     print(f"| {'case':<44} | {'wall ms':>9} | {'CPU ms':>9} | {'steps/s':>7} | {'':<22} |")
     print(f"|{'-' * 46}|{'-' * 11}|{'-' * 11}|{'-' * 9}|{'-' * 24}|")
     for pixels in (256, 512, 1024, 2048):

@@ -141,7 +141,7 @@ def thesis_steps(mesh, direction, resolution, pixel_size, steps):
 def core_steps(mesh, direction, resolution, pixel_size, steps, mapping):
     """Thickness after the first step and after all, areas of the texels, and a step's median seconds."""
     taken, first = [], None
-    with native.SnowSimulation(pixel_size=pixel_size, max_depth=1e6, mapping=mapping) as sim:
+    with native.SnowSimulation(pixel_size=pixel_size, max_depth=1e6, mapping=mapping, engine="GL") as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution)
         for _ in range(steps):
             started = time.perf_counter()
@@ -257,8 +257,8 @@ def main():
     names = given.only.split(",")
     if given.steps < 1 or not set(names) <= set(TABLES):
         parser.error(f"--steps must be 1 or more, --only some of {', '.join(TABLES)}")
-    info = native.gpu_info()
-    print(f"{info['renderer']}, {info['version']}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
+    info = native.Engine("GL").info
+    print(f"{info['driver']}, {os.cpu_count()} cores, load {os.getloadavg()[0]:.1f}")
     print(f"{given.steps} steps; THESIS rows: the thesis's sharing over UV rectangles, in numpy\n")
     cells = (
         "case",

@@ -1,0 +1,132 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The two engines of a simulation: which one there is, that they agree, and that one needs no driver."""
+
+import os
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import snowbough_native as native
+from snow_meshes import grid, rotated, sphere, wind
+
+
+def baked(engine, density=1.0):
+    """In tiles, on two maps, with snow that slides and an object that moves."""
+    ball, ground = sphere(), grid(4.0, 4.0)
+    below = ground[0] - np.float32([2.0, 2.0, 1.2])
+    with native.SnowSimulation(
+        pixel_size=0.02, max_depth=0.02, noise_density=density, tile_size=64, flutter=2.0, engine=engine
+    ) as sim:
+        sim.add_object("ball", *ball[1:], resolution=128)
+        sim.add_object("ground", *ground[1:], resolution=256)
+        for step in range(6):
+            turned = rotated(ball[0], "x", 20 * step)
+            sim.step({"ball": turned, "ground": below}, 0.01, (0.3, 0.1, -1.0), 1.0)
+        outputs = sim.output("ball"), sim.output("ground")
+        return sim.height("ball"), sim.height("ground"), outputs, sim.statistics()["total"]
+
+
+@pytest.mark.parametrize("density", [1.0, 0.3])
+def test_engines_agree(density):
+    cpu, gl = baked("CPU", density), baked("GL", density)
+    for one, other in zip(cpu[:2], gl[:2]):
+        assert one.max() > 0.015
+        visible = (one > 0.0) | (other > 0.0)
+        assert ((one > 0.0) & (other > 0.0)).sum() >= 0.9999 * visible.sum()
+        # Away from shadows' edges: a ten-thousandth of a step's depth.
+        assert (abs(one - other) > 1e-6).sum() <= 1e-4 * visible.sum()
+    for one, other in zip(cpu[2], gl[2]):
+        assert abs(one["height"] - other["height"]).max() < 1e-4
+        assert abs(one["normal"] - other["normal"]).max() < 0.01
+    for name, value in cpu[3].items():
+        assert value == pytest.approx(gl[3][name], rel=1e-5, abs=1e-6), name
+
+
+def test_the_engine_tells_its_name_driver_and_reason():
+    with native.SnowSimulation(engine="CPU") as sim:
+        assert sim.engine["name"] == "CPU" and sim.engine["driver"].startswith("processor")
+        assert sim.engine["reason"] == "asked for"
+    with native.SnowSimulation(engine="GL") as sim:
+        assert sim.engine["name"] == "GL" and "4." in sim.engine["driver"]
+    with native.Engine("AUTO") as engine:
+        software = "llvmpipe" in native.gpu_info()["renderer"]
+        assert engine.info["name"] == ("CPU" if software else "GL")
+        assert engine.info["reason"] != ""
+
+
+def test_bad_wishes_say_what_to_do():
+    with pytest.raises(ValueError, match="AUTO, GL or CPU, not VULKAN"):
+        native.SnowSimulation(engine="VULKAN")
+    with pytest.raises(ValueError, match="GEOMETRY is drawn by OpenGL: use engine GL"):
+        native.SnowSimulation(engine="CPU", mapping="GEOMETRY")
+
+
+def test_a_checkpoint_of_one_engine_is_not_continued_by_the_other_unless_that_is_allowed(tmp_path):
+    positions, triangles, uv = grid()
+    path = str(tmp_path / "state")
+    with native.SnowSimulation(engine="CPU") as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        sim.step({"it": positions}, 0.01)
+        sim.save(path)
+    with native.SnowSimulation(engine="GL") as sim:
+        sim.add_object("it", triangles, uv, resolution=64)
+        with pytest.raises(ValueError, match="what differs: driver"):
+            sim.restore(path)
+        sim.restore(path, any_driver=True)
+        sim.step({"it": positions}, 0.01)
+        assert sim.height("it")[32, 32] == pytest.approx(0.02)
+
+
+WITHOUT_EGL = """
+import numpy as np, snowbough_native as native
+from snow_meshes import grid
+try:
+    native.Engine("GL").info
+except RuntimeError as error:
+    assert "libEGL.so.1 cannot be loaded" in str(error), error
+else:
+    raise SystemExit("EGL is there")
+positions, triangles, uv = grid()
+with native.SnowSimulation() as sim:
+    assert sim.engine["name"] == "CPU" and "libEGL" in sim.engine["reason"], sim.engine
+    sim.add_object("it", triangles, uv, resolution=64)
+    sim.step({"it": positions}, 0.01, (0, 0, -1), 1 / 24)
+    assert abs(sim.output("it")["height"][32, 32] - 0.01) < 1e-6
+print("snowed")
+"""
+
+
+def test_snow_falls_where_there_is_no_egl(tmp_path):
+    for library in ("libEGL.so.1", "libOpenGL.so.0", "libGL.so.1"):
+        (tmp_path / library).write_bytes(b"no library")
+    here = Path(__file__).resolve().parent
+    path = os.pathsep.join([str(Path(native.__file__).parent), str(here)])
+    ended = subprocess.run(
+        [sys.executable, "-c", WITHOUT_EGL],
+        env={**os.environ, "LD_LIBRARY_PATH": str(tmp_path), "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+    )
+    assert ended.returncode == 0, ended.stderr
+    assert ended.stdout.strip() == "snowed"
+
+
+def test_two_threads_of_simulations_do_not_disturb_each_other():
+    from concurrent.futures import ThreadPoolExecutor
+
+    with ThreadPoolExecutor(3) as pool:
+        results = list(pool.map(lambda _: baked("CPU")[0], range(6)))
+    assert all(np.array_equal(results[0], other) for other in results)
+
+
+def test_the_wind_reaches_a_wall_on_both_engines():
+    positions, triangles, uv = grid()
+    wall = rotated(positions, "x", 90.0)
+    for engine in ("CPU", "GL"):
+        with native.SnowSimulation(pixel_size=0.01, max_depth=1e6, engine=engine) as sim:
+            sim.add_object("wall", triangles, uv, resolution=64)
+            sim.step({"wall": wall}, 0.01, wind(45.0), 0.0)
+            height = sim.height("wall")
+        assert height[32, 32] == pytest.approx(0.01, rel=1e-4)
