@@ -136,6 +136,34 @@ def layouts(disc):
     )
 
 
+def evenness():
+    """Open planes after one step and after many: how much thickness varies, worst over sizes of pixels."""
+    for steps, flutter in ((1, 0.0), (8, 3.0), (48, 3.0)):
+        for tilt, angle in ((0, 0), (30, 0), (60, 0), (0, 45), (0, 80), (0, 89), (20, 80)):
+            worst, at = 0.0, 0.0
+            for texels in (0.1, 0.3, 0.5, 0.7, 1.0, 1.5, 2.0, 5.0, 10.0):
+                plane = grid(cells=3)
+                plane = (rotated(plane[0], "x", tilt), *plane[1:])
+                height, _, _ = bake(
+                    plane,
+                    steps,
+                    0.01,
+                    wind(angle, 30.0),
+                    128,
+                    pixel_size=texels * texel_size(plane, 128),
+                    flutter=flutter,
+                )
+                lain = height[height > 0.0]
+                spread = float(lain.std() / lain.mean())
+                worst, at = max((worst, at), (spread, texels))
+            row(
+                f"1 plane at {tilt}, wind {angle}, {steps} steps, flutter {flutter:.0f}",
+                "std / mean <= 0.002",
+                f"{worst:.1e} (pixel {at} texels)",
+                worst <= 0.002,
+            )
+
+
 def spikes():
     """The largest thickness beside the median on a tree of thin twigs."""
     mesh = tree()
@@ -463,6 +491,7 @@ def many():
 
 
 TOPICS = {
+    "evenness": evenness,
     "conservation": conservation,
     "place": place,
     "spikes": spikes,
