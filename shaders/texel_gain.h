@@ -113,7 +113,8 @@ FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
   cells.first =
       (place_in_cell(extent_u, cells.along_u, fall.sampling.x) - 0.5f * float(cells.along_u)) * cells.step_u +
       (place_in_cell(extent_v, cells.along_v, fall.sampling.y) - 0.5f * float(cells.along_v)) * cells.step_v;
-  cells.windows = 1.0f / clamp(abs(extent_u) / float(cells.along_u) + abs(extent_v) / float(cells.along_v),
+  // Half of its cell: what is seen of the rest are the same pixels or its neighbours'.
+  cells.windows = 1.0f / clamp(0.5f * (abs(extent_u) / float(cells.along_u) + abs(extent_v) / float(cells.along_v)),
                                kLeastWindow, 1.0f);
   cells.part = 1.0f / float(cells.along_u * cells.along_v);
   return cells;

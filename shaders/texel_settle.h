@@ -42,8 +42,15 @@ float settle(float height, float deposit, float capacity, WholeStep whole) {
   return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
 }
 
+/// A texel that gains less than this of what it would across the fall and under open sky gains nothing: the
+/// veil that steep faces would get from pixels at their edge.
+KERNEL_CONSTANT float kLeastGain = 0.005f;
+
 /// Thickness in metres that a step brings.
-float deposit_of(uvec4 step) { return float(step.x) * (full_gain / kGainUnits); }
+float deposit_of(uvec4 step) {
+  const float gain = float(step.x) * (1.0f / kGainUnits);
+  return gain < kLeastGain ? 0.0f : gain * full_gain;
+}
 
 /// What a step does to a texel.
 struct SettledTexel {

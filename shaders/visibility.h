@@ -27,10 +27,10 @@ KERNEL_CONSTANT float kHairRange = 4e-7f;
 /// the point: metres over the plane for each pixel of width; and how far its plane there may pass over the
 /// point. Wide enough for creases and rough scans, narrow enough for a twig over its own trunk: with these
 /// volumes are within 0.1 % of what rays reach on scans, animals and trees with pixels of up to three texels.
-KERNEL_CONSTANT float kBend = 1.0f;
+KERNEL_CONSTANT float kBend = 0.75f;
 KERNEL_CONSTANT float kOverPoint = 0.3f;
 /// Surfaces steeper than this are reckoned with as if they were not.
-KERNEL_CONSTANT float kSteepFacing = 0.125f;
+KERNEL_CONSTANT float kSteepFacing = 0.25f;
 
 /// A point on a plane over the grid.
 struct PlanePoint {
