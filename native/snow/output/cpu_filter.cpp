@@ -32,10 +32,10 @@ template <bool kAdd, int32_t kWidth>
                                                    float* __restrict to,
                                                    const uint16_t* __restrict scale, int32_t end,
                                                    TileRows rows, ptrdiff_t stride) {
-  constexpr float kInnerOffset = 1.3846f;
-  constexpr float kOuterOffset = 3.2307f;
-  constexpr float kInnerWeight = static_cast<float>(0.3162 / 0.9998);
-  constexpr float kOuterWeight = static_cast<float>(0.0702 / 0.9998);
+  constexpr auto kInnerOffset = static_cast<float>(kTapOffset[1]);
+  constexpr auto kOuterOffset = static_cast<float>(kTapOffset[2]);
+  constexpr auto kInnerWeight = static_cast<float>(kTapWeight[1] / kTapSum);
+  constexpr auto kOuterWeight = static_cast<float>(kTapWeight[2] / kTapSum);
   const int32_t width = kWidth > 0 ? kWidth : rows.width;
   uint32_t bits = 0;
   for (int32_t row = 0; row < rows.height; ++row) {

@@ -8,8 +8,6 @@
 namespace snowbough::snow {
 namespace {
 
-constexpr double kTapOffset[] = {0.0, 1.3846, 3.2307};
-constexpr double kTapWeight[] = {0.2270, 0.3162, 0.0702};
 constexpr int32_t kMostPasses = 64;
 
 /// Weights with the taps at `scale` times their offsets, each shared by the two texels beside it.

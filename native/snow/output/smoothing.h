@@ -9,6 +9,12 @@
 
 namespace snowbough::snow {
 
+/// The thesis's taps, on one side: offsets in texels and weights, whose sum over both sides is
+/// divided out.
+inline constexpr std::array<double, 3> kTapOffset{0.0, 1.3846, 3.2307};
+inline constexpr std::array<double, 3> kTapWeight{0.2270, 0.3162, 0.0702};
+inline constexpr double kTapSum = kTapWeight[0] + 2.0 * (kTapWeight[1] + kTapWeight[2]);
+
 /// The separable 5-tap Gaussian of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and
 /// Snow, 2014, section 4.2: taps at 0, +-1.3846 and +-3.2307 texels, each between two texels and
 /// interpolated, with the weights 0.2270, 0.3162 and 0.0702. One pass at full scale has a standard
