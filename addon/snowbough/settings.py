@@ -30,7 +30,7 @@ MAPPINGS = (
     (
         "GEOMETRY",
         "Geometry",
-        "Pixels scatter their snow over texels, as the method was first published: uneven; for comparison",
+        "Pixels scatter their snow over texels, as the method was first published: uneven, needs OpenGL; for comparison",
     ),
 )
 
@@ -44,7 +44,8 @@ ENGINES = (
     (
         "CPU",
         "Processor",
-        "All cores of the processor. Needs no graphics driver and works everywhere, macOS and farms included",
+        "All cores of the processor. Needs no graphics driver, so it works in containers, on farm nodes and where "
+        "OpenGL is too old, as on macOS",
     ),
 )
 
