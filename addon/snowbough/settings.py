@@ -30,7 +30,7 @@ MAPPINGS = (
     (
         "GEOMETRY",
         "Geometry",
-        "Pixels scatter their snow over texels, as the method was first published: uneven, needs OpenGL; for comparison",
+        "Pixels scatter their snow over texels, as first published: uneven, needs OpenGL; for comparison",
     ),
 )
 
