@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an artist sets: ``scene.snowbough`` and ``object.snowbough``.
+"""What an artist sets: ``scene.snowbough``, ``object.snowbough`` and the add-on's preferences.
 
 The list of receivers belongs to the scene, because settings on linked or overridden objects get lost.
 Names, units and defaults are part of the interface that scripts rely on. Nothing here computes:
@@ -30,7 +30,22 @@ MAPPINGS = (
     (
         "GEOMETRY",
         "Geometry",
-        "Pixels scatter their snow over texels, as the method was first published: uneven; for comparison",
+        "Pixels scatter their snow over texels, as first published: uneven, needs OpenGL; for comparison",
+    ),
+)
+
+ENGINES = (
+    (
+        "AUTO",
+        "Automatic",
+        "The graphics card where there is one with a driver that can do it, else the processor",
+    ),
+    ("GL", "Graphics Card", "OpenGL 4.5, the quickest with a graphics card. Refuses where there is none"),
+    (
+        "CPU",
+        "Processor",
+        "All cores of the processor. Needs no graphics driver, so it works in containers, on farm nodes and where "
+        "OpenGL is too old, as on macOS",
     ),
 )
 
@@ -317,7 +332,31 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
     )
 
 
-CLASSES = (SnowboughReceiver, SnowboughSceneSettings, SnowboughObjectSettings)
+class SnowboughPreferences(bpy.types.AddonPreferences):
+    """The add-on's preferences: what is the machine's and not the shot's."""
+
+    bl_idname = __package__
+
+    engine: EnumProperty(
+        name="Compute Snow With",
+        description="What bakes and previews compute snow with. The two agree but for rounding; a stopped bake "
+        "resumes with the one that began it",
+        items=ENGINES,
+        default="AUTO",
+    )
+
+    def draw(self, _context):
+        self.layout.use_property_split = True
+        self.layout.prop(self, "engine")
+
+
+def preferred_engine():
+    """AUTO, GL or CPU as the preferences say; AUTO where the add-on runs without any, as from a checkout."""
+    addon = bpy.context.preferences.addons.get(__package__)
+    return getattr(addon.preferences, "engine", "AUTO") if addon is not None else "AUTO"
+
+
+CLASSES = (SnowboughReceiver, SnowboughSceneSettings, SnowboughObjectSettings, SnowboughPreferences)
 
 
 def register():

@@ -182,7 +182,7 @@ def blender_command(addon, blend, *arguments):
     """A Blender of its own that bakes with the code of the add-on under test."""
     package = os.environ["SNOWBOUGH_TEST_ADDON"]
     folder = os.path.dirname(addon("cli").__file__)
-    names = ("frames", "cache", "json", "objects")
+    names = ("frames", "cache", "json", "objects", "engine")
     given = {name: None for name in names}
     given.update(zip((a.lstrip("-") for a in arguments[::2]), arguments[1::2]))
     resume = given.pop("resume", "no") == "yes"
@@ -300,7 +300,7 @@ def test_without_egl_the_message_and_the_code_say_so(addon, undisturbed, tmp_pat
     # A loader without any vendor's library: what a machine without EGL looks like.
     (tmp_path / "none").mkdir()
     environment = {**os.environ, "__EGL_VENDOR_LIBRARY_DIRS": str(tmp_path / "none")}
-    done = run_blender(addon, tmp_path / "shot.blend", env=environment)
+    done = run_blender(addon, tmp_path / "shot.blend", "--engine", "GL", env=environment)
     assert done.returncode == 6 and "OpenGL" in done.stderr
     assert not (tmp_path / "cache").exists()
 

@@ -80,7 +80,7 @@ def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
     window.run(SNOW_SCENE.format(frames=frames, resolution=512, path=str(tmp_path / "shot.blend")))
     window.open_sidebar_tab()
     window.press_button("snowbough.bake")
-    # The first seconds go into starting the driver and compiling shaders.
+    # The first seconds go into laying out the maps and, with OpenGL, compiling shaders.
     window.wait_until("len(list(__import__('pathlib').Path(%r).rglob('height_*.exr'))) >= 4" % str(tmp_path))
     window.run("heartbeat.start()\nresult = True")
     time.sleep(5.0)

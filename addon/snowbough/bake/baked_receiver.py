@@ -89,7 +89,7 @@ class BakedReceiver:
 
     def write_checkpoint(self, frame, shot, state, driver, inputs):
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
-        simulation_state gives it, the driver's name, the poses so far (scene.inputs)."""
+        simulation_state gives it, the engine and driver that ran (job.driver_text), the poses so far (scene.inputs)."""
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
         receiver_folder.write_sidecar(self.folder, frame, sidecar)
         self.write_manifest(shot, False)

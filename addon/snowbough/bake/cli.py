@@ -7,7 +7,10 @@ One line a frame on standard output, made of ``name=value`` words, seconds and m
               evaluate=0.012 gpu=0.371 files=0.094                                  (all in one line)
 
 ``seconds`` is the time from the frame before to this one; ``evaluate`` (Blender's poses), ``gpu`` (snow and
-maps) and ``files`` (packing and writing) run beside each other.
+maps, whichever engine computes them) and ``files`` (packing and writing) run beside each other.
+
+``--engine`` says what computes the snow: GL (OpenGL), CPU (all cores of the processor, no graphics driver needed)
+or AUTO (GL on a graphics card, else CPU). Without it the add-on's preference counts, and AUTO where there is none.
 
 What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
 standard error, what went wrong after as ``SNOWBOUGH error="..." code=N``.
@@ -21,7 +24,7 @@ Exit codes, also in the JSON report:
 3    no checkpoint to start from
 4    settings or scene are not those that the cache was baked from; the message names what changed
 5    the cache cannot be written, is full or is locked by another bake; what is done can be resumed
-6    no EGL or no driver to compute with, or no native module
+6    engine GL is asked for and there is no EGL or no OpenGL driver, or there is no native module
 130  stopped (Ctrl-C); what is done can be resumed
 ===  ==================================================================================================
 """
@@ -44,6 +47,7 @@ from ..names import (
     EXIT_OK,
     EXIT_STOPPED,
 )
+from ..settings import ENGINES
 from . import engine, plan, preflight
 from .from_scene import make_request, prepare_bake
 from .map_writer import WriteFailed
@@ -59,7 +63,14 @@ def add_arguments(parser):
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--objects", metavar="A,B", help="only these receivers")
     parser.add_argument(
-        "--allow-other-driver", action="store_true", help="resume although the GPU driver changed"
+        "--allow-other-driver",
+        action="store_true",
+        help="resume although the checkpoint is another engine's or driver's",
+    )
+    parser.add_argument(
+        "--engine",
+        choices=[name for name, *_ in ENGINES],
+        help="what computes the snow (default: the add-on's preference, else AUTO)",
     )
 
 
@@ -90,7 +101,7 @@ def run(args):
     """Bakes as the command line says and returns the exit code.
 
     args: namespace with frames ("1-48" or None), cache (folder or None), json (file or None), resume
-    (bool), objects ("A,B" or None).
+    (bool), objects ("A,B" or None), engine (AUTO, GL, CPU or None).
     """
     scene = bpy.context.scene
     report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
@@ -109,6 +120,7 @@ def run(args):
             objects=objects,
             directory=args.cache,
             allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
+            engine=args.engine,
         )
         code, message = _bake(request, report)
     except (ValueError, RuntimeError, OSError) as error:

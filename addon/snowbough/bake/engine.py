@@ -113,8 +113,7 @@ _switch_interval = None
 
 def _step_back():
     """Lets the window's thread go first where processors are short: lowers this thread's priority and with
-    it that of all threads it starts, the software driver's too. Elsewhere than on Linux it would be the
-    whole process's."""
+    it that of all threads it starts. Elsewhere than on Linux it would be the whole process's."""
     if sys.platform == "linux":
         os.nice(WINDOW_NICENESS)
 

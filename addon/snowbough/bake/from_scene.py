@@ -14,7 +14,7 @@ from ..cache import versions
 from ..scene import physics_caches
 from ..scene.pose import metres_per_unit
 from ..scene.receivers import receiver_specs
-from ..settings import SnowboughSceneSettings, snow_of
+from ..settings import SnowboughSceneSettings, preferred_engine, snow_of
 from .engine import RunningBake
 from .job import BakeJob
 from .request import BakeRequest
@@ -68,8 +68,10 @@ def constant_rates(scene, frame_start, frame_end):
 
 
 def make_request(scene, resume=False, first=None, last=None, objects=(), directory=None,
-                 allow_other_driver=False):  # fmt: skip
-    """Everything a bake of the scene needs to know, without references into it. Raises ValueError."""
+                 allow_other_driver=False, engine=None):  # fmt: skip
+    """Everything a bake of the scene needs to know, without references into it. Raises ValueError.
+
+    engine: AUTO, GL or CPU; None takes what the preferences say."""
     if bpy.app.autoexec_fail:
         raise ValueError(
             f"Blender has disabled scripts in this file ({bpy.app.autoexec_fail_message or 'drivers'}), so it "
@@ -89,6 +91,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         objects=tuple(objects),
         resume=resume,
         allow_other_driver=allow_other_driver,
+        engine=preferred_engine() if engine is None else engine,
         **{name: getattr(settings, name) for name in _OWN_SETTINGS},
     )
 

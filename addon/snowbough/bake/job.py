@@ -56,8 +56,9 @@ class BakeJob:
         # What the simulation has not been told yet.
         self._positions = {}
         self._driver = ""
-        # Makes its context beside the first pose; the simulation takes it over.
-        self._gpu = native.Gpu()
+        self._resumed = False
+        # Loads its driver beside the first pose; the simulation takes it over.
+        self._engine = native.Engine(engine=request.engine, mapping=request.snow["mapping"])
 
     # -- the recipe ------------------------------------------------------------------------------------
 
@@ -66,11 +67,11 @@ class BakeJob:
         frame; cancelled() is asked between frames.
 
         Raises BakeCancelled, CacheError and its kinds, ValueError (scene or settings) or
-        RuntimeError (no EGL, driver).
+        RuntimeError (NoGpu where the engine GL is asked for and not to be had; a driver that fails).
         """
         request = self.request
         with contextlib.ExitStack() as stack:
-            stack.enter_context(self._gpu)
+            stack.enter_context(self._engine)
             first_pose = evaluate(request.frame_start, 0.0)
             snowfall = self._plan(evaluate)
             self._identify(first_pose)
@@ -79,7 +80,8 @@ class BakeJob:
             stack.callback(self._close_simulation)
             if not self._may_resume():
                 self._make_simulation(added)  # lays maps out while the driver is still being loaded
-            self._driver = driver_of(self._gpu)  # without a GPU nothing is begun
+            engine = engine_info(self._engine, request.snow["mapping"])  # without one nothing is begun
+            self._driver = driver_text(engine)
             make_folder(self.root)
             stack.callback(versions.remove_empty_folders, self.root)
             self._open_version(settings, stack)
@@ -90,7 +92,8 @@ class BakeJob:
             if self._may_resume():  # only now is known which receivers are finished and need no map
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
-            log(f"{self._driver}; {self.version.name}; {', '.join(r.label for r in self.receivers)}")
+            log(f"engine {self._driver}: {engine['reason']}")
+            log(f"{self.version.name}; {', '.join(r.label for r in self.receivers)}")
             self._registry.prepare()
             if rest is None:
                 for receiver in self.receivers:
@@ -201,10 +204,7 @@ class BakeJob:
             number, states[receiver.key], driver, before = receiver.read_checkpoint(frame)
             numbers.add(number)
             if driver != self._driver and not request.allow_other_driver:
-                raise InputsChanged(
-                    f"The checkpoint was made with another driver ({driver}, this is {self._driver}), so the "
-                    "bake would not end with the same bytes: resume there, or allow another driver"
-                )
+                raise _other_engine(driver, self._driver)
         if len(numbers) > 1:
             raise InputsChanged(
                 f"The receivers' checkpoints of frame {frame} do not belong together (steps "
@@ -222,6 +222,7 @@ class BakeJob:
         for receiver in self.receivers:
             receiver.forget_after(frame)
         self.native.set_simulation_state(self._simulation, {"step_number": numbers.pop(), "objects": states})
+        self._resumed = True
         log(f"restored the checkpoint of frame {frame}")
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
@@ -255,10 +256,11 @@ class BakeJob:
     # -- the scene and the simulation ------------------------------------------------------------------
 
     def _make_simulation(self, added):
-        """With the objects of the shot's first pose, as SceneTracker.register_changes gives them. Needs no GPU yet."""
+        """With the objects of the shot's first pose, as SceneTracker.register_changes gives them. Needs no
+        engine yet."""
         request = self.request
         self._simulation = simulation.make_simulation(
-            self.native, request.snow, self.pixel_size, wait_for_gpu=False
+            self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
         )
         # Maps for the receivers that this bake writes; all else shelters them.
         maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
@@ -311,7 +313,7 @@ class BakeJob:
                     inputs = [list(entry) for entry in self._tracker.inputs.poses]
                     pending.append(
                         worker.submit(
-                            self._frame, frame, work, inputs, snowfall, settings, writer, evaluating
+                            self._frame, frame, work, inputs, snowfall, settings, writer, evaluating, log
                         )
                     )
                     # Only now, so that the worker need not wait for the frame before to be reported.
@@ -343,7 +345,7 @@ class BakeJob:
             else:
                 self._stop(settings, writer)
 
-    def _frame(self, frame, work, inputs, snowfall, settings, writer, evaluating):
+    def _frame(self, frame, work, inputs, snowfall, settings, writer, evaluating, log):
         """The steps of one frame, in the worker's thread; the writer makes its maps and, where due, the
         checkpoint."""
         request, clock = self.request, time.perf_counter
@@ -357,6 +359,7 @@ class BakeJob:
             for step in steps:
                 self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
                 self._positions = {}
+        self._follow_engine(log)
         snowing = clock() - begun
         volume = slid = 0.0
         reading = -clock()
@@ -392,12 +395,24 @@ class BakeJob:
         }
         return result
 
+    def _follow_engine(self, log):
+        """Takes note of the engine that really ran: in its first step a simulation may leave OpenGL for the
+        processor. What another engine began is not continued so."""
+        engine = self._simulation.engine
+        ran, meant = driver_text(engine), self._driver
+        if ran == meant:
+            return
+        self._driver = ran
+        log(f"engine {ran}: {engine['reason']}")
+        if self._resumed and not self.request.allow_other_driver:
+            raise _other_engine(meant, ran)
+
     # -- files -----------------------------------------------------------------------------------------
 
     def _checkpoint(self, frame, settings, writer):
         """Reads the state back; packing and writing it is the writer's, after the maps before it."""
         state = self.native.simulation_state(self._simulation)
-        inputs, driver = self._inputs_at, self._driver
+        inputs, driver = self._inputs_at, driver_text(self._simulation.engine)
         for receiver in self.receivers:
             writer.call(
                 lambda receiver=receiver: receiver.write_checkpoint(frame, settings, state, driver, inputs)
@@ -418,16 +433,33 @@ class BakeJob:
             self._simulation = None
 
 
-def driver_of(gpu):
-    """What decides about the last bit of a map, of a native.Gpu. Raises NoGpu."""
+def driver_text(engine):
+    """What decides about the last bit of a map: ``CPU, processor, x86-64``. engine: the dict that native.Engine's
+    info and SnowSimulation's engine are."""
+    return f"{engine['name']}, {engine['driver']}"
+
+
+def engine_info(engine, mapping):
+    """The info of a native.Engine made for that mapping. Raises NoGpu, saying what to do, where it needs OpenGL
+    and there is none."""
     try:
-        info = gpu.info
+        return engine.info
     except RuntimeError as error:
-        raise NoGpu(f"Snow is computed with OpenGL, which is not to be had here: {error}") from error
-    return f"{info['renderer']}, {info['version']}"
+        instead = "mapping COMPUTE" if mapping == "GEOMETRY" else "engine CPU, which needs none"
+        raise NoGpu(
+            f"Engine GL computes snow with OpenGL, which is not to be had here: {error}. Or choose {instead}"
+        ) from error
 
 
-def driver_name(native):
-    """driver_of the GPU that a bake would take. Raises NoGpu."""
-    with native.Gpu() as gpu:
-        return driver_of(gpu)
+def probe_engine(native, wanted, mapping):
+    """engine_info of the engine that a bake would have. Raises NoGpu, and ValueError for a mapping that the
+    wanted engine does not have."""
+    with native.Engine(engine=wanted, mapping=mapping) as engine:
+        return engine_info(engine, mapping)
+
+
+def _other_engine(before, now):
+    return InputsChanged(
+        f"The checkpoint was made with another engine or driver ({before}; this is {now}), so the bake would not "
+        "end with the same bytes: resume there, choose that engine, or allow another driver"
+    )

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake's log: times and the GPU in a file of their own, so that equal bakes are equal bytes. No ``bpy``."""
+"""The bake's log: times and the engine in a file of their own, so that equal bakes are equal bytes. No ``bpy``."""
 
 import contextlib
 import datetime

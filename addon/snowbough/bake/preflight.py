@@ -17,9 +17,10 @@ from ..cache import versions
 from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
 from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
+from ..settings import preferred_engine
 from . import baked_receiver, changes_since_bake, plan
 from .from_scene import cache_directory, constant_rates
-from .job import driver_name
+from .job import driver_text, probe_engine
 from .outcome import one_line
 
 # Measured: smooth float maps pack to about this share of their raw size.
@@ -38,7 +39,7 @@ class Issue:
 
 def check(scene, depsgraph):
     """All issues of a bake of the scene now, the worst first."""
-    issues = [*_environment(), *_settings(scene), *_cache(scene)]
+    issues = [*_environment(scene), *_settings(scene), *_cache(scene)]
     specs = receivers.receiver_specs(scene)
     if not specs:
         issues.append(Issue("ERROR", "There are no receivers: select meshes and use Add Snow to Selected"))
@@ -97,11 +98,13 @@ def _alpha(depsgraph):
     return issues
 
 
-def _environment():
+def _environment(scene):
     try:
-        driver_name(native.load())
-    except RuntimeError as error:
+        engine = probe_engine(native.load(), preferred_engine(), scene.snowbough.mapping)
+    except (RuntimeError, ValueError) as error:
         yield Issue("ERROR", one_line(error))
+    else:
+        yield Issue("INFO", f"Snow is computed by engine {driver_text(engine)}: {engine['reason']}")
     if bpy.app.autoexec_fail:
         yield Issue(
             "ERROR", "Blender has disabled scripts in this file: allow Auto Run Python Scripts and reload"
@@ -219,7 +222,8 @@ def _amounts(scene, sizes):
     texels = sum(size * size for size in sizes)
     frames = scene.snowbough.frame_end - scene.snowbough.frame_start + 1
     disk = texels * 4 * PACKED_SHARE * frames
-    # A texel of a receiver takes about 100 bytes on the GPU while snow falls (positions, targets, maps).
+    # A texel of a receiver takes about 100 bytes while snow falls (positions, targets, maps), on the GPU where
+    # that does it.
     memory = texels * 100
     yield Issue(
         "INFO",

@@ -15,7 +15,7 @@ from ..scene.pose import TopologyChanged, library_path, metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
 from ..scene.tracker import SceneTracker
-from ..settings import snow_of
+from ..settings import preferred_engine, snow_of
 from . import baked_receiver, plan, simulation
 from .from_scene import constant_rates
 
@@ -65,7 +65,10 @@ class Preview:
         if not texels:
             raise ValueError("There is nothing for snow to lie on: use 'Add Snow to Selected'")
         self.simulation = simulation.make_simulation(
-            native.load(), snow_of(settings), simulation.pixel_size(pose, list(texels.values()))
+            native.load(),
+            snow_of(settings),
+            simulation.pixel_size(pose, list(texels.values())),
+            preferred_engine(),
         )
         maps = {key: (RESOLUTION, settings.blur_radius * texel) for key, texel in texels.items()}
         self.registry = simulation.Registry(self.simulation, maps)
@@ -165,7 +168,7 @@ class Preview:
 
 
 def start(scene, depsgraph):
-    """Begins the preview at the current frame. Raises what reading the scene or the GPU raises."""
+    """Begins the preview at the current frame. Raises what reading the scene or making the simulation raises."""
     stop()
     preview = Preview(scene)
     try:

@@ -9,7 +9,7 @@ class BakeCancelled(Exception):
 
 
 class NoGpu(RuntimeError):
-    """There is no EGL or no driver; says what the native module said."""
+    """The engine GL is asked for and OpenGL is not to be had; says what the native module said."""
 
 
 def _for_all_maps():
@@ -54,6 +54,8 @@ class BakeRequest:
     """Names of the receivers to bake; empty: all that are enabled."""
     resume: bool = False
     allow_other_driver: bool = False
+    engine: str = "AUTO"
+    """AUTO, GL or CPU, as the native SnowSimulation takes it. No part of the shot: what ran is noted in checkpoints."""
 
     def shot(self):
         """{name: value} of all that decides about the maps of the whole shot, besides the depth of each frame
@@ -77,6 +79,6 @@ class FrameResult:
     """m3 that slid off them since the first frame."""
     seconds: dict = field(default_factory=dict)
     """evaluate: Blender's evaluation of the poses; snow and maps: steps, and reading back what they leave for
-    the maps; gpu: both, and the simulation's state where a checkpoint is due; files: what the thread that
-    makes, packs and writes maps was busy with since the frame before; total: from the frame before to this
-    one. evaluate, gpu and files run beside each other, so total is less than their sum."""
+    the maps; gpu: both, whichever engine does them, and the simulation's state where a checkpoint is due;
+    files: what the thread that makes, packs and writes maps was busy with since the frame before; total: from
+    the frame before to this one. evaluate, gpu and files run beside each other, so total is less than their sum."""

@@ -24,11 +24,13 @@ def pixel_size(pose, texel_sizes, wanted=0.0):
     return plan.automatic_pixel_size(texel_sizes, low, high)
 
 
-def make_simulation(native, snow, pixel_size, wait_for_gpu=True):
+def make_simulation(native, snow, pixel_size, engine="AUTO", wait_for_gpu=True):
     """A SnowSimulation of the module snowbough_native. snow: settings.snow_of, in radians; the native module
-    takes flutter in degrees."""
+    takes flutter in degrees. engine: AUTO, GL or CPU."""
     in_degrees = {**snow, "flutter": math.degrees(snow["flutter"])}
-    return native.SnowSimulation(pixel_size=pixel_size, wait_for_gpu=wait_for_gpu, **in_degrees)
+    return native.SnowSimulation(
+        pixel_size=pixel_size, engine=engine, wait_for_gpu=wait_for_gpu, **in_degrees
+    )
 
 
 class Registry:
@@ -46,7 +48,7 @@ class Registry:
 
     def register_changes(self, added):
         """Adds the objects of {key: scene.tracker.Registration}, or gives those that are there their new
-        mesh. A receiver's snow stays where it lies on its map. Needs no GPU.
+        mesh. A receiver's snow stays where it lies on its map. Needs no engine yet.
 
         Raises TopologyChanged, naming object and frame, for a new mesh that its map cannot carry.
         """
@@ -82,7 +84,7 @@ class Registry:
                 ) from error
 
     def prepare(self):
-        """Begins with what the maps of new receivers take, beside the next steps. Waits for the GPU."""
+        """Begins with what the maps of new receivers take, beside the next steps. Waits for the engine."""
         for key in self._unprepared:
             self._simulation.prepare_output(key)
         self._unprepared.clear()

@@ -11,7 +11,7 @@
                                                  state_0010        checkpoint: the simulation's own file
                                                  state_0010.json   what belongs to it: inputs, coverage
                                                  lock              while a bake writes here
-    <cache>/<scene>/logs/                                          times and the GPU, one file a bake
+    <cache>/<scene>/logs/                                          times and the engine, one file a bake
 
 A version is a folder per receiver, so several machines fill one version together without a shared
 file. A finished receiver is never written again: the next bake takes the next version. Every file is

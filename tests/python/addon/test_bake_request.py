@@ -49,6 +49,7 @@ def test_what_decides_about_all_maps_is_part_of_the_shot():
         {"objects": ("Cart",)},
         {"resume": True},
         {"texel_size": 0.5},
+        {"engine": "CPU"},
     ],
 )
 def test_parts_of_a_shot_on_other_machines_are_the_same_shot(changed):
@@ -57,9 +58,10 @@ def test_parts_of_a_shot_on_other_machines_are_the_same_shot(changed):
 
 def test_the_native_module_gets_all_snow_settings_and_flutter_in_degrees():
     native = SimpleNamespace(SnowSimulation=lambda **arguments: arguments)
-    given = make_simulation(native, SNOW, 0.02, wait_for_gpu=False)
+    given = make_simulation(native, SNOW, 0.02, "CPU", wait_for_gpu=False)
     assert given == {
         "pixel_size": 0.02,
+        "engine": "CPU",
         "wait_for_gpu": False,
         "flutter": pytest.approx(3.0, rel=1e-15),
         "max_depth": 0.7,

@@ -1,0 +1,455 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What computes the snow: the engine that is chosen, what a bake says of it, and bakes without EGL or OpenGL."""
+
+import json
+import os
+import signal
+import subprocess
+import sys
+
+import bpy
+import numpy as np
+import pytest
+import snow_scene as s
+from conftest import ROOT
+from test_resume import blender_command, run_blender
+
+PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
+
+
+@pytest.fixture
+def native(addon):
+    return addon("native").load()
+
+
+@pytest.fixture
+def engine():
+    """Sets the add-on's preference: engine("GL"). Afterwards it is what it was."""
+    preferences = bpy.context.preferences.addons[PACKAGE].preferences
+    before = preferences.engine
+
+    def choose(name):
+        preferences.engine = name
+
+    yield choose
+    preferences.engine = before
+
+
+@pytest.fixture
+def needs_gl(native):
+    """Skips where the engine GL is not to be had."""
+    try:
+        with native.Engine("GL") as held:
+            return held.info
+    except RuntimeError as error:
+        pytest.skip(f"no OpenGL here: {error}")
+
+
+@pytest.fixture
+def without_egl(tmp_path):
+    """An environment in which neither EGL nor OpenGL can be loaded."""
+    folder = tmp_path / "no_gl"
+    folder.mkdir()
+    for name in ("libEGL.so.1", "libOpenGL.so.0"):
+        (folder / name).write_text("no library")
+    path = os.pathsep.join(filter(None, (str(folder), os.environ.get("LD_LIBRARY_PATH"))))
+    return {**os.environ, "LD_LIBRARY_PATH": path}
+
+
+def logs(root):
+    """The lines of each bake's log, without their times, the oldest first."""
+    found = sorted((root / "Scene" / "logs").iterdir(), key=lambda path: path.stat().st_mtime_ns)
+    return [[line.split(" ", 1)[1] for line in path.read_text().splitlines()] for path in found]
+
+
+def checkpoint_drivers(root):
+    """What the checkpoints in a cache say computed them."""
+    return {json.loads(path.read_text())["driver"] for path in root.rglob("state_*.json")}
+
+
+def run_part(addon, first, last, **options):
+    """A bake of a part of the shot; returns the RunningBake."""
+    from_scene, bake_engine = addon("bake.from_scene"), addon("bake.engine")
+    request = from_scene.make_request(bpy.context.scene, first=first, last=last, **options)
+    running = from_scene.prepare_bake(bpy.context.scene, request)
+    bake_engine.run(bpy.context, running)
+    return running
+
+
+# -- the choice ---------------------------------------------------------------------------------------
+
+
+def test_the_preference_decides_and_is_automatic_at_first(addon, engine):
+    make_request = addon("bake.from_scene").make_request
+    s.receive(s.square("Ground"))
+    s.settings("/nowhere")
+    assert make_request(bpy.context.scene).engine == "AUTO"
+    for name in ("GL", "CPU"):
+        engine(name)
+        assert make_request(bpy.context.scene).engine == name
+        assert make_request(bpy.context.scene, engine="AUTO").engine == "AUTO"
+
+
+def test_the_preference_is_described_and_drawn(addon):
+    preferences = addon("settings").SnowboughPreferences
+    prop = preferences.bl_rna.properties["engine"]
+    assert [item.identifier for item in prop.enum_items] == ["AUTO", "GL", "CPU"]
+    assert prop.description and all(item.description for item in prop.enum_items)
+    drawn = []
+
+    class Layout:
+        def prop(self, _owner, name):
+            drawn.append(name)
+
+    class Shown:
+        layout = Layout()
+
+    preferences.draw(Shown(), bpy.context)
+    assert drawn == ["engine"]
+
+
+def test_without_preferences_it_is_automatic(addon, engine, monkeypatch):
+    engine("CPU")
+    settings = addon("settings")
+    assert settings.preferred_engine() == "CPU"
+    monkeypatch.setattr(settings, "__package__", "snowbough_from_a_checkout")
+    assert settings.preferred_engine() == "AUTO"
+
+
+def test_the_preview_takes_the_engine_of_the_preference(addon, engine, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    engine("CPU")
+    bpy.ops.snowbough.toggle_preview()
+    try:
+        info = addon("session").preview.simulation.engine
+        assert (info["name"], info["reason"]) == ("CPU", "asked for")
+    finally:
+        bpy.ops.snowbough.toggle_preview()
+
+
+def test_the_preview_takes_opengl_where_the_preference_says_so(addon, engine, needs_gl, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    engine("GL")
+    bpy.ops.snowbough.toggle_preview()
+    try:
+        assert addon("session").preview.simulation.engine == needs_gl
+    finally:
+        bpy.ops.snowbough.toggle_preview()
+
+
+def test_the_check_says_what_computes_the_snow(addon, engine, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    engine("CPU")
+    issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    (told,) = [issue for issue in issues if "computed" in issue.text]
+    assert told.severity == "INFO"
+    assert told.text.startswith("Snow is computed by engine CPU, processor, ")
+
+
+def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, engine, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path / "cache", mapping="GEOMETRY")
+    engine("CPU")
+    wanted = "mapping GEOMETRY is drawn by OpenGL: use engine GL, or mapping COMPUTE"
+    with pytest.raises(RuntimeError, match=wanted):
+        s.bake()
+    with pytest.raises(RuntimeError, match=wanted):
+        bpy.ops.snowbough.toggle_preview()
+    issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    assert [issue.text for issue in issues if issue.severity == "ERROR"] == [wanted]
+    assert not (tmp_path / "cache").exists()
+
+
+# -- what a bake says of it ---------------------------------------------------------------------------
+
+
+def test_the_log_begins_with_engine_driver_and_reason(native, engine, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    engine("CPU")
+    s.bake()
+    with native.Engine("CPU") as held:
+        driver = held.info["driver"]
+    ((first, second, *_),) = logs(tmp_path)
+    assert first == f"engine CPU, {driver}: asked for"
+    assert second == "v001; Ground"
+
+
+def test_a_checkpoint_carries_engine_and_driver(addon, native, engine, tmp_path):
+    s.moving_scene(tmp_path)
+    engine("CPU")
+    assert run_part(addon, 1, 6).error is None
+    with native.Engine("CPU") as held:
+        assert checkpoint_drivers(tmp_path) == {f"CPU, {held.info['driver']}"}
+
+
+class CardThatFails:
+    """Stands in for the native module: a card is chosen, and gone when the simulation takes its first step."""
+
+    info = {"name": "GL", "driver": "A Card, 4.6", "reason": "a graphics driver for A Card"}
+
+    class Engine:
+        def __init__(self, engine, mapping):
+            self.info = CardThatFails.info
+
+        def __enter__(self):
+            return self
+
+        def __exit__(self, *_):
+            pass
+
+    def __init__(self, real):
+        self._real = real
+
+    def __getattr__(self, name):
+        return getattr(self._real, name)
+
+    def SnowSimulation(self, engine, **settings):  # noqa: N802
+        return self._real.SnowSimulation(engine="CPU", **settings)
+
+
+def test_after_a_fallback_log_and_checkpoint_name_what_really_ran(addon, native, monkeypatch, tmp_path):
+    s.moving_scene(tmp_path)
+    monkeypatch.setattr(addon("native"), "load", lambda: CardThatFails(native))
+    assert run_part(addon, 1, 6).error is None
+    with native.Engine("CPU") as held:
+        ran = f"CPU, {held.info['driver']}"
+    assert checkpoint_drivers(tmp_path) == {ran}
+    (lines,) = logs(tmp_path)
+    assert [line for line in lines if line.startswith("engine ")] == [
+        "engine GL, A Card, 4.6: a graphics driver for A Card",
+        f"engine {ran}: asked for",
+    ]
+
+
+def test_a_fallback_does_not_continue_what_opengl_began(addon, native, monkeypatch, tmp_path):
+    s.moving_scene(tmp_path)
+    assert run_part(addon, 1, 4).error is None
+    for path in tmp_path.rglob("state_*.json"):
+        sidecar = json.loads(path.read_text())
+        path.write_text(json.dumps({**sidecar, "driver": "GL, A Card, 4.6"}))
+    monkeypatch.setattr(addon("native"), "load", lambda: CardThatFails(native))
+    error = run_part(addon, 5, 12).error
+    assert isinstance(error, addon("cache.errors").InputsChanged)
+    assert "GL, A Card, 4.6; this is CPU, processor" in str(error)
+    assert not list(tmp_path.rglob("height_0005.exr"))
+    assert run_part(addon, 5, 12, allow_other_driver=True).error is None
+    assert len(list(tmp_path.rglob("height_0012.exr"))) == 3
+
+
+# -- both engines -------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("flutter", [0.0, 0.05])
+def test_the_engines_bake_the_same_snow(native, engine, needs_gl, tmp_path, flutter):
+    s.moving_scene(tmp_path / "GL", flutter=flutter)
+    for name in ("GL", "CPU"):
+        engine(name)
+        bpy.context.scene.snowbough.cache_directory = str(tmp_path / name)
+        s.bake()
+        assert logs(tmp_path / name)[0][0].startswith(f"engine {name}, ")
+    depth_of_a_step = 0.1 / 12
+    for receiver in ("Ground", "Cart", "Flag"):
+        for frame in (1, 2, 12):
+            drawn, computed = (
+                s.height(native, tmp_path / name, receiver, frame).astype(np.float64)
+                for name in ("GL", "CPU")
+            )
+            away = ~near_an_edge(drawn) & ~near_an_edge(computed)
+            assert np.abs(drawn - computed)[away].max(initial=0.0) <= 1e-4 * depth_of_a_step, (
+                receiver,
+                frame,
+            )
+            both, either = (drawn > 0) & (computed > 0), (drawn > 0) | (computed > 0)
+            assert both.sum() >= 0.9999 * either.sum(), (receiver, frame)
+            assert abs(drawn.sum() - computed.sum()) <= 1e-5 * drawn.sum(), (receiver, frame)
+            print(receiver, frame, f"{away.mean():.2f} of the map, {np.abs(drawn - computed).max():.2e} m")
+        assert away.mean() > 0.3 and drawn.max() > 0.03, receiver
+
+
+def near_an_edge(map_):
+    """Texels within two of a jump in height: where a shadow's edge lies or passed."""
+    jumps = np.zeros(map_.shape, bool)
+    for axis in (0, 1):
+        step = np.abs(np.diff(map_, axis=axis)) > 1e-3 * max(map_.max(), 1e-9)
+        before = [(0, 0), (0, 0)]
+        after = [(0, 0), (0, 0)]
+        before[axis], after[axis] = (1, 0), (0, 1)
+        jumps |= np.pad(step, before) | np.pad(step, after)
+    wide = np.pad(jumps, 2)
+    rows, columns = map_.shape
+    return np.any([wide[i : i + rows, j : j + columns] for i in range(5) for j in range(5)], axis=0)
+
+
+@pytest.mark.parametrize("begun, resumed", [("GL", "CPU"), ("CPU", "GL")])
+def test_an_engine_continues_the_others_bake_only_when_allowed(
+    addon, engine, needs_gl, tmp_path, begun, resumed
+):
+    s.moving_scene(tmp_path)
+    engine(begun)
+    assert run_part(addon, 1, 6).error is None
+    before = s.files_of(tmp_path)
+    engine(resumed)
+    error = run_part(addon, 1, 12, resume=True).error
+    assert isinstance(error, addon("cache.errors").InputsChanged)
+    assert f"another engine or driver ({begun}, " in str(error) and f"this is {resumed}, " in str(error)
+    assert s.files_of(tmp_path) == before
+    assert run_part(addon, 1, 12, resume=True, allow_other_driver=True).error is None
+    assert len(list(tmp_path.rglob("height_0012.exr"))) == 3
+
+
+# -- without EGL and OpenGL ---------------------------------------------------------------------------
+
+
+@pytest.fixture
+def shot(addon, engine, tmp_path):
+    """The moving scene, saved as shot.blend with its cache in tmp/cache, and the bytes of its whole bake by the
+    processor in this Blender."""
+    s.moving_scene(tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0)
+    engine("CPU")
+    s.bake()
+    bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    return s.files_of(tmp_path / "whole")
+
+
+def test_without_egl_a_bake_is_the_processors(addon, shot, without_egl, tmp_path):
+    done = run_blender(addon, tmp_path / "shot.blend", "--engine", "AUTO", env=without_egl)
+    assert done.returncode == 0, done.stderr
+    ((first, *_),) = logs(tmp_path / "cache")
+    assert first.startswith("engine CPU, processor, ") and "libEGL.so.1" in first
+    assert s.files_of(tmp_path / "cache") == shot
+
+
+def test_without_egl_opengl_is_refused_with_what_to_do(addon, shot, without_egl, tmp_path):
+    done = run_blender(addon, tmp_path / "shot.blend", "--engine", "GL", env=without_egl)
+    assert done.returncode == 6
+    assert "OpenGL" in done.stderr and "libEGL.so.1" in done.stderr and "engine CPU" in done.stderr
+    assert "Traceback" not in done.stderr and not (tmp_path / "cache").exists()
+
+
+def test_without_egl_the_native_module_has_no_opengl(native, without_egl):
+    """What the tests around this one stand on."""
+    program = (
+        "import importlib.util, sys\n"
+        f"spec = importlib.util.spec_from_file_location('snowbough_native', {native.__file__!r})\n"
+        "module = importlib.util.module_from_spec(spec)\n"
+        "spec.loader.exec_module(module)\n"
+        "try:\n"
+        "    module.Engine('GL').info\n"
+        "except RuntimeError as error:\n"
+        "    print('refused:', error, flush=True)\n"
+    )
+    command = [sys.executable, "-c", program]
+    if bpy.app.binary_path:
+        command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-expr", program]
+    done = subprocess.run(command, env=without_egl, capture_output=True, text=True, timeout=120)
+    assert "refused: snow needs EGL, and libEGL.so.1 cannot be loaded" in done.stdout
+
+
+# Ends the process, as kill -9 does, when a frame is reported and the ones after it are being baked and written.
+KILL = """
+import os, signal
+frame_line = cli.frame_line
+def line_or_end(result, left):
+    if result.frame == {frame}:
+        os.kill(os.getpid(), signal.SIGKILL)
+    return frame_line(result, left)
+cli.frame_line = line_or_end
+"""
+
+
+@pytest.mark.parametrize("frame", [2, 6, 9])
+def test_without_egl_a_killed_bake_resumes_to_the_same_bytes(addon, shot, without_egl, tmp_path, frame):
+    *command, program = blender_command(addon, tmp_path / "shot.blend", "--engine", "AUTO")
+    killed = program.replace("sys.exit(", KILL.format(frame=frame) + "sys.exit(")
+    done = subprocess.run([*command, killed], env=without_egl, capture_output=True, text=True, timeout=120)
+    assert done.returncode == -signal.SIGKILL, done.stderr
+    left = s.files_of(tmp_path / "cache")
+    assert any(name.endswith("height_0001.exr") for name in left)
+    assert not any(name.endswith("height_0012.exr") for name in left)
+    done = run_blender(addon, tmp_path / "shot.blend", "--engine", "AUTO", "--resume", "yes", env=without_egl)
+    assert done.returncode == 0, done.stderr
+    assert s.files_of(tmp_path / "cache") == shot
+
+
+def test_without_egl_receivers_in_two_runs_make_the_same_bytes(addon, shot, without_egl, tmp_path):
+    for objects in ("Cart", "Ground,Flag"):
+        done = run_blender(
+            addon, tmp_path / "shot.blend", "--engine", "AUTO", "--objects", objects, env=without_egl
+        )
+        assert done.returncode == 0, done.stderr
+    assert s.files_of(tmp_path / "cache") == shot
+
+
+# -- the command line ---------------------------------------------------------------------------------
+
+
+def command_line(blend, *arguments):
+    if not bpy.app.binary_path:
+        pytest.skip("this Blender is a Python module and has no command line")
+    command = [bpy.app.binary_path, "-b", str(blend), "--factory-startup", "--python-exit-code", "1"]
+    command += ["-P", str(ROOT / "addon" / "snowbough" / "cli.py"), "--", "bake", *arguments]
+    return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+
+@pytest.mark.parametrize("name", ["AUTO", "GL", "CPU"])
+def test_the_command_line_takes_an_engine(native, needs_gl, tmp_path, name):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path / "cache", (1, 2))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    done = command_line(tmp_path / "shot.blend", "--engine", name)
+    assert done.returncode == 0, done.stderr
+    with native.Engine(name) as held:
+        info = held.info
+    assert logs(tmp_path / "cache")[0][0] == f"engine {info['name']}, {info['driver']}: {info['reason']}"
+
+
+def test_the_command_line_refuses_an_engine_that_is_none(tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path / "cache", (1, 2))
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    done = command_line(tmp_path / "shot.blend", "--engine", "VULKAN")
+    assert done.returncode == 2 and "'AUTO', 'GL', 'CPU'" in done.stderr
+    assert not (tmp_path / "cache").exists()
+
+
+# -- bakes of before ----------------------------------------------------------------------------------
+
+
+def age(root):
+    """Makes what lies in a cache what the first deposit left there, which noted none."""
+    for path in root.rglob("object.json"):
+        manifest = json.loads(path.read_text())
+        del manifest["settings"]["deposit"]
+        path.write_text(json.dumps(manifest))
+
+
+def test_a_checkpoint_of_the_first_deposit_is_refused_naming_it(addon, tmp_path):
+    s.moving_scene(tmp_path)
+    assert run_part(addon, 1, 6).error is None
+    age(tmp_path)
+    before = s.files_of(tmp_path)
+    for allowed in (False, True):
+        error = run_part(addon, 1, 12, resume=True, allow_other_driver=allowed).error
+        assert isinstance(error, addon("cache.errors").InputsChanged)
+        assert "deposit: added" in str(error) and "bake again from the start" in str(error)
+    assert s.files_of(tmp_path) == before
+
+
+def test_a_finished_bake_of_the_first_deposit_still_opens(addon, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    s.bake()
+    age(tmp_path)
+    manifest = addon("cache.manifest").read_manifest(s.folder_of(tmp_path, "Ground"))
+    assert manifest["complete"] and [one["frame"] for one in manifest["frames"]] == [1, 2, 3, 4]
+    addon("session").manifests.clear()
+    assert addon("bake.state").state_of(bpy.context.scene) == "BAKED"
+    bpy.ops.snowbough.setup_displacement(mode="MODIFIER")
+    assert "v001" in bpy.data.objects["Ground"].modifiers[-1].texture.image.filepath
+    s.bake()
+    assert s.height(addon("native").load(), tmp_path, "Ground", 4, version=2).max() > 0.09
