@@ -1,7 +1,7 @@
 // Counts the pixels in which the sky sees back faces, of every receiver: a hint at flipped normals.
 // WALKERS: invocations of a work group; see snow/walkers.h.
-#include "tile_pixel.h"
-#include "triangle_object.h"
+#include "lib/tile_pixel.h"
+#include "glsl/triangle_object.glsl"
 
 layout(local_size_x = WALKERS) in;
 /// By slot.

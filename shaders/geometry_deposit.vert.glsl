@@ -2,9 +2,9 @@
 #extension GL_ARB_shading_language_420pack : require
 // GEOMETRY, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the pixel's snow for the
 // texel under its centre.
-#include "texel_place.h"
-#include "texel_under.h"
-#include "triangle_object.h"
+#include "glsl/texel_place.glsl"
+#include "glsl/texel_under.glsl"
+#include "glsl/triangle_object.glsl"
 
 /// By texel of the group's batch: its place on the map, and a TexelStep.
 uniform usamplerBuffer places;

@@ -1,6 +1,6 @@
 // What the sky sees in a pixel. Depth comes from the triangle's own plane instead of the rasteriser's
 // interpolation, which depends on the tile's origin in its last bits.
-#include "fall_frame.h"
+#include "lib/projection_frame.h"
 #include "lib/occlusion_pixel.h"
 
 uniform ivec2 tile_origin;

@@ -1,10 +1,10 @@
-// The stability pass, see texel_settle.h for what it does.
+// The stability pass, see texel_stability.h for what it does.
 //
 // DEPOSIT_MAP: the deposit lies on a map of its own.
 // WALKERS: invocations of a work group, at most kMostWalkers; see snow/walkers.h.
-#include "texel_group.h"
-#include "texel_place.h"
-#include "texel_settle.h"
+#include "glsl/texel_group.glsl"
+#include "glsl/texel_place.glsl"
+#include "lib/texel_stability.h"
 
 layout(local_size_x = WALKERS) in;
 #ifdef DEPOSIT_MAP

@@ -1,7 +1,7 @@
 // Adds up, in a fixed order and in double precision, what the invocations of the stability pass
 // found for one object. One work group a segment.
 // WALKERS: invocations of that pass's work groups; see snow/walkers.h.
-#include "snow_shared.h"
+#include "lib/snow_shared.h"
 
 layout(local_size_x = 64) in;
 layout(std430) readonly buffer Partials { vec4 partials[]; };

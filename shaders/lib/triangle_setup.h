@@ -1,7 +1,7 @@
 #pragma once
 
 // A triangle as the fall meets it in a step, from its vertices. For C++ and GLSL.
-#include "../snow_shared.h"
+#include "snow_shared.h"
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL

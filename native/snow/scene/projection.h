@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/output/map_output.h"
 #include "snow/output/output_filter.h"
 #include "snow/scene/projection.h"

@@ -9,7 +9,7 @@ namespace {
 
 #define WITH_OPACITY
 struct Gain {
-#include "shaders/texel_gain.h"
+#include "shaders/lib/texel_gain.h"
 };
 
 SNOWBOUGH_KERNEL void gather(Gain gain, size_t begin, size_t end, int32_t map_offset) {

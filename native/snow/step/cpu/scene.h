@@ -5,7 +5,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/group_triangles.h"
 #include "snow/scene/scene_layout.h"
 

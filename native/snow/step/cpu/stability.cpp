@@ -13,7 +13,7 @@ namespace {
 constexpr size_t kRun = 128;
 
 struct Settle {
-#include "shaders/texel_settle.h"
+#include "shaders/lib/texel_stability.h"
 
   float* height_map;
   const uint* places;

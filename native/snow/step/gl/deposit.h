@@ -12,7 +12,7 @@ namespace snowbough::snow {
 ///   depth / max(|d.z|, 0.01) * sum over its fragments of (area * |n . d| * seen) / its area
 ///
 /// where `seen` is the part of the pixels around the fragment that show nothing in front of the
-/// plane through it (shaders/visibility.h, shaders/texel_gain.h). Nothing is shared out and nothing
+/// plane through it (shaders/lib/visibility.h, shaders/lib/texel_gain.h). Nothing is shared out and nothing
 /// summed per pixel: an evenly lit surface is covered evenly, and what is thinner than a pixel gets
 /// its own share. Differs on purpose from the scatter of Algorithm 1 in D. T. Reynolds, Real-Time
 /// Rendering and Simulation of Trees and Snow, 2014, which is DepositGeometryPass.

@@ -5,7 +5,7 @@
 
 #include "gpu/egl_context.h"
 #include "gpu/resources.h"
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/step/gl/map_groups.h"
 #include "snow/scene/scene_layout.h"
 
@@ -70,7 +70,7 @@ struct SceneBuffers {
 
   gpu::Buffer positions;
   gpu::Buffer triangles;
-  /// Triangles as the step's fall meets them, see shaders/triangle_fall.h.
+  /// Triangles as the step's fall meets them, see shaders/lib/triangle_setup.h.
   gpu::Buffer triangle_corners;
   gpu::Buffer triangle_surface;
   /// Per triangle: its sheet (snow/sheets.h), numbered through all objects.

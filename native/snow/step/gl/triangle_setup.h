@@ -11,12 +11,12 @@ namespace snowbough::snow {
 /// of on vertices.
 class TriangleFallPass {
  public:
-  /// Fills the scene's `triangle_corners` and `triangle_surface` (shaders/triangle_fall.h).
+  /// Fills the scene's `triangle_corners` and `triangle_surface` (shaders/lib/triangle_setup.h).
   /// `fall` holds the FallFrame. GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& fall);
 
  private:
-  gpu::Program program_{{"triangle_fall.comp.glsl"}};
+  gpu::Program program_{{"triangle_setup.comp.glsl"}};
 };
 
 }  // namespace snowbough::snow

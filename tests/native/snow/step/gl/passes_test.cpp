@@ -459,7 +459,7 @@ TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
 
 TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
   gpu::GpuThread::shared()->run([] {
-    gpu::Program program({"triangle_fall.comp.glsl"});
+    gpu::Program program({"triangle_setup.comp.glsl"});
     program.use();
     EXPECT_THROW(program.set("no_such_uniform", 1.0f), std::invalid_argument);
     EXPECT_THROW(program.bind("NoSuchBlock", gpu::Buffer(16)), std::invalid_argument);

@@ -4,7 +4,7 @@
 #include "kernel.h"
 #include "snow_shared.h"
 
-/// See triangle_fall.h.
+/// See TriangleSetup.
 KERNEL_VIEW_RGBA32F(triangle_surface);
 KERNEL_VIEW_R32UI(fragment_begin);
 /// A Fragment each.

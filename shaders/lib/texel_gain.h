@@ -3,7 +3,7 @@
 // The deposit for one texel, gathered: every fragment that faces the fall gains what falls on it, times the
 // part of it that sees the sky. Nothing is shared out among texels and nothing is added up per pixel, so that
 // an evenly lit surface is evenly covered whatever the sizes of its texels and of the pixels.
-#include "fall_frame.h"
+#include "projection_frame.h"
 #include "kernel.h"
 #include "texel_surface.h"
 #include "visibility.h"

@@ -1,8 +1,8 @@
 // GLSL only: the texel under a pixel's centre.
-#include "fall_frame.h"
-#include "tile_pixel.h"
+#include "../lib/projection_frame.h"
+#include "../lib/tile_pixel.h"
 
-/// See triangle_fall.h.
+/// See TriangleSetup.
 uniform samplerBuffer triangle_corners;
 /// Two texels a triangle: uv of its corners, bits of home and chart.
 uniform samplerBuffer map_triangles;

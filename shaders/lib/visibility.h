@@ -4,13 +4,13 @@
 // front of it. A pixel's depth is held against the plane through the point, so that an open plane is seen as a
 // whole at any slope and with pixels of any size, and so is what lies in front of all that the pixels show: a
 // twig that slips through between their centres.
-#include "fall_frame.h"
+#include "projection_frame.h"
 #include "kernel.h"
 #include "tile_pixel.h"
 
 /// A SeenPixel each.
 KERNEL_VIEW_RG32UI(occlusion);
-/// See triangle_fall.h.
+/// See TriangleSetup.
 KERNEL_VIEW_RGBA32F(triangle_corners);
 /// Per triangle of the scene: the sheet it belongs to, see native/snow/sheets.h.
 KERNEL_VIEW_R32UI(triangle_sheets);

@@ -2,8 +2,8 @@
 
 // Whose triangle it is.
 
-#include "kernel.h"
-#include "snow_shared.h"
+#include "../lib/kernel.h"
+#include "../lib/snow_shared.h"
 
 /// The scene's triangles word by word: a vector of words is gathered faster than a vector of triangles.
 KERNEL_VIEW_R32UI(triangle_words);
