@@ -36,6 +36,6 @@ void main() {
   const int texel = int(owner - 1u - batch_texels.x);
   const int resolution = textureSize(owners, 0).x;
   const float area = uintBitsToFloat(texelFetch(texel_steps, texel).y);
-  thickness = snow_thickness() * fall.direction.w * fall.direction.w / area;
+  thickness = snow_thickness() * pixel_size(projection) * pixel_size(projection) / area;
   map_place = decoded_place(texelFetch(places, texel).x, resolution, 1.0 / float(resolution));
 }

@@ -1,6 +1,6 @@
 // The snow surface's normal in tangent space, from the heights in the line arrays: central differences
 // across seams, made slopes along tangent and bitangent by the layout's first fundamental form
-// (native/snow/normals.h).
+// (native/snow/output/normals.h).
 layout(local_size_x = 64) in;
 #include "glsl/item_index.glsl"
 layout(std430) readonly buffer TexelTriangle { int texel_triangle[]; };

@@ -38,6 +38,6 @@ void main() {
   }
 #endif
   const float depth = depth_at(offset.x, offset.y, corner_gradient, depth_range);
-  gl_FragDepth = (depth - fall.range.x) * fall.range.y;
+  gl_FragDepth = (depth - least_depth(projection)) * one_over_depth(projection);
   visible = uvec2(visible_triangle, floatBitsToUint(depth));
 }

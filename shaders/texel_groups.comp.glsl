@@ -32,8 +32,8 @@ void main() {
     return;
   }
   if (all_groups || (group_states[group] & kHoldsSnow) != 0u || faces_the_fall(int(group))) {
-    active_groups[atomicAdd(active_header.group_count, 1u)] = group;
-    atomicAdd(active_header.whole_count, 1u);
+    active_groups[atomicAdd(active_header.blocks.groups_y, 1u)] = group;
+    atomicAdd(active_header.whole.groups_y, 1u);
     group_states[group] = 0u;
   }
 }

@@ -3,7 +3,7 @@
 #include "lib/texel_surface.h"
 
 layout(local_size_x = 64) in;
-/// A TexelStep each, as one vector: llvmpipe stores it in one go.
+/// A TexelStep each, as one vector.
 layout(std430) writeonly buffer TexelSteps { uvec4 texel_steps[]; };
 
 void main() {

@@ -14,7 +14,7 @@ KERNEL_VIEW_RGBA32F(map_triangles);
 /// Per fragment: the part of it that is there for snow.
 KERNEL_VIEW_R32F(fragment_opacity);
 #endif
-/// A TexelStep each, as one vector: llvmpipe stores it in one go.
+/// A TexelStep each, as one vector.
 KERNEL_BLOCK(TexelSteps, uvec4, texel_steps);
 /// Texels a side of the map.
 KERNEL_UNIFORM(float, resolution);
@@ -111,8 +111,8 @@ FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
   cells.step_u = own.along_u * (size / float(cells.along_u));
   cells.step_v = own.along_v * (size / float(cells.along_v));
   cells.first =
-      (place_in_cell(extent_u, cells.along_u, fall.sampling.x) - 0.5f * float(cells.along_u)) * cells.step_u +
-      (place_in_cell(extent_v, cells.along_v, fall.sampling.y) - 0.5f * float(cells.along_v)) * cells.step_v;
+      (place_in_cell(extent_u, cells.along_u, cell_shift(projection).x) - 0.5f * float(cells.along_u)) * cells.step_u +
+      (place_in_cell(extent_v, cells.along_v, cell_shift(projection).y) - 0.5f * float(cells.along_v)) * cells.step_v;
   cells.windows = 1.0f / clamp(abs(extent_u) / float(cells.along_u) + abs(extent_v) / float(cells.along_v),
                                kLeastWindow, 1.0f);
   cells.part = 1.0f / float(cells.along_u * cells.along_v);

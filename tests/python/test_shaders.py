@@ -17,7 +17,7 @@ PASSES = FOLDER.parent / "native" / "snow"
 # The order in which a program's stages follow each other, and what glslangValidator calls them.
 STAGES = ["vert", "tesc", "tese", "geom", "frag", "comp"]
 # What is defined with a value, and values that it has.
-VALUES = {"WALKERS": ("8", "64")}
+VALUES = {"LOCAL_SIZE": ("8", "64")}
 
 
 def stage_of(file):

@@ -53,7 +53,7 @@ struct Scene {
   /// Of the triangle set-up: three corners and one surface a triangle.
   std::vector<glm::vec4> corners;
   std::vector<glm::vec4> surface;
-  shared::FallFrame frame{};
+  shared::ProjectionFrame frame{};
   /// By slot.
   std::vector<Receiver> receivers;
   /// What the sky sees on the tile at hand and its margin.
