@@ -1,8 +1,9 @@
-# snowbough_embed_shaders(TARGET): compiles every file in shaders/ and shaders/lib/ into TARGET as text, so that
-# the module needs no files beside it. gpu/shader_source.h finds them by name, whatever their folder.
+# snowbough_embed_shaders(TARGET): compiles every file in shaders/, shaders/lib/ and shaders/glsl/ into TARGET as
+# text, so that the module needs no files beside it. gpu/shader_source.h finds them by name, whatever their folder.
 function(snowbough_embed_shaders target)
   file(GLOB shader_files CONFIGURE_DEPENDS
-       "${CMAKE_SOURCE_DIR}/shaders/*.glsl" "${CMAKE_SOURCE_DIR}/shaders/*.h" "${CMAKE_SOURCE_DIR}/shaders/lib/*.h")
+       "${CMAKE_SOURCE_DIR}/shaders/*.glsl" "${CMAKE_SOURCE_DIR}/shaders/lib/*.h"
+       "${CMAKE_SOURCE_DIR}/shaders/glsl/*.glsl")
   set(generated "${CMAKE_CURRENT_BINARY_DIR}/embedded_shaders.cpp")
   add_custom_command(
     OUTPUT "${generated}"

@@ -1,9 +1,9 @@
 // Counts the pixels in which the sky sees back faces, of every receiver: a hint at flipped normals.
-// WALKERS: invocations of a work group; see snow/walkers.h.
-#include "tile_pixel.h"
-#include "triangle_object.h"
+// LOCAL_SIZE: invocations of a work group; see native/snow/step/gl/work_group_size.h.
+#include "lib/tile_pixel.h"
+#include "glsl/triangle_object.glsl"
 
-layout(local_size_x = WALKERS) in;
+layout(local_size_x = LOCAL_SIZE) in;
 /// By slot.
 layout(std430) buffer BackPixels { uint back_pixels[]; };
 /// A SeenPixel each.
@@ -16,13 +16,13 @@ void add(uint slot, uint count) {
 }
 
 void main() {
-  // A work group walks along a row, each lane every WALKERS-th pixel.
+  // A work group takes a run of a row, each invocation every LOCAL_SIZE-th pixel of it.
   const int y = int(gl_WorkGroupID.y) + kTileMargin;
   const int begin = int(gl_WorkGroupID.x * kRowRun + gl_LocalInvocationID.x) + kTileMargin;
   const int end = min(int((gl_WorkGroupID.x + 1u) * kRowRun), tile_size.x - 2 * kTileMargin) + kTileMargin;
   uint current = 0u;
   uint count = 0u;
-  for (int x = begin; x < end; x += WALKERS) {
+  for (int x = begin; x < end; x += LOCAL_SIZE) {
     const uint seen = texelFetch(occlusion, pixel_index(ivec2(x, y))).x;
     const uint object = (seen & kBackFace) == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
     if ((object & kReceives) == 0u) {

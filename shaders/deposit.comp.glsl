@@ -1,6 +1,6 @@
 // The deposit of one tile, see texel_gain.h.
-#include "texel_gain.h"
-#include "texel_group.h"
+#include "lib/texel_gain.h"
+#include "glsl/texel_group.glsl"
 
 layout(local_size_x = 64) in;
 /// Per work group of texels: its object's slot.

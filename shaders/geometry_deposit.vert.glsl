@@ -2,9 +2,9 @@
 #extension GL_ARB_shading_language_420pack : require
 // GEOMETRY, Algorithm 1 of the thesis: a point a pixel of the occlusion map, with the pixel's snow for the
 // texel under its centre.
-#include "texel_place.h"
-#include "texel_under.h"
-#include "triangle_object.h"
+#include "glsl/texel_place.glsl"
+#include "glsl/texel_under.glsl"
+#include "glsl/triangle_object.glsl"
 
 /// By texel of the group's batch: its place on the map, and a TexelStep.
 uniform usamplerBuffer places;
@@ -36,6 +36,6 @@ void main() {
   const int texel = int(owner - 1u - batch_texels.x);
   const int resolution = textureSize(owners, 0).x;
   const float area = uintBitsToFloat(texelFetch(texel_steps, texel).y);
-  thickness = snow_thickness() * fall.direction.w * fall.direction.w / area;
+  thickness = snow_thickness() * pixel_size(projection) * pixel_size(projection) / area;
   map_place = decoded_place(texelFetch(places, texel).x, resolution, 1.0 / float(resolution));
 }

@@ -1,8 +1,8 @@
 // The snow surface's normal in tangent space, from the heights in the line arrays: central differences
 // across seams, made slopes along tangent and bitangent by the layout's first fundamental form
-// (native/snow/normals.h).
+// (native/snow/output/normals.h).
 layout(local_size_x = 64) in;
-#include "item_index.h"
+#include "glsl/item_index.glsl"
 layout(std430) readonly buffer TexelTriangle { int texel_triangle[]; };
 /// Three floats a triangle: dP/du . dP/du, dP/du . dP/dv, dP/dv . dP/dv, in m2 a texel.
 layout(std430) readonly buffer Metrics { float metrics[]; };

@@ -1,6 +1,6 @@
 // What the sky sees in a pixel. Depth comes from the triangle's own plane instead of the rasteriser's
 // interpolation, which depends on the tile's origin in its last bits.
-#include "fall_frame.h"
+#include "lib/projection_frame.h"
 #include "lib/occlusion_pixel.h"
 
 uniform ivec2 tile_origin;
@@ -38,6 +38,6 @@ void main() {
   }
 #endif
   const float depth = depth_at(offset.x, offset.y, corner_gradient, depth_range);
-  gl_FragDepth = (depth - fall.range.x) * fall.range.y;
+  gl_FragDepth = (depth - least_depth(projection)) * one_over_depth(projection);
   visible = uvec2(visible_triangle, floatBitsToUint(depth));
 }

@@ -2,7 +2,7 @@
 // bit, whatever its origin.
 #include "lib/occlusion_pixel.h"
 
-/// See triangle_fall.h.
+/// See TriangleSetup.
 uniform samplerBuffer triangle_corners;
 
 uniform vec2 viewport_origin;

@@ -1,7 +1,7 @@
-// Puts a map's heights into the line arrays that the filters work on (native/snow/seam_table.h). With
+// Puts a map's heights into the line arrays that the filters work on (native/snow/seams/seam_table.h). With
 // FROM_TEXTURE the heights come from the stored maps and go into the output map as well.
 layout(local_size_x = 64) in;
-#include "item_index.h"
+#include "glsl/item_index.glsl"
 layout(std430) readonly buffer Texels { int texels[]; };
 layout(std430) readonly buffer PlaceU { int place_u[]; };
 layout(std430) readonly buffer PlaceV { int place_v[]; };

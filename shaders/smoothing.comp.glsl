@@ -2,7 +2,7 @@
 // D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, section 4.2. The line
 // arrays continue across seams by themselves; what holds kNothing takes no part.
 layout(local_size_x = 64) in;
-#include "item_index.h"
+#include "glsl/item_index.glsl"
 /// 256 x 5: weights of a texel and of its first to fourth neighbours on either side.
 layout(std430) readonly buffer LevelWeights { float level_weights[]; };
 /// Level along u in the lowest byte, along v in the next.

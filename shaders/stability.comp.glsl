@@ -1,16 +1,16 @@
-// The stability pass, see texel_settle.h for what it does.
+// The stability pass, see texel_stability.h for what it does.
 //
 // DEPOSIT_MAP: the deposit lies on a map of its own.
-// WALKERS: invocations of a work group, at most kMostWalkers; see snow/walkers.h.
-#include "texel_group.h"
-#include "texel_place.h"
-#include "texel_settle.h"
+// LOCAL_SIZE: invocations of a work group, at most kMaxLocalSize; see native/snow/step/gl/work_group_size.h.
+#include "glsl/texel_group.glsl"
+#include "glsl/texel_place.glsl"
+#include "lib/texel_stability.h"
 
-layout(local_size_x = WALKERS) in;
+layout(local_size_x = LOCAL_SIZE) in;
 #ifdef DEPOSIT_MAP
 uniform sampler2DArray deposit_map;
 #endif
-/// An invocation's sums, WALKERS a group of texels, see SettledTexel.
+/// An invocation's sums, LOCAL_SIZE a group of texels, see StableTexel.
 layout(std430) writeonly buffer Partials { vec4 partials[]; };
 layout(r32f) uniform image2DArray height_map;
 /// Per group of texels; kHoldsSnow is set where some lies after the step.
@@ -19,7 +19,7 @@ layout(std430) buffer GroupStates { uint group_states[]; };
 uniform usamplerBuffer places;
 
 void main() {
-  // An invocation takes every WALKERS-th texel of the work group's, so that no barrier is needed.
+  // An invocation takes every LOCAL_SIZE-th texel of the work group's, so that no barrier is needed.
   const int group = listed_group();
   const int begin = group * int(kTexelGroup) + int(gl_LocalInvocationID.x);
   const int resolution = imageSize(height_map).x;
@@ -41,14 +41,14 @@ void main() {
     const float deposit = deposit_of(step);
 #endif
     const float height = imageLoad(height_map, at).x;
-    const SettledTexel settled = settle_texel(height, deposit, step, whole);
-    if (settled.height != height) {
-      imageStore(height_map, at, vec4(settled.height));
+    const StableTexel stable = stabilise_texel(height, deposit, step, whole);
+    if (stable.height != height) {
+      imageStore(height_map, at, vec4(stable.height));
     }
-    highest = max(highest, settled.height);
-    sum += settled.sums;
+    highest = max(highest, stable.height);
+    sum += stable.sums;
   }
-  partials[group * WALKERS + int(gl_LocalInvocationID.x)] = sum;
+  partials[group * LOCAL_SIZE + int(gl_LocalInvocationID.x)] = sum;
   if (highest > 0.0) {
     atomicOr(group_states[group], kHoldsSnow);
   }

@@ -1,7 +1,7 @@
 // Adds up, in a fixed order and in double precision, what the invocations of the stability pass
 // found for one object. One work group a segment.
-// WALKERS: invocations of that pass's work groups; see snow/walkers.h.
-#include "snow_shared.h"
+// LOCAL_SIZE: invocations of that pass's work groups; see native/snow/step/gl/work_group_size.h.
+#include "lib/snow_shared.h"
 
 layout(local_size_x = 64) in;
 layout(std430) readonly buffer Partials { vec4 partials[]; };
@@ -13,9 +13,9 @@ shared dvec4 lanes[gl_WorkGroupSize.x];
 void main() {
   const StatisticsSegment segment = segments[gl_WorkGroupID.x];
   dvec4 sum = dvec4(0.0);
-  for (uint i = gl_LocalInvocationID.x; i < segment.group_count * WALKERS;
+  for (uint i = gl_LocalInvocationID.x; i < segment.group_count * LOCAL_SIZE;
        i += gl_WorkGroupSize.x) {
-    sum += dvec4(partials[segment.first_group * WALKERS + i]);
+    sum += dvec4(partials[segment.first_group * LOCAL_SIZE + i]);
   }
   lanes[gl_LocalInvocationID.x] = sum;
   barrier();

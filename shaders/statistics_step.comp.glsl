@@ -1,5 +1,5 @@
 // Opens (a step's sums at zero; with OPENING) or closes (totals brought up to date) every receiver's
-// books.
+// balance.
 #include "lib/object_sums.h"
 
 layout(local_size_x = 64) in;

@@ -1,10 +1,10 @@
 // Lists the groups of texels that have anything to do in this step: those on which snow lies or which
 // have a triangle that faces the fall. All that the passes would do to the others is nothing.
 #include "lib/facing.h"
-#include "snow_shared.h"
+#include "lib/snow_shared.h"
 
 layout(local_size_x = 64) in;
-/// See triangle_fall.h.
+/// See TriangleSetup.
 uniform samplerBuffer triangle_surface;
 /// Triangles of group g: [group_begin[g], group_begin[g + 1]) of group_triangles.
 uniform usamplerBuffer group_begin;
@@ -32,8 +32,8 @@ void main() {
     return;
   }
   if (all_groups || (group_states[group] & kHoldsSnow) != 0u || faces_the_fall(int(group))) {
-    active_groups[atomicAdd(active_header.group_count, 1u)] = group;
-    atomicAdd(active_header.whole_count, 1u);
+    active_groups[atomicAdd(active_header.blocks.groups_y, 1u)] = group;
+    atomicAdd(active_header.whole.groups_y, 1u);
     group_states[group] = 0u;
   }
 }

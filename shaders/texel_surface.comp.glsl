@@ -1,9 +1,9 @@
 // Area and upward part of texels on the current vertices, in steps without a deposit that finds them.
-#include "texel_group.h"
-#include "texel_surface.h"
+#include "glsl/texel_group.glsl"
+#include "lib/texel_surface.h"
 
 layout(local_size_x = 64) in;
-/// A TexelStep each, as one vector: llvmpipe stores it in one go.
+/// A TexelStep each, as one vector.
 layout(std430) writeonly buffer TexelSteps { uvec4 texel_steps[]; };
 
 void main() {

@@ -1,6 +1,6 @@
 // Weighted sums: ghosts beyond a seam, the map's continuation beyond its charts.
 layout(local_size_x = 64) in;
-#include "item_index.h"
+#include "glsl/item_index.glsl"
 layout(std430) readonly buffer RowBegin { int row_begin[]; };
 layout(std430) readonly buffer RowSource { int row_source[]; };
 layout(std430) readonly buffer RowWeight { float row_weight[]; };

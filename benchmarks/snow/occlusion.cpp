@@ -121,7 +121,7 @@ struct Times {
 };
 
 struct Fall {
-  shared::FallFrame frame;
+  shared::ProjectionFrame frame;
   Tile tile;
 };
 
@@ -157,7 +157,7 @@ Times on_gpu(const Scene& scene, const Fall& fall, double budget) {
     buffers.views.alpha_places = gpu::BufferTexture(buffers.alpha_places, GL_RGBA32UI);
     buffers.views.alpha_bits = gpu::BufferTexture(buffers.alpha_bits, GL_R32UI);
     const gpu::Buffer frame(sizeof fall.frame, &fall.frame);
-    TriangleFallPass setup;
+    TriangleSetupPass setup;
     OcclusionPass occlusion;
     OcclusionTarget target;
     Times times;

@@ -1,11 +1,15 @@
+#include <pybind11/stl.h>
+
 #include <memory>
 #include <stdexcept>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "base/thread_pool.h"
 #include "bindings.h"
 #include "gpu/gpu_thread.h"
+#include "gpu/shader_source.h"
 
 namespace py = pybind11;
 
@@ -80,6 +84,12 @@ void bind_gpu(py::module_& module) {
       "device"_a = "",
       "Vendor, renderer, version and limits of the GPU that snow runs on, as a dict. Raises what\n"
       "Gpu.info raises.");
+
+  module.def("shader_source", &gpu::shader_source, "name"_a,
+             "defines"_a = std::vector<std::string>{},
+             "A shader's source as the GL compiler takes it: its #version, a #define for each of\n"
+             "defines ('NAME' or 'NAME value'), and its text with all includes in place. Needs no\n"
+             "GPU. Raises RuntimeError naming a file that is not built in.");
 }
 
 }  // namespace snowbough::python

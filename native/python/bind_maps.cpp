@@ -53,7 +53,7 @@ py::dict texel_table(const InputArray<int32_t>& triangles, const InputArray<floa
       to_numpy<float>(std::move(table.fragment_barycentric), {fragments, 2});
   result["chart_count"] = table.chart_count;
   result["degenerate_triangles"] = table.degenerate_triangles;
-  result["homeless_charts"] = table.homeless_charts;
+  result["unmapped_charts"] = table.unmapped_charts;
   result["overlap"] = table.overlap;
   return result;
 }

@@ -24,7 +24,7 @@ void bind_skeleton(pybind11::module_& module);
 void bind_tree(pybind11::module_& module);
 /// leaf_uvs, layout_leaf_uvs, measure_uv_layout.
 void bind_tree_uvs(pybind11::module_& module);
-/// gpu_info, Gpu.
+/// gpu_info, Gpu, shader_source.
 void bind_gpu(pybind11::module_& module);
 /// SnowSimulation.
 void bind_snow(pybind11::module_& module);

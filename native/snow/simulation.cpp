@@ -114,7 +114,7 @@ void SnowSimulation::step_on(Engine& engine, const FrameStep& step) {
     run_step(engine, objects, step);
   });
   pending_state_ = {};
-  choice_->settle();
+  choice_->commit();
 }
 
 void SnowSimulation::step(const PositionMap& positions, double depth, const glm::dvec3& direction,

@@ -10,15 +10,15 @@
 #include <string>
 #include <vector>
 
-#include "snow/step/choose_engine.h"
-#include "snow/step/frame_step.h"
 #include "snow/output/map_memory.h"
 #include "snow/output/map_output.h"
-#include "snow/scene/memory_estimate.h"
 #include "snow/output/output_filter.h"
+#include "snow/scene/memory_estimate.h"
 #include "snow/scene/scene_object.h"
 #include "snow/scene/statistics.h"
 #include "snow/state/simulation_state.h"
+#include "snow/step/choose_engine.h"
+#include "snow/step/frame_step.h"
 
 namespace snowbough::snow {
 
@@ -71,7 +71,7 @@ class OutputSnapshot {
   int32_t resolution() const { return resolution_; }
   /// See SnowSimulation::output. To be called once.
   MapOutput output();
-  /// Who takes the memory of the output's heights when they are done with; null = nobody.
+  /// Takes back the memory of the output's heights when they are done with; may be null.
   const std::shared_ptr<MapMemory>& memory() const { return memory_; }
 
  private:
@@ -102,17 +102,15 @@ class SnowSimulation {
   /// has a surface in UV space; what lay where it has none goes, and the change of volume counts as
   /// stretching. The next step must name the object.
   /// @throws std::invalid_argument for a name that is not there, another resolution, a receiver
-  /// that
-  ///         becomes none or the reverse, and for what add_object refuses; the object stays as it
-  ///         was.
+  /// that becomes none or the reverse, and for what add_object refuses; the object then stays as it
+  /// was.
   void replace_object(ObjectDescription description);
 
   /// Lets snow fall for one step. `positions` names the objects that moved; all must have been
   /// named once. `depth`: metres on open level ground; `direction`: of the fall, any length,
   /// downwards; `dt`: seconds, only for sliding (0 = nothing slides).
   /// @throws std::invalid_argument with the object's name for an unknown name, a vertex count that
-  /// is
-  ///         too small or not that of the step before, or positions that are not finite.
+  /// is too small or not that of the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);
 
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.

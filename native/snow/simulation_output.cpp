@@ -6,8 +6,8 @@
 #include <sstream>
 #include <stdexcept>
 
-#include "snow/state/checkpoint.h"
 #include "snow/simulation.h"
+#include "snow/state/checkpoint.h"
 
 namespace snowbough::snow {
 namespace {

@@ -1,7 +1,7 @@
 #pragma once
 
 // How a receiver's balance opens and closes a step. For C++ and GLSL.
-#include "../snow_shared.h"
+#include "snow_shared.h"
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL

@@ -2,7 +2,7 @@
 
 // What a triangle shows in a pixel of the grid: its snapped corners, its depth there, and whether an alpha image
 // cuts a hole. For C++ and GLSL.
-#include "../snow_shared.h"
+#include "snow_shared.h"
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL

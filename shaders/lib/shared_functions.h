@@ -3,8 +3,8 @@
 // What lets C++ and GLSL compile the same functions: GLSL's own by the same names, and `inline`. Such a function
 // has plain inputs (KERNEL_CONST_REF for structs), gives every number of type float its f, and builds short
 // vectors from long ones by their constructors instead of swizzles.
-#include "../kernel.h"
-#include "../shared_types.h"
+#include "kernel.h"
+#include "shared_types.h"
 
 #ifdef SNOWBOUGH_GLSL
 #define SNOWBOUGH_SHARED_FUNCTION

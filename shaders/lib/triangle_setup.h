@@ -1,7 +1,7 @@
 #pragma once
 
 // A triangle as the fall meets it in a step, from its vertices. For C++ and GLSL.
-#include "../snow_shared.h"
+#include "snow_shared.h"
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL
@@ -25,15 +25,16 @@ SNOWBOUGH_SHARED_SIZE(TriangleSetup, 64)
 KERNEL_CONSTANT float kLeastFacing = 1e-4f;
 
 /// Local pixel coordinates (xy) and depth along the fall in metres (z).
-SNOWBOUGH_SHARED_FUNCTION vec3 projected(vec3 position, KERNEL_CONST_REF(FallFrame) frame) {
+SNOWBOUGH_SHARED_FUNCTION vec3 projected(vec3 position, KERNEL_CONST_REF(ProjectionFrame) frame) {
   const vec3 offset = position - vec3(frame.anchor);
-  return vec3(dot(offset, vec3(frame.grid_x)) + frame.grid_x.w,
-              dot(offset, vec3(frame.grid_y)) + frame.grid_y.w, dot(offset, vec3(frame.direction)));
+  const vec2 pixel = anchor_pixel(frame);
+  return vec3(dot(offset, vec3(frame.grid_x)) + pixel.x, dot(offset, vec3(frame.grid_y)) + pixel.y,
+              dot(offset, vec3(frame.direction)));
 }
 
 /// The triangle a, b, c, corners in metres.
 SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c,
-                                                        KERNEL_CONST_REF(FallFrame) frame) {
+                                                        KERNEL_CONST_REF(ProjectionFrame) frame) {
   const vec3 ab = b - a;
   const vec3 ac = c - a;
   // Scaled before the product: the square of a micrometre's area is out of float's range.
@@ -43,7 +44,7 @@ SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c,
   const float size = length(normal);
   normal = size > 0.0f ? normal / size : vec3(0.0f);
   const float facing = -dot(normal, vec3(frame.direction));
-  const float metres_a_pixel = frame.direction.w;
+  const float metres_a_pixel = pixel_size(frame);
   const vec2 gradient = vec2(dot(normal, vec3(frame.grid_x)), dot(normal, vec3(frame.grid_y))) *
                         (metres_a_pixel * metres_a_pixel / max(facing, kLeastFacing));
   return KERNEL_MAKE4(TriangleSetup, vec4(projected(a, frame), gradient.x),

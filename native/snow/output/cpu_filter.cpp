@@ -127,8 +127,8 @@ void CpuFilter::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                         const std::vector<uint8_t>& level) {
   const auto texels = static_cast<int32_t>(table_.resolution) * table_.resolution;
   axis.stride = stride;
-  axis.scale.assign(static_cast<size_t>(texels), kNotPlain);
-  axis.has_plain.assign(static_cast<size_t>(tiles_.count()), 0);
+  axis.scale.assign(static_cast<size_t>(texels), kIrregular);
+  axis.has_regular.assign(static_cast<size_t>(tiles_.count()), 0);
   // Per place of the line array: where its value is found; a ghost by its number.
   std::vector<int32_t> found(static_cast<size_t>(lines.length), zero_place());
   for (size_t i = 0; i < table_.texel.size(); ++i) found[lines.place[i]] = table_.texel[i];
@@ -140,30 +140,34 @@ void CpuFilter::prepare(Axis& axis, const TexelLines& lines, int32_t stride,
     const int32_t texel = table_.texel[i];
     const int32_t place = lines.place[i];
     // Runs lie further apart than the filter reaches: texels at both ends of it are of this run.
-    const bool plain = found[place - kFilterReach] < texels && found[place + kFilterReach] < texels;
-    if (plain) {
+    const bool regular =
+        found[place - kFilterReach] < texels && found[place + kFilterReach] < texels;
+    if (regular) {
       axis.scale[texel] = filter_scale(level[i]);
-      axis.has_plain[tiles_.of(texel)] = 1;
+      axis.has_regular[tiles_.of(texel)] = 1;
       continue;
     }
     const FilterWeights& weights = filter_levels()[level[i]];
-    OddTexel odd{texel, level[i], weights[0], {}};
+    IrregularTexel irregular{texel, level[i], weights[0], {}};
     for (int32_t k = 1; k <= kFilterReach; ++k) {
       for (const int32_t side : {-1, 1}) {
         const int32_t tap = found[place + side * k];
-        odd.taps[2 * (k - 1) + (side > 0)] = tap;
-        odd.present += tap == zero_place() ? 0.0f : weights[k];
+        irregular.taps[2 * (k - 1) + (side > 0)] = tap;
+        irregular.present += tap == zero_place() ? 0.0f : weights[k];
       }
     }
-    axis.odd.push_back(odd);
+    axis.irregular.push_back(irregular);
   }
-  const auto tile_of_odd = [&](const OddTexel& odd) { return tiles_.of(odd.texel); };
-  axis.odd = sorted_by_tile(axis.odd, tiles_.count(), tile_of_odd, axis.odd_begin);
+  const auto tile_of_irregular = [&](const IrregularTexel& irregular) {
+    return tiles_.of(irregular.texel);
+  };
+  axis.irregular =
+      sorted_by_tile(axis.irregular, tiles_.count(), tile_of_irregular, axis.irregular_begin);
   add_ghosts(axis, lines);
 }
 
-/// Gives the ghosts that odd texels look at their places, in the order in which they are looked at,
-/// and notes which tiles each tile looks at.
+/// Gives the ghosts that irregular texels look at their places, in the order in which they are
+/// looked at, and notes which tiles each tile looks at.
 void CpuFilter::add_ghosts(Axis& axis, const TexelLines& lines) {
   // Per ghost of the lines: the last tile that it was noted for, and its place.
   std::vector<int32_t> noted_ghost(lines.ghost_place.size(), -1);
@@ -177,8 +181,8 @@ void CpuFilter::add_ghosts(Axis& axis, const TexelLines& lines) {
     const int32_t along = axis.stride == 1 ? tile % tiles_.columns : tile / tiles_.columns;
     if (along > 0) axis.reads.note(tile - step);
     if (along + 1 < (axis.stride == 1 ? tiles_.columns : tiles_.rows)) axis.reads.note(tile + step);
-    for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
-      for (int32_t& tap : axis.odd[i].taps) {
+    for (int32_t i = axis.irregular_begin[tile]; i < axis.irregular_begin[tile + 1]; ++i) {
+      for (int32_t& tap : axis.irregular[i].taps) {
         if (tap <= zero_place()) continue;
         const int32_t ghost = tap - zero_place() - 1;
         if (place[ghost] == 0) {
@@ -270,20 +274,20 @@ void CpuFilter::fill_ghosts(const Axis& axis, Heights& from, int32_t row) const 
   }
 }
 
-uint32_t CpuFilter::filter_odd(const Axis& axis, const Heights& from, Heights& to, bool add,
-                               int32_t tile) const {
+uint32_t CpuFilter::filter_irregular(const Axis& axis, const Heights& from, Heights& to, bool add,
+                                     int32_t tile) const {
   const float* const source = from.map();
   uint32_t bits = 0;
-  for (int32_t i = axis.odd_begin[tile]; i < axis.odd_begin[tile + 1]; ++i) {
-    const OddTexel& odd = axis.odd[i];
-    const FilterWeights& w = filter_levels()[odd.level];
-    float sum = w[0] * source[odd.texel];
+  for (int32_t i = axis.irregular_begin[tile]; i < axis.irregular_begin[tile + 1]; ++i) {
+    const IrregularTexel& irregular = axis.irregular[i];
+    const FilterWeights& w = filter_levels()[irregular.level];
+    float sum = w[0] * source[irregular.texel];
     for (int32_t k = 1; k <= kFilterReach; ++k) {
-      sum += w[k] * source[odd.taps[2 * k - 2]];
-      sum += w[k] * source[odd.taps[2 * k - 1]];
+      sum += w[k] * source[irregular.taps[2 * k - 2]];
+      sum += w[k] * source[irregular.taps[2 * k - 1]];
     }
-    float& target = to.map()[odd.texel];
-    target = add ? 0.5f * (target + sum / odd.present) : sum / odd.present;
+    float& target = to.map()[irregular.texel];
+    target = add ? 0.5f * (target + sum / irregular.present) : sum / irregular.present;
     bits |= std::bit_cast<uint32_t>(target);
   }
   return bits;
@@ -294,14 +298,14 @@ void CpuFilter::filter_tile_row(const Axis& axis, const Heights& from, Heights& 
   for (int32_t tile = row * tiles_.columns; tile < (row + 1) * tiles_.columns; ++tile) {
     if (to.filled[tile] == 0) continue;
     uint32_t bits = 0;
-    if (axis.has_plain[tile] != 0) {
+    if (axis.has_regular[tile] != 0) {
       const int32_t first = tiles_.first_texel(tile);
       const TileRows rows{tiles_.width(tile), tiles_.height(tile), table_.resolution};
       bits =
           (add ? add_tile : replace_tile)(from.map() + first, to.map() + first,
-                                          axis.scale.data() + first, kNotPlain, rows, axis.stride);
+                                          axis.scale.data() + first, kIrregular, rows, axis.stride);
     }
-    to.filled[tile] = (bits | filter_odd(axis, from, to, add, tile)) != 0;
+    to.filled[tile] = (bits | filter_irregular(axis, from, to, add, tile)) != 0;
   }
 }
 

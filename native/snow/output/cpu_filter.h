@@ -7,19 +7,19 @@
 #include <vector>
 
 #include "snow/output/dilate.h"
-#include "snow/seams/seam_leveller.h"
 #include "snow/output/map_output.h"
 #include "snow/output/map_tiles.h"
-#include "snow/seams/seam_table.h"
 #include "snow/output/smoothing.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/seams/seam_table.h"
 #include "snow/seams/surface_metric.h"
 #include "snow/texels/texel_table.h"
 
 namespace snowbough::snow {
 
 /// Smooths, continues and levels one receiver's map on the processor: what SmoothingPass and
-/// NormalsPass do in shaders, and the levelling. For software renderers, where it is many times
-/// faster than shaders are, and for maps whose buffers the driver has no room for.
+/// NormalsPass do in shaders, and the levelling. For the engine without OpenGL, and for maps whose
+/// buffers the driver has no room for.
 ///
 /// Texels whose neighbours lie beside them in the map are filtered row by row, many at a time; the
 /// others take their neighbours from a list made once. Tiles that no snow comes near are passed
@@ -32,14 +32,14 @@ class CpuFilter {
   CpuFilter(const TexelTable& table, const SeamTable& seams, const SmoothingPlan& plan,
             int32_t threads = 2);
 
-  /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where nobody owns the
+  /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where no chart owns the
   /// texel; handed back as the output's. `metrics`: surface_metrics of the current positions, or
   /// empty where no normals are wanted.
   MapOutput run(std::vector<float> map, const std::vector<SurfaceMetric>& metrics = {});
 
  private:
   /// A texel whose neighbours do not all lie beside it on the map. Places are those of Heights.
-  struct OddTexel {
+  struct IrregularTexel {
     int32_t texel;
     int32_t level;
     /// Sum of the weights of the neighbours that are there.
@@ -51,18 +51,18 @@ class CpuFilter {
   struct Axis {
     /// How far apart neighbours are in the map: 1 or resolution.
     int32_t stride = 1;
-    /// Per texel of the map: scale of the taps in steps of kFilterScaleStep; kNotPlain where it is
-    /// odd or nobody's.
+    /// Per texel of the map: scale of the taps in steps of kFilterScaleStep; kIrregular where it is
+    /// irregular or no chart's.
     std::vector<uint16_t> scale;
-    /// Per tile: whether it has plain texels.
-    std::vector<uint8_t> has_plain;
+    /// Per tile: whether it has regular texels.
+    std::vector<uint8_t> has_regular;
     /// In the order of tiles, and where each tile begins.
-    std::vector<int32_t> odd_begin;
-    std::vector<OddTexel> odd;
+    std::vector<int32_t> irregular_begin;
+    std::vector<IrregularTexel> irregular;
     /// The tiles that a tile's texels look at, its own included.
     TileReads reads;
     /// The ghosts, as sums over texels (linear index), in the order of the tiles that these lie in:
-    /// odd texels look all over the map, so what they look at is put beside each other first.
+    /// Irregular texels look all over the map, so what they look at is put beside each other first.
     std::vector<int32_t> ghost_begin;
     WeightedRows ghosts;
     /// Where each of them goes.
@@ -80,7 +80,7 @@ class CpuFilter {
     float* map() { return values.data() + margin; }
     const float* map() const { return values.data() + margin; }
   };
-  static constexpr uint16_t kNotPlain = 0xFFFF;
+  static constexpr uint16_t kIrregular = 0xFFFF;
 
   void prepare(Axis& axis, const TexelLines& lines, int32_t stride,
                const std::vector<uint8_t>& level);
@@ -102,8 +102,8 @@ class CpuFilter {
   /// The same for the tiles of a row of tiles that `to.filled` names; sets that to what they hold.
   void filter_tile_row(const Axis& axis, const Heights& from, Heights& to, bool add,
                        int32_t row) const;
-  uint32_t filter_odd(const Axis& axis, const Heights& from, Heights& to, bool add,
-                      int32_t tile) const;
+  uint32_t filter_irregular(const Axis& axis, const Heights& from, Heights& to, bool add,
+                            int32_t tile) const;
 
   const TexelTable& table_;
   const SeamTable& seams_;

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <exception>
 
-
 namespace snowbough::snow {
 
 OutputFilter::OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius,
@@ -44,8 +43,7 @@ const SmoothingPlan& OutputFilter::plan() {
   return plan_;
 }
 
-MapOutput OutputFilter::run(std::vector<float> stored,
-                                            const std::vector<SurfaceMetric>& metrics) {
+MapOutput OutputFilter::run(std::vector<float> stored, const std::vector<SurfaceMetric>& metrics) {
   build();
   {
     const std::scoped_lock lock(making_);
@@ -86,8 +84,8 @@ std::shared_ptr<OutputFilter> OutputFilterCache::get(
   return known;
 }
 
-void OutputFilterCache::begin(const std::shared_ptr<const SceneObject>& receiver, double blur_radius,
-                             bool on_processor) {
+void OutputFilterCache::begin(const std::shared_ptr<const SceneObject>& receiver,
+                              double blur_radius, bool on_processor) {
   if (filters_.contains(receiver->description.name)) {
     return;
   }

@@ -10,11 +10,11 @@
 #include <vector>
 
 #include "snow/output/cpu_filter.h"
-#include "snow/seams/seam_leveller.h"
 #include "snow/output/map_output.h"
-#include "snow/scene/scene_object.h"
-#include "snow/seams/seam_table.h"
 #include "snow/output/smoothing.h"
+#include "snow/scene/scene_object.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/seams/seam_table.h"
 
 namespace snowbough::snow {
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
 
@@ -36,9 +36,8 @@ struct ObjectAlpha {
 };
 
 /// Keeps what is at least half opaque: `alpha` are width x height values of 0 to 255, row 0 = v 0.
-/// @throws std::invalid_argument for an image without texels, of more than 8192 a side, or for
-/// values
-///         that are not width x height many.
+/// @throws std::invalid_argument for an image without texels or of more than 8192 a side, or where
+/// the values are not width x height many.
 AlphaMask make_alpha_mask(int32_t width, int32_t height, uint32_t extension,
                           const std::vector<uint8_t>& alpha);
 

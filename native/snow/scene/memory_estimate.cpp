@@ -6,7 +6,7 @@
 #include <set>
 #include <stdexcept>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
 namespace {

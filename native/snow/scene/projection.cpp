@@ -98,7 +98,7 @@ glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32
   return glm::normalize(direction * cosine + (x * std::cos(phi) + y * std::sin(phi)) * sine);
 }
 
-shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& scene) {
+shared::ProjectionFrame make_projection_frame(const FallSettings& settings, const Bounds& scene) {
   const glm::dvec3 direction =
       flutter_direction(settings.direction, settings.flutter, settings.seed, settings.step_number);
   glm::dvec3 x;
@@ -125,7 +125,7 @@ shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& sc
   nearest -= spare;
   farthest += spare;
 
-  shared::FallFrame frame;
+  shared::ProjectionFrame frame;
   frame.anchor = glm::vec4(anchor, 0.0f);
   frame.sampling =
       glm::vec4(glm::vec2(sample_shift(settings.seed, settings.step_number)), 0.0f, 0.0f);
@@ -142,13 +142,14 @@ shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& sc
   return frame;
 }
 
-PixelRect pixels_of(const Bounds& bounds, const shared::FallFrame& frame) {
+PixelRect pixels_of(const Bounds& bounds, const shared::ProjectionFrame& frame) {
+  const glm::vec2 anchor = shared::anchor_pixel(frame);
   glm::dvec2 low(1e300);
   glm::dvec2 high(-1e300);
   for (const glm::dvec3& corner : corners_of(bounds)) {
     const glm::dvec3 offset = corner - glm::dvec3(glm::vec3(frame.anchor));
-    const glm::dvec2 at(glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) + frame.grid_x.w,
-                        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) + frame.grid_y.w);
+    const glm::dvec2 at(glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) + anchor.x,
+                        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) + anchor.y);
     low = {std::min(low.x, at.x), std::min(low.y, at.y)};
     high = {std::max(high.x, at.x), std::max(high.y, at.y)};
   }

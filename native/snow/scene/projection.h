@@ -6,7 +6,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
 
@@ -77,10 +77,10 @@ glm::dvec2 sample_shift(uint32_t seed, uint32_t step_number);
 
 /// Builds the frame that the shaders use: the grid lies perpendicular to the (fluttering) fall and
 /// is anchored at the world's origin; `scene` are the bounds of all objects.
-shared::FallFrame make_fall_frame(const FallSettings& settings, const Bounds& scene);
+shared::ProjectionFrame make_projection_frame(const FallSettings& settings, const Bounds& scene);
 
 /// The local pixels that may show something of `bounds`, with a pixel to spare.
-PixelRect pixels_of(const Bounds& bounds, const shared::FallFrame& frame);
+PixelRect pixels_of(const Bounds& bounds, const shared::ProjectionFrame& frame);
 
 /// Cuts the pixels of all receivers into tiles of at most `tile_size` squared that show at least
 /// one.

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/map_plan.h"
 
 namespace snowbough::snow {

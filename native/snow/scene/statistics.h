@@ -3,7 +3,7 @@
 #include <map>
 #include <string>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
 

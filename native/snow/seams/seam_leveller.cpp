@@ -75,8 +75,8 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
     if (own == own_end || *own != texel_[i]) continue;
     foreign_.emplace_back(static_cast<int32_t>(i), number[own - levelling.texel.begin()]);
   }
-  looker_begin_.assign(static_cast<size_t>(unknowns_) + 2, 0);
-  const auto for_each_look = [&](const auto& visit) {
+  sample_begin_.assign(static_cast<size_t>(unknowns_) + 2, 0);
+  const auto for_each_sample = [&](const auto& visit) {
     for (size_t p = 0; p < points_.size(); ++p) {
       for (const int32_t texel : points_[p].source) {
         if (texel < unknowns_) visit(texel, static_cast<int32_t>(p));
@@ -84,44 +84,44 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
     }
   };
   // Shifted by one place, so that the second walk leaves the beginnings where they belong.
-  for_each_look([&](int32_t texel, int32_t) { ++looker_begin_[texel + 2]; });
-  std::partial_sum(looker_begin_.begin(), looker_begin_.end(), looker_begin_.begin());
-  lookers_.resize(static_cast<size_t>(looker_begin_.back()));
-  for_each_look([&](int32_t texel, int32_t p) { lookers_[looker_begin_[texel + 1]++] = p; });
-  sight_of_.assign(points_.size(), -1);
+  for_each_sample([&](int32_t texel, int32_t) { ++sample_begin_[texel + 2]; });
+  std::partial_sum(sample_begin_.begin(), sample_begin_.end(), sample_begin_.begin());
+  samples_.resize(static_cast<size_t>(sample_begin_.back()));
+  for_each_sample([&](int32_t texel, int32_t p) { samples_[sample_begin_[texel + 1]++] = p; });
+  residual_of_.assign(points_.size(), -1);
   factorised_ = factor_.compute(points_, unknowns_, kDamping, kMostWork);
   factor_.shrink();
 }
 
-inline SeamLeveller::Sight SeamLeveller::look_at(int32_t point) const {
+inline SeamLeveller::SeamResidual SeamLeveller::residual_at(int32_t point) const {
   const SeamRow& row = points_[point];
-  Sight sight{point, true, false, 0.0f, 0.0f};
+  SeamResidual residual{point, true, false, 0.0f, 0.0f};
   for (int32_t t = 0; t < kSeamTerms; ++t) {
     const float part = row.weight[t] * heights_[row.source[t]];
-    sight.gap += part;
-    sight.height += std::fabs(part);
+    residual.gap += part;
+    residual.height += std::fabs(part);
   }
-  return sight;
+  return residual;
 }
 
 void SeamLeveller::level_all() {
   values_.assign(heights_.size(), 0.0f);
   std::fill(limits_.begin(), limits_.end(), 0.0f);
-  for (const Sight& sight : seen_) sight_of_[sight.point] = -1;
-  seen_.clear();
-  foreign_sights_.clear();
+  for (const SeamResidual& residual : residuals_) residual_of_[residual.point] = -1;
+  residuals_.clear();
+  foreign_residuals_.clear();
   for (size_t p = 0; p < points_.size(); ++p) {
-    const Sight sight = look_at(static_cast<int32_t>(p));
-    if (sight.height == 0.0f) continue;
-    const auto at = static_cast<int32_t>(seen_.size());
+    const SeamResidual residual = residual_at(static_cast<int32_t>(p));
+    if (residual.height == 0.0f) continue;
+    const auto at = static_cast<int32_t>(residuals_.size());
     const SeamRow& point = points_[p];
-    seen_.push_back(sight);
-    sight_of_[p] = at;
-    if (looks_at_foreign(point)) foreign_sights_.push_back(at);
+    residuals_.push_back(residual);
+    residual_of_[p] = at;
+    if (reads_foreign(point)) foreign_residuals_.push_back(at);
     float limit = 0.0f;
     for (const int32_t texel : point.source) limit = std::max(limit, heights_[texel]);
     for (int32_t t = 0; t < kSeamTerms; ++t) {
-      values_[point.source[t]] += point.weight[t] * sight.gap;
+      values_[point.source[t]] += point.weight[t] * residual.gap;
       limits_[point.source[t]] = std::max(limits_[point.source[t]], limit);
     }
   }
@@ -148,55 +148,56 @@ void SeamLeveller::mark(float within) {
   marked_.clear();
   if (within == marked_within_) {
     // What has not changed since then has no mark now either: what had one has changed.
-    for (const int32_t at : unsettled_) mark_for(seen_[at], within);
+    for (const int32_t at : changed_) mark_for(residuals_[at], within);
   } else {
-    for (Sight& sight : seen_) mark_for(sight, within);
+    for (SeamResidual& residual : residuals_) mark_for(residual, within);
   }
   marked_within_ = within;
   std::sort(marked_.begin(), marked_.end());
-  take_points();
+  activate_points();
 }
 
-void SeamLeveller::mark_for(Sight& sight, float within) {
-  if (sight.may_differ) {
-    sight = look_at(sight.point);
-    sight.height = std::max(0.5f * sight.height, least_height_);
+void SeamLeveller::mark_for(SeamResidual& residual, float within) {
+  if (residual.may_differ) {
+    residual = residual_at(residual.point);
+    residual.height = std::max(0.5f * residual.height, least_height_);
   }
-  const float over = std::fabs(sight.gap) / sight.height - within;
+  const float over = std::fabs(residual.gap) / residual.height - within;
   const float mark = std::min(over / kLevelFade, 1.0f);
   if (mark <= 0.0f) return;
-  for (const int32_t texel : points_[sight.point].source) {
+  for (const int32_t texel : points_[residual.point].source) {
     if (texel >= unknowns_) continue;
     if (marks_[texel] == 0.0f) marked_.push_back(texel);
     marks_[texel] = std::max(marks_[texel], mark);
   }
 }
 
-void SeamLeveller::take_points() {
-  looked_on_.clear();
+void SeamLeveller::activate_points() {
+  active_.clear();
   for (const int32_t texel : marked_) {
-    for (int32_t k = looker_begin_[texel]; k < looker_begin_[texel + 1]; ++k) {
-      const int32_t at = sight_of_[lookers_[k]];
-      if (at < 0 || std::exchange(seen_[at].is_noted, true)) continue;
-      looked_on_.push_back(at);
+    for (int32_t k = sample_begin_[texel]; k < sample_begin_[texel + 1]; ++k) {
+      const int32_t at = residual_of_[samples_[k]];
+      if (at < 0 || std::exchange(residuals_[at].is_noted, true)) continue;
+      active_.push_back(at);
     }
   }
-  std::sort(looked_on_.begin(), looked_on_.end());
-  for (const int32_t at : unsettled_) seen_[at].may_differ = false;
+  std::sort(active_.begin(), active_.end());
+  for (const int32_t at : changed_) residuals_[at].may_differ = false;
   fine_points_.clear();
-  for (const int32_t at : looked_on_) {
-    Sight& sight = seen_[at];
+  for (const int32_t at : active_) {
+    SeamResidual& residual = residuals_[at];
     float share = 0.0f;
-    for (const int32_t texel : points_[sight.point].source) share = std::max(share, marks_[texel]);
-    fine_points_.push_back({sight.point, share / sight.height});
-    sight.is_noted = false;
+    for (const int32_t texel : points_[residual.point].source)
+      share = std::max(share, marks_[texel]);
+    fine_points_.push_back({residual.point, share / residual.height});
+    residual.is_noted = false;
   }
-  unsettled_ = looked_on_;
-  unsettled_.insert(unsettled_.end(), foreign_sights_.begin(), foreign_sights_.end());
-  for (const int32_t at : unsettled_) seen_[at].may_differ = true;
+  changed_ = active_;
+  changed_.insert(changed_.end(), foreign_residuals_.begin(), foreign_residuals_.end());
+  for (const int32_t at : changed_) residuals_[at].may_differ = true;
 }
 
-inline bool SeamLeveller::looks_at_foreign(const SeamRow& point) const {
+inline bool SeamLeveller::reads_foreign(const SeamRow& point) const {
   const auto none = static_cast<int32_t>(texel_.size());
   return std::any_of(point.source.begin(), point.source.end(),
                      [&](int32_t texel) { return texel >= unknowns_ && texel < none; });
@@ -219,7 +220,7 @@ void SeamLeveller::assemble() {
   fine_rows_.clear();
   for (const FinePoint& fine : fine_points_) {
     const SeamRow& point = points_[fine.point];
-    const float gap = fine.share * look_at(fine.point).gap;
+    const float gap = fine.share * residual_at(fine.point).gap;
     SeamRow row;
     row.source.fill(static_cast<int32_t>(fine_texels_.size()));
     int32_t count = 0;
@@ -256,7 +257,7 @@ inline std::pair<float, float> SeamLeveller::fine_height(size_t k) const {
 /// Takes over the heights that hang together with none beyond its limits; those that are beyond
 /// stay at their limits, and the others wait. What is done loses its mark. Returns whether any
 /// waits.
-bool SeamLeveller::take_but_for_limits() {
+bool SeamLeveller::accept_within_limits() {
   const std::vector<int32_t> component = fine_factor_.components();
   std::vector<bool> waits(fine_texels_.size(), false);
   bool any = false;
@@ -278,7 +279,7 @@ bool SeamLeveller::level_fine(float within) {
   assemble();
   if (fine_texels_.empty()) return false;
   if (solve_fine()) {
-    if (!take_but_for_limits()) return true;
+    if (!accept_within_limits()) return true;
     assemble();
     if (fine_texels_.empty()) return true;
     solve_fine();
@@ -306,9 +307,9 @@ int64_t SeamLeveller::bytes() const {
   const auto of = [](const auto& values) {
     return static_cast<int64_t>(values.capacity() * sizeof(values[0]));
   };
-  return of(texel_) + of(points_) + of(heights_) + of(values_) + of(seen_) + of(marks_) +
-         of(fine_number_) + of(marked_) + of(looker_begin_) + of(lookers_) + of(sight_of_) +
-         of(foreign_sights_) + of(unsettled_) + of(looked_on_) + of(foreign_) + of(fine_texels_) +
+  return of(texel_) + of(points_) + of(heights_) + of(values_) + of(residuals_) + of(marks_) +
+         of(fine_number_) + of(marked_) + of(sample_begin_) + of(samples_) + of(residual_of_) +
+         of(foreign_residuals_) + of(changed_) + of(active_) + of(foreign_) + of(fine_texels_) +
          of(fine_points_) + of(fine_rows_) + of(limits_) +
          8 * (factor_.entries() + fine_factor_.entries());
 }

@@ -39,12 +39,13 @@ class SeamLeveller {
   int64_t bytes() const;
 
  private:
-  /// A point that sees snow, and what the sides show there: their difference and their sum, metres.
-  struct Sight {
+  /// A point beside which snow lies, and what the sides show there: their difference and their sum,
+  /// in metres.
+  struct SeamResidual {
     int32_t point;
-    /// Whether it may have changed since it was looked at.
+    /// Whether it may have changed since it was evaluated.
     bool may_differ;
-    /// Whether it is among looked_on_.
+    /// Whether it is among active_.
     bool is_noted;
     float gap;
     float height;
@@ -55,18 +56,18 @@ class SeamLeveller {
     float share;
   };
 
-  Sight look_at(int32_t point) const;
+  SeamResidual residual_at(int32_t point) const;
   void level_all();
   void refresh_foreign();
   /// Returns false where no point was further apart than a part `within` of the height.
   bool level_fine(float within);
   void mark(float within);
-  void mark_for(Sight& sight, float within);
-  void take_points();
-  bool looks_at_foreign(const SeamRow& point) const;
+  void mark_for(SeamResidual& residual, float within);
+  void activate_points();
+  bool reads_foreign(const SeamRow& point) const;
   void assemble();
   bool solve_fine();
-  bool take_but_for_limits();
+  bool accept_within_limits();
   float fine_reach(int32_t texel) const;
   std::pair<float, float> fine_height(size_t k) const;
 
@@ -76,9 +77,9 @@ class SeamLeveller {
   int32_t unknowns_ = 0;
   float least_height_ = 0.0f;
   std::vector<SeamRow> points_;
-  /// The points that look at unknown i: [looker_begin_[i], looker_begin_[i + 1]) of lookers_.
-  std::vector<int32_t> looker_begin_;
-  std::vector<int32_t> lookers_;
+  /// The points that read unknown i: [sample_begin_[i], sample_begin_[i + 1]) of samples_.
+  std::vector<int32_t> sample_begin_;
+  std::vector<int32_t> samples_;
   /// Texels that are only read because they are another chart's, and what they are there.
   std::vector<std::pair<int32_t, int32_t>> foreign_;
   bool factorised_ = false;
@@ -89,14 +90,14 @@ class SeamLeveller {
   std::vector<float> limits_;
   /// What a solution is asked for, then what it is.
   std::vector<float> values_;
-  std::vector<Sight> seen_;
-  /// Per point: its index in seen_; -1 = it sees no snow.
-  std::vector<int32_t> sight_of_;
-  /// In seen_: those that look at other charts' texels; those that may differ; those that look at a
-  /// marked texel.
-  std::vector<int32_t> foreign_sights_;
-  std::vector<int32_t> unsettled_;
-  std::vector<int32_t> looked_on_;
+  std::vector<SeamResidual> residuals_;
+  /// Per point: its index in residuals_; -1 = no snow lies beside it.
+  std::vector<int32_t> residual_of_;
+  /// Indices into residuals_: of points that read other charts' texels; that may have changed; that
+  /// read a marked texel.
+  std::vector<int32_t> foreign_residuals_;
+  std::vector<int32_t> changed_;
+  std::vector<int32_t> active_;
   /// What marks were last made within; negative: none yet in this map.
   float marked_within_ = -1.0f;
   /// The second problem. Per texel: how much it takes part, 0 to 1, and its number there.

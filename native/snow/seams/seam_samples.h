@@ -3,15 +3,15 @@
 #include <cstdint>
 #include <vector>
 
-#include "snow/texels/charts.h"
 #include "snow/seams/least_squares.h"
+#include "snow/texels/charts.h"
 #include "snow/texels/texel_table.h"
 
 namespace snowbough::snow {
 
 /// What is left between the two sides of a seam after smoothing comes from interpolation: a side
 /// reads the map between texels that lie elsewhere than the other side's. Levelling takes it out
-/// (see level_seams.h); these are the points along every seam, four a texel, at which it looks.
+/// (see seam_leveller.h); these are the points along every seam, four a texel, at which it looks.
 struct SeamLevelling {
   /// Every texel that a point looks at, by its linear index in the map: first those that may
   /// change, ascending, then, ascending too, those that a side reads although they are another

@@ -6,9 +6,9 @@
 #include <stdexcept>
 #include <string>
 
-#include "snow/texels/charts.h"
 #include "snow/seams/seam_walk.h"
 #include "snow/seams/surface_metric.h"
+#include "snow/texels/charts.h"
 
 namespace snowbough::snow {
 namespace {

@@ -26,7 +26,7 @@ inline constexpr int32_t kDilation = 4;
 
 /// A map's texels laid out in lines along one axis, for filters that know no charts. A run (texels
 /// of one chart that lie side by side) takes kFilterReach + length + kFilterReach places; the outer
-/// ones are ghosts: what a walker meets who goes on straight over the surface, across seams. Where
+/// ones are ghosts: what one meets who goes straight on over the surface, across seams. Where
 /// the surface ends, a ghost has no terms and its place holds kNothing.
 struct TexelLines {
   /// Per owned texel: its place in the line array.

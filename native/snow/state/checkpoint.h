@@ -32,15 +32,13 @@ struct CheckpointData {
 
 /// Writes a checkpoint atomically (docs/formats.md has the layout): little-endian, versioned, maps
 /// packed by zlib without loss, a CRC-32 over everything. The same data gives the same bytes.
-/// @throws std::invalid_argument when a map's size is not its resolution squared;
-/// std::runtime_error
-///         with path and reason when the disk refuses.
+/// @throws std::invalid_argument when a map's size is not its resolution squared,
+/// std::runtime_error with path and reason when the disk refuses.
 void save_checkpoint(const std::string& path, const CheckpointData& data);
 
 /// Reads a checkpoint back, bit for bit.
 /// @throws std::runtime_error with the path and what is wrong: not there, not a Snowbough
-/// checkpoint,
-///         written by another version, truncated, or damaged.
+/// checkpoint, written by another version, truncated, or damaged.
 CheckpointData load_checkpoint(const std::string& path);
 
 }  // namespace snowbough::snow

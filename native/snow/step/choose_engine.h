@@ -34,14 +34,14 @@ class EngineChoice {
 
   /// Waits for the engine. @throws std::runtime_error where GL is asked for and there is none.
   Engine& engine();
-  /// Whether it is settled that passes run on the processor.
+  /// Whether it is certain that passes run on the processor.
   bool is_cpu() const { return engine_ != nullptr && engine_->name() == "CPU"; }
   /// Whether the engine may still be changed for the processor's, where GL fails.
   bool may_fall_back() const { return may_fall_back_; }
   /// Takes the processor's engine instead, because `why`.
   Engine& fall_back(const std::string& why);
   /// From here on a failure is the caller's: what has been done cannot be done again.
-  void settle() { may_fall_back_ = false; }
+  void commit() { may_fall_back_ = false; }
   /// Why this engine: a sentence without its full stop.
   const std::string& reason() const { return reason_; }
 

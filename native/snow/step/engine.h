@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/output/map_output.h"
 #include "snow/output/output_filter.h"
 #include "snow/scene/projection.h"
@@ -51,7 +51,7 @@ class Engine {
   virtual void set_positions(size_t object, const std::vector<glm::vec3>& positions) = 0;
 
   /// Evaluates every triangle as the step's fall meets it.
-  virtual void set_up_triangles(const shared::FallFrame& frame) = 0;
+  virtual void set_up_triangles(const shared::ProjectionFrame& frame) = 0;
   /// Chooses the work groups of texels that have anything to do in this step.
   virtual void choose_texels() = 0;
   /// Sets the step's sums to zero.
@@ -66,7 +66,7 @@ class Engine {
   virtual void gather_deposit(const Tile& tile, bool is_first) = 0;
   /// Adds the deposit to the heights and lets slide what slopes cannot hold. `full_gain`: thickness
   /// in metres of a texel that faces the fall and is seen as a whole; `dt` in seconds.
-  virtual void settle(const StabilitySettings& settings, float full_gain, float dt) = 0;
+  virtual void apply_stability(const StabilitySettings& settings, float full_gain, float dt) = 0;
   /// Brings sums and totals up to date. `pixel_area` in m2.
   virtual void close_statistics(float pixel_area) = 0;
 

@@ -55,7 +55,7 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
   for (const SceneObject* object : objects) {
     bounds.include(object->bounds);
   }
-  const shared::FallFrame frame = make_fall_frame(step.fall, bounds);
+  const shared::ProjectionFrame frame = make_projection_frame(step.fall, bounds);
   std::vector<PixelRect> rects;
   std::vector<PixelRect> receivers;
   for (const SceneObject* object : objects) {
@@ -79,8 +79,8 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
     engine.gather_deposit(tile, &tile == &tiles.front());
   }
   const double density = std::min(1.0, step.fall.noise_density);
-  engine.settle(step.stability, static_cast<float>(frame.range.z / density),
-                static_cast<float>(step.dt));
+  engine.apply_stability(step.stability, static_cast<float>(shared::snow_depth(frame) / density),
+                         static_cast<float>(step.dt));
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));
 }
 

@@ -19,8 +19,8 @@ struct FrameStep {
   int32_t tile_size = 2048;
 };
 
-/// Lets an engine do a step on the scene that it has laid out for `objects`; positions of those that
-/// moved are handed over first. On the engine's thread.
+/// Lets an engine do a step on the scene that it has laid out for `objects`; positions of those
+/// that moved are handed over first. On the engine's thread.
 void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const FrameStep& step);
 
 }  // namespace snowbough::snow

@@ -84,15 +84,15 @@ struct BandTexels {
 using ChartAreas = std::vector<std::pair<int32_t, double>>;
 
 /// The chart that covers most of a texel; of equals the lower number.
-int32_t find_owner(const TexelDraft& draft, const Fragment* begin, const Fragment* end,
+int32_t find_owner(const TexelTableBuilder& builder, const Fragment* begin, const Fragment* end,
                    ChartAreas& areas) {
-  int32_t owner = draft.chart_of(begin->triangle);
+  int32_t owner = builder.chart_of(begin->triangle);
   const bool one_chart = std::all_of(
-      begin, end, [&](const Fragment& f) { return draft.chart_of(f.triangle) == owner; });
+      begin, end, [&](const Fragment& f) { return builder.chart_of(f.triangle) == owner; });
   if (one_chart) return owner;
   areas.clear();
   for (const Fragment* f = begin; f != end; ++f) {
-    areas.push_back({draft.chart_of(f->triangle), f->area});
+    areas.push_back({builder.chart_of(f->triangle), f->area});
   }
   std::stable_sort(areas.begin(), areas.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
@@ -114,15 +114,16 @@ int32_t find_owner(const TexelDraft& draft, const Fragment* begin, const Fragmen
 /// Makes the texels of bands, one band after the other.
 class BandCutter {
  public:
-  explicit BandCutter(const TexelDraft& draft) : draft_(draft), sampler_(draft.topology) {}
+  explicit BandCutter(const TexelTableBuilder& builder)
+      : builder_(builder), sampler_(builder.topology) {}
 
   /// `triangles` reach into the rows [row_begin, row_end), ascending.
   BandTexels cut(std::span<const int32_t> triangles, int32_t row_begin, int32_t row_end) {
-    const int32_t resolution = draft_.topology.resolution;
+    const int32_t resolution = builder_.topology.resolution;
     BandTexels band;
     cuts_.clear();
     for (const int32_t t : triangles) {
-      band.triangle_area.push_back(cut_triangle(texel_triangle(draft_.topology, t), t, resolution,
+      band.triangle_area.push_back(cut_triangle(texel_triangle(builder_.topology, t), t, resolution,
                                                 row_begin, row_end, cuts_));
     }
     first_texel_ = row_begin * resolution;
@@ -139,7 +140,7 @@ class BandCutter {
         } else if (triangle >= 0) {
           const TexelSample sample = sampler_.whole(triangle, glm::dvec2(column + 0.5, row + 0.5));
           band.fragments.push_back({triangle, 1.0f, sample.barycentric});
-          add_texel(i, draft_.chart_of(triangle), sample, band);
+          add_texel(i, builder_.chart_of(triangle), sample, band);
           band.covered_samples += 64;
         }
       }
@@ -160,7 +161,7 @@ class BandCutter {
           holder = run.triangle;
           ++count;
         } else {
-          cuts_.parts.push_back(whole_fragment(texel, run.triangle, draft_.topology.resolution));
+          cuts_.parts.push_back(whole_fragment(texel, run.triangle, builder_.topology.resolution));
         }
       }
     }
@@ -192,7 +193,7 @@ class BandCutter {
   void add_parts(int32_t i, BandTexels& band) {
     texel_.assign(parts_.begin() + part_begin_[i], parts_.begin() + part_begin_[i + 1]);
     if (whole_[i] >= 0) {
-      texel_.push_back(whole_fragment(first_texel_ + i, whole_[i], draft_.topology.resolution));
+      texel_.push_back(whole_fragment(first_texel_ + i, whole_[i], builder_.topology.resolution));
       std::sort(texel_.begin(), texel_.end(),
                 [](const Fragment& a, const Fragment& b) { return a.triangle < b.triangle; });
     }
@@ -205,10 +206,10 @@ class BandCutter {
     band.covered_samples += std::popcount(once);
     band.shared_samples += std::popcount(twice);
     const int32_t owner =
-        find_owner(draft_, texel_.data(), texel_.data() + texel_.size(), chart_areas_);
+        find_owner(builder_, texel_.data(), texel_.data() + texel_.size(), chart_areas_);
     auto own_end = texel_.begin();
     for (const Fragment& f : texel_) {
-      if (draft_.chart_of(f.triangle) == owner) {
+      if (builder_.chart_of(f.triangle) == owner) {
         *own_end++ = f;
       } else {
         band.displaced.push_back(f);
@@ -221,7 +222,7 @@ class BandCutter {
     add_texel(i, owner, sampler_.of(texel_), band);
   }
 
-  const TexelDraft& draft_;
+  const TexelTableBuilder& builder_;
   TexelSampler sampler_;
   int32_t first_texel_ = 0;
   TriangleCuts cuts_;
@@ -283,14 +284,14 @@ void join_bands(const std::vector<BandTexels>& bands, int32_t threads, TexelTabl
 
 }  // namespace
 
-void cut_map(TexelDraft& draft, int32_t threads) {
-  const auto triangle_count = static_cast<int32_t>(draft.topology.triangles.size() / 3);
-  const int32_t resolution = draft.topology.resolution;
+void cut_map(TexelTableBuilder& builder, int32_t threads) {
+  const auto triangle_count = static_cast<int32_t>(builder.topology.triangles.size() / 3);
+  const int32_t resolution = builder.topology.resolution;
   std::vector<std::array<int32_t, 2>> row_ranges(static_cast<size_t>(triangle_count));
   for (int32_t t = 0; t < triangle_count; ++t) {
-    const UvTriangle uv = texel_triangle(draft.topology, t);
+    const UvTriangle uv = texel_triangle(builder.topology, t);
     if (is_degenerate(uv)) {
-      ++draft.table.degenerate_triangles;
+      ++builder.table.degenerate_triangles;
       row_ranges[t] = {1, 0};
       continue;
     }
@@ -312,7 +313,7 @@ void cut_map(TexelDraft& draft, int32_t threads) {
   std::atomic<int32_t> next{0};
   threads = std::min(threads, band_count);
   base::parallel_for(threads, [&](size_t, size_t) {
-    BandCutter cutter(draft);
+    BandCutter cutter(builder);
     for (int32_t band = next++; band < band_count; band = next++) {
       const int32_t row = band * bands.rows_per_band;
       done[band] =
@@ -320,25 +321,25 @@ void cut_map(TexelDraft& draft, int32_t threads) {
     }
   });
 
-  join_bands(done, threads, draft.table);
-  for (const int32_t chart : draft.table.chart) ++draft.own_texels[chart];
-  draft.triangle_area.assign(static_cast<size_t>(triangle_count), 0.0);
+  join_bands(done, threads, builder.table);
+  for (const int32_t chart : builder.table.chart) ++builder.own_texels[chart];
+  builder.triangle_area.assign(static_cast<size_t>(triangle_count), 0.0);
   int64_t covered_samples = 0;
   int64_t shared_samples = 0;
   for (int32_t band = 0; band < band_count; ++band) {
     const BandTexels& own = done[band];
     const auto triangles = triangles_of(band);
     for (size_t t = 0; t < triangles.size(); ++t) {
-      draft.triangle_area[triangles[t]] += own.triangle_area[t];
+      builder.triangle_area[triangles[t]] += own.triangle_area[t];
     }
-    draft.displaced.insert(draft.displaced.end(), own.displaced.begin(), own.displaced.end());
+    builder.displaced.insert(builder.displaced.end(), own.displaced.begin(), own.displaced.end());
     covered_samples += own.covered_samples;
     shared_samples += own.shared_samples;
   }
-  draft.table.overlap = covered_samples == 0
-                            ? 0.0f
-                            : static_cast<float>(static_cast<double>(shared_samples) /
-                                                 static_cast<double>(covered_samples));
+  builder.table.overlap = covered_samples == 0
+                              ? 0.0f
+                              : static_cast<float>(static_cast<double>(shared_samples) /
+                                                   static_cast<double>(covered_samples));
 }
 
 }  // namespace snowbough::snow

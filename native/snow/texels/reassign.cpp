@@ -10,9 +10,9 @@ namespace {
 
 /// Index of the chart's own texel nearest to a point; rows are searched outwards, the columns of
 /// a row by bisection.
-size_t nearest_own_texel(const TexelDraft& draft, const std::vector<int32_t>& own,
+size_t nearest_own_texel(const TexelTableBuilder& builder, const std::vector<int32_t>& own,
                          glm::dvec2 point) {
-  const int32_t resolution = draft.table.resolution;
+  const int32_t resolution = builder.table.resolution;
   const auto home_row = static_cast<int32_t>(std::floor(point.y));
   double best = std::numeric_limits<double>::infinity();
   int32_t best_texel = -1;
@@ -37,63 +37,65 @@ size_t nearest_own_texel(const TexelDraft& draft, const std::vector<int32_t>& ow
     if (home_row - distance >= 0) search_row(home_row - distance);
     if (distance > 0 && home_row + distance < resolution) search_row(home_row + distance);
   }
-  return draft.owned_index(best_texel);
+  return builder.owned_index(best_texel);
 }
 
 }  // namespace
 
-void credit_displaced_fragments(TexelDraft& draft) {
-  if (draft.displaced.empty()) return;
-  std::vector<std::vector<int32_t>> own(static_cast<size_t>(draft.table.chart_count));
-  for (const Fragment& f : draft.displaced) own[draft.chart_of(f.triangle)] = {-1};
-  for (size_t i = 0; i < draft.table.texel.size(); ++i) {
-    std::vector<int32_t>& texels = own[draft.table.chart[i]];
-    if (!texels.empty()) texels.push_back(draft.table.texel[i]);
+void reassign_displaced_fragments(TexelTableBuilder& builder) {
+  if (builder.displaced.empty()) return;
+  std::vector<std::vector<int32_t>> own(static_cast<size_t>(builder.table.chart_count));
+  for (const Fragment& f : builder.displaced) own[builder.chart_of(f.triangle)] = {-1};
+  for (size_t i = 0; i < builder.table.texel.size(); ++i) {
+    std::vector<int32_t>& texels = own[builder.table.chart[i]];
+    if (!texels.empty()) texels.push_back(builder.table.texel[i]);
   }
   struct Part {
     int32_t triangle;
     float area;
     glm::vec2 barycentric;
   };
-  struct Credit {
+  struct Reassignment {
     size_t owned;
     Part part;
   };
-  TexelSampler sampler(draft.topology);
-  std::vector<Credit> credits;
-  credits.reserve(draft.displaced.size());
-  for (const Fragment& f : draft.displaced) {
-    std::vector<int32_t>& texels = own[draft.chart_of(f.triangle)];
+  TexelSampler sampler(builder.topology);
+  std::vector<Reassignment> reassignments;
+  reassignments.reserve(builder.displaced.size());
+  for (const Fragment& f : builder.displaced) {
+    std::vector<int32_t>& texels = own[builder.chart_of(f.triangle)];
     if (texels.front() == -1) texels.erase(texels.begin());
-    // A homeless chart's area stays where it is.
-    const size_t owned =
-        texels.empty() ? draft.owned_index(f.texel) : nearest_own_texel(draft, texels, f.centroid);
+    // An unmapped chart's area stays where it is.
+    const size_t owned = texels.empty() ? builder.owned_index(f.texel)
+                                        : nearest_own_texel(builder, texels, f.centroid);
     if (texels.empty()) texels.push_back(-1);
-    credits.push_back({owned, {f.triangle, static_cast<float>(f.area), sampler.centroid(f)}});
+    reassignments.push_back({owned, {f.triangle, static_cast<float>(f.area), sampler.centroid(f)}});
   }
-  std::stable_sort(credits.begin(), credits.end(), [](const Credit& a, const Credit& b) {
-    return a.owned != b.owned ? a.owned < b.owned : a.part.triangle < b.part.triangle;
-  });
+  std::stable_sort(
+      reassignments.begin(), reassignments.end(), [](const Reassignment& a, const Reassignment& b) {
+        return a.owned != b.owned ? a.owned < b.owned : a.part.triangle < b.part.triangle;
+      });
 
   std::vector<int32_t> begin{0};
   std::vector<int32_t> triangle;
   std::vector<float> area;
   std::vector<glm::vec2> barycentric;
-  begin.reserve(draft.table.fragment_begin.size());
-  triangle.reserve(draft.table.fragment_triangle.size() + credits.size());
-  area.reserve(draft.table.fragment_triangle.size() + credits.size());
-  barycentric.reserve(draft.table.fragment_triangle.size() + credits.size());
+  begin.reserve(builder.table.fragment_begin.size());
+  triangle.reserve(builder.table.fragment_triangle.size() + reassignments.size());
+  area.reserve(builder.table.fragment_triangle.size() + reassignments.size());
+  barycentric.reserve(builder.table.fragment_triangle.size() + reassignments.size());
   std::vector<Part> merged;
-  auto credit = credits.begin();
-  for (size_t i = 0; i < draft.table.texel.size(); ++i) {
+  auto next = reassignments.begin();
+  for (size_t i = 0; i < builder.table.texel.size(); ++i) {
     merged.clear();
-    for (int32_t f = draft.table.fragment_begin[i]; f < draft.table.fragment_begin[i + 1]; ++f) {
-      merged.push_back({draft.table.fragment_triangle[f], draft.table.fragment_share[f],
-                        draft.table.fragment_barycentric[f]});
+    for (int32_t f = builder.table.fragment_begin[i]; f < builder.table.fragment_begin[i + 1];
+         ++f) {
+      merged.push_back({builder.table.fragment_triangle[f], builder.table.fragment_share[f],
+                        builder.table.fragment_barycentric[f]});
     }
-    if (credit != credits.end() && credit->owned == i) {
-      for (; credit != credits.end() && credit->owned == i; ++credit) {
-        merged.push_back(credit->part);
+    if (next != reassignments.end() && next->owned == i) {
+      for (; next != reassignments.end() && next->owned == i; ++next) {
+        merged.push_back(next->part);
       }
       std::stable_sort(merged.begin(), merged.end(),
                        [](const Part& a, const Part& b) { return a.triangle < b.triangle; });
@@ -111,10 +113,10 @@ void credit_displaced_fragments(TexelDraft& draft) {
     }
     begin.push_back(static_cast<int32_t>(triangle.size()));
   }
-  draft.table.fragment_begin = std::move(begin);
-  draft.table.fragment_triangle = std::move(triangle);
-  draft.table.fragment_share = std::move(area);
-  draft.table.fragment_barycentric = std::move(barycentric);
+  builder.table.fragment_begin = std::move(begin);
+  builder.table.fragment_triangle = std::move(triangle);
+  builder.table.fragment_share = std::move(area);
+  builder.table.fragment_barycentric = std::move(barycentric);
 }
 
 }  // namespace snowbough::snow

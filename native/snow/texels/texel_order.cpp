@@ -5,7 +5,7 @@
 #include <numeric>
 #include <span>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow {
 namespace {

@@ -52,22 +52,23 @@ void check_topology(const MapTopology& topology) {
 
 /// Areas become shares of their triangles. The sum of the cut areas is the divisor, not the
 /// triangle's own area, so that slivers, whose cuts round coarsely, sum to 1 as well.
-void shares_from_areas(TexelDraft& draft) {
-  for (size_t f = 0; f < draft.table.fragment_share.size(); ++f) {
-    const double whole = draft.triangle_area[draft.table.fragment_triangle[f]];
-    draft.table.fragment_share[f] = static_cast<float>(draft.table.fragment_share[f] / whole);
+void shares_from_areas(TexelTableBuilder& builder) {
+  for (size_t f = 0; f < builder.table.fragment_share.size(); ++f) {
+    const double whole = builder.triangle_area[builder.table.fragment_triangle[f]];
+    builder.table.fragment_share[f] = static_cast<float>(builder.table.fragment_share[f] / whole);
   }
 }
 
 }  // namespace
 
-TexelDraft::TexelDraft(const MapTopology& given) : topology(given), charts(find_charts(given)) {
+TexelTableBuilder::TexelTableBuilder(const MapTopology& given)
+    : topology(given), charts(find_charts(given)) {
   table.resolution = topology.resolution;
   table.chart_count = charts.count;
   own_texels.assign(static_cast<size_t>(charts.count), 0);
 }
 
-size_t TexelDraft::owned_index(int32_t at) const {
+size_t TexelTableBuilder::owned_index(int32_t at) const {
   return static_cast<size_t>(std::lower_bound(table.texel.begin(), table.texel.end(), at) -
                              table.texel.begin());
 }
@@ -86,12 +87,12 @@ UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle) {
 
 TexelTable build_texel_table(const MapTopology& topology, int32_t threads) {
   check_topology(topology);
-  TexelDraft draft(topology);
-  cut_map(draft, threads > 0 ? threads : base::default_threads());
-  give_homeless_charts_a_texel(draft);
-  credit_displaced_fragments(draft);
-  shares_from_areas(draft);
-  return std::move(draft.table);
+  TexelTableBuilder builder(topology);
+  cut_map(builder, threads > 0 ? threads : base::default_threads());
+  assign_texels_to_small_charts(builder);
+  reassign_displaced_fragments(builder);
+  shares_from_areas(builder);
+  return std::move(builder.table);
 }
 
 }  // namespace snowbough::snow

@@ -18,10 +18,10 @@ struct MapTopology {
 };
 
 /// Which surface each texel of a map carries, found once by exact clipping of every triangle
-/// against every texel (DESIGN 4.2.1): sampling texel centres would lose charts 1.5 texels wide.
+/// against every texel: sampling texel centres would lose charts 1.5 texels wide.
 ///
 /// A texel belongs to the chart that covers most of it. Fragments of a chart in texels that belong
-/// to another chart are credited to the chart's nearest own texel, so that for every triangle the
+/// to another chart are reassigned to the chart's nearest own texel, so that for every triangle the
 /// shares of its fragments sum to 1 and the texels' areas sum to the mesh's area, whatever the
 /// current deformation.
 struct TexelTable {
@@ -54,9 +54,9 @@ struct TexelTable {
   /// hold no snow, have no fragments and are reported.
   int32_t degenerate_triangles = 0;
   /// Number of charts that got no texel because every texel under them is some other chart's only
-  /// one: their area is credited to the texel's owner and their snow lands there. Reported.
-  int32_t homeless_charts = 0;
-  /// Share of the covered texel area that more than one triangle claims (overlapping layout),
+  /// one: their area is reassigned to the texel's owner and their snow lands there. Reported.
+  int32_t unmapped_charts = 0;
+  /// Share of the covered texel area that more than one triangle covers (overlapping layout),
   /// measured on 8 x 8 sub-samples a texel.
   float overlap = 0.0f;
 };
@@ -64,9 +64,8 @@ struct TexelTable {
 /// Builds the table. O(covered texels + triangles). A chart too small to own any of its texels
 /// takes the one it covers most, if the owner there has another. `threads` share the work where the
 /// map is large (0 = one a core); the result does not depend on them.
-/// @throws std::invalid_argument for index out of range, wrong array sizes, a resolution outside
-///         [64, 8192], or coordinates outside [0, 1] (by more than 1e-4; the message says how
-///         many).
+/// @throws std::invalid_argument for an index out of range, wrong array sizes, a resolution outside
+/// [64, 8192], or coordinates outside [0, 1] by more than 1e-4 (the message says how many).
 TexelTable build_texel_table(const MapTopology& topology, int32_t threads = 0);
 
 }  // namespace snowbough::snow

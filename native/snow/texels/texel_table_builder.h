@@ -11,8 +11,8 @@ namespace snowbough::snow {
 
 /// A texel table in the making, handed from step to step of build_texel_table. Until
 /// shares_from_areas, `table.fragment_share` holds areas in texels.
-struct TexelDraft {
-  explicit TexelDraft(const MapTopology& given);
+struct TexelTableBuilder {
+  explicit TexelTableBuilder(const MapTopology& given);
 
   int32_t chart_of(int32_t triangle) const { return charts.chart[triangle]; }
   /// Position of a texel among the owned ones. It must be there.
@@ -32,10 +32,10 @@ struct TexelDraft {
 /// A triangle's UVs in texels, inside the map.
 UvTriangle texel_triangle(const MapTopology& topology, int32_t triangle);
 
-/// First step (texel_cut.cpp): cuts every triangle against every texel; a texel goes to the chart
+/// First step (cut.cpp): cuts every triangle against every texel; a texel goes to the chart
 /// that covers most of it (of equals the lower number), the others' fragments are displaced.
 /// Counts degenerate triangles and overlap. The result does not depend on the number of threads.
-void cut_map(TexelDraft& draft, int32_t threads);
+void cut_map(TexelTableBuilder& builder, int32_t threads);
 
 /// Which surface a texel carries; as in TexelTable.
 struct TexelSample {
@@ -44,7 +44,7 @@ struct TexelSample {
   float coverage;
 };
 
-/// Finds texels' sample points (texel_sample.cpp).
+/// Finds texels' sample points (sample.cpp).
 class TexelSampler {
  public:
   /// `topology` is kept by reference.
@@ -76,12 +76,12 @@ class TexelSampler {
   Frame frame_;
 };
 
-/// Second step (texel_claims.cpp): charts that own nothing take the texel they cover most, where
-/// its owner can spare it; the others are counted as homeless.
-void give_homeless_charts_a_texel(TexelDraft& draft);
+/// Second step (small_charts.cpp): charts that own nothing take the texel they cover most, where
+/// its owner can spare it; the others are counted as unmapped.
+void assign_texels_to_small_charts(TexelTableBuilder& builder);
 
-/// Third step (texel_credit.cpp): displaced fragments go to their own chart's nearest texel; a
-/// homeless chart's stay where they are.
-void credit_displaced_fragments(TexelDraft& draft);
+/// Third step (reassign.cpp): displaced fragments go to their own chart's nearest texel; an
+/// unmapped chart's stay where they are.
+void reassign_displaced_fragments(TexelTableBuilder& builder);
 
 }  // namespace snowbough::snow

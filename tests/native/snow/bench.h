@@ -53,16 +53,16 @@ struct Bench {
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
                             objects[i].positions.data());
     }
-    frame = make_fall_frame(settings, bounds);
-    fall = gpu::Buffer(sizeof frame, &frame);
-    TriangleFallPass().run(scene, fall);
+    frame = make_projection_frame(settings, bounds);
+    projection = gpu::Buffer(sizeof frame, &frame);
+    TriangleSetupPass().run(scene, projection);
     TexelSurfacePass().run(scene);
     std::vector<PixelRect> rects;
     for (const SceneObject& object : objects) {
       rects.push_back(pixels_of(object.bounds, frame));
     }
     tiles = make_tiles(rects, 2048);
-    OcclusionPass().run(scene, fall, tiles.front(), {{0, scene.triangle_count}}, target);
+    OcclusionPass().run(scene, projection, tiles.front(), {{0, scene.triangle_count}}, target);
   }
 
   /// What the tile's own pixels show, row by row, and their depths in metres.
@@ -83,8 +83,8 @@ struct Bench {
   gpu::GpuInfo info = gpu::GpuThread::shared()->info();
   std::vector<SceneObject> objects;
   SceneBuffers scene;
-  shared::FallFrame frame;
-  gpu::Buffer fall;
+  shared::ProjectionFrame frame;
+  gpu::Buffer projection;
   std::vector<Tile> tiles;
   OcclusionTarget target;
 };

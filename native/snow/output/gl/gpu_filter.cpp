@@ -6,9 +6,8 @@
 
 namespace snowbough::snow {
 
-MapOutput filter_on_gpu(OutputPasses& passes, OutputFilter& filter,
-                        const gpu::Texture& height_maps, int32_t layer,
-                        const std::vector<SurfaceMetric>& metrics) {
+MapOutput filter_on_gpu(OutputPasses& passes, OutputFilter& filter, const gpu::Texture& height_maps,
+                        int32_t layer, const std::vector<SurfaceMetric>& metrics) {
   const TexelTable& table = filter.receiver().table;
   OutputBuffers buffers = make_output_buffers(table, filter.seams(), filter.plan());
   MapOutput output;

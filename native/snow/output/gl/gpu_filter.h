@@ -16,11 +16,10 @@ struct OutputPasses {
   NormalsPass normals;
 };
 
-/// What OutputFilter::run makes, of layer `layer` of `height_maps` (R32F array). Where `metrics` are
-/// empty, seams are not level yet: that is left to OutputFilter::level, so that the GPU need not
-/// wait. GPU thread.
-MapOutput filter_on_gpu(OutputPasses& passes, OutputFilter& filter,
-                        const gpu::Texture& height_maps, int32_t layer,
-                        const std::vector<SurfaceMetric>& metrics);
+/// What OutputFilter::run makes, of layer `layer` of `height_maps` (R32F array). Where `metrics`
+/// are empty, seams are not level yet: that is left to OutputFilter::level, so that the GPU need
+/// not wait. GPU thread.
+MapOutput filter_on_gpu(OutputPasses& passes, OutputFilter& filter, const gpu::Texture& height_maps,
+                        int32_t layer, const std::vector<SurfaceMetric>& metrics);
 
 }  // namespace snowbough::snow

@@ -4,9 +4,9 @@
 
 #include "gpu/program.h"
 #include "snow/output/gl/output_buffers.h"
+#include "snow/output/gl/weighted_rows.h"
 #include "snow/seams/surface_metric.h"
 #include "snow/texels/texel_table.h"
-#include "snow/output/gl/weighted_rows.h"
 
 namespace snowbough::snow {
 

@@ -5,8 +5,8 @@
 
 #include "gpu/program.h"
 #include "gpu/resources.h"
-#include "snow/seams/seam_table.h"
 #include "snow/output/smoothing.h"
+#include "snow/seams/seam_table.h"
 #include "snow/texels/texel_table.h"
 
 namespace snowbough::snow {

@@ -9,7 +9,7 @@ namespace {
 
 #define WITH_OPACITY
 struct Gain {
-#include "shaders/texel_gain.h"
+#include "shaders/lib/texel_gain.h"
 };
 
 SNOWBOUGH_KERNEL void gather(Gain gain, size_t begin, size_t end, int32_t map_offset) {
@@ -21,7 +21,7 @@ SNOWBOUGH_KERNEL void gather(Gain gain, size_t begin, size_t end, int32_t map_of
 
 void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   kernel::Gain gain{};
-  gain.fall = scene.frame;
+  gain.projection = scene.frame;
   gain.triangle_corners = scene.corners.data();
   gain.triangle_surface = scene.surface.data();
   gain.triangle_sheets = kernel::words(scene.layout.triangle_sheets);
@@ -33,8 +33,7 @@ void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   for (Receiver& receiver : scene.receivers) {
     gain.fragment_begin = kernel::words(receiver.fragment_begin);
     gain.fragments = kernel::rows<glm::uvec4>(receiver.fragments);
-    gain.fragment_opacity =
-        receiver.opacity.empty() ? nullptr : kernel::numbers(receiver.opacity);
+    gain.fragment_opacity = receiver.opacity.empty() ? nullptr : kernel::numbers(receiver.opacity);
     gain.texel_steps = kernel::rows<glm::uvec4>(receiver.steps);
     gain.resolution = static_cast<float>(receiver.resolution);
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {

@@ -5,7 +5,7 @@
 
 namespace snowbough::snow::cpu {
 
-/// The deposit of a tile, gathered by the chosen texels (shaders/texel_gain.h, where the method
+/// The deposit of a tile, gathered by the chosen texels (shaders/lib/texel_gain.h, where the method
 /// stands): adds what they gain to `gain` of their steps, or sets it where this is the step's first
 /// tile, and fills in their `area` and `up`. The scene's `seen` shows the tile and its margin.
 void gather_deposit(Scene& scene, const Tile& tile, bool is_first);

@@ -42,7 +42,7 @@ class CpuEngine final : public Engine {
               scene_.positions.begin() + scene_.layout.first_vertex[object]);
   }
 
-  void set_up_triangles(const shared::FallFrame& frame) override {
+  void set_up_triangles(const shared::ProjectionFrame& frame) override {
     scene_.frame = frame;
     cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
                           scene_.surface);
@@ -55,20 +55,19 @@ class CpuEngine final : public Engine {
   void evaluate_texels() override { cpu::evaluate_texels(scene_); }
   void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
     const PixelRect pixels = tile.with_margin();
-    const auto count =
-        static_cast<size_t>(pixels.size().x) * static_cast<size_t>(pixels.size().y);
+    const auto count = static_cast<size_t>(pixels.size().x) * static_cast<size_t>(pixels.size().y);
     if (scene_.seen.size() < count) scene_.seen.resize(count);
     const SceneLayout& layout = scene_.layout;
-    occlusion_.run({scene_.corners, ranges,
-                    {layout.alpha_triangles, layout.alpha_places, layout.alpha_bits}},
-                   pixels, std::span(scene_.seen).first(count));
+    occlusion_.run(
+        {scene_.corners, ranges, {layout.alpha_triangles, layout.alpha_places, layout.alpha_bits}},
+        pixels, std::span(scene_.seen).first(count));
   }
   void count_back_faces(const Tile& tile) override { cpu::count_back_faces(scene_, tile); }
   void gather_deposit(const Tile& tile, bool is_first) override {
     cpu::gather_deposit(scene_, tile, is_first);
   }
-  void settle(const StabilitySettings& settings, float full_gain, float dt) override {
-    cpu::settle(scene_, settings, full_gain, dt);
+  void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
+    cpu::apply_stability(scene_, settings, full_gain, dt);
   }
   void close_statistics(float pixel_area) override {
     for (Receiver& receiver : scene_.receivers) {

@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/simd.h"
-#include "shaders/kernel.h"
-#include "shaders/snow_shared.h"
+#include "shaders/lib/kernel.h"
+#include "shaders/lib/snow_shared.h"
 
 // What a C++ class needs in order to include a part of a shader as its members, so that a pass's
 // arithmetic is written once for both engines. One class a source file, since the parts are

@@ -4,7 +4,7 @@
 #include <span>
 
 #include "base/thread_pool.h"
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
 #include "snow/step/cpu/occlusion_scene.h"
 #include "snow/step/cpu/triangle_bins.h"

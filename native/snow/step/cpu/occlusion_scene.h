@@ -4,7 +4,7 @@
 #include <glm/vec4.hpp>
 #include <span>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/triangle_range.h"
 
 namespace snowbough::snow::cpu {

@@ -7,8 +7,8 @@
 #include <utility>
 
 #include "shaders/lib/occlusion_pixel.h"
-#include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/grid_triangle.h"
+#include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/triangle_bins.h"
 
 namespace snowbough::snow::cpu {

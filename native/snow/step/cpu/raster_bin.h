@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <span>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
 #include "snow/step/cpu/draw_list.h"
 #include "snow/step/cpu/occlusion_scene.h"

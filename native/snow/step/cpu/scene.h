@@ -5,7 +5,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/group_triangles.h"
 #include "snow/scene/scene_layout.h"
 
@@ -53,7 +53,7 @@ struct Scene {
   /// Of the triangle set-up: three corners and one surface a triangle.
   std::vector<glm::vec4> corners;
   std::vector<glm::vec4> surface;
-  shared::FallFrame frame{};
+  shared::ProjectionFrame frame{};
   /// By slot.
   std::vector<Receiver> receivers;
   /// What the sky sees on the tile at hand and its margin.

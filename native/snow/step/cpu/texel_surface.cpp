@@ -8,7 +8,7 @@ namespace kernel {
 namespace {
 
 struct Surface {
-#include "shaders/texel_surface.h"
+#include "shaders/lib/texel_surface.h"
 };
 
 SNOWBOUGH_KERNEL void evaluate(Surface surface, size_t begin, size_t end, TexelStep* steps) {

@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/grid_triangle.h"
+#include "snow/step/cpu/kernel.h"
 
 namespace snowbough::snow::cpu {
 namespace {

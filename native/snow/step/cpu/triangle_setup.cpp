@@ -16,8 +16,8 @@ namespace {
 constexpr size_t kRun = 1024;
 
 SNOWBOUGH_KERNEL void set_up_run(const glm::vec3* positions, const shared::SceneTriangle* triangles,
-                                 const shared::FallFrame& frame, size_t count, glm::vec4* corners,
-                                 glm::vec4* surface) {
+                                 const shared::ProjectionFrame& frame, size_t count,
+                                 glm::vec4* corners, glm::vec4* surface) {
   for (size_t i = 0; i < count; ++i) {
     const shared::SceneTriangle& triangle = triangles[i];
     const shared::TriangleSetup setup = shared::set_up_triangle(
@@ -33,7 +33,7 @@ SNOWBOUGH_KERNEL void set_up_run(const glm::vec3* positions, const shared::Scene
 
 void set_up_triangles(std::span<const glm::vec3> positions,
                       std::span<const shared::SceneTriangle> triangles,
-                      const shared::FallFrame& frame, std::span<glm::vec4> corners,
+                      const shared::ProjectionFrame& frame, std::span<glm::vec4> corners,
                       std::span<glm::vec4> surface) {
   if (corners.size() != 3 * triangles.size() || surface.size() != triangles.size()) {
     throw std::invalid_argument("set_up_triangles: room for " + std::to_string(corners.size()) +

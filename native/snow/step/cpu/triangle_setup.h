@@ -4,7 +4,7 @@
 #include <glm/vec4.hpp>
 #include <span>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 
 namespace snowbough::snow::cpu {
 
@@ -15,7 +15,7 @@ namespace snowbough::snow::cpu {
 /// @throws std::invalid_argument when these have not that many.
 void set_up_triangles(std::span<const glm::vec3> positions,
                       std::span<const shared::SceneTriangle> triangles,
-                      const shared::FallFrame& frame, std::span<glm::vec4> corners,
+                      const shared::ProjectionFrame& frame, std::span<glm::vec4> corners,
                       std::span<glm::vec4> surface);
 
 }  // namespace snowbough::snow::cpu

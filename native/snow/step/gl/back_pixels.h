@@ -12,9 +12,9 @@ namespace snowbough::snow {
 /// of them hint at flipped normals.
 class BackPixelsPass {
  public:
-  /// `walkers`: at most shared::kMostWalkers. GPU thread.
-  explicit BackPixelsPass(int32_t walkers = snow::walkers())
-      : program_({"back_pixels.comp.glsl"}, {walkers_define(walkers)}) {}
+  /// `local_size`: at most shared::kMaxLocalSize. GPU thread.
+  explicit BackPixelsPass(int32_t local_size = snow::local_size())
+      : program_({"back_pixels.comp.glsl"}, {local_size_define(local_size)}) {}
 
   /// Adds a tile's own pixels to the scene's `back_pixels`. GPU thread.
   void run(SceneBuffers& scene, const Tile& tile, const OcclusionTarget& occlusion);

@@ -4,7 +4,7 @@
 
 namespace snowbough::snow {
 
-void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
                       const OcclusionTarget& occlusion, bool has_noise, bool is_first) {
   const PixelRect shown = tile.with_margin();
   for (TexelBatch& batch : scene.batches) {
@@ -14,7 +14,7 @@ void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& 
     if (has_opacity) defines.emplace_back("WITH_OPACITY");
     gpu::Program& program = programs_.with(defines);
     program.use();
-    program.bind("Fall", fall);
+    program.bind("Projection", projection);
     program.bind_texture("groups", batch.views.active_groups);
     program.bind_texture("group_slots", batch.views.group_slots);
     program.bind_texture("map_offsets", scene.views.map_offsets);

@@ -38,14 +38,14 @@ void DepositGeometryPass::begin(SceneBuffers& scene) {
   }
 }
 
-void DepositGeometryPass::run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+void DepositGeometryPass::run(SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
                               const OcclusionTarget& occlusion) {
   const PixelRect shown = tile.with_margin();
   for (const TexelBatch& batch : scene.batches) {
     const MapGroup& group = scene.groups[static_cast<size_t>(batch.group)];
     const AdditivePoints drawing(group.deposit_target, vertices_, glm::ivec2(group.resolution));
     program_.use();
-    program_.bind("Fall", fall);
+    program_.bind("Projection", projection);
     program_.bind_texture("triangle_corners", scene.views.triangle_corners);
     program_.bind_texture("triangle_words", scene.views.triangle_words);
     program_.bind_texture("map_triangles", scene.views.map_triangles);

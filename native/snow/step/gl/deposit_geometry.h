@@ -19,7 +19,7 @@ class DepositGeometryPass {
   void begin(SceneBuffers& scene);
   /// Adds the snow of one tile to the groups' `deposit` maps. The scene has owners, and the
   /// batches' `steps` hold areas. GPU thread.
-  void run(SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+  void run(SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
            const OcclusionTarget& occlusion);
 
  private:

@@ -21,7 +21,7 @@ namespace {
 /// Everything of a simulation that lies on the GPU; made, used and destroyed on its thread.
 struct Passes {
   SceneBuffers scene;
-  TriangleFallPass triangles;
+  TriangleSetupPass triangles;
   TexelGroupsPass groups;
   TexelSurfacePass surface;
   OcclusionPass occlusion;
@@ -32,7 +32,7 @@ struct Passes {
   StabilityPass stability;
   StatisticsPass statistics;
   OcclusionTarget target;
-  gpu::Buffer fall{static_cast<int64_t>(sizeof(shared::FallFrame))};
+  gpu::Buffer projection{static_cast<int64_t>(sizeof(shared::ProjectionFrame))};
   bool has_noise = false;
 };
 
@@ -64,10 +64,10 @@ class GlEngine final : public Engine {
                                    static_cast<int64_t>(positions.size()) * 12, positions.data());
   }
 
-  void set_up_triangles(const shared::FallFrame& frame) override {
-    passes_->has_noise = frame.range.w < 1.0f;
-    passes_->fall.write(0, sizeof frame, &frame);
-    passes_->triangles.run(passes_->scene, passes_->fall);
+  void set_up_triangles(const shared::ProjectionFrame& frame) override {
+    passes_->has_noise = shared::noise_density(frame) < 1.0f;
+    passes_->projection.write(0, sizeof frame, &frame);
+    passes_->triangles.run(passes_->scene, passes_->projection);
   }
   void choose_texels() override {
     // GEOMETRY draws all texels.
@@ -79,21 +79,21 @@ class GlEngine final : public Engine {
     if (by_geometry_) begin_geometry();
   }
   void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
-    passes_->occlusion.run(passes_->scene, passes_->fall, tile, ranges, passes_->target);
+    passes_->occlusion.run(passes_->scene, passes_->projection, tile, ranges, passes_->target);
   }
   void count_back_faces(const Tile& tile) override {
     passes_->back_pixels.run(passes_->scene, tile, passes_->target);
   }
   void gather_deposit(const Tile& tile, bool is_first) override {
     if (!by_geometry_) {
-      passes_->deposit.run(passes_->scene, passes_->fall, tile, passes_->target,
+      passes_->deposit.run(passes_->scene, passes_->projection, tile, passes_->target,
                            passes_->has_noise, is_first);
       return;
     }
     if (is_first) evaluate_texels();
-    passes_->deposit_geometry->run(passes_->scene, passes_->fall, tile, passes_->target);
+    passes_->deposit_geometry->run(passes_->scene, passes_->projection, tile, passes_->target);
   }
-  void settle(const StabilitySettings& settings, float full_gain, float dt) override {
+  void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
     passes_->stability.run(passes_->scene, settings, full_gain, dt, by_geometry_);
   }
   void close_statistics(float pixel_area) override {

@@ -17,7 +17,7 @@ struct MapGroup {
   /// Snow thickness in metres, R32F.
   gpu::Texture height;
   /// Only for the deposit's mapping GEOMETRY: who owns a texel, RG32UI: x = 1 + index in the group
-  /// (0 = nobody), y = chart << 8 | coverage; a step's deposit in metres, R32F, and its target.
+  /// (0 = none), y = chart << 8 | coverage; a step's deposit in metres, R32F, and its target.
   gpu::Texture owners;
   gpu::Texture deposit;
   gpu::Framebuffer deposit_target;

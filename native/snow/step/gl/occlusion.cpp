@@ -34,10 +34,10 @@ void OcclusionTarget::copy_pixels(glm::ivec2 size) {
   glBindFramebuffer(GL_READ_FRAMEBUFFER, 0);
 }
 
-void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& fall,
-                        const Tile& tile) {
+void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene,
+                        const gpu::Buffer& projection, const Tile& tile) {
   program.use();
-  program.bind("Fall", fall);
+  program.bind("Projection", projection);
   program.bind_texture("triangle_corners", scene.views.triangle_corners);
   program.set("viewport_origin", glm::vec2(tile.viewport_origin));
   program.set("viewport_size", static_cast<float>(kViewportSize));
@@ -49,7 +49,7 @@ void OcclusionPass::use(gpu::Program& program, const SceneBuffers& scene, const 
   }
 }
 
-void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
                         const std::vector<TriangleRange>& ranges, OcclusionTarget& target) {
   const PixelRect shown = tile.with_margin();
   const glm::ivec2 size = shown.size();
@@ -81,7 +81,7 @@ void OcclusionPass::run(const SceneBuffers& scene, const gpu::Buffer& fall, cons
     gpu::Program& program = range.has_alpha ? *alpha_program_ : program_;
     if (used != &program) {
       used = &program;
-      use(program, scene, fall, tile);
+      use(program, scene, projection, tile);
     }
     if (range.has_alpha) {
       program.set("alpha_offset", range.alpha_offset);

@@ -7,8 +7,8 @@
 #include "gpu/program.h"
 #include "gpu/resources.h"
 #include "snow/scene/projection.h"
-#include "snow/step/gl/scene_buffers.h"
 #include "snow/scene/triangle_range.h"
+#include "snow/step/gl/scene_buffers.h"
 
 namespace snowbough::snow {
 
@@ -33,15 +33,15 @@ struct OcclusionTarget {
 /// Renders the scene along the fall onto one tile of the grid, with its margin.
 class OcclusionPass {
  public:
-  /// `fall` holds the FallFrame, the triangles are those of its TriangleFallPass. Clears and fills
-  /// `target` for the tile. Back faces are drawn and marked; what
-  /// an alpha mask cuts away is not there, whichever way it faces. Ranges are drawn in their order,
-  /// which decides where two surfaces coincide. GPU thread.
-  void run(const SceneBuffers& scene, const gpu::Buffer& fall, const Tile& tile,
+  /// `projection` holds the ProjectionFrame, the triangles are those of its TriangleSetupPass.
+  /// Clears and fills `target` for the tile. Back faces are drawn and marked; what an alpha mask
+  /// cuts away is not there, whichever way it faces. Ranges are drawn in their order, which decides
+  /// where two surfaces coincide. GPU thread.
+  void run(const SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
            const std::vector<TriangleRange>& ranges, OcclusionTarget& target);
 
  private:
-  void use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& fall,
+  void use(gpu::Program& program, const SceneBuffers& scene, const gpu::Buffer& projection,
            const Tile& tile);
 
   gpu::Program program_{{"occlusion.vert.glsl", "occlusion.frag.glsl"}};

@@ -7,8 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "snow/texels/texel_order.h"
 #include "snow/step/gl/texel_batches.h"
+#include "snow/texels/texel_order.h"
 
 namespace snowbough::snow {
 namespace {
@@ -102,7 +102,8 @@ void add_group(const std::vector<const SceneObject*>& by_slot, const MapPlan::Gr
   scene.groups.push_back(make_map_group(plan, scene.has_owners));
   for (int32_t slot = plan.first_slot; slot < plan.end_slot; ++slot) {
     const SceneObject& object = *by_slot[static_cast<size_t>(slot)];
-    batches.texel_count += (object.table.texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
+    batches.texel_count +=
+        (object.table.texel.size() + kTexelGroup - 1) / kTexelGroup * kTexelGroup;
     batches.fragment_count += object.table.fragment_share.size();
     batches.has_opacity |= !object.fragment_opacity.empty();
   }

@@ -5,9 +5,9 @@
 
 #include "gpu/egl_context.h"
 #include "gpu/resources.h"
-#include "shaders/snow_shared.h"
-#include "snow/step/gl/map_groups.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/scene/scene_layout.h"
+#include "snow/step/gl/map_groups.h"
 
 namespace snowbough::snow {
 
@@ -30,7 +30,8 @@ struct TexelBatch {
   gpu::Buffer places;
   gpu::Buffer fragment_begin;
   gpu::Buffer fragments;
-  /// Per fragment, see snow/fragment_opacity.h; empty where all objects of the group are opaque.
+  /// Per fragment, see snow/scene/fragment_opacity.h; empty where all objects of the group are
+  /// opaque.
   gpu::Buffer fragment_opacity;
   /// shared::TexelStep, of the step that is being computed.
   gpu::Buffer steps;
@@ -70,10 +71,10 @@ struct SceneBuffers {
 
   gpu::Buffer positions;
   gpu::Buffer triangles;
-  /// Triangles as the step's fall meets them, see shaders/triangle_fall.h.
+  /// Triangles as the step's fall meets them, see shaders/lib/triangle_setup.h.
   gpu::Buffer triangle_corners;
   gpu::Buffer triangle_surface;
-  /// Per triangle: its sheet (snow/sheets.h), numbered through all objects.
+  /// Per triangle: its sheet (snow/texels/sheets.h), numbered through all objects.
   gpu::Buffer triangle_sheets;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;

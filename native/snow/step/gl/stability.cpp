@@ -6,7 +6,7 @@ namespace snowbough::snow {
 
 void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, float full_gain,
                         float dt, bool on_deposit_maps) {
-  std::vector<std::string> defines{walkers_define(walkers_)};
+  std::vector<std::string> defines{local_size_define(local_size_)};
   if (on_deposit_maps) defines.emplace_back("DEPOSIT_MAP");
   gpu::Program& program = programs_.with(defines);
   for (TexelBatch& batch : scene.batches) {

@@ -12,11 +12,11 @@ namespace snowbough::snow {
 
 /// Adds the step's deposit (`gain` of the batches' `steps`) to the height maps and lets slide what
 /// the slope cannot hold, in closed form over `dt` seconds; leaves the volumes in the batches'
-/// `partials`, as many a work group of texels as there are walkers.
+/// `partials`, one an invocation: `local_size` a work group of texels.
 class StabilityPass {
  public:
-  /// `walkers`: at most shared::kMostWalkers. GPU thread.
-  explicit StabilityPass(int32_t walkers = snow::walkers()) : walkers_(walkers) {}
+  /// `local_size`: at most shared::kMaxLocalSize. GPU thread.
+  explicit StabilityPass(int32_t local_size = snow::local_size()) : local_size_(local_size) {}
 
   /// `full_gain`: thickness in metres that a texel which gains shared::kGainUnits is given.
   /// `on_deposit_maps`: the deposit lies on the groups' `deposit` maps instead. GPU thread.
@@ -24,7 +24,7 @@ class StabilityPass {
            bool on_deposit_maps = false);
 
  private:
-  int32_t walkers_;
+  int32_t local_size_;
   gpu::ProgramVariants programs_{{"stability.comp.glsl"}};
 };
 

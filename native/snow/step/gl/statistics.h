@@ -6,12 +6,12 @@
 
 namespace snowbough::snow {
 
-/// Keeps the books of every receiver on the GPU, so that no step has to wait for a read.
+/// Keeps every receiver's balance on the GPU, so that no step has to wait for a read.
 class StatisticsPass {
  public:
-  /// `walkers`: the stability pass's. GPU thread.
-  explicit StatisticsPass(int32_t walkers = snow::walkers())
-      : sums_({"statistics.comp.glsl"}, {walkers_define(walkers)}) {}
+  /// `local_size`: the stability pass's. GPU thread.
+  explicit StatisticsPass(int32_t local_size = snow::local_size())
+      : sums_({"statistics.comp.glsl"}, {local_size_define(local_size)}) {}
 
   /// Sets the step's sums to zero; before the deposit. GPU thread.
   void open(SceneBuffers& scene);

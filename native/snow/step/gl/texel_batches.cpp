@@ -1,6 +1,8 @@
 #include "snow/step/gl/texel_batches.h"
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <utility>
 
 namespace snowbough::snow {
@@ -14,7 +16,9 @@ constexpr size_t kBatchFragments = size_t{7} << 20;
 /// Until the first step chooses: every group.
 std::vector<uint32_t> list_of_all_groups(int32_t count) {
   const auto all = static_cast<uint32_t>(count);
-  std::vector<uint32_t> list = {shared::kBlocksAGroup, all, 1, 0, 1, all, 1, 0};
+  const shared::GroupListHeader header{{shared::kBlocksAGroup, all, 1, 0}, {1, all, 1, 0}};
+  const auto words = std::bit_cast<std::array<uint32_t, shared::kGroupListBegin>>(header);
+  std::vector<uint32_t> list(words.begin(), words.end());
   for (uint32_t group = 0; group < all; ++group) {
     list.push_back(group);
   }
@@ -116,7 +120,7 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   batch.first = first;
   batch.count = static_cast<int32_t>(arrays.places.size());
   *arrays.fragment_begin.add(1) = static_cast<uint32_t>(arrays.fragments.size());
-  // What fills up a work group has no fragments; see shaders/texel_surface.h, which reads one.
+  // What fills up a work group has no fragments; see shaders/lib/texel_surface.h, which reads one.
   *arrays.fragments.add(1) = {0, 0.0f, 0.0f, 0.0f};
   batch.places = arrays.places.take();
   batch.fragment_begin = arrays.fragment_begin.take();
@@ -129,7 +133,7 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   batch.segments = std::move(arrays.segments);
   const int64_t count = batch.count;
   batch.steps = gpu::Buffer(count * static_cast<int64_t>(sizeof(shared::TexelStep)));
-  batch.partials = gpu::Buffer(count / kTexelGroup * shared::kMostWalkers * 16);
+  batch.partials = gpu::Buffer(count / kTexelGroup * shared::kMaxLocalSize * 16);
   std::vector<uint32_t> group_slots(static_cast<size_t>(count / kTexelGroup), 0);
   for (const shared::StatisticsSegment& segment : batch.segments) {
     std::fill_n(group_slots.begin() + segment.first_group, segment.group_count, segment.slot);

@@ -5,7 +5,7 @@
 namespace snowbough::snow {
 
 void TexelGroupsPass::run(SceneBuffers& scene, bool all) {
-  const shared::GroupListHeader none{shared::kBlocksAGroup, 0, 1, 0, 1, 0, 1, 0};
+  const shared::GroupListHeader none{{shared::kBlocksAGroup, 0, 1, 0}, {1, 0, 1, 0}};
   for (TexelBatch& batch : scene.batches) {
     batch.active_groups.write(0, sizeof none, &none);
     // Groups that are left out have nothing to add.

@@ -15,7 +15,7 @@ inline constexpr int64_t kWholeGroups = 16;
 /// nothing on the others.
 class TexelGroupsPass {
  public:
-  /// Fills the batches' `active_groups`, by the triangles of this step's TriangleFallPass. `all`
+  /// Fills the batches' `active_groups`, by the triangles of this step's TriangleSetupPass. `all`
   /// takes every group. GPU thread.
   void run(SceneBuffers& scene, bool all);
 

@@ -13,9 +13,9 @@ constexpr int32_t kDispatch = 1 << 21;
 
 }  // namespace
 
-void TriangleFallPass::run(SceneBuffers& scene, const gpu::Buffer& fall) {
+void TriangleSetupPass::run(SceneBuffers& scene, const gpu::Buffer& projection) {
   program_.use();
-  program_.bind("Fall", fall);
+  program_.bind("Projection", projection);
   program_.bind_texture("positions", scene.views.positions);
   program_.bind_texture("triangles", scene.views.triangles);
   for (int32_t first = 0; first < scene.triangle_count; first += kDispatch) {

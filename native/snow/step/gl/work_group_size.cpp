@@ -4,12 +4,12 @@
 
 namespace snowbough::snow {
 
-int32_t walkers() {
+int32_t local_size() {
   return gpu::renders_in_software() ? 8 : 64;
 }
 
-std::string walkers_define(int32_t walkers) {
-  return "WALKERS " + std::to_string(walkers);
+std::string local_size_define(int32_t local_size) {
+  return "LOCAL_SIZE " + std::to_string(local_size);
 }
 
 }  // namespace snowbough::snow

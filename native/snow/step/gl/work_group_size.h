@@ -5,13 +5,12 @@
 
 namespace snowbough::snow {
 
-/// How many invocations of a work group walk side by side along a run of texels or pixels, each
-/// taking every so many-th: 64, as GPUs run them together; 8 where the driver is a software
-/// renderer. Those run 8 as one vector, to the end, before the next, and are a third slower where
-/// it leaves gaps in memory for others to come back to. For the current context. GPU thread.
-int32_t walkers();
+/// Invocations of a work group in the passes that go along a run of texels or pixels, each taking
+/// every so many-th: 64, as GPUs run them together; 8 where the driver is a software renderer (see
+/// CONTRIBUTING.md). At most shared::kMaxLocalSize. For the current context. GPU thread.
+int32_t local_size();
 
-/// What the shaders that walk are compiled with.
-std::string walkers_define(int32_t walkers);
+/// What the shaders of such passes are compiled with.
+std::string local_size_define(int32_t local_size);
 
 }  // namespace snowbough::snow

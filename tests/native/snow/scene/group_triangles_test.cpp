@@ -7,7 +7,7 @@
 #include <string>
 #include <utility>
 
-#include "shaders/snow_shared.h"
+#include "shaders/lib/snow_shared.h"
 #include "snow/texels/texel_order.h"
 
 namespace snowbough::snow {

@@ -130,7 +130,7 @@ TEST(TexelTable, aTexelBelongsToTheChartThatCoversMostOfIt) {
   EXPECT_THAT(share_sums(table, 4), Each(testing::DoubleNear(1.0, 1e-6)));
 }
 
-TEST(TexelTable, whatLiesInAForeignTexelIsCreditedToTheNearestOwnOne) {
+TEST(TexelTable, whatLiesInAForeignTexelIsReassignedToTheNearestOwnOne) {
   MapTopology topology = quad_map(0, 0, 10.3f / 64, 1, 64);
   add_quad(topology, 10.3f / 64, 0, 20.0f / 64, 1);
   const TexelTable table = build_texel_table(topology);
@@ -153,18 +153,18 @@ TEST(TexelTable, aChartTooSmallToOwnATexelTakesTheOneUnderIt) {
       std::find(table.texel.begin(), table.texel.end(), 3 * 64 + 3) - table.texel.begin();
   EXPECT_EQ(table.chart[at], 1);
   EXPECT_NEAR(table.coverage[at], 0.01f, 1e-5f);
-  EXPECT_EQ(table.homeless_charts, 0);
+  EXPECT_EQ(table.unmapped_charts, 0);
   EXPECT_EQ(table.texel.size(), 32u * 64u);
   EXPECT_THAT(share_sums(table, 4), Each(testing::DoubleNear(1.0, 1e-5)));
 }
 
-TEST(TexelTable, chartsThatShareOneTexelAreCountedAsHomelessAndLoseNothing) {
+TEST(TexelTable, chartsThatShareOneTexelAreCountedAsUnmappedAndLoseNothing) {
   MapTopology topology;
   topology.resolution = 64;
   for (int i = 0; i < 3; ++i) add_quad(topology, 0.001f * i, 0, 0.001f * i + 0.001f, 0.01f);
   const TexelTable table = build_texel_table(topology);
   EXPECT_EQ(table.texel.size(), 1u);
-  EXPECT_EQ(table.homeless_charts, 2);
+  EXPECT_EQ(table.unmapped_charts, 2);
   EXPECT_THAT(share_sums(table, 6), Each(testing::DoubleNear(1.0, 1e-6)));
 }
 
@@ -179,7 +179,7 @@ TEST(TexelTable, trianglesWithoutUvAreaAreCounted) {
   EXPECT_NEAR(share_sums(table, 3)[2], 0.0, 0.0);
 }
 
-TEST(TexelTable, overlapIsTheShareOfDoublyClaimedArea) {
+TEST(TexelTable, overlapIsTheShareOfAreaThatIsCoveredTwice) {
   MapTopology topology = quad_map(0, 0, 0.5f, 1, 64);
   add_quad(topology, 0.25f, 0, 0.5f, 1);
   EXPECT_NEAR(build_texel_table(topology).overlap, 0.5f, 1e-6f);
@@ -362,7 +362,7 @@ void expect_same(const TexelTable& a, const TexelTable& b) {
   EXPECT_EQ(a.fragment_triangle, b.fragment_triangle);
   EXPECT_EQ(a.fragment_share, b.fragment_share);
   EXPECT_EQ(a.degenerate_triangles, b.degenerate_triangles);
-  EXPECT_EQ(a.homeless_charts, b.homeless_charts);
+  EXPECT_EQ(a.unmapped_charts, b.unmapped_charts);
   EXPECT_EQ(a.overlap, b.overlap);
 }
 

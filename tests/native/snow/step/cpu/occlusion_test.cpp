@@ -448,7 +448,7 @@ struct TrianglesSetUp {
 
 TrianglesSetUp set_up(const std::vector<glm::vec3>& positions,
                       const std::vector<shared::SceneTriangle>& triangles,
-                      const shared::FallFrame& frame) {
+                      const shared::ProjectionFrame& frame) {
   TrianglesSetUp made{Corners(3 * triangles.size()), std::vector<glm::vec4>(triangles.size())};
   cpu::set_up_triangles(positions, triangles, frame, made.corners, made.surface);
   return made;
@@ -471,7 +471,7 @@ double share_of_others(const Bench& bench, const Seen& by_gl, const Seen& by_cpu
   for (size_t i = 0; i < by_gl.size(); ++i) {
     shown += by_cpu[i].triangle != 0;
     others += by_gl[i].triangle != by_cpu[i].triangle ||
-              std::abs(by_gl[i].depth - by_cpu[i].depth) * bench.frame.range.y > 1e-5f;
+              std::abs(by_gl[i].depth - by_cpu[i].depth) * shared::one_over_depth(bench.frame) > 1e-5f;
   }
   EXPECT_GT(shown, by_gl.size() / 10);
   return static_cast<double>(others) / static_cast<double>(by_gl.size());
@@ -530,7 +530,7 @@ TEST(CpuOcclusion, CutsTheHolesThatThePassInOpenGLCuts) {
     Bench bench(objects_of(std::move(object), square("ground", 2.0f, -1.0f, 64, false)),
                 falling({0.1, 0.2, -1.0}, 0.004));
     const std::vector<TriangleRange> ranges = {{0, 3000, true, 0}, {3000, 2}};
-    OcclusionPass().run(bench.scene, bench.fall, bench.tiles.front(), ranges, bench.target);
+    OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), ranges, bench.target);
     const auto triangles = bench.scene.alpha_triangles.read_all<shared::AlphaTriangle>();
     const auto masks = bench.scene.alpha_places.read_all<shared::AlphaMaskPlace>();
     const auto bits = bench.scene.alpha_bits.read_all<uint32_t>();
@@ -556,7 +556,7 @@ TEST(CpuOcclusion, CoversThePixelsThatOpenGLCoversWhereSidesMeetCentres) {
     }
     bench.scene.triangle_corners.write(0, static_cast<int64_t>(corners.size() * 16),
                                        corners.data());
-    OcclusionPass().run(bench.scene, bench.fall, bench.tiles.front(), {{0, 400}}, bench.target);
+    OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), {{0, 400}}, bench.target);
     const Seen by_gl = bench.visible();
     const Seen by_cpu = seen_of(corners, pixels);
     for (size_t i = 0; i < by_gl.size(); ++i) {
@@ -566,7 +566,7 @@ TEST(CpuOcclusion, CoversThePixelsThatOpenGLCoversWhereSidesMeetCentres) {
 }
 
 TEST(CpuTriangleSetup, GivesCornersOnTheGridSlopesAndArea) {
-  shared::FallFrame frame{};
+  shared::ProjectionFrame frame{};
   frame.anchor = {1, 2, 3, 0};
   frame.grid_x = {10, 0, 0, 0.5f};
   frame.grid_y = {0, 10, 0, 0.25f};
@@ -586,7 +586,7 @@ TEST(CpuTriangleSetup, GivesCornersOnTheGridSlopesAndArea) {
 }
 
 TEST(CpuTriangleSetup, ATriangleWithoutAreaFacesNowhere) {
-  shared::FallFrame frame{};
+  shared::ProjectionFrame frame{};
   frame.direction = {0, 0, -1, 0.1f};
   const TrianglesSetUp made = set_up({{1, 2, 3}, {2, 2, 4}}, {{0, 1, 0, 0}, {0, 0, 0, 0}}, frame);
   EXPECT_EQ(made.surface[0], glm::vec4(0.0f));

@@ -66,12 +66,12 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
     FallSettings settings;
     settings.pixel_size = 1.0 / 16.0;
     settings.depth = 0.01;
-    const shared::FallFrame frame = make_fall_frame(settings, bounds);
-    const gpu::Buffer fall(sizeof frame, &frame);
+    const shared::ProjectionFrame frame = make_projection_frame(settings, bounds);
+    const gpu::Buffer projection(sizeof frame, &frame);
     const std::vector<Tile> tiles = make_tiles({pixels_of(bounds, frame)}, 2048);
-    TriangleFallPass().run(scene, fall);
+    TriangleSetupPass().run(scene, projection);
     OcclusionTarget target;
-    OcclusionPass().run(scene, fall, tiles.front(), ranges, target);
+    OcclusionPass().run(scene, projection, tiles.front(), ranges, target);
     const auto all = target.visible.read_all<shared::SeenPixel>();
     const glm::ivec2 size = tiles.front().with_margin().size();
     if (width != nullptr) {

@@ -26,7 +26,7 @@ namespace {
 TEST(FallGrid, AxesAreAcrossTheFallAndPointToTheSky) {
   for (const glm::dvec3 direction :
        {glm::dvec3(0, 0, -1), glm::dvec3(1, 0, -1), glm::dvec3(0, 57, -1), glm::dvec3(-3, 1, -2)}) {
-    const shared::FallFrame frame = make_fall_frame(falling(direction, 0.5), Bounds{});
+    const shared::ProjectionFrame frame = make_projection_frame(falling(direction, 0.5), Bounds{});
     const glm::vec3 x(frame.grid_x);
     const glm::vec3 y(frame.grid_y);
     EXPECT_NEAR(glm::length(x), 2.0f, 1e-5f);
@@ -44,11 +44,11 @@ TEST(FallGrid, IsAnchoredAtTheWorldsOriginWhereverTheSceneLies) {
     Bounds bounds;
     bounds.include(point);
     bounds.include(point + glm::dvec3(shift, 2.0 * shift, 0.0));
-    const shared::FallFrame frame = make_fall_frame(settings, bounds);
+    const shared::ProjectionFrame frame = make_projection_frame(settings, bounds);
     const glm::dvec3 offset = point - glm::dvec3(glm::vec3(frame.anchor));
     const glm::dvec2 at(
-        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) + frame.grid_x.w + frame.base.x,
-        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) + frame.grid_y.w + frame.base.y);
+        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) + shared::anchor_pixel(frame).x + frame.base.x,
+        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) + shared::anchor_pixel(frame).y + frame.base.y);
     if (shift == 0.0) {
       first = at;
     }
@@ -90,7 +90,7 @@ TEST(FallGrid, TilesCoverEveryReceiverOnceAndLeaveOutEmptySky) {
   EXPECT_THROW(make_tiles({{{0, 0}, {70000, 10}}}, 64), std::invalid_argument);
 }
 
-TEST(TriangleFall, HoldsCornersOnTheGridSlopesAndArea) {
+TEST(TriangleSetup, HoldsCornersOnTheGridSlopesAndArea) {
   gpu::GpuThread::shared()->run([] {
     Bench bench(objects_of(square("a", 2.0f, 3.0f)), falling({0.75, 0, -1}, 0.1));
     const auto corners = bench.scene.triangle_corners.read_all<glm::vec4>();
@@ -165,7 +165,7 @@ TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
     // The same target, now too large for its tile: rows of 20 pixels.
     Tile part = bench.tiles[0];
     part.pixels = {all.low + glm::ivec2(10, 5), all.low + glm::ivec2(30, 50)};
-    OcclusionPass().run(bench.scene, bench.fall, part, {{0, bench.scene.triangle_count}},
+    OcclusionPass().run(bench.scene, bench.projection, part, {{0, bench.scene.triangle_count}},
                         bench.target);
     const std::vector<shared::SeenPixel> visible = bench.visible_in(part);
     for (int32_t y = 0; y < 45; ++y) {
@@ -181,7 +181,7 @@ TEST(Occlusion, TilesOfEverySizeLieRowByRow) {
 
 /// What texels gain in the bench's first tile.
 std::vector<shared::TexelStep> gathered(Bench& bench, bool has_noise = false) {
-  DepositPass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, has_noise, true);
+  DepositPass().run(bench.scene, bench.projection, bench.tiles[0], bench.target, has_noise, true);
   return bench.scene.batches[0].steps.read_all<shared::TexelStep>();
 }
 
@@ -298,9 +298,9 @@ TEST(Deposit, IsTheSameBitsHoweverTheTilesAreCut) {
         OcclusionPass occlusion;
         const std::vector<Tile> tiles = make_tiles(rects, tile_size);
         for (const Tile& tile : tiles) {
-          occlusion.run(bench.scene, bench.fall, tile, {{0, bench.scene.triangle_count}},
+          occlusion.run(bench.scene, bench.projection, tile, {{0, bench.scene.triangle_count}},
                         bench.target);
-          deposit.run(bench.scene, bench.fall, tile, bench.target, false, &tile == &tiles.front());
+          deposit.run(bench.scene, bench.projection, tile, bench.target, false, &tile == &tiles.front());
         }
         gains.emplace_back();
         for (const auto& step : bench.scene.batches[0].steps.read_all<shared::TexelStep>()) {
@@ -331,7 +331,7 @@ TEST(DepositGeometry, PutsEveryPixelsSnowOnTheTexelUnderIt) {
       Bench bench(objects_of(square("a", 1.0f, 0.0f)), falling({0.3, 0, -1}, pixel_size));
       DepositGeometryPass geometry;
       geometry.begin(bench.scene);
-      geometry.run(bench.scene, bench.fall, bench.tiles[0], bench.target);
+      geometry.run(bench.scene, bench.projection, bench.tiles[0], bench.target);
       std::vector<float> laid(64 * 64);
       bench.scene.groups[0].deposit.read(0, GL_RED, GL_FLOAT, 64 * 64 * 4, laid.data());
       double volume = 0.0;
@@ -348,7 +348,7 @@ TEST(DepositGeometry, PutsEveryPixelsSnowOnTheTexelUnderIt) {
 
 TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
   gpu::GpuThread::shared()->run([] {
-    const auto settle = [&](float height, float deposit, float dt, float max_depth,
+    const auto stable_height = [&](float height, float deposit, float dt, float max_depth,
                             bool is_ceiling = false) {
       SceneObject object = square("a", 1.0f, 0.0f);
       if (is_ceiling) {
@@ -369,15 +369,15 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
     };
     const double k = std::numbers::ln2 / 2.0;
     {
-      EXPECT_FLOAT_EQ(settle(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
-      EXPECT_NEAR(settle(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
-      EXPECT_NEAR(settle(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
+      EXPECT_FLOAT_EQ(stable_height(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
+      EXPECT_NEAR(stable_height(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
+      EXPECT_NEAR(stable_height(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
       // Crosses at a third of the step.
-      EXPECT_NEAR(settle(0.4f, 0.3f, 1.0f, 0.5f),
+      EXPECT_NEAR(stable_height(0.4f, 0.3f, 1.0f, 0.5f),
                   0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
-      EXPECT_NEAR(settle(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
+      EXPECT_NEAR(stable_height(0.1f, 0.0f, 20.0f, 0.0f), 0.1 * std::exp2(-10.0), 1e-7);
       // Past vertical, but no time to slide: a huge capacity rounds nothing away.
-      EXPECT_FLOAT_EQ(settle(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
+      EXPECT_FLOAT_EQ(stable_height(0.001f, 0.002f, 0.0f, 1e6f, true), 0.003f);
     }
   });
 }
@@ -428,18 +428,18 @@ TEST(TexelGroups, KeepThoseOnWhichSnowLies) {
   });
 }
 
-TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
+TEST(WorkGroupSize, ChangesNoResult) {
   gpu::GpuThread::shared()->run([] {
     std::vector<std::vector<float>> heights;
     std::vector<shared::ObjectSums> sums;
-    for (const int32_t walkers : {8, 64}) {
+    for (const int32_t local_size : {8, 64}) {
       Bench bench(objects_of(square("a", 1.0f, 0.0f, 128), square("b", 0.4f, 0.3f, 64)),
                   falling({0.3, 0, -1}, 1.0 / 200.0));
-      StatisticsPass statistics(walkers);
+      StatisticsPass statistics(local_size);
       statistics.open(bench.scene);
-      BackPixelsPass(walkers).run(bench.scene, bench.tiles[0], bench.target);
-      DepositPass().run(bench.scene, bench.fall, bench.tiles[0], bench.target, false, true);
-      StabilityPass(walkers).run(bench.scene, {}, 0.01f, 1.0f);
+      BackPixelsPass(local_size).run(bench.scene, bench.tiles[0], bench.target);
+      DepositPass().run(bench.scene, bench.projection, bench.tiles[0], bench.target, false, true);
+      StabilityPass(local_size).run(bench.scene, {}, 0.01f, 1.0f);
       const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.layout.plan.group[0])];
       heights.emplace_back(128 * 128);
       group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());
@@ -459,7 +459,7 @@ TEST(Walkers, ComeToTheSameHoweverManyTheyAre) {
 
 TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
   gpu::GpuThread::shared()->run([] {
-    gpu::Program program({"triangle_fall.comp.glsl"});
+    gpu::Program program({"triangle_setup.comp.glsl"});
     program.use();
     EXPECT_THROW(program.set("no_such_uniform", 1.0f), std::invalid_argument);
     EXPECT_THROW(program.bind("NoSuchBlock", gpu::Buffer(16)), std::invalid_argument);

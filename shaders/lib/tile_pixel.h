@@ -1,7 +1,6 @@
 #pragma once
 
-// The pixels of a tile with its margin, which lie in buffers row by row. Buffer textures instead of plain
-// ones, since llvmpipe reads them several times faster.
+// The pixels of a tile with its margin, which lie in buffers row by row.
 #include "kernel.h"
 #include "snow_shared.h"
 

@@ -1,6 +1,7 @@
 #pragma once
 
 // What the snow passes read and write on the GPU, declared once for C++ and GLSL.
+#include "shared_functions.h"
 #include "shared_types.h"
 
 #ifndef SNOWBOUGH_GLSL
@@ -84,9 +85,9 @@ struct SeenPixel {
 };
 SNOWBOUGH_SHARED_SIZE(SeenPixel, 8)
 
-/// One step's fall and grid. Local pixels are counted from the grid pixel `base`, so that floats stay
+/// How one step is projected: the direction of the fall and the grid across it. Local pixels are counted from the grid pixel `base`, so that floats stay
 /// exact far away from the world's origin.
-struct FallFrame {
+struct ProjectionFrame {
   /// xyz: a point near the scene's middle, subtracted first.
   vec4 anchor;
   /// xy: where in its cell a texel's samples lie in this step, 0 to 1.
@@ -104,19 +105,51 @@ struct FallFrame {
   uint seed;
   uint step_number;
 };
-SNOWBOUGH_SHARED_SIZE(FallFrame, 112)
+SNOWBOUGH_SHARED_SIZE(ProjectionFrame, 112)
 
-/// Work groups of texels that a pass works on: the arguments of its dispatch, in blocks of 64 invocations
-/// and whole, and behind them the groups' numbers.
-struct GroupListHeader {
-  uint blocks_a_group;
-  uint group_count;
-  uint one;
+/// Width of a pixel in metres.
+SNOWBOUGH_SHARED_FUNCTION float pixel_size(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return frame.direction.w;
+}
+/// Where the anchor lies, in local pixels.
+SNOWBOUGH_SHARED_FUNCTION vec2 anchor_pixel(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return vec2(frame.grid_x.w, frame.grid_y.w);
+}
+/// Where in its cell a texel's sample lies in this step, 0 to 1.
+SNOWBOUGH_SHARED_FUNCTION vec2 cell_shift(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return vec2(frame.sampling.x, frame.sampling.y);
+}
+/// Smallest depth of the scene along the fall, in metres.
+SNOWBOUGH_SHARED_FUNCTION float least_depth(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return frame.range.x;
+}
+/// 1 / (largest - smallest depth of the scene), per metre.
+SNOWBOUGH_SHARED_FUNCTION float one_over_depth(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return frame.range.y;
+}
+/// Thickness perpendicular to the fall that a step brings in the mean, in metres.
+SNOWBOUGH_SHARED_FUNCTION float snow_depth(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return frame.range.z;
+}
+/// Probability, 0 to 1, with which snow falls through a pixel.
+SNOWBOUGH_SHARED_FUNCTION float noise_density(KERNEL_CONST_REF(ProjectionFrame) frame) {
+  return frame.range.w;
+}
+
+/// The arguments of a dispatch as OpenGL reads them, and the end of their row.
+struct DispatchIndirectArgs {
+  uint groups_x;
+  uint groups_y;
+  uint groups_z;
   uint unused_row_end;
-  uint whole_one;
-  uint whole_count;
-  uint whole_one_too;
-  uint unused_end;
+};
+SNOWBOUGH_SHARED_SIZE(DispatchIndirectArgs, 16)
+
+/// The head of a list of groups of texels that a pass works on; their numbers follow. `blocks`: an
+/// invocation a texel, kBlocksAGroup work groups each; `whole`: one work group each. groups_y counts them.
+struct GroupListHeader {
+  DispatchIndirectArgs blocks;
+  DispatchIndirectArgs whole;
 };
 SNOWBOUGH_SHARED_SIZE(GroupListHeader, 32)
 
@@ -173,9 +206,9 @@ const uint kGroupListBegin = 8u;
 const uint kHoldsSnow = 1u;
 /// Work groups in one direction that OpenGL promises for a dispatch.
 const uint kMostGroups = 65535u;
-/// Most invocations of a work group that walk side by side, see snow/walkers.h.
-const uint kMostWalkers = 64u;
-/// Pixels of a row that a work group walks along.
+/// Largest LOCAL_SIZE, see native/snow/step/gl/work_group_size.h.
+const uint kMaxLocalSize = 64u;
+/// Pixels of a row that a work group takes.
 const uint kRowRun = 1024u;
 
 #ifndef SNOWBOUGH_GLSL

@@ -1,8 +1,8 @@
 // GLSL only: the texel under a pixel's centre.
-#include "fall_frame.h"
-#include "tile_pixel.h"
+#include "../lib/projection_frame.h"
+#include "../lib/tile_pixel.h"
 
-/// See triangle_fall.h.
+/// See TriangleSetup.
 uniform samplerBuffer triangle_corners;
 /// Two texels a triangle: uv of its corners, bits of home and chart.
 uniform samplerBuffer map_triangles;
@@ -46,8 +46,8 @@ uint texel_under(ivec2 pixel, uint triangle, uint slot) {
   uint best = home;
   float least = 1e30;
   ivec2 at = centre;
-  // The texel itself first, and only where it is not good the nine with it: llvmpipe runs every branch,
-  // but ends a loop that no lane needs.
+  // The texel itself first, and the nine around it only where it is not good: as a loop, so that software
+  // renderers leave them out (CONTRIBUTING.md).
   int i = -1;
   bool good;
   do {

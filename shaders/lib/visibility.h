@@ -4,15 +4,15 @@
 // front of it. A pixel's depth is held against the plane through the point, so that an open plane is seen as a
 // whole at any slope and with pixels of any size, and so is what lies in front of all that the pixels show: a
 // twig that slips through between their centres.
-#include "fall_frame.h"
+#include "projection_frame.h"
 #include "kernel.h"
 #include "tile_pixel.h"
 
 /// A SeenPixel each.
 KERNEL_VIEW_RG32UI(occlusion);
-/// See triangle_fall.h.
+/// See TriangleSetup.
 KERNEL_VIEW_RGBA32F(triangle_corners);
-/// Per triangle of the scene: the sheet it belongs to, see native/snow/sheets.h.
+/// Per triangle of the scene: the sheet it belongs to, see native/snow/texels/sheets.h.
 KERNEL_VIEW_R32UI(triangle_sheets);
 /// Of the tile with its margin.
 KERNEL_UNIFORM(ivec2, tile_origin);
@@ -48,11 +48,11 @@ struct PlanePoint {
 
 /// Metres of depth in which a surface cannot be told from itself.
 float hair_of(vec2 gradient) {
-  return kHairPixels * fall.direction.w + kHairSnap * (abs(gradient.x) + abs(gradient.y)) +
-         kHairRange / fall.range.y;
+  return kHairPixels * pixel_size(projection) + kHairSnap * (abs(gradient.x) + abs(gradient.y)) +
+         kHairRange / one_over_depth(projection);
 }
 
-float pixel_depth_of(float facing) { return fall.direction.w / max(facing, kSteepFacing); }
+float pixel_depth_of(float facing) { return pixel_size(projection) / max(facing, kSteepFacing); }
 
 /// Whether what `pixel` shows, in front of the point's plane at the pixel's centre, is the point's own surface
 /// on its way: joined to it, not far over the plane, and at the point itself not in front of it.
@@ -101,7 +101,7 @@ float seen_part(PlanePoint point, vec2 windows) {
   const ivec2 pixel = ivec2(lower) - tile_origin;
   const float plane_depth = point.at.z - dot(point.gradient, offset);
   // Nearly always.
-  if (fall.range.w >= 1.0f && clearance(pixel_index(pixel), plane_depth, point.gradient) >= -point.hair) {
+  if (noise_density(projection) >= 1.0f && clearance(pixel_index(pixel), plane_depth, point.gradient) >= -point.hair) {
     return 1.0f;
   }
   const vec2 right = clamp((offset - 0.5f) * windows + 0.5f, 0.0f, 1.0f);

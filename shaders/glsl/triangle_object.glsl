@@ -2,10 +2,10 @@
 
 // Whose triangle it is.
 
-#include "kernel.h"
-#include "snow_shared.h"
+#include "../lib/kernel.h"
+#include "../lib/snow_shared.h"
 
-/// The scene's triangles word by word: a vector of words is gathered faster than a vector of triangles.
+/// The scene's triangles word by word.
 KERNEL_VIEW_R32UI(triangle_words);
 
 /// Slot of a triangle's object, with kReceives.

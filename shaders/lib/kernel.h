@@ -1,10 +1,10 @@
 #pragma once
 
-// What lets one source be a part of a GLSL shader and of a C++ class: a kernel that software renderers run on
-// the processor, see native/snow/processor_kernel.h. There the inputs are members, views are pointers, and
-// KERNEL_VIEW's formats are the elements that texelFetch returns. Such a source gives every number of type
-// float its f, builds short vectors from long ones by their constructors instead of swizzles, and has no
-// parameters but plain inputs.
+// What lets one source be a part of a GLSL shader and of a C++ class, so that a pass's arithmetic is written once
+// for both engines; see native/snow/step/cpu/kernel.h. In C++ the inputs are members, views are pointers, and
+// KERNEL_VIEW's formats are the elements that texelFetch returns. Such a source gives every number of type float
+// its f, builds short vectors from long ones by their constructors instead of swizzles, and has no parameters but
+// plain inputs. Why views are buffer textures: CONTRIBUTING.md, "Writing shaders for software renderers".
 #ifdef SNOWBOUGH_GLSL
 #define KERNEL_CONSTANT const
 /// A struct of that many members.
@@ -22,8 +22,7 @@
 #define KERNEL_UNIFORM_BLOCK(block, type, name) layout(std140) uniform block { type name; }
 #define KERNEL_BLOCK(block, type, name) layout(std430) buffer block { type name[]; }
 #define KERNEL_BLOCK_WRITEONLY(block, type, name) layout(std430) writeonly buffer block { type name[]; }
-/// A buffer texture of one, two or four numbers an element. llvmpipe reads a whole vector at once from them,
-/// and OpenGL 4.1 has no storage blocks.
+/// A buffer texture of one, two or four numbers an element; OpenGL 4.1 has no storage blocks.
 #define KERNEL_VIEW_R32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RG32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RGBA32UI(name) uniform usamplerBuffer name

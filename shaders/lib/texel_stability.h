@@ -29,7 +29,7 @@ struct WholeStep {
 
 WholeStep whole_step() { return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt)); }
 
-float settle(float height, float deposit, float capacity, WholeStep whole) {
+float stable_height(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
     // What goes is taken from the height, not what stays added to the capacity: beside a capacity of
     // metres past vertical a float would round the height away.
@@ -53,17 +53,17 @@ float deposit_of(uvec4 step) {
 }
 
 /// What a step does to a texel.
-struct SettledTexel {
+struct StableTexel {
   float height;
   /// What it adds to the step's sums: deposited, slid and held volume in m3, visible area in m2.
   vec4 sums;
 };
 
-SettledTexel settle_texel(float height, float deposit, uvec4 step, WholeStep whole) {
+StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
-  const float settled = settle(height, deposit, max_depth * uintBitsToFloat(step.z), whole);
+  const float stable = stable_height(height, deposit, max_depth * uintBitsToFloat(step.z), whole);
   const float visible = full_gain > 0.0f ? deposit / full_gain : 0.0f;
   const vec4 sums =
-      vec4(deposit * area, (height + deposit - settled) * area, settled * area, visible * area);
-  return KERNEL_MAKE2(SettledTexel, settled, sums);
+      vec4(deposit * area, (height + deposit - stable) * area, stable * area, visible * area);
+  return KERNEL_MAKE2(StableTexel, stable, sums);
 }

@@ -1,11 +1,11 @@
 // Every triangle as the fall meets it in this step, from the current vertices.
-#include "fall_frame.h"
+#include "lib/projection_frame.h"
 #include "lib/triangle_setup.h"
 
 layout(local_size_x = 64) in;
 uniform samplerBuffer positions;
 uniform usamplerBuffer triangles;
-/// Both blocks begin at the triangle `first`; see triangle_fall.h.
+/// Both blocks begin at the triangle `first`; see TriangleSetup.
 layout(std430) writeonly buffer TriangleCorners { vec4 triangle_corners[]; };
 layout(std430) writeonly buffer TriangleSurface { vec4 triangle_surface[]; };
 uniform uint first;
@@ -20,7 +20,7 @@ void main() {
   }
   const uvec4 triangle = texelFetch(triangles, int(first + index));
   const TriangleSetup setup =
-      set_up_triangle(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z), fall);
+      set_up_triangle(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z), projection);
   triangle_corners[3u * index] = setup.corner_a;
   triangle_corners[3u * index + 1u] = setup.corner_b;
   triangle_corners[3u * index + 2u] = setup.corner_c;

@@ -4,7 +4,7 @@
 #include "kernel.h"
 #include "snow_shared.h"
 
-/// See triangle_fall.h.
+/// See TriangleSetup.
 KERNEL_VIEW_RGBA32F(triangle_surface);
 KERNEL_VIEW_R32UI(fragment_begin);
 /// A Fragment each.
@@ -23,7 +23,7 @@ KERNEL_MEMO(TexelSurface, last_surface)
 TexelSurface sum_of_fragments(int i, int end) {
   TexelSurface sum = KERNEL_MAKE2(TexelSurface, 0.0f, 0.0f);
   float upper = 0.0f;
-  // The end is asked for at the end: llvmpipe runs a loop's body once more for a test at its head.
+  // The test stands at the end for software renderers' sake (CONTRIBUTING.md).
   do {
     const uvec4 fragment = uvec4(texelFetch(fragments, i));
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));

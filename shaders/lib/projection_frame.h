@@ -1,10 +1,10 @@
 #pragma once
 
-// The step's frame and what is computed from it.
+// The step's projection as the passes get it, and which of the grid's pixels give snow.
 #include "kernel.h"
 #include "snow_shared.h"
 
-KERNEL_UNIFORM_BLOCK(Fall, FallFrame, fall);
+KERNEL_UNIFORM_BLOCK(Projection, ProjectionFrame, projection);
 
 /// pcg3d: M. Jarzynski, M. Olano, Hash Functions for GPU Rendering, JCGT 9(3), 2020.
 uvec3 pcg3d(uvec3 v) {
@@ -20,22 +20,21 @@ uvec3 pcg3d(uvec3 v) {
 }
 
 /// Whether snow falls through a pixel of the grid in this step: with the probability of the noise density,
-/// by seed, step and grid pixel alone. WITHOUT_NOISE: for a density of 1, since software renderers run every
-/// branch.
+/// by seed, step and grid pixel alone. WITHOUT_NOISE: for a density of 1.
 bool gives_snow(ivec2 local_pixel) {
 #ifdef WITHOUT_NOISE
   return true;
 #else
-  const float density = fall.range.w;
+  const float density = noise_density(projection);
   if (density >= 1.0f) {
     return true;
   }
-  const uvec2 pixel = uvec2(local_pixel + fall.base);
-  const uint random = pcg3d(uvec3(pixel, fall.seed ^ (fall.step_number * 0x9E3779B9u))).x;
+  const uvec2 pixel = uvec2(local_pixel + projection.base);
+  const uint random = pcg3d(uvec3(pixel, projection.seed ^ (projection.step_number * 0x9E3779B9u))).x;
   return float(random >> 8u) * (1.0f / 16777216.0f) < density;
 #endif
 }
 
 /// Thickness perpendicular to the fall that a pixel through which snow falls brings in this step: depth /
 /// |d.z|, so much more as fewer pixels do.
-float snow_thickness() { return fall.range.z / min(fall.range.w, 1.0f); }
+float snow_thickness() { return snow_depth(projection) / min(noise_density(projection), 1.0f); }

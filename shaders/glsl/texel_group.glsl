@@ -1,5 +1,5 @@
 // GLSL only: which texel an invocation works on, in the passes over listed groups of texels.
-#include "snow_shared.h"
+#include "../lib/snow_shared.h"
 
 /// A list as texel_groups leaves it.
 uniform usamplerBuffer groups;

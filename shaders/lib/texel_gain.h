@@ -3,7 +3,7 @@
 // The deposit for one texel, gathered: every fragment that faces the fall gains what falls on it, times the
 // part of it that sees the sky. Nothing is shared out among texels and nothing is added up per pixel, so that
 // an evenly lit surface is evenly covered whatever the sizes of its texels and of the pixels.
-#include "fall_frame.h"
+#include "projection_frame.h"
 #include "kernel.h"
 #include "texel_surface.h"
 #include "visibility.h"
@@ -14,7 +14,7 @@ KERNEL_VIEW_RGBA32F(map_triangles);
 /// Per fragment: the part of it that is there for snow.
 KERNEL_VIEW_R32F(fragment_opacity);
 #endif
-/// A TexelStep each, as one vector: llvmpipe stores it in one go.
+/// A TexelStep each, as one vector.
 KERNEL_BLOCK(TexelSteps, uvec4, texel_steps);
 /// Texels a side of the map.
 KERNEL_UNIFORM(float, resolution);
@@ -111,8 +111,8 @@ FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
   cells.step_u = own.along_u * (size / float(cells.along_u));
   cells.step_v = own.along_v * (size / float(cells.along_v));
   cells.first =
-      (place_in_cell(extent_u, cells.along_u, fall.sampling.x) - 0.5f * float(cells.along_u)) * cells.step_u +
-      (place_in_cell(extent_v, cells.along_v, fall.sampling.y) - 0.5f * float(cells.along_v)) * cells.step_v;
+      (place_in_cell(extent_u, cells.along_u, cell_shift(projection).x) - 0.5f * float(cells.along_u)) * cells.step_u +
+      (place_in_cell(extent_v, cells.along_v, cell_shift(projection).y) - 0.5f * float(cells.along_v)) * cells.step_v;
   // Half of its cell: what is seen of the rest are the same pixels or its neighbours'.
   cells.windows = 1.0f / clamp(0.5f * (abs(extent_u) / float(cells.along_u) + abs(extent_v) / float(cells.along_v)),
                                kLeastWindow, 1.0f);

@@ -1,0 +1,106 @@
+"""Every shader, in every variant that its switches make of it, is GLSL by the reference compiler's reading.
+
+Drivers take more than the language allows, each something else: what one machine compiles, another refuses.
+"""
+
+import itertools
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+import snowbough_native
+
+FOLDER = Path(__file__).resolve().parents[2] / "shaders"
+PASSES = FOLDER.parent / "native" / "snow"
+# The order in which a program's stages follow each other, and what glslangValidator calls them.
+STAGES = ["vert", "tesc", "tese", "geom", "frag", "comp"]
+# What is defined with a value, and values that it has.
+VALUES = {"LOCAL_SIZE": ("8", "64")}
+
+
+def stage_of(file):
+    return file.split(".")[1]
+
+
+def programs():
+    """Files that make one program, by the pass that they are named after."""
+    passes = {}
+    for path in sorted(FOLDER.rglob("*.*.glsl")):
+        passes.setdefault(path.name.split(".")[0], []).append(path.name)
+    return {
+        name: sorted(files, key=lambda file: STAGES.index(stage_of(file))) for name, files in passes.items()
+    }
+
+
+def choices(file):
+    """For each switch in the text that a shader compiles: the defines that set it, one of which is taken."""
+    text = snowbough_native.shader_source(file)
+    switches = set(re.findall(r"^\s*#\s*if(?:n?def)\s+(\w+)", text, re.MULTILINE))
+    assert not re.search(r"^\s*#\s*(?:el)?if\b", text, re.MULTILINE), (
+        "switches are asked for by #ifdef and #ifndef"
+    )
+    with_value = {name for name in VALUES if re.search(rf"\b{name}\b", text)}
+    for name in sorted(switches - {"SNOWBOUGH_GLSL"} - with_value):
+        yield name, [None, name]
+    for name in sorted(with_value):
+        yield name, [f"{name} {value}" for value in VALUES[name]]
+
+
+def variants():
+    """Each program in all combinations of its stages' switches: (its files, its defines)."""
+    for files in programs().values():
+        switches = dict(choice for file in files for choice in choices(file))
+        for picked in itertools.product(*switches.values()):
+            yield files, [define for define in picked if define]
+
+
+def name_of(variant):
+    files, defines = variant
+    return " ".join([files[0].split(".")[0], *defines])
+
+
+def complaints_of(sources, folder):
+    """What the reference compiler says against a program's stages: source by <pass>.<stage>."""
+    compiler = shutil.which("glslangValidator")
+    if compiler is None:
+        pytest.skip("needs the package glslang-tools")
+    for name, source in sources.items():
+        (folder / name).write_text(source)
+    ended = subprocess.run([compiler, "-l", *sources], cwd=folder, capture_output=True, text=True)
+    lines = [line for line in ended.stdout.splitlines() if line not in sources]
+    return lines or ([] if ended.returncode == 0 else [f"exit status {ended.returncode}"])
+
+
+@pytest.mark.parametrize("variant", variants(), ids=name_of)
+def test_a_variant_compiles_and_its_stages_fit_together(variant, tmp_path):
+    files, defines = variant
+    sources = {file.removesuffix(".glsl"): snowbough_native.shader_source(file, defines) for file in files}
+    assert complaints_of(sources, tmp_path) == []
+
+
+def test_stages_that_do_not_fit_together_are_told(tmp_path):
+    vertex = "#version 450 core\nflat out uint a;\nvoid main() { a = 1u; gl_Position = vec4(0.0); }\n"
+    fragment = (
+        "#version 450 core\nflat in vec2 a;\nlayout(location = 0) out vec2 b;\nvoid main() { b = a; }\n"
+    )
+    told = complaints_of({"it.vert": vertex, "it.frag": fragment}, tmp_path)
+    assert any("Types must match" in line for line in told)
+
+
+def test_every_glsl_file_is_a_stage_of_a_program_or_included_by_one():
+    mains = {file for files in programs().values() for file in files}
+    assert len(mains) > 10
+    assert {stage_of(file) for file in mains} <= set(STAGES)
+    included = set()
+    for path in FOLDER.rglob("*.*"):
+        included |= {Path(name).name for name in re.findall(r'#include "([^"]+)"', path.read_text())}
+    assert {path.name for path in FOLDER.rglob("*.glsl")} - mains - included == set()
+
+
+def test_every_switch_of_a_shader_is_set_by_a_pass():
+    switches = {name for files in programs().values() for file in files for name, _ in choices(file)}
+    passes = "".join(path.read_text() for path in PASSES.glob("*/gl/*"))
+    assert len(switches) > 3
+    assert {name for name in switches if f'"{name}"' not in passes and f'"{name} "' not in passes} == set()
