@@ -29,7 +29,7 @@ constexpr double kContinuesCosine = -0.3;
 class LimbBuilder {
  public:
   LimbBuilder(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-              const LimbStart& start, const LimbSurface* parent)
+              const LimbStart& start, const LimbHull* parent)
       : plan_(plan),
         branch_(branch),
         children_(plan.children[branch]),
@@ -111,6 +111,9 @@ class LimbBuilder {
       const Ring& root = part_.limb.rings.front();
       add_quad({root.vertices[0], root.vertices[3], root.vertices[2], root.vertices[1]},
                {branch_, 0, 0, 0, FacePart::kRootCap});
+    }
+    if (!children_.empty()) {
+      part_.hull = LimbHull(part_.limb.rings);
     }
     return std::move(part_);
   }
@@ -334,7 +337,7 @@ class LimbBuilder {
   const std::vector<int32_t>& children_;
   const std::vector<uint8_t>& relief_;
   const LimbStart& start_;
-  const LimbSurface* parent_;
+  const LimbHull* parent_;
   LimbPart part_;
 };
 
@@ -349,7 +352,7 @@ bool LimbStart::grows_like(const LimbStart& other) const {
 }
 
 LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-                    const LimbStart& start, const LimbSurface* parent) {
+                    const LimbStart& start, const LimbHull* parent) {
   return LimbBuilder(plan, branch, relief, start, parent).build();
 }
 
