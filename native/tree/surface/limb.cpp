@@ -46,9 +46,10 @@ class LimbBuilder {
 
     std::vector<double> attach;
     attach.reserve(children_.size());
+    const PathSearch search(path);
     for (int32_t child : children_) {
       attach.push_back(
-          nearest_length(path, glm::dvec3(plan_.skeleton.branches[child].attach_point)));
+          search.nearest_length(glm::dvec3(plan_.skeleton.branches[child].attach_point)));
     }
     const int32_t next = continuing_child(path, attach);
     if (next >= 0) {
@@ -66,7 +67,7 @@ class LimbBuilder {
         continue;
       }
       const Exit exit =
-          find_exit(path, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
+          find_exit(search, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
       requests.push_back(exit.request);
       if (exit.clamped) {
         part_.clamped.push_back(child);

@@ -47,11 +47,12 @@ struct Crossing {
   bool starts_outside;
 };
 
-Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
-  Crossing crossing{child.points[0], nearest_length(parent, child.points[0]), 0.0, true};
+Crossing first_outside(const PathSearch& search, const LimbPath& child) {
+  const LimbPath& parent = search.path();
+  Crossing crossing{child.points[0], search.nearest_length(child.points[0]), 0.0, true};
   double before = 0.0;
   for (size_t i = 0; i < child.points.size(); ++i) {
-    const double s = nearest_length(parent, child.points[i]);
+    const double s = search.nearest_length(child.points[i]);
     const double outside =
         glm::distance(child.points[i], position_at(parent, s)) - corner_at(parent, s);
     if (outside >= 0.0 || i + 1 == child.points.size()) {
@@ -60,7 +61,7 @@ Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
         crossing.point = child.points[i - 1] + (child.points[i] - child.points[i - 1]) * t;
         crossing.child_length =
             child.lengths[i - 1] + (child.lengths[i] - child.lengths[i - 1]) * t;
-        crossing.parent_length = nearest_length(parent, crossing.point);
+        crossing.parent_length = search.nearest_length(crossing.point);
         crossing.starts_outside = false;
       }
       return crossing;
@@ -175,9 +176,10 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& pa
 
 }  // namespace
 
-Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, int32_t child_index,
                const SurfaceScale& scale, int relief) {
-  const Crossing crossing = first_outside(parent, child);
+  const LimbPath& parent = search.path();
+  const Crossing crossing = first_outside(search, child);
   Exit exit;
   exit.request.child = child_index;
 

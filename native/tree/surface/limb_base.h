@@ -30,9 +30,10 @@ struct Exit {
 };
 
 /// Where a child passes through its parent's surface, and the knuckle it asks for there.
-/// @param attach arc length on `parent` where the child sits.
+/// @param search of the parent's path.
+/// @param attach arc length on the parent's path where the child sits.
 /// @param relief see build_surface.
-Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, int32_t child_index,
                const SurfaceScale& scale, int relief);
 
 /// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
