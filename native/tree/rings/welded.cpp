@@ -24,8 +24,14 @@ constexpr double kMostRings = 1000.0;
 constexpr double kEndShare = 0.5;
 /// How far along its parent, in radii of the two together, a limb may lie from where they part.
 constexpr double kAttachReach = 4.0;
-/// At a fork straightness counts half as much as thickness.
-constexpr double kStraightness = 0.5;
+/// Faces whose normals are this near to the limb's direction (cosine) close its end.
+constexpr double kCapCosine = 0.7;
+/// At a fork thickness counts times this power of (1 + cosine of the turn) / 2.
+constexpr double kStraightness = 4.0;
+/// A limb's tip is farther than this many of its parent's radii from the parent's centreline.
+constexpr double kStandsOut = 1.5;
+/// Rings from a fork on whose median tells how thick a limb goes on.
+constexpr size_t kThicknessRings = 5;
 
 /// Rings of one arc from below, and where they are.
 struct ArcRings {
@@ -123,6 +129,7 @@ class Assembler {
         }
         arc = next;
       }
+      if (parent >= 0 && leaving.empty() && lies_on(limb, result_.limbs[parent], fork)) continue;
       const auto number = static_cast<int32_t>(result_.limbs.size());
       if (parent < 0) {
         prepend(root_, limb);
@@ -189,31 +196,73 @@ class Assembler {
   /// The arc with which the limb goes on.
   int32_t continuing(const std::vector<int32_t>& above, const Limb& limb) const {
     const size_t count = limb.points.size();
+    // The rings nearest to the fork lean towards what leaves there.
     const glm::dvec3 heading =
-        count >= 2 ? direction(glm::dvec3(limb.points[count - 2]), glm::dvec3(limb.points.back()))
-                   : glm::dvec3(0.0);
+        count >= 3   ? direction(glm::dvec3(limb.points[count - std::min<size_t>(count, 5)]),
+                                 glm::dvec3(limb.points[count - 2]))
+        : count == 2 ? direction(glm::dvec3(limb.points[0]), glm::dvec3(limb.points[1]))
+                     : glm::dvec3(0.0);
     int32_t best = above.front();
     double best_score = -std::numeric_limits<double>::infinity();
     for (const int32_t arc : above) {
       const ArcRings* rings = rings_from(arc);
       if (rings == nullptr) continue;
       const std::vector<Contour>& contours = rings->contours;
-      // Not the ring nearest to the fork, which lies aslant.
-      const Contour& ring = contours[std::min<size_t>(1, contours.size() - 1)];
-      const glm::dvec3 way =
-          contours.size() >= 2
-              ? direction(contours[0].centre,
-                          contours[std::min<size_t>(2, contours.size() - 1)].centre)
-          : count > 0 ? direction(glm::dvec3(limb.points.back()), ring.centre)
-                      : glm::dvec3(0.0);
-      const double score = std::sqrt(std::max(ring.area, 0.0) / M_PI) *
-                           (1.0 - kStraightness + kStraightness * glm::dot(heading, way));
+      const size_t last = contours.size() - 1;
+      const glm::dvec3 way = last >= 1 ? direction(contours[std::min<size_t>(1, last - 1)].centre,
+                                                   contours[std::min<size_t>(4, last)].centre)
+                             : count > 0
+                                 ? direction(glm::dvec3(limb.points.back()), contours[0].centre)
+                                 : glm::dvec3(0.0);
+      std::vector<double> areas;
+      for (size_t i = 0; i < std::min(kThicknessRings, contours.size()); ++i) {
+        areas.push_back(contours[i].area);
+      }
+      std::nth_element(areas.begin(), areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2),
+                       areas.end());
+      const double straight = 0.5 + 0.5 * glm::dot(heading, way);
+      const double score =
+          std::sqrt(areas[areas.size() / 2] / M_PI) * std::pow(straight, kStraightness);
       if (score > best_score) {
         best_score = score;
         best = arc;
       }
     }
     return best;
+  }
+
+  /// Calls `visit(i)` for the segments within so many metres before and after point `at`.
+  template <typename Visit>
+  static void for_segments_near(const Limb& limb, size_t at, double before, double after,
+                                const Visit& visit) {
+    double walked = 0.0;
+    for (size_t i = at; i > 0 && walked <= before; --i) {
+      visit(i - 1);
+      walked += glm::distance(limb.points[i], limb.points[i - 1]);
+    }
+    walked = 0.0;
+    for (size_t i = at; i + 1 < limb.points.size() && walked <= after; ++i) {
+      visit(i);
+      walked += glm::distance(limb.points[i], limb.points[i + 1]);
+    }
+  }
+
+  /// Whether a piece without forks ends at its parent's side: the distance rises unevenly there,
+  /// and no limb leaves.
+  static bool lies_on(const Limb& limb, const Limb& parent, size_t fork) {
+    const size_t at = std::min(fork + 1, parent.points.size() - 1);
+    const glm::dvec3 tip(limb.points.back());
+    const double reach = kAttachReach * static_cast<double>(parent.radii[at]);
+    bool lies = false;
+    for_segments_near(parent, at, reach, reach, [&](size_t i) {
+      const glm::dvec3 a(parent.points[i]);
+      const glm::dvec3 ab = glm::dvec3(parent.points[i + 1]) - a;
+      const double square = glm::dot(ab, ab);
+      const double t = square > 0.0 ? std::clamp(glm::dot(tip - a, ab) / square, 0.0, 1.0) : 0.0;
+      const double radius = static_cast<double>(std::max(parent.radii[i], parent.radii[i + 1]));
+      lies = lies || glm::distance(tip, a + ab * t) < kStandsOut * radius;
+    });
+    return lies;
   }
 
   /// Where the limb, prolonged backwards, comes nearest to its parent's centreline.
@@ -248,16 +297,7 @@ class Assembler {
         best = place;
       }
     };
-    double walked = 0.0;
-    for (size_t i = at; i > 0 && walked <= reach; --i) {
-      try_segment(i - 1);
-      walked += glm::distance(parent.points[i], parent.points[i - 1]);
-    }
-    walked = 0.0;
-    for (size_t i = at; i + 1 < parent.points.size() && walked <= 0.25 * reach; ++i) {
-      try_segment(i);
-      walked += glm::distance(parent.points[i], parent.points[i + 1]);
-    }
+    for_segments_near(parent, at, reach, 0.25 * reach, try_segment);
     return best;
   }
 
@@ -289,6 +329,35 @@ std::vector<int32_t> widest_loop(const LocalMesh& mesh, const Topology& topology
   return *widest;
 }
 
+/// The vertices of the cap that closes a limb around `end`: of the faces there that look along the
+/// limb.
+std::vector<int32_t> cap_around(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
+                                int32_t end, const glm::dvec3& along) {
+  std::vector<std::vector<int32_t>> facing(mesh.positions.size());
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const LocalTriangle& t = triangles[i];
+    const glm::dvec3 a(mesh.positions[t[0]]);
+    const glm::dvec3 area =
+        glm::cross(glm::dvec3(mesh.positions[t[1]]) - a, glm::dvec3(mesh.positions[t[2]]) - a);
+    if (std::abs(glm::dot(area, along)) < kCapCosine * glm::length(area)) continue;
+    for (const int32_t v : t) facing[v].push_back(static_cast<int32_t>(i));
+  }
+  std::vector<char> seen(mesh.positions.size(), 0);
+  std::vector<int32_t> cap{end};
+  seen[end] = 1;
+  for (size_t i = 0; i < cap.size(); ++i) {
+    for (const int32_t triangle : facing[cap[i]]) {
+      for (const int32_t v : triangles[triangle]) {
+        if (seen[v] != 0) continue;
+        seen[v] = 1;
+        cap.push_back(v);
+      }
+    }
+  }
+  std::sort(cap.begin(), cap.end());
+  return cap;
+}
+
 /// The vertices at the thickest end of a surface without open ends.
 std::vector<int32_t> thickest_end(const LocalMesh& mesh,
                                   const std::vector<LocalTriangle>& triangles) {
@@ -314,14 +383,20 @@ std::vector<int32_t> thickest_end(const LocalMesh& mesh,
   }
   const ReebArc& arc = tree.arcs[thickest];
   const bool at_far = thickest + 1 == tree.arcs.size() && !arc.above.empty();
-  std::vector<int32_t> end;
+  int32_t end = far;
+  glm::dvec3 middle(0.0);
+  double members = 0.0;
   for (size_t v = 0; v < distance.size(); ++v) {
     if (tree.arc_of[v] != static_cast<int32_t>(thickest)) continue;
-    const double away = at_far ? distance[v] : arc.end - distance[v];
-    if (away <= mean_radius(arc)) end.push_back(static_cast<int32_t>(v));
+    middle += glm::dvec3(mesh.positions[v]);
+    members += 1.0;
+    const bool bump = std::isfinite(tree.bump_from[v]);
+    if (!at_far && !bump && (end == far || distance[v] > distance[end])) {
+      end = static_cast<int32_t>(v);
+    }
   }
-  if (end.empty()) end.push_back(far);
-  return end;
+  middle /= std::max(members, 1.0);
+  return cap_around(mesh, triangles, end, direction(middle, glm::dvec3(mesh.positions[end])));
 }
 
 double largest_extent(const LocalMesh& mesh) {
