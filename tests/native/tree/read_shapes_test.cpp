@@ -154,6 +154,25 @@ TEST_F(ReadTree, WoodThatIsLeftOutIsReportedWithItsShareOfTheArea) {
               ElementsAre(Pair("bark_sheet", "a single plane, no limb: 4.2 % of the wood's area")));
 }
 
+TEST_F(ReadTree, LevelsFollowWhoStandsOnWhomNotSize) {
+  // The limbs are longer and thicker than what bears them.
+  for (const auto& [trunk, limbs] : {std::pair("trunk", "branch"), std::pair("part_a", "part_b")}) {
+    TreeText text;
+    text.line(std::string("g ") + trunk + "1");
+    text.limb({0, 0, 0}, {0, 0, 1}, 5, 0.3f, true);
+    for (int i = 0; i < 4; ++i) {
+      text.line(std::string("g ") + limbs + std::to_string(i + 1));
+      const float angle = 1.57f * static_cast<float>(i);
+      text.limb({0, 0, 1.2f + 0.6f * static_cast<float>(i)},
+                {std::cos(angle), std::sin(angle), 0.3f}, 12, 0.29f, true);
+    }
+    const Skeleton skeleton = read(text.text(), {.up_axis = UpAxis::kZ});
+    EXPECT_THAT(skeleton.report.branches_per_level, ElementsAre(1, 4)) << trunk;
+    EXPECT_EQ(skeleton.branches[0].name, std::string(trunk) + "1");
+    for (int i = 1; i <= 4; ++i) EXPECT_EQ(skeleton.branches[i].parent, 0) << trunk;
+  }
+}
+
 /// A component of a scene of its own.
 struct Piece {
   ObjScene scene;
