@@ -1,6 +1,8 @@
 #include "tree/read_tree.h"
 
 #include <algorithm>
+#include <array>
+#include <cstdio>
 #include <glm/common.hpp>
 #include <limits>
 #include <map>
@@ -16,6 +18,7 @@
 #include "tree/read/limbs.h"
 #include "tree/read/loose_faces.h"
 #include "tree/read/part_names.h"
+#include "tree/read/plausible.h"
 #include "tree/read/up_axis.h"
 #include "tree/skeleton/attach.h"
 
@@ -29,15 +32,43 @@ std::string part_name(const PartLabels& labels, int32_t part) {
   return labels.label[part] >= 0 ? labels.names[labels.label[part]] : "(unnamed)";
 }
 
+/// ": 3.2 % of the wood's area"
+std::string share_text(double share) {
+  std::array<char, 64> text{};
+  std::snprintf(text.data(), text.size(), ": %.2g %% of the wood's area", 100.0 * share);
+  return text.data();
+}
+
 /// One line for all parts of a name that were left out for the same reason.
-void report_skipped(const PartLabels& labels,
-                    const std::vector<std::pair<int32_t, std::string>>& skipped,
-                    ImportReport& report) {
-  std::map<std::pair<std::string, std::string>, int64_t> counts;
-  for (const auto& [part, why] : skipped) ++counts[{part_name(labels, part), why}];
-  for (const auto& [key, count] : counts) {
-    const std::string many = count > 1 ? " (" + std::to_string(count) + " parts)" : "";
-    report.skipped_parts.emplace_back(key.first + many, key.second);
+void report_skipped(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                    const ClassifiedParts& classified, ImportReport& report) {
+  if (classified.skipped.empty()) return;
+  double wood = 0.0;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    const PartRole role = classified.role[p];
+    if (role != PartRole::kFoliage && role != PartRole::kSkipped)
+      wood += part_area(scene, parts, p);
+  }
+  struct Skipped {
+    int64_t count = 0;
+    double area = 0.0;
+    bool wood = true;
+  };
+  std::map<std::pair<std::string, std::string>, Skipped> groups;
+  for (const SkippedPart& skipped : classified.skipped) {
+    Skipped& group = groups[{part_name(labels, skipped.part), skipped.why}];
+    ++group.count;
+    group.wood = skipped.wood;
+    if (!skipped.wood) continue;
+    const double area = part_area(scene, parts, skipped.part);
+    group.area += area;
+    wood += area;
+  }
+  for (const auto& [key, group] : groups) {
+    const std::string many = group.count > 1 ? " (" + std::to_string(group.count) + " parts)" : "";
+    const bool counts = group.wood && wood > 0.0;
+    report.skipped_parts.emplace_back(key.first + many,
+                                      key.second + (counts ? share_text(group.area / wood) : ""));
   }
 }
 
@@ -91,7 +122,10 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
     unattached += branch.parent < 0 && branch.level > 0 ? 1.0 : 0.0;
   }
   if (unattached <= kMostUnattached * static_cast<double>(traced.branches.size())) return;
-  for (Branch& branch : traced.branches) branch.level = -1;
+  for (Branch& branch : traced.branches) {
+    branch.level = -1;
+    branch.parent = -1;
+  }
   attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.5f, 1.0f));
   warnings.emplace_back(
       "the groups' names tell no levels; branches were connected by thickness (set level names to "
@@ -152,14 +186,43 @@ NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
   return {std::move(parts), std::move(labels)};
 }
 
+/// Why the largest part that was left out is no wood; empty where nothing was.
+std::string why_left_out(const ObjScene& scene, const Parts& parts,
+                         const ClassifiedParts& classified) {
+  const std::string* why = nullptr;
+  double most = 0.0;
+  for (const SkippedPart& skipped : classified.skipped) {
+    const double area = part_area(scene, parts, skipped.part);
+    if (!skipped.wood || area <= most) continue;
+    most = area;
+    why = &skipped.why;
+  }
+  return why != nullptr ? *why : "";
+}
+
+/// @param why of the largest part that was left out, or empty.
 /// @throws std::invalid_argument where there are none.
-void check_branches(const TracedBranches& traced, int32_t foliage_count, const std::string& path) {
+void check_branches(const TracedBranches& traced, int32_t foliage_count, const std::string& why,
+                    const std::string& path) {
   if (!traced.branches.empty()) return;
+  if (!why.empty()) {
+    throw std::invalid_argument(path + ": holds no branches; its largest part is " + why +
+                                "; export the tree with its trunk and branches");
+  }
   throw std::invalid_argument(
       path + ": holds no branches, " +
       (foliage_count > 0 ? "only " + std::to_string(foliage_count) + " leaves or other loose parts"
                          : std::string("none of its parts is a tube or a row of planes")) +
       "; export the tree with its trunk and branches");
+}
+
+/// @throws std::invalid_argument where what was found by shape alone is no tree.
+void check_tree(const TracedBranches& traced, const std::string& path) {
+  const std::string why = traced.named ? "" : why_no_tree(traced.branches);
+  if (why.empty()) return;
+  throw std::invalid_argument(path + ": holds no tree: " + why +
+                              "; if it is one, say its level names, or name its groups trunk, "
+                              "branch and so on");
 }
 
 /// Reads the file and fills the skeleton's foliage and report.
@@ -180,11 +243,14 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   report.form = form_name(classified.form);
   report.foliage_parts = classified.foliage_count;
   report_scene(scene, report);
-  report_skipped(labels, classified.skipped, report);
+  report_skipped(scene, parts, labels, classified, report);
 
   TracedBranches traced = trace_branches(scene, parts, labels, classified);
   report_squares(traced, report);
-  check_branches(traced, classified.foliage_count, path);
+  check_branches(traced, classified.foliage_count, why_left_out(scene, parts, classified), path);
+  traced.named = !options.levels.empty() || !options.foliage_names.empty() ||
+                 std::any_of(labels.meaning.begin(), labels.meaning.end(),
+                             [](NameMeaning m) { return m != NameMeaning::kSilent; });
   assign_levels(traced, labels, classified.form, options.levels, report.warnings);
   if (options.foliage) {
     gather_leaves(scene, parts, classified, path, skeleton);
@@ -208,7 +274,7 @@ void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
 /// Whether branches have no names of their own in a file of this form.
 bool is_merged(const std::string& form) {
   return form == form_name(TreeForm::kMergedTubes) || form == form_name(TreeForm::kMaterials) ||
-         form == form_name(TreeForm::kMergedSquares);
+         form == form_name(TreeForm::kMergedSquares) || form == form_name(TreeForm::kWelded);
 }
 
 void report_extra_roots(Skeleton& skeleton) {
@@ -229,6 +295,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   connect(traced, !options.levels.empty(), skeleton.report.warnings,
           base::part_of(options.progress, 0.8f, 0.85f));
   base::report_progress(options.progress, 0.85f);
+  check_tree(traced, path);
   turn_z_up(options.up_axis, traced, skeleton);
   turn_upside_up(traced);
   if (is_merged(skeleton.report.form)) name_by_level(traced.branches);

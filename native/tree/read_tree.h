@@ -33,11 +33,11 @@ struct ReadTreeOptions {
 };
 
 /// Reads a tree that Xfrog or a similar modeller exported as Wavefront OBJ: finds out which of the
-/// six forms it has, traces the branches, connects them and gathers the foliage. Lengths are the
+/// forms it has, traces the branches, connects them and gathers the foliage. Lengths are the
 /// file's own units, taken as metres; the result is Z up.
 ///
 /// @throws std::invalid_argument with file and line for malformed content; with the file and what
-///   to do for one that holds no branches.
+///   to do for one that holds no branches or is no tree, such as a bench.
 /// @throws Cancelled when progress says stop.
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options = {});
 

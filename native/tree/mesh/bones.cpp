@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <optional>
 #include <set>
 #include <stdexcept>
 
@@ -28,6 +29,8 @@ Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths
   Armature armature;
   Bones& bones = armature.bones;
   std::set<std::string> names;
+  // Per limb that others hang on.
+  std::vector<std::optional<PathSearch>> searches(paths.size());
   for (size_t b = 0; b < paths.size(); ++b) {
     const Branch& branch = skeleton.branches[b];
     const LimbPath& path = paths[b];
@@ -38,7 +41,9 @@ Armature make_bones(const Skeleton& skeleton, const std::vector<LimbPath>& paths
     if (branch.parent >= 0) {
       const LimbPath& holder = paths[branch.parent];
       // A little towards the root, so that rounding does not pick the bone that starts at a joint.
-      const double s = nearest_length(holder, glm::dvec3(branch.attach_point)) - scale.coincident;
+      std::optional<PathSearch>& search = searches[branch.parent];
+      if (!search) search.emplace(holder);
+      const double s = search->nearest_length(glm::dvec3(branch.attach_point)) - scale.coincident;
       parent = armature.first_bone[branch.parent] + segment_at(holder.lengths, s);
     }
     std::string name =

@@ -1,5 +1,7 @@
 #include "tree/obj/parts.h"
 
+#include <glm/geometric.hpp>
+#include <glm/vec3.hpp>
 #include <numeric>
 #include <utility>
 
@@ -80,6 +82,20 @@ Parts split_parts(const ObjScene& scene, const base::Progress& progress) {
       parts.vertex_begin);
   base::report_progress(progress, 1.0f);
   return parts;
+}
+
+double part_area(const ObjScene& scene, const Parts& parts, int32_t part) {
+  double area = 0.0;
+  for (const int32_t f : parts.part_faces(part)) {
+    const glm::dvec3 first(scene.positions[scene.corner_vertex[scene.face_begin[f]]]);
+    glm::dvec3 twice(0.0);
+    for (int32_t c = scene.face_begin[f] + 1; c + 1 < scene.face_begin[f + 1]; ++c) {
+      twice += glm::cross(glm::dvec3(scene.positions[scene.corner_vertex[c]]) - first,
+                          glm::dvec3(scene.positions[scene.corner_vertex[c + 1]]) - first);
+    }
+    area += 0.5 * glm::length(twice);
+  }
+  return area;
 }
 
 }  // namespace snowbough::tree

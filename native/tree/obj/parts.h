@@ -36,4 +36,7 @@ struct Parts {
 /// @param progress receives 0..1.
 Parts split_parts(const ObjScene& scene, const base::Progress& progress = {});
 
+/// Area of a part's polygons in square units of the file.
+double part_area(const ObjScene& scene, const Parts& parts, int32_t part);
+
 }  // namespace snowbough::tree

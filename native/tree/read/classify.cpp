@@ -3,11 +3,14 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <map>
 #include <optional>
 #include <set>
+#include <sstream>
 
 #include "tree/rings/loose_squares.h"
 #include "tree/rings/squares.h"
+#include "tree/rings/uneven_tubes.h"
 
 namespace snowbough::tree {
 namespace {
@@ -33,6 +36,13 @@ constexpr double kNeighbourShare = 0.3;
 /// A closed tube shorter than this many of its radii, unnamed, is a fruit.
 constexpr float kRoundest = 3.0f;
 
+/// A tree's limbs are thinner on average than this share of its size; a cow's have 0.26, a rabbit's
+/// 0.31.
+constexpr double kThickestTree = 0.08;
+/// A surface with fewer faces or limbs is no whole tree.
+constexpr size_t kFewestFaces = 24;
+constexpr size_t kFewestLimbs = 3;
+
 /// Parts that a thread traces at least before it takes the next ones, and the most times that it is
 /// asked whether to go on.
 constexpr size_t kTraceBlock = 32;
@@ -43,6 +53,8 @@ enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
 struct Shapes {
   std::vector<Shape> shape;
   std::vector<NotATube> why;
+  /// By part: why a surface that forks is no tree.
+  std::map<int32_t, std::string> refused;
 };
 
 /// Traces everything that no name calls foliage.
@@ -66,6 +78,10 @@ Shapes find_shapes(const ObjScene& scene, const Parts& parts, const PartLabels& 
                                                        parts.part_vertices(p), shapes.why[p])) {
         shapes.shape[p] = Shape::kTube;
         traced[begin / block].emplace_back(p, std::move(*limb));
+      } else if (std::optional<Limb> uneven =
+                     trace_uneven_tube(scene, parts.part_faces(p), parts.part_vertices(p))) {
+        shapes.shape[p] = Shape::kTube;
+        traced[begin / block].emplace_back(p, std::move(*uneven));
       } else {
         shapes.shape[p] = Shape::kOther;
       }
@@ -89,6 +105,13 @@ std::vector<std::vector<int32_t>> parts_by_label(const PartLabels& labels,
   for (const int32_t p : chosen) groups[labels.label[p] + 1].push_back(p);
   std::erase_if(groups, [](const auto& group) { return group.empty(); });
   return groups;
+}
+
+std::string rounded(double value) {
+  std::ostringstream text;
+  text.precision(2);
+  text << value;
+  return text.str();
 }
 
 /// The tube that the flat part closes, if its outline is that tube's end ring.
@@ -212,13 +235,53 @@ std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
     for (const int32_t p : group.parts) result.role[p] = PartRole::kCrossSection;
     for (const int32_t p : group.unread) {
       result.role[p] = PartRole::kSkipped;
-      result.skipped.emplace_back(p, "a loose triangle in a row of planes");
+      result.skipped.push_back({p, "a loose triangle in a row of planes"});
     }
   }
   if (branches == 0) return std::nullopt;
   // A few groups with many rows each hold whole levels or the whole tree.
   const bool merged = branches == 1 ? rows > 1 : branches <= 8 && rows >= 4 * branches;
   return merged ? TreeForm::kMergedSquares : TreeForm::kSquaresPerGroup;
+}
+
+/// Why a surface that forks is no tree; empty where it is one.
+std::string why_no_tree(const std::optional<WeldedTree>& welded) {
+  if (!welded) return "has no extent";
+  if (welded->thickness > kThickestTree) {
+    return "no tree: its limbs are " + rounded(welded->thickness) +
+           " of its size thick on average, a tree's less than " + rounded(kThickestTree);
+  }
+  if (welded->limbs.size() < kFewestLimbs) return "no tree: its surface does not fork into limbs";
+  return "";
+}
+
+/// Surfaces that fork become wood where they are most of it.
+void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
+                 Shapes& shapes, ClassifiedParts& result) {
+  std::vector<int32_t> candidates;
+  double forked = 0.0;
+  double other = 0.0;
+  for (int32_t p = 0; p < parts.count(); ++p) {
+    if (result.role[p] == PartRole::kTube || result.role[p] == PartRole::kCrossSection) {
+      other += part_area(scene, parts, p);
+    } else if (shapes.shape[p] == Shape::kOther && labels.meaning[p] != NameMeaning::kFoliage &&
+               parts.part_faces(p).size() >= kFewestFaces) {
+      candidates.push_back(p);
+      forked += part_area(scene, parts, p);
+    }
+  }
+  if (forked <= other) return;
+  for (const int32_t p : candidates) {
+    std::optional<WeldedTree> welded =
+        trace_welded(scene, parts.part_faces(p), parts.part_vertices(p));
+    std::string why = why_no_tree(welded);
+    if (why.empty()) {
+      result.role[p] = PartRole::kWelded;
+      result.welded.emplace_back(p, std::move(*welded));
+    } else {
+      shapes.refused[p] = std::move(why);
+    }
+  }
 }
 
 }  // namespace
@@ -237,6 +300,8 @@ std::string form_name(TreeForm form) {
       return "MATERIALS";
     case TreeForm::kMergedSquares:
       return "MERGED_SQUARES";
+    case TreeForm::kWelded:
+      return "WELDED";
   }
   return "";
 }
@@ -245,7 +310,7 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
                                const base::Execution& execution) {
   ClassifiedParts result;
   result.role.assign(parts.count(), PartRole::kFoliage);
-  const Shapes shapes = find_shapes(scene, parts, labels, result, execution);
+  Shapes shapes = find_shapes(scene, parts, labels, result, execution);
 
   std::vector<int32_t> tubes;
   for (int32_t p = 0; p < parts.count(); ++p) {
@@ -256,13 +321,14 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
     tubes.push_back(p);
   }
   const std::optional<TreeForm> squares = find_squares(scene, parts, labels, shapes, result);
+  find_welded(scene, parts, labels, shapes, result);
 
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (result.role[p] != PartRole::kFoliage || labels.meaning[p] == NameMeaning::kFoliage)
       continue;
-    const auto skip = [&](std::string why) {
+    const auto skip = [&](std::string why, bool wood = true) {
       result.role[p] = PartRole::kSkipped;
-      result.skipped.emplace_back(p, std::move(why));
+      result.skipped.push_back({p, std::move(why), wood});
     };
     // The tubes just before and after it in the file are those it may close.
     const auto after = std::lower_bound(tubes.begin(), tubes.end(), p);
@@ -270,15 +336,18 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
         (after != tubes.end() && is_cap_of(scene, parts, p, result.limbs[result.limb[*after]])) ||
         (after != tubes.begin() &&
          is_cap_of(scene, parts, p, result.limbs[result.limb[after[-1]]]));
+    const auto refused = shapes.refused.find(p);
     if (cap) {
       skip("a cap that closes a tube's end");
+    } else if (refused != shapes.refused.end()) {
+      skip(refused->second);
     } else if (labels.meaning[p] == NameMeaning::kWood) {
       skip(shapes.shape[p] == Shape::kOther ? reason_text(shapes.why[p])
                                             : "a single plane, no limb");
     } else if (shapes.shape[p] == Shape::kOther && shapes.why[p] == NotATube::kForks) {
       skip(reason_text(shapes.why[p]));
     } else if (labels.foliage_named) {
-      skip("no limb, and not named as foliage");
+      skip("no limb, and not named as foliage", false);
     }
   }
   result.foliage_count =
@@ -287,7 +356,9 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
       squares &&
       tubes.size() * 2 < static_cast<size_t>(std::count(result.role.begin(), result.role.end(),
                                                         PartRole::kCrossSection));
-  result.form = squares_lead ? *squares : form_of_tubes(scene, parts, labels, result);
+  result.form = !result.welded.empty() ? TreeForm::kWelded
+                : squares_lead         ? *squares
+                                       : form_of_tubes(scene, parts, labels, result);
   base::report_progress(execution.progress, 1.0f);
   return result;
 }

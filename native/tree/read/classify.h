@@ -10,10 +10,11 @@
 #include "tree/obj/parts.h"
 #include "tree/read/part_names.h"
 #include "tree/rings/rings.h"
+#include "tree/rings/welded.h"
 
 namespace snowbough::tree {
 
-/// The six forms in which trees come.
+/// The forms in which trees come.
 enum class TreeForm {
   /// 1: one group a branch, each a row of planes across the limb.
   kSquaresPerGroup,
@@ -27,12 +28,21 @@ enum class TreeForm {
   kMaterials,
   /// 6: planes without useful names, chained by their order and distance.
   kMergedSquares,
+  /// 7: one surface that forks, for the whole tree or most of it.
+  kWelded,
 };
 
 /// SQUARES_PER_GROUP and so on, as in the import report.
 std::string form_name(TreeForm form);
 
-enum class PartRole : uint8_t { kTube, kCrossSection, kFoliage, kSkipped };
+enum class PartRole : uint8_t { kTube, kCrossSection, kWelded, kFoliage, kSkipped };
+
+struct SkippedPart {
+  int32_t part = -1;
+  std::string why;
+  /// It is not foliage that the user's names leave out.
+  bool wood = true;
+};
 
 /// What every part of the file is.
 struct ClassifiedParts {
@@ -41,16 +51,20 @@ struct ClassifiedParts {
   /// The traced tubes, and per part the index of its tube or -1.
   std::vector<Limb> limbs;
   std::vector<int32_t> limb;
+  /// The surfaces that fork, with the parts that they are; ascending.
+  std::vector<std::pair<int32_t, WeldedTree>> welded;
   /// Labels (index into PartLabels::names, -1 for none) whose planes stand in an order that means
   /// nothing, ascending.
   std::vector<int32_t> shuffled_labels;
-  /// Parts left out, each with the reason.
-  std::vector<std::pair<int32_t, std::string>> skipped;
+  /// Parts left out.
+  std::vector<SkippedPart> skipped;
   int32_t foliage_count = 0;
 };
 
 /// Decides what each part is - by what its names say, then by its shape - and which form the file
-/// has. Planes count as cross-sections where they stand in rows across limbs, otherwise as leaves.
+/// has. Surfaces that fork are taken for trees where they have more area than all tubes, if they
+/// fall into limbs that are thin for their length. Planes count as cross-sections where they stand
+/// in rows across limbs, otherwise as leaves.
 ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                                const base::Execution& execution = {});
 

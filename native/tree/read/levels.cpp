@@ -1,6 +1,7 @@
 #include "tree/read/levels.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <glm/geometric.hpp>
 #include <map>
@@ -9,9 +10,18 @@
 #include <set>
 #include <stdexcept>
 #include <string_view>
+#include <utility>
+
+#include "tree/skeleton/segment_tree.h"
 
 namespace snowbough::tree {
 namespace {
+
+constexpr std::array<std::string_view, 4> kTrunkWords = {"trunk", "bole", "stamm", "tronc"};
+/// Share by which more of one cluster's branches must stand on another's than the other way round.
+constexpr double kClearlyStanding = 0.25;
+/// Of more clusters than this names tell the order.
+constexpr size_t kMostRanked = 12;
 
 bool is_digit(char c) {
   return c >= '0' && c <= '9';
@@ -91,6 +101,53 @@ double volume(const Branch& branch) {
            (0.5 * branch.areas[i] + 0.5 * branch.areas[i + 1]);
   }
   return sum;
+}
+
+bool is_trunk(const std::string& name) {
+  const std::string lower = lower_case(name);
+  return std::any_of(kTrunkWords.begin(), kTrunkWords.end(),
+                     [&](std::string_view word) { return lower.find(word) != std::string::npos; });
+}
+
+/// Share of the branches whose root touches one of `bearers` beyond that one's own root.
+double standing_share(const std::vector<Branch>& branches, const std::vector<Branch>& bearers) {
+  const SegmentTree segments(bearers, std::vector<int32_t>(bearers.size(), 0), 0.0f);
+  double standing = 0.0;
+  for (const Branch& branch : branches) {
+    const NearestSegment found = segments.nearest(branch.points.front(), 1, Measure::kDistance);
+    standing += found.branch >= 0 && found.distance <= found.radius + branch.radii.front() &&
+                        found.point != bearers[found.branch].points.front()
+                    ? 1.0
+                    : 0.0;
+  }
+  return standing / static_cast<double>(std::max<size_t>(branches.size(), 1));
+}
+
+/// Neighbours in `order` change places where the first stands on the second.
+void put_bearers_first(const std::vector<std::string>& names, const std::vector<Branch>& branches,
+                       const std::vector<int32_t>& branch_cluster, std::vector<int32_t>& order) {
+  if (order.size() > kMostRanked) return;
+  std::vector<std::vector<Branch>> members(names.size());
+  for (size_t b = 0; b < branches.size(); ++b) members[branch_cluster[b]].push_back(branches[b]);
+  const auto numbered_alike = [&](int32_t a, int32_t b) {
+    const size_t at = digits_begin(names[a]);
+    return at < names[a].size() && digits_begin(names[b]) == at && at < names[b].size() &&
+           names[a].compare(0, at, names[b], 0, at) == 0;
+  };
+  for (size_t pass = 1; pass < order.size(); ++pass) {
+    bool changed = false;
+    for (size_t i = 0; i + 1 < order.size(); ++i) {
+      const std::vector<Branch>& first = members[order[i]];
+      const std::vector<Branch>& second = members[order[i + 1]];
+      if (numbered_alike(order[i], order[i + 1]) ||
+          standing_share(first, second) <= standing_share(second, first) + kClearlyStanding) {
+        continue;
+      }
+      std::swap(order[i], order[i + 1]);
+      changed = true;
+    }
+    if (!changed) return;
+  }
 }
 
 }  // namespace
@@ -203,6 +260,9 @@ std::vector<int32_t> rank_levels(const std::vector<std::string>& cluster_names,
     });
     for (size_t i = 0; i < places.size(); ++i) order[places[i]] = family[i];
   }
+  put_bearers_first(cluster_names, branches, branch_cluster, order);
+  std::stable_partition(order.begin(), order.end(),
+                        [&](int32_t c) { return is_trunk(cluster_names[c]); });
   std::vector<int32_t> level(count);
   for (size_t place = 0; place < count; ++place) level[order[place]] = static_cast<int32_t>(place);
   return level;

@@ -29,8 +29,10 @@ LevelClusters cluster_labels(const std::vector<std::string>& labels);
 ///   or stands there twice.
 LevelClusters match_levels(const std::string& levels, const std::vector<std::string>& labels);
 
-/// Ranks clusters from the trunk on by the mean volume of their branches; clusters whose names
-/// differ only in a trailing number keep that number's order. Per cluster: its level.
+/// Ranks clusters from the trunk on: those named trunk (bole, Stamm, tronc) first, the others by
+/// the mean volume of their branches; clusters whose names differ only in a trailing number keep
+/// that number's order. Where the branches of one stand on those of the next rather than the other
+/// way round, the two change places, however large they are. Per cluster: its level.
 /// @param branch_cluster per branch.
 std::vector<int32_t> rank_levels(const std::vector<std::string>& cluster_names,
                                  const std::vector<Branch>& branches,

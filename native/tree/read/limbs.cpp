@@ -23,6 +23,17 @@ void add_limb(Limb&& limb, int32_t label, TracedBranches& traced) {
   traced.label.push_back(label);
 }
 
+void add_welded(WeldedTree&& tree, int32_t label, TracedBranches& traced) {
+  const auto first = static_cast<int32_t>(traced.branches.size());
+  for (size_t i = 0; i < tree.limbs.size(); ++i) {
+    add_limb(std::move(tree.limbs[i]), label, traced);
+    if (tree.parent[i] < 0) continue;
+    traced.branches.back().parent = first + tree.parent[i];
+    traced.branches.back().attach_point = tree.attach_point[i];
+  }
+  traced.welded = true;
+}
+
 /// Ends of a limb whose radii differ by no more than this factor look alike.
 constexpr float kAlike = 0.9f;
 
@@ -87,6 +98,11 @@ TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const P
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (classified.role[p] == PartRole::kTube) {
       add_limb(std::move(classified.limbs[classified.limb[p]]), labels.label[p], traced);
+    } else if (classified.role[p] == PartRole::kWelded) {
+      const auto welded =
+          std::lower_bound(classified.welded.begin(), classified.welded.end(), p,
+                           [](const auto& entry, int32_t part) { return entry.first < part; });
+      add_welded(std::move(welded->second), labels.label[p], traced);
     } else if (classified.role[p] == PartRole::kCrossSection) {
       const std::vector<int32_t>& group = rows[labels.label[p]];
       if (group.front() != p) continue;
@@ -132,7 +148,7 @@ void assign_levels(TracedBranches& traced, const PartLabels& labels, TreeForm fo
     return;
   }
 
-  if (unlabelled) return;
+  if (unlabelled || traced.welded) return;
   LevelClusters clusters;
   const bool group_is_branch =
       form == TreeForm::kSquaresPerGroup || form == TreeForm::kTubesPerGroup;

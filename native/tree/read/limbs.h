@@ -20,6 +20,11 @@ struct TracedBranches {
   std::vector<char> reversible;
   /// Per branch: index into PartLabels::names or -1.
   std::vector<int32_t> label;
+  /// Some branches came with their parents and the places where they leave them, from a surface
+  /// that forks.
+  bool welded = false;
+  /// Names in the file, or the user, say what is wood or leaves.
+  bool named = false;
   /// Planes stood in the file in an order that means nothing and were put in order by their places.
   bool shuffled = false;
   /// Of these, planes that faced no other and belong to no branch.
@@ -31,7 +36,8 @@ struct TracedBranches {
 TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
                               ClassifiedParts& classified);
 
-/// Sets every branch's level from the names, where they tell it; otherwise all levels are -1.
+/// Sets every branch's level from the names, where they tell it; otherwise, and where parents are
+/// known, all levels are -1.
 /// @param levels the user's level names or "".
 /// @param warnings receives what the user should know.
 /// @throws std::invalid_argument as match_levels.

@@ -23,27 +23,56 @@ glm::vec3 face_normal(const LocalMesh& mesh, int32_t f) {
   return length > 0.0f ? normal / length : normal;
 }
 
-/// The vertices of a face and of the faces around it that lie in its plane.
-std::vector<int32_t> flat_patch(const LocalMesh& mesh, const Topology& topology, int32_t seed) {
-  const glm::vec3 normal = face_normal(mesh, seed);
-  std::vector<int32_t> patch(mesh.face(seed).begin(), mesh.face(seed).end());
-  for (size_t i = 0; i < patch.size(); ++i) {
-    const int32_t v = patch[i];
-    for (int32_t j = topology.vertex_face_begin[v]; j < topology.vertex_face_begin[v + 1]; ++j) {
-      const int32_t other = topology.vertex_faces[j];
-      if (glm::dot(face_normal(mesh, other), normal) < kFlatPatch) continue;
-      for (const int32_t w : mesh.face(other)) {
-        if (std::find(patch.begin(), patch.end(), w) == patch.end()) patch.push_back(w);
+/// Looks for flat patches around faces.
+class FlatPatches {
+ public:
+  FlatPatches(const LocalMesh& mesh, const Topology& topology)
+      : mesh_(mesh),
+        topology_(topology),
+        seen_vertex_(mesh.positions.size(), -1),
+        seen_face_(static_cast<size_t>(mesh.face_count()), -1) {
+    for (int32_t f = 0; f < mesh.face_count(); ++f) normals_.push_back(face_normal(mesh, f));
+  }
+
+  /// The vertices of a face and of the faces around it that lie in its plane, ascending.
+  std::vector<int32_t> around(int32_t seed) {
+    ++search_;
+    std::vector<int32_t> patch;
+    take(seed, patch);
+    for (size_t i = 0; i < patch.size(); ++i) {
+      const int32_t v = patch[i];
+      for (int32_t j = topology_.vertex_face_begin[v]; j < topology_.vertex_face_begin[v + 1];
+           ++j) {
+        const int32_t other = topology_.vertex_faces[j];
+        if (seen_face_[other] == search_) continue;
+        seen_face_[other] = search_;
+        if (glm::dot(normals_[other], normals_[seed]) >= kFlatPatch) take(other, patch);
       }
     }
+    std::sort(patch.begin(), patch.end());
+    return patch;
   }
-  std::sort(patch.begin(), patch.end());
-  return patch;
-}
+
+ private:
+  void take(int32_t face, std::vector<int32_t>& patch) {
+    for (const int32_t v : mesh_.face(face)) {
+      if (seen_vertex_[v] == search_) continue;
+      seen_vertex_[v] = search_;
+      patch.push_back(v);
+    }
+  }
+
+  const LocalMesh& mesh_;
+  const Topology& topology_;
+  std::vector<glm::vec3> normals_;
+  /// The last search, counted, that met the vertex or the face.
+  std::vector<int32_t> seen_vertex_, seen_face_;
+  int32_t search_ = 0;
+};
 
 }  // namespace
 
-Layers closed_ends(const LocalMesh& mesh, const Topology& topology) {
+Layers closed_ends(const LocalMesh& mesh, const Topology& topology, size_t most) {
   std::vector<int32_t> ends;
   int32_t along = 0;
   int32_t across = 0;
@@ -59,24 +88,26 @@ Layers closed_ends(const LocalMesh& mesh, const Topology& topology) {
     ends.push_back(across);
   }
   Layers starts;
-  for (size_t v = 0; v < mesh.positions.size(); ++v) {
+  const auto enough = [&] { return starts.size() >= most; };
+  for (size_t v = 0; v < mesh.positions.size() && !enough(); ++v) {
     if (topology.vertex_face_begin[v + 1] - topology.vertex_face_begin[v] > kFanFaces) {
       starts.push_back({static_cast<int32_t>(v)});
     }
   }
-  for (int32_t f = 0; f < mesh.face_count(); ++f) {
+  for (int32_t f = 0; f < mesh.face_count() && !enough(); ++f) {
     if (mesh.face(f).size() <= 4) continue;
     starts.emplace_back(mesh.face(f).begin(), mesh.face(f).end());
     std::sort(starts.back().begin(), starts.back().end());
   }
+  FlatPatches patches(mesh, topology);
   for (const int32_t end : ends) {
-    starts.push_back({end});
-    for (int32_t i = topology.vertex_face_begin[end]; i < topology.vertex_face_begin[end + 1];
-         ++i) {
+    if (!enough()) starts.push_back({end});
+    for (int32_t i = topology.vertex_face_begin[end];
+         i < topology.vertex_face_begin[end + 1] && !enough(); ++i) {
       const std::span<const int32_t> face = mesh.face(topology.vertex_faces[i]);
       starts.emplace_back(face.begin(), face.end());
       std::sort(starts.back().begin(), starts.back().end());
-      starts.push_back(flat_patch(mesh, topology, topology.vertex_faces[i]));
+      if (!enough()) starts.push_back(patches.around(topology.vertex_faces[i]));
     }
   }
   return starts;

@@ -106,13 +106,18 @@ Topology build_topology(const LocalMesh& mesh) {
 
 Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start) {
   std::vector<char> seen(mesh.positions.size(), 0);
+  // A face has nothing new for those of its vertices that come to it later.
+  std::vector<char> seen_face(static_cast<size_t>(mesh.face_count()), 0);
   for (const int32_t v : start) seen[v] = 1;
   Layers layers;
   while (!start.empty()) {
     std::vector<int32_t> next;
     for (const int32_t v : start) {
       for (int32_t i = topology.vertex_face_begin[v]; i < topology.vertex_face_begin[v + 1]; ++i) {
-        for (const int32_t w : mesh.face(topology.vertex_faces[i])) {
+        const int32_t f = topology.vertex_faces[i];
+        if (seen_face[f]) continue;
+        seen_face[f] = 1;
+        for (const int32_t w : mesh.face(f)) {
           if (!seen[w]) {
             seen[w] = 1;
             next.push_back(w);

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <utility>
 
+#include "base/union_find.h"
 #include "tree/rings/closed_ends.h"
 #include "tree/rings/local_mesh.h"
 
@@ -78,38 +79,28 @@ void gather_far_end(const Topology& topology, Layers& layers) {
   layers.push_back(end);
 }
 
-/// Whether a layer hangs together through faces that hold only this layer and its neighbours'
-/// vertices along an edge: a branching surface falls into several sets.
-bool is_one_ring(const LocalMesh& mesh, const Topology& topology, const std::vector<int32_t>& layer,
-                 const std::vector<int32_t>& layer_of) {
-  if (layer.size() == 1) return true;
-  const int32_t number = layer_of[layer.front()];
-  std::vector<int32_t> reached{layer.front()};
-  std::vector<int32_t> open = layer;
-  open.erase(open.begin());
-  for (size_t i = 0; i < reached.size(); ++i) {
-    const int32_t v = reached[i];
-    for (int32_t j = topology.vertex_face_begin[v]; j < topology.vertex_face_begin[v + 1]; ++j) {
-      const std::span<const int32_t> face = mesh.face(topology.vertex_faces[j]);
-      for (size_t c = 0; c < face.size(); ++c) {
-        if (face[c] != v) continue;
-        for (const int32_t w :
-             {face[(c + 1) % face.size()], face[(c + face.size() - 1) % face.size()]}) {
-          const auto found = std::lower_bound(open.begin(), open.end(), w);
-          if (layer_of[w] == number && found != open.end() && *found == w) {
-            reached.push_back(w);
-            open.erase(found);
-          }
-        }
-      }
+/// Joins the vertices that stand beside each other in a face and lie on the same layer: a ring is
+/// one set then, a branching surface's layer several.
+base::UnionFind join_along_layers(const LocalMesh& mesh, const std::vector<int32_t>& layer_of) {
+  base::UnionFind sets(mesh.positions.size());
+  for (int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::span<const int32_t> face = mesh.face(f);
+    for (size_t c = 0; c < face.size(); ++c) {
+      const int32_t v = face[c];
+      const int32_t w = face[(c + 1) % face.size()];
+      if (layer_of[v] == layer_of[w]) sets.join(v, w);
     }
   }
-  return open.empty();
+  return sets;
+}
+
+bool is_one_ring(const std::vector<int32_t>& layer, base::UnionFind& sets) {
+  const int32_t first = sets.find(layer.front());
+  return std::all_of(layer.begin(), layer.end(), [&](int32_t v) { return sets.find(v) == first; });
 }
 
 /// How far the layers are from many even rings: the smaller, the better a tube; negative = no tube.
-double irregularity(const LocalMesh& mesh, const Topology& topology, const Layers& layers,
-                    NotATube& why) {
+double irregularity(const LocalMesh& mesh, const Layers& layers, NotATube& why) {
   if (layers.size() < 2) {
     why = NotATube::kFlat;
     return -1.0;
@@ -136,6 +127,7 @@ double irregularity(const LocalMesh& mesh, const Topology& topology, const Layer
   std::nth_element(sizes.begin(), sizes.begin() + sizes.size() / 2, sizes.end());
   const auto common = static_cast<double>(sizes[sizes.size() / 2]);
   double sum = 0.0;
+  std::optional<base::UnionFind> sets;
   for (size_t i = 0; i < layers.size(); ++i) {
     const bool end = i == 0 || i + 1 == layers.size();
     const auto size = static_cast<double>(layers[i].size());
@@ -145,7 +137,8 @@ double irregularity(const LocalMesh& mesh, const Topology& topology, const Layer
       why = NotATube::kUneven;
       return -1.0;
     }
-    if (size >= 3 && !is_one_ring(mesh, topology, layers[i], layer_of)) {
+    if (size >= 3 && !sets) sets.emplace(join_along_layers(mesh, layer_of));
+    if (size >= 3 && !is_one_ring(layers[i], *sets)) {
       why = NotATube::kForks;
       return -1.0;
     }
@@ -190,8 +183,8 @@ std::vector<glm::vec3> ordered_ring(const LocalMesh& mesh, const std::vector<int
 std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   const Topology topology = build_topology(mesh);
   const bool closed = topology.boundary_loops.empty();
-  Layers starts = closed ? closed_ends(mesh, topology) : topology.boundary_loops;
   constexpr size_t kMostStarts = 64;
+  Layers starts = closed ? closed_ends(mesh, topology, kMostStarts) : topology.boundary_loops;
   if (starts.size() > kMostStarts) starts.resize(kMostStarts);
 
   Layers best;
@@ -200,7 +193,7 @@ std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
     Layers layers = walk_layers(mesh, topology, start);
     gather_far_end(topology, layers);
     NotATube reason = NotATube::kNone;
-    const double value = irregularity(mesh, topology, layers, reason);
+    const double value = irregularity(mesh, layers, reason);
     if (value < 0.0) {
       if (why == NotATube::kNone) why = reason;
       continue;

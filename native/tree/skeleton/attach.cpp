@@ -165,6 +165,10 @@ void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversibl
   } else {
     order = thickness_order(branches);
   }
+  // A branch that came with its parent is no candidate for what that one hangs on.
+  for (size_t b = 0; b < branches.size(); ++b) {
+    if (branches[b].parent >= 0) order[b] = std::max(order[b], order[branches[b].parent]);
+  }
   const Measure measure = by_level ? Measure::kDistance : Measure::kRadii;
   const SegmentTree segments(branches, order, kRadiusFloor * size);
 
@@ -180,6 +184,7 @@ void attach_branches(std::vector<Branch>& branches, std::vector<char>& reversibl
                             static_cast<float>(done) / static_cast<float>(sequence.size()));
     }
     Branch& branch = branches[b];
+    if (branch.parent >= 0) continue;
     NearestSegment found = segments.nearest(branch.points.front(), order[b], measure);
     if (reversible[b] && !touches(branch.radii.front(), found)) {
       const NearestSegment other = segments.nearest(branch.points.back(), order[b], measure);

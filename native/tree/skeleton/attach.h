@@ -25,6 +25,8 @@ namespace snowbough::tree {
 /// Afterwards parents come before their children: by level, then in the order of the input.
 ///
 /// @param branches name, level, points, radii and areas filled; receive parent and attach_point.
+/// One
+///   that comes with a parent (>= 0, an index before it) keeps that and its attach_point.
 /// @param reversible per branch: either end may be the root. Sorted along with the branches.
 /// @param size largest extent of the tree, in the branches' units.
 /// @param progress receives 0..1.

@@ -4,7 +4,9 @@
 #include <cmath>
 #include <limits>
 #include <stdexcept>
+#include <unordered_map>
 #include <unordered_set>
+#include <utility>
 
 namespace snowbough::tree {
 namespace {
@@ -42,16 +44,17 @@ void make_names_unique(std::vector<Branch>& branches) {
   std::unordered_set<std::string> taken;
   for (Branch& branch : branches) taken.insert(branch.name);
   std::unordered_set<std::string> used;
+  // Per name the number to try next: none below it comes free again.
+  std::unordered_map<std::string, int64_t> next_number;
   for (Branch& branch : branches) {
     if (branch.name.empty()) branch.name = "branch";
     if (used.insert(branch.name).second) continue;
-    for (int number = 2;; ++number) {
-      const std::string name = branch.name + "_" + std::to_string(number);
-      if (!taken.contains(name) && used.insert(name).second) {
-        branch.name = name;
-        break;
-      }
-    }
+    int64_t& number = next_number.try_emplace(branch.name, 2).first->second;
+    std::string name;
+    do {
+      name = branch.name + "_" + std::to_string(number++);
+    } while (taken.contains(name) || !used.insert(name).second);
+    branch.name = std::move(name);
   }
 }
 

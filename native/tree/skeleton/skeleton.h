@@ -30,7 +30,7 @@ struct Branch {
 /// What the import found, for the operator's report, --json and the collection's custom property.
 struct ImportReport {
   /// One of SQUARES_PER_GROUP, TUBES_PER_GROUP, TUBES_PER_LEVEL, MERGED_TUBES, MATERIALS,
-  /// MERGED_SQUARES (forms 1 to 6).
+  /// MERGED_SQUARES, WELDED (forms 1 to 7), or FROM_BRANCHES.
   std::string form;
   /// "Y" or "Z": the up axis used.
   std::string up_axis;

@@ -98,7 +98,7 @@ void SurfaceBuilder::build_anew(int32_t branch, const std::vector<uint8_t>& reli
                                 std::vector<uint8_t>& due) {
   const int32_t parent = plan_.skeleton.branches[branch].parent;
   LimbPart part = build_limb(plan_, branch, relief, start_of(branch),
-                             parent >= 0 ? &parts_[parent].limb : nullptr);
+                             parent >= 0 ? &parts_[parent].hull : nullptr);
   LimbPart& old = parts_[branch];
   const std::vector<int32_t>& children = plan_.children[branch];
   if (!old.starts.empty()) {

@@ -29,7 +29,7 @@ constexpr double kContinuesCosine = -0.3;
 class LimbBuilder {
  public:
   LimbBuilder(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-              const LimbStart& start, const LimbSurface* parent)
+              const LimbStart& start, const LimbHull* parent)
       : plan_(plan),
         branch_(branch),
         children_(plan.children[branch]),
@@ -46,9 +46,10 @@ class LimbBuilder {
 
     std::vector<double> attach;
     attach.reserve(children_.size());
+    const PathSearch search(path);
     for (int32_t child : children_) {
       attach.push_back(
-          nearest_length(path, glm::dvec3(plan_.skeleton.branches[child].attach_point)));
+          search.nearest_length(glm::dvec3(plan_.skeleton.branches[child].attach_point)));
     }
     const int32_t next = continuing_child(path, attach);
     if (next >= 0) {
@@ -66,7 +67,7 @@ class LimbBuilder {
         continue;
       }
       const Exit exit =
-          find_exit(path, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
+          find_exit(search, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
       requests.push_back(exit.request);
       if (exit.clamped) {
         part_.clamped.push_back(child);
@@ -111,6 +112,9 @@ class LimbBuilder {
       const Ring& root = part_.limb.rings.front();
       add_quad({root.vertices[0], root.vertices[3], root.vertices[2], root.vertices[1]},
                {branch_, 0, 0, 0, FacePart::kRootCap});
+    }
+    if (!children_.empty()) {
+      part_.hull = LimbHull(part_.limb.rings);
     }
     return std::move(part_);
   }
@@ -334,7 +338,7 @@ class LimbBuilder {
   const std::vector<int32_t>& children_;
   const std::vector<uint8_t>& relief_;
   const LimbStart& start_;
-  const LimbSurface* parent_;
+  const LimbHull* parent_;
   LimbPart part_;
 };
 
@@ -349,7 +353,7 @@ bool LimbStart::grows_like(const LimbStart& other) const {
 }
 
 LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-                    const LimbStart& start, const LimbSurface* parent) {
+                    const LimbStart& start, const LimbHull* parent) {
   return LimbBuilder(plan, branch, relief, start, parent).build();
 }
 

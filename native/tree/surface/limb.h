@@ -6,6 +6,7 @@
 #include "tree/skeleton/skeleton.h"
 #include "tree/surface/frames.h"
 #include "tree/surface/limb_base.h"
+#include "tree/surface/limb_hull.h"
 #include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
 
@@ -31,6 +32,8 @@ struct LimbPart {
   std::vector<Quad> quads;
   std::vector<FaceOrigin> origins;
   LimbSurface limb;
+  /// Of its rings; none for a limb without children.
+  LimbHull hull;
   std::vector<Junction> junctions;
   /// Children that were thicker than the limb where they leave it, and those that lacked room.
   std::vector<int32_t> clamped, squeezed;
@@ -52,8 +55,8 @@ struct LimbPlan {
 
 /// Builds one limb.
 /// @param relief  see build_surface; that of the branch and of its children counts.
-/// @param start, parent  what the parent prepared for the branch, and its rings; null for a root.
+/// @param start, parent  what the parent prepared for the branch, and its hull; null for a root.
 LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
-                    const LimbStart& start, const LimbSurface* parent);
+                    const LimbStart& start, const LimbHull* parent);
 
 }  // namespace snowbough::tree

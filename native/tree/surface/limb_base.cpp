@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <vector>
 
 #include "tree/surface/frames.h"
 #include "tree/surface/stations.h"
@@ -48,11 +47,12 @@ struct Crossing {
   bool starts_outside;
 };
 
-Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
-  Crossing crossing{child.points[0], nearest_length(parent, child.points[0]), 0.0, true};
+Crossing first_outside(const PathSearch& search, const LimbPath& child) {
+  const LimbPath& parent = search.path();
+  Crossing crossing{child.points[0], search.nearest_length(child.points[0]), 0.0, true};
   double before = 0.0;
   for (size_t i = 0; i < child.points.size(); ++i) {
-    const double s = nearest_length(parent, child.points[i]);
+    const double s = search.nearest_length(child.points[i]);
     const double outside =
         glm::distance(child.points[i], position_at(parent, s)) - corner_at(parent, s);
     if (outside >= 0.0 || i + 1 == child.points.size()) {
@@ -61,7 +61,7 @@ Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
         crossing.point = child.points[i - 1] + (child.points[i] - child.points[i - 1]) * t;
         crossing.child_length =
             child.lengths[i - 1] + (child.lengths[i] - child.lengths[i - 1]) * t;
-        crossing.parent_length = nearest_length(parent, crossing.point);
+        crossing.parent_length = search.nearest_length(crossing.point);
         crossing.starts_outside = false;
       }
       return crossing;
@@ -69,35 +69,6 @@ Crossing first_outside(const LimbPath& parent, const LimbPath& child) {
     before = outside;
   }
   return crossing;
-}
-
-/// Whether a point lies more than `margin` outside the round hull of one segment.
-bool clears(const Ring& a, const Ring& b, const glm::dvec3& point, double margin) {
-  const glm::dvec3 ab = b.centre - a.centre;
-  const double square = glm::dot(ab, ab);
-  const double t =
-      square > 0.0 ? std::clamp(glm::dot(point - a.centre, ab) / square, 0.0, 1.0) : 0.0;
-  return glm::distance(point, a.centre + ab * t) - (a.corner + (b.corner - a.corner) * t) > margin;
-}
-
-/// The parent's segments, by their first rings, whose hulls may come within `margin` of a ball. The
-/// others, nearly all of a long limb, are further away than they are long and thick.
-std::vector<size_t> segments_near(const LimbSurface& parent, const glm::dvec3& centre,
-                                  double radius, double margin) {
-  std::vector<size_t> near;
-  for (size_t i = 0; i + 1 < parent.rings.size(); ++i) {
-    const Ring& a = parent.rings[i];
-    const Ring& b = parent.rings[i + 1];
-    const glm::dvec3 ab = b.centre - a.centre;
-    const glm::dvec3 ap = centre - a.centre;
-    const double corner = std::max(a.corner, b.corner);
-    // The square of a sum of four is at most four times the sum of the squares.
-    if (glm::dot(ap, ap) <=
-        4.01 * (glm::dot(ab, ab) + corner * corner + margin * margin + radius * radius)) {
-      near.push_back(i);
-    }
-  }
-  return near;
 }
 
 std::array<glm::dvec3, kRingSamples> ring_samples(const glm::dvec3& centre,
@@ -112,18 +83,12 @@ std::array<glm::dvec3, kRingSamples> ring_samples(const glm::dvec3& centre,
 }
 
 /// Whether a ring stands clear: outside the parent's round hull, and the whole hole behind it.
-bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& centre,
+bool ring_clears(const LimbHull& parent, const Hole& hole, const glm::dvec3& centre,
                  const glm::dvec3& normal, double corner, double margin) {
   if (glm::dot(centre - hole.centre, hole.normal) <= margin) {
     return false;
   }
-  const std::vector<size_t> near = segments_near(parent, centre, corner, margin);
-  const auto clears_all = [&](const glm::dvec3& point) {
-    return std::all_of(near.begin(), near.end(), [&](size_t i) {
-      return clears(parent.rings[i], parent.rings[i + 1], point, margin);
-    });
-  };
-  if (!clears_all(centre)) {
+  if (!parent.clears(centre, margin)) {
     return false;
   }
   for (const glm::dvec3& p : hole.corners) {
@@ -133,7 +98,7 @@ bool ring_clears(const LimbSurface& parent, const Hole& hole, const glm::dvec3& 
   }
   const auto samples = ring_samples(centre, normal, corner);
   return std::all_of(samples.begin(), samples.end(), [&](const glm::dvec3& p) {
-    return glm::dot(p - hole.centre, hole.normal) > margin && clears_all(p);
+    return glm::dot(p - hole.centre, hole.normal) > margin && parent.clears(p, margin);
   });
 }
 
@@ -180,7 +145,7 @@ struct FirstRing {
 
 /// The first joint whose ring, narrowed if need be, clears the parent, or one soon after it whose
 /// ring rises from the hole as well. None: joint 0.
-FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& parent,
                      const SurfaceScale& scale, double margin, double narrowing) {
   const size_t last = child.points.size() - 1;
   FirstRing first;
@@ -211,9 +176,10 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbSurface&
 
 }  // namespace
 
-Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, int32_t child_index,
                const SurfaceScale& scale, int relief) {
-  const Crossing crossing = first_outside(parent, child);
+  const LimbPath& parent = search.path();
+  const Crossing crossing = first_outside(search, child);
   Exit exit;
   exit.request.child = child_index;
 
@@ -249,7 +215,7 @@ Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int
   return exit;
 }
 
-LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
                       const SurfaceScale& scale, int relief) {
   const double margin = scale.smallest_gap + kReliefMargin * relief * hole.parent_corner;
   const double narrowing = std::pow(kReliefFactor, relief);

@@ -4,6 +4,7 @@
 #include <glm/vec3.hpp>
 
 #include "tree/surface/knuckles.h"
+#include "tree/surface/limb_hull.h"
 #include "tree/surface/limb_path.h"
 #include "tree/surface/surface.h"
 
@@ -29,17 +30,18 @@ struct Exit {
 };
 
 /// Where a child passes through its parent's surface, and the knuckle it asks for there.
-/// @param attach arc length on `parent` where the child sits.
+/// @param search of the parent's path.
+/// @param attach arc length on the parent's path where the child sits.
 /// @param relief see build_surface.
-Exit find_exit(const LimbPath& parent, double attach, const LimbPath& child, int32_t child_index,
+Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, int32_t child_index,
                const SurfaceScale& scale, int relief);
 
 /// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
 /// would cut into it, are dropped, and so are those close to the hole whose ring would hang over
 /// the parent's side with a slit under it, if the way past them is about straight; rings that
 /// hardly clear the parent are narrowed. At least the tip remains.
-/// @param parent the parent's rings.
-LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbSurface& parent,
+/// @param parent the hull of the parent's rings.
+LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
                       const SurfaceScale& scale, int relief);
 
 }  // namespace snowbough::tree

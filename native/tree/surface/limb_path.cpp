@@ -1,9 +1,11 @@
 #include "tree/surface/limb_path.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <stdexcept>
+#include <utility>
 
 namespace snowbough::tree {
 namespace {
@@ -17,6 +19,25 @@ double lerp_at(const std::vector<double>& lengths, const std::vector<double>& va
   const double t = std::clamp((s - lengths[i]) / (lengths[i + 1] - lengths[i]), 0.0, 1.0);
   return values[i] + (values[i + 1] - values[i]) * t;
 }
+
+/// The nearest place met so far; of equally near ones that on the first segment.
+struct Nearest {
+  double length = 0.0;
+  double square = 1e300;
+  size_t segment = 0;
+
+  void try_segment(const LimbPath& path, size_t i, const glm::dvec3& point) {
+    const glm::dvec3 a = path.points[i], ab = path.points[i + 1] - a;
+    const double t = std::clamp(glm::dot(point - a, ab) / glm::dot(ab, ab), 0.0, 1.0);
+    const glm::dvec3 off = point - (a + ab * t);
+    const double found = glm::dot(off, off);
+    if (found < square || (found == square && i < segment)) {
+      square = found;
+      segment = i;
+      length = path.lengths[i] + (path.lengths[i + 1] - path.lengths[i]) * t;
+    }
+  }
+};
 
 glm::dvec3 away_from_parent(const Branch& branch, const std::vector<LimbPath>& paths,
                             const SurfaceScale& scale) {
@@ -108,18 +129,40 @@ glm::dvec3 direction_at(const LimbPath& path, double s) {
 }
 
 double nearest_length(const LimbPath& path, const glm::dvec3& point) {
-  double best = 0.0, best_distance = 1e300;
+  Nearest nearest;
   for (size_t i = 0; i + 1 < path.points.size(); ++i) {
-    const glm::dvec3 a = path.points[i], ab = path.points[i + 1] - a;
-    const double t = std::clamp(glm::dot(point - a, ab) / glm::dot(ab, ab), 0.0, 1.0);
-    const glm::dvec3 off = point - (a + ab * t);
-    const double distance = glm::dot(off, off);
-    if (distance < best_distance) {
-      best_distance = distance;
-      best = path.lengths[i] + (path.lengths[i + 1] - path.lengths[i]) * t;
-    }
+    nearest.try_segment(path, i, point);
   }
-  return best;
+  return nearest.length;
+}
+
+double PathSearch::nearest_length(const glm::dvec3& point) const {
+  const std::vector<StripTree::Node>& nodes = tree_.nodes();
+  Nearest nearest;
+  // Runs are halved: one waits for each of at most 31 halvings.
+  std::array<std::pair<double, int32_t>, 40> waiting{};
+  size_t count = 1;
+  while (count > 0) {
+    const auto [least, number] = waiting[--count];
+    const StripTree::Node& node = nodes[number];
+    if (least > std::sqrt(nearest.square) + tree_.rounding()) {
+      continue;
+    }
+    if (node.second == 0) {
+      for (int32_t i = node.begin; i < node.end; ++i) {
+        nearest.try_segment(path_, i, point);
+      }
+      continue;
+    }
+    std::pair near(tree_.least_distance(nodes[number + 1], point), number + 1);
+    std::pair far(tree_.least_distance(nodes[node.second], point), node.second);
+    if (far < near) {
+      std::swap(near, far);
+    }
+    waiting[count++] = far;
+    waiting[count++] = near;
+  }
+  return nearest.length;
 }
 
 std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,

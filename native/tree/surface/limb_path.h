@@ -6,6 +6,7 @@
 
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/width.h"
+#include "tree/surface/strip_tree.h"
 
 namespace snowbough::tree {
 
@@ -62,7 +63,23 @@ double corner_at(const LimbPath& path, double s);
 double bone_length_at(const LimbPath& path, double s);
 glm::dvec3 direction_at(const LimbPath& path, double s);
 
-/// Arc length of the place on the path nearest to `point`.
+/// Arc length of the place on the path nearest to `point`, the first of several.
 double nearest_length(const LimbPath& path, const glm::dvec3& point);
+
+/// A path that is asked for nearest places many times: in about logarithmic time each. The path
+/// must outlive it and keep its points.
+class PathSearch {
+ public:
+  explicit PathSearch(const LimbPath& path) : path_(path), tree_(path.points) {}
+
+  const LimbPath& path() const { return path_; }
+
+  /// As nearest_length(path, point), to the bit.
+  double nearest_length(const glm::dvec3& point) const;
+
+ private:
+  const LimbPath& path_;
+  StripTree tree_;
+};
 
 }  // namespace snowbough::tree

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstdint>
 #include <vector>
 
@@ -14,6 +15,7 @@ namespace {
 using testing::Contains;
 using testing::ElementsAre;
 using testing::IsEmpty;
+using testing::SizeIs;
 
 LocalMesh tube(int rings) {
   LocalMesh mesh;
@@ -73,9 +75,29 @@ TEST(ClosedEnds, AClosedTubeMayEndAtItsCaps) {
   mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()));
   const Topology topology = build_topology(mesh);
   EXPECT_THAT(topology.boundary_loops, IsEmpty());
-  const Layers ends = closed_ends(mesh, topology);
+  const Layers ends = closed_ends(mesh, topology, 64);
   EXPECT_THAT(ends, Contains(ElementsAre(0, 1, 2, 3)));
   EXPECT_THAT(ends, Contains(ElementsAre(20, 21, 22, 23)));
+  EXPECT_EQ(closed_ends(mesh, topology, 3), Layers(ends.begin(), ends.begin() + 3));
+}
+
+TEST(ClosedEnds, TwoPolygonsOfManyCornersBackToBackAreOneFlatPatch) {
+  // Looked at corner by corner within corner, this would take hours.
+  constexpr int32_t kCorners = 200000;
+  LocalMesh mesh;
+  for (int32_t i = 0; i < kCorners; ++i) {
+    const double angle = 2.0 * M_PI * i / kCorners;
+    mesh.positions.emplace_back(std::cos(angle), std::sin(angle), 0.0);
+    mesh.corners.push_back(i);
+  }
+  mesh.face_begin.push_back(kCorners);
+  for (int32_t i = kCorners; i-- > 0;) mesh.corners.push_back(i);
+  mesh.face_begin.push_back(2 * kCorners);
+  const Topology topology = build_topology(mesh);
+  for (const std::vector<int32_t>& end : closed_ends(mesh, topology, 64)) {
+    EXPECT_TRUE(end.size() == 1 || end.size() == kCorners);
+  }
+  EXPECT_THAT(walk_layers(mesh, topology, {0}), SizeIs(2));
 }
 
 }  // namespace

@@ -63,5 +63,17 @@ TEST(CompleteSkeleton, MakesNamesUnique) {
   EXPECT_EQ(skeleton.branches[3].name, "branch");
 }
 
+TEST(CompleteSkeleton, NumbersEqualNamesPastThoseTaken) {
+  Skeleton skeleton;
+  for (const char* name : {"a", "a", "a", "a_3", "a_2", "a_2", "a"}) {
+    skeleton.branches.push_back(tapering(name, {{0, 0, 0}, {0, 0, 1}}, 0.1f));
+    skeleton.branches.back().level = 0;
+  }
+  complete_skeleton(skeleton);
+  std::vector<std::string> names;
+  for (const Branch& branch : skeleton.branches) names.push_back(branch.name);
+  EXPECT_THAT(names, ElementsAre("a", "a_4", "a_5", "a_3", "a_2", "a_2_2", "a_6"));
+}
+
 }  // namespace
 }  // namespace snowbough::tree

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "tree/rings/local_mesh.h"
+
+namespace snowbough::tree {
+
+using LocalTriangle = std::array<int32_t, 3>;
+
+/// The polygons as fans of triangles, in their order.
+std::vector<LocalTriangle> triangulate(const LocalMesh& mesh);
+
+/// The vertices joined by an edge of a triangle, each pair once, ascending.
+std::vector<std::array<int32_t, 2>> edges_of(const std::vector<LocalTriangle>& triangles);
+
+/// Distance of every vertex from the nearest of `sources` along the surface; infinite where no way
+/// leads. Ways run along edges and, unfolded, straight across pairs of neighbouring triangles,
+/// which overestimates by a few per cent.
+///
+/// Sources: E. W. Dijkstra, "A note on two problems in connexion with graphs", Numerische
+/// Mathematik 1, 1959; the unfolding: R. Kimmel, J. A. Sethian, "Computing geodesic paths on
+/// manifolds", PNAS 95, 1998.
+std::vector<double> geodesic_distances(const LocalMesh& mesh,
+                                       const std::vector<LocalTriangle>& triangles,
+                                       std::span<const int32_t> sources);
+
+}  // namespace snowbough::tree

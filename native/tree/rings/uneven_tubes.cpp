@@ -1,0 +1,123 @@
+#include "tree/rings/uneven_tubes.h"
+
+#include <algorithm>
+#include <glm/geometric.hpp>
+#include <utility>
+#include <vector>
+
+#include "tree/rings/local_mesh.h"
+#include "tree/rings/welded.h"
+
+namespace snowbough::tree {
+namespace {
+
+constexpr size_t kSmallestLoop = 3;
+constexpr size_t kLargestLoop = 16;
+/// A tube is at least this many times as long as its largest radius.
+constexpr float kShortest = 3.0f;
+
+/// Edges between vertices of the polygons, each once for every polygon that has it.
+std::vector<std::pair<int32_t, int32_t>> polygon_edges(const LocalMesh& mesh) {
+  std::vector<std::pair<int32_t, int32_t>> edges;
+  for (int32_t f = 0; f < mesh.face_count(); ++f) {
+    const std::span<const int32_t> face = mesh.face(f);
+    for (size_t c = 0; c < face.size(); ++c) {
+      edges.emplace_back(std::minmax(face[c], face[(c + 1) % face.size()]));
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  return edges;
+}
+
+/// Whether the surface is a disc: one boundary, no handles, no edge of three faces.
+bool is_disc(const LocalMesh& mesh, std::vector<std::pair<int32_t, int32_t>> edges,
+             size_t loop_size) {
+  size_t single = 0;
+  for (size_t i = 0; i < edges.size();) {
+    size_t j = i + 1;
+    while (j < edges.size() && edges[j] == edges[i]) ++j;
+    if (j - i > 2) return false;
+    single += j - i == 1 ? 1 : 0;
+    i = j;
+  }
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  const auto euler = static_cast<ptrdiff_t>(mesh.positions.size()) -
+                     static_cast<ptrdiff_t>(edges.size()) + mesh.face_count();
+  return euler == 1 && single == loop_size;
+}
+
+/// The vertices of a layer in their order along it, if they form one closed ring.
+std::vector<int32_t> closed_ring(const std::vector<int32_t>& layer,
+                                 const std::vector<std::vector<int32_t>>& beside) {
+  std::vector<int32_t> ring{layer.front()};
+  int32_t before = -1;
+  while (ring.size() <= layer.size()) {
+    const std::vector<int32_t>& both = beside[ring.back()];
+    if (both.size() != 2) return {};
+    const int32_t next = both[0] == before ? both[1] : both[0];
+    before = ring.back();
+    if (next == ring.front()) break;
+    ring.push_back(next);
+  }
+  if (ring.size() != layer.size()) return {};
+  return ring;
+}
+
+/// A limb through the layers; nothing where one of them, but for the last, is no closed ring.
+std::optional<Limb> limb_through(const LocalMesh& mesh,
+                                 const std::vector<std::pair<int32_t, int32_t>>& edges,
+                                 const Layers& layers) {
+  std::vector<int32_t> layer_of(mesh.positions.size(), -1);
+  for (size_t i = 0; i < layers.size(); ++i) {
+    for (const int32_t v : layers[i]) layer_of[v] = static_cast<int32_t>(i);
+  }
+  std::vector<std::vector<int32_t>> beside(mesh.positions.size());
+  for (size_t i = 0; i < edges.size(); ++i) {
+    if (i > 0 && edges[i] == edges[i - 1]) continue;
+    const auto [a, b] = edges[i];
+    if (layer_of[a] != layer_of[b]) continue;
+    beside[a].push_back(b);
+    beside[b].push_back(a);
+  }
+  Limb limb;
+  for (size_t i = 0; i < layers.size(); ++i) {
+    std::vector<int32_t> ring = closed_ring(layers[i], beside);
+    if (ring.size() < kSmallestLoop) {
+      if (i + 1 < layers.size()) return std::nullopt;
+      ring = layers[i];
+    }
+    std::vector<glm::vec3> corners;
+    for (const int32_t v : ring) corners.push_back(mesh.positions[v]);
+    append_ring(corners, limb);
+  }
+  return limb;
+}
+
+bool is_long(const Limb& limb) {
+  return limb.points.size() >= 2 &&
+         limb_length(limb) >= kShortest * *std::max_element(limb.radii.begin(), limb.radii.end());
+}
+
+}  // namespace
+
+std::optional<Limb> trace_uneven_tube(const ObjScene& scene, std::span<const int32_t> faces,
+                                      std::span<const int32_t> vertices) {
+  const LocalMesh mesh = extract_component(scene, faces, vertices);
+  const Topology topology = build_topology(mesh);
+  if (topology.boundary_loops.size() != 1) return std::nullopt;
+  const std::vector<int32_t>& loop = topology.boundary_loops.front();
+  const std::vector<std::pair<int32_t, int32_t>> edges = polygon_edges(mesh);
+  if (loop.size() < kSmallestLoop || loop.size() > kLargestLoop ||
+      2 * loop.size() >= mesh.positions.size() || !is_disc(mesh, edges, loop.size())) {
+    return std::nullopt;
+  }
+  std::optional<Limb> limb = limb_through(mesh, edges, walk_layers(mesh, topology, loop));
+  if (!limb) {
+    std::optional<WeldedTree> welded = trace_welded_from(mesh, loop);
+    if (welded && welded->limbs.size() == 1) limb = std::move(welded->limbs.front());
+  }
+  if (!limb || !is_long(*limb)) return std::nullopt;
+  return limb;
+}
+
+}  // namespace snowbough::tree

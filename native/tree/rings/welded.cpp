@@ -1,0 +1,459 @@
+#include "tree/rings/welded.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <utility>
+
+#include "tree/rings/geodesic.h"
+#include "tree/rings/local_mesh.h"
+#include "tree/rings/reeb.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// Distance of two rings, in radii of the limb and in mean lengths of the edges along it, whichever
+/// is more.
+constexpr double kRingSpacing = 1.5;
+constexpr double kEdgeSpacing = 0.75;
+/// No limb needs more rings than this between two forks.
+constexpr double kMostRings = 1000.0;
+/// Where along the first and the last stretch the rings at an arc's ends are, as a share.
+constexpr double kEndShare = 0.5;
+/// How far along its parent, in radii of the two together, a limb may lie from where they part.
+constexpr double kAttachReach = 4.0;
+/// Faces whose normals are this near to the limb's direction (cosine) close its end.
+constexpr double kCapCosine = 0.7;
+/// At a fork thickness counts times this power of (1 + cosine of the turn) / 2.
+constexpr double kStraightness = 4.0;
+/// A limb's tip is farther than this many of its parent's radii from the parent's centreline.
+constexpr double kStandsOut = 1.5;
+/// Rings from a fork on whose median tells how thick a limb goes on.
+constexpr size_t kThicknessRings = 5;
+
+/// Rings of one arc from below, and where they are.
+struct ArcRings {
+  std::vector<double> levels;
+  std::vector<Contour> contours;
+
+  bool empty() const { return contours.empty(); }
+};
+
+double mean_radius(const ReebArc& arc) {
+  const double length = arc.end - arc.begin;
+  return length > 0.0 ? arc.area / (2.0 * M_PI * length) : 0.0;
+}
+
+/// Mean rise of the edges of each arc: how far apart the surface's own rings are.
+std::vector<double> edge_rises(const std::vector<LocalTriangle>& triangles,
+                               const std::vector<double>& distance, const ReebTree& tree) {
+  std::vector<double> sum(tree.arcs.size(), 0.0);
+  std::vector<double> square(tree.arcs.size(), 0.0);
+  for (const auto& [a, b] : edges_of(triangles)) {
+    if (tree.arc_of[a] < 0 || tree.arc_of[a] != tree.arc_of[b]) continue;
+    const double rise = std::abs(distance[a] - distance[b]);
+    sum[tree.arc_of[a]] += rise;
+    square[tree.arc_of[a]] += rise * rise;
+  }
+  // Weighted by the rise itself: edges around the limb, which do not rise, do not count.
+  for (size_t a = 0; a < sum.size(); ++a) sum[a] = sum[a] > 0.0 ? square[a] / sum[a] : 0.0;
+  return sum;
+}
+
+std::vector<std::vector<double>> ring_levels(const std::vector<LocalTriangle>& triangles,
+                                             const std::vector<double>& distance,
+                                             const ReebTree& tree) {
+  const std::vector<double> rises = edge_rises(triangles, distance, tree);
+  std::vector<std::vector<double>> levels(tree.arcs.size());
+  for (size_t a = 0; a < tree.arcs.size(); ++a) {
+    const ReebArc& arc = tree.arcs[a];
+    const double length = arc.end - arc.begin;
+    if (length <= 0.0) continue;
+    const double spacing = std::max(kRingSpacing * mean_radius(arc), kEdgeSpacing * rises[a]);
+    const double count =
+        std::clamp(std::round(length / spacing), arc.above.empty() ? 2.0 : 1.0, kMostRings);
+    for (double i = 0.0; i < count; ++i) {
+      levels[a].push_back(arc.begin + length * (i + kEndShare) / count);
+    }
+  }
+  return levels;
+}
+
+glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
+  const double length = glm::distance(from, to);
+  return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
+}
+
+/// Puts arcs together to limbs.
+class Assembler {
+ public:
+  Assembler(const ReebTree& tree, std::vector<ArcRings> rings, const LocalMesh& mesh,
+            const std::vector<double>& distance, const std::vector<int32_t>& root)
+      : tree_(tree), rings_(std::move(rings)), tips_(tree.arcs.size(), -1) {
+    for (size_t v = 0; v < distance.size(); ++v) {
+      const int32_t arc = tree.arc_of[v];
+      if (arc < 0 || !std::isinf(tree.bump_from[v])) continue;
+      int32_t& tip = tips_[arc];
+      if (tip < 0 || distance[v] > distance[tip]) tip = static_cast<int32_t>(v);
+    }
+    mesh_ = &mesh;
+    for (const int32_t v : root) root_ += glm::dvec3(mesh.positions[v]);
+    root_ /= static_cast<double>(root.size());
+  }
+
+  WeldedTree assemble() {
+    struct Start {
+      int32_t arc, parent;
+      /// Last point of the parent before the fork.
+      size_t fork;
+    };
+    std::vector<Start> starts{{static_cast<int32_t>(tree_.arcs.size()) - 1, -1, 0}};
+    for (size_t s = 0; s < starts.size(); ++s) {
+      const auto [first, parent, fork] = starts[s];
+      Limb limb;
+      std::vector<std::pair<int32_t, size_t>> leaving;
+      for (int32_t arc = first; arc >= 0;) {
+        for (const Contour& ring : rings_[arc].contours) append(ring, limb);
+        const std::vector<int32_t>& above = tree_.arcs[arc].above;
+        if (above.empty()) {
+          append_tip(arc, limb);
+          break;
+        }
+        const int32_t next = continuing(above, limb);
+        for (const int32_t other : above) {
+          if (other != next) {
+            leaving.emplace_back(other, limb.points.empty() ? 0 : limb.points.size() - 1);
+          }
+        }
+        arc = next;
+      }
+      if (parent >= 0 && leaving.empty() && lies_on(limb, result_.limbs[parent], fork)) continue;
+      const auto number = static_cast<int32_t>(result_.limbs.size());
+      if (parent < 0) {
+        prepend(root_, limb);
+        for (auto& [arc, at] : leaving) ++at;
+        result_.attach_point.push_back(limb.points.front());
+      } else {
+        const glm::dvec3 foot = find_foot(limb, result_.limbs[parent], fork);
+        prepend(foot, limb);
+        for (auto& [arc, at] : leaving) ++at;
+        result_.attach_point.emplace_back(foot);
+      }
+      result_.parent.push_back(parent);
+      result_.limbs.push_back(std::move(limb));
+      for (const auto& [arc, at] : leaving) starts.push_back({arc, number, at});
+    }
+    return std::move(result_);
+  }
+
+ private:
+  static void append(const Contour& ring, Limb& limb) {
+    if (!(ring.length > 0.0)) return;
+    limb.points.emplace_back(ring.centre);
+    limb.radii.push_back(static_cast<float>(ring.radius));
+    limb.areas.push_back(static_cast<float>(ring.area));
+  }
+
+  /// The limb begins at `place` as thick as at its first ring.
+  static void prepend(const glm::dvec3& place, Limb& limb) {
+    const float radius = limb.radii.empty() ? 0.0f : limb.radii.front();
+    const float area = limb.areas.empty() ? 0.0f : limb.areas.front();
+    limb.points.insert(limb.points.begin(), glm::vec3(place));
+    limb.radii.insert(limb.radii.begin(), radius);
+    limb.areas.insert(limb.areas.begin(), area);
+  }
+
+  /// The tip lies straight on from the last two rings, as far out as the farthest vertex.
+  void append_tip(int32_t arc, Limb& limb) const {
+    if (tips_[arc] < 0) return;
+    const glm::dvec3 farthest(mesh_->positions[tips_[arc]]);
+    if (limb.points.size() < 2) {
+      limb.points.emplace_back(farthest);
+    } else {
+      const glm::dvec3 last(limb.points.back());
+      const glm::dvec3 way = direction(glm::dvec3(limb.points[limb.points.size() - 2]), last);
+      const double ahead = glm::dot(farthest - last, way);
+      if (ahead <= 0.0) return;
+      limb.points.emplace_back(last + way * ahead);
+    }
+    // A cone's last ring is half as far from its tip as the ring before it is.
+    const size_t count = limb.radii.size();
+    const float taper =
+        count >= 2 ? limb.radii[count - 1] / std::max(limb.radii[count - 2], 1e-30f) : 1.0f;
+    const float share = taper > 0.75f ? taper : 0.0f;
+    limb.radii.push_back(count > 0 ? share * limb.radii.back() : 0.0f);
+    limb.areas.push_back(count > 0 ? share * share * limb.areas.back() : 0.0f);
+  }
+
+  const ArcRings* rings_from(int32_t arc) const {
+    while (rings_[arc].empty() && !tree_.arcs[arc].above.empty())
+      arc = tree_.arcs[arc].above.front();
+    return rings_[arc].empty() ? nullptr : &rings_[arc];
+  }
+
+  /// The arc with which the limb goes on.
+  int32_t continuing(const std::vector<int32_t>& above, const Limb& limb) const {
+    const size_t count = limb.points.size();
+    // The rings nearest to the fork lean towards what leaves there.
+    const glm::dvec3 heading =
+        count >= 3   ? direction(glm::dvec3(limb.points[count - std::min<size_t>(count, 5)]),
+                                 glm::dvec3(limb.points[count - 2]))
+        : count == 2 ? direction(glm::dvec3(limb.points[0]), glm::dvec3(limb.points[1]))
+                     : glm::dvec3(0.0);
+    int32_t best = above.front();
+    double best_score = -std::numeric_limits<double>::infinity();
+    for (const int32_t arc : above) {
+      const ArcRings* rings = rings_from(arc);
+      if (rings == nullptr) continue;
+      const std::vector<Contour>& contours = rings->contours;
+      const size_t last = contours.size() - 1;
+      const glm::dvec3 way = last >= 1 ? direction(contours[std::min<size_t>(1, last - 1)].centre,
+                                                   contours[std::min<size_t>(4, last)].centre)
+                             : count > 0
+                                 ? direction(glm::dvec3(limb.points.back()), contours[0].centre)
+                                 : glm::dvec3(0.0);
+      std::vector<double> areas;
+      for (size_t i = 0; i < std::min(kThicknessRings, contours.size()); ++i) {
+        areas.push_back(contours[i].area);
+      }
+      std::nth_element(areas.begin(), areas.begin() + static_cast<ptrdiff_t>(areas.size() / 2),
+                       areas.end());
+      const double straight = 0.5 + 0.5 * glm::dot(heading, way);
+      const double score =
+          std::sqrt(areas[areas.size() / 2] / M_PI) * std::pow(straight, kStraightness);
+      if (score > best_score) {
+        best_score = score;
+        best = arc;
+      }
+    }
+    return best;
+  }
+
+  /// Calls `visit(i)` for the segments within so many metres before and after point `at`.
+  template <typename Visit>
+  static void for_segments_near(const Limb& limb, size_t at, double before, double after,
+                                const Visit& visit) {
+    double walked = 0.0;
+    for (size_t i = at; i > 0 && walked <= before; --i) {
+      visit(i - 1);
+      walked += glm::distance(limb.points[i], limb.points[i - 1]);
+    }
+    walked = 0.0;
+    for (size_t i = at; i + 1 < limb.points.size() && walked <= after; ++i) {
+      visit(i);
+      walked += glm::distance(limb.points[i], limb.points[i + 1]);
+    }
+  }
+
+  /// Whether a piece without forks ends at its parent's side: the distance rises unevenly there,
+  /// and no limb leaves.
+  static bool lies_on(const Limb& limb, const Limb& parent, size_t fork) {
+    const size_t at = std::min(fork + 1, parent.points.size() - 1);
+    const glm::dvec3 tip(limb.points.back());
+    const double reach = kAttachReach * static_cast<double>(parent.radii[at]);
+    bool lies = false;
+    for_segments_near(parent, at, reach, reach, [&](size_t i) {
+      const glm::dvec3 a(parent.points[i]);
+      const glm::dvec3 ab = glm::dvec3(parent.points[i + 1]) - a;
+      const double square = glm::dot(ab, ab);
+      const double t = square > 0.0 ? std::clamp(glm::dot(tip - a, ab) / square, 0.0, 1.0) : 0.0;
+      const double radius = static_cast<double>(std::max(parent.radii[i], parent.radii[i + 1]));
+      lies = lies || glm::distance(tip, a + ab * t) < kStandsOut * radius;
+    });
+    return lies;
+  }
+
+  /// Where the limb, prolonged backwards, comes nearest to its parent's centreline.
+  static glm::dvec3 find_foot(const Limb& limb, const Limb& parent, size_t fork) {
+    const size_t at = std::min(fork + 1, parent.points.size() - 1);
+    if (limb.points.empty()) return glm::dvec3(parent.points[at]);
+    const glm::dvec3 from(limb.points.front());
+    const size_t ahead = std::min<size_t>(2, limb.points.size() - 1);
+    const glm::dvec3 back = -direction(from, glm::dvec3(limb.points[ahead]));
+    const double reach =
+        kAttachReach * (static_cast<double>(parent.radii[at]) + static_cast<double>(limb.radii[0]));
+    glm::dvec3 best(parent.points[at]);
+    double best_distance = std::numeric_limits<double>::infinity();
+    const auto try_segment = [&](size_t i) {
+      const glm::dvec3 a(parent.points[i]);
+      const glm::dvec3 ab = glm::dvec3(parent.points[i + 1]) - a;
+      // Nearest places of the segment and the ray: first of the lines, then within both.
+      const double aa = glm::dot(ab, ab);
+      if (aa <= 0.0) return;
+      const double cross = glm::dot(ab, back);
+      const glm::dvec3 w = a - from;
+      const double parallel = aa - cross * cross;
+      double s = parallel > 1e-9 * aa ? (cross * glm::dot(w, back) - glm::dot(w, ab)) / parallel
+                                      : -glm::dot(w, ab) / aa;
+      s = std::clamp(s, 0.0, 1.0);
+      const double t = std::max(0.0, glm::dot(a + ab * s - from, back));
+      s = std::clamp(glm::dot(from + back * t - a, ab) / aa, 0.0, 1.0);
+      const glm::dvec3 place = a + ab * s;
+      const double distance = glm::distance(place, from + back * t);
+      if (distance < best_distance) {
+        best_distance = distance;
+        best = place;
+      }
+    };
+    for_segments_near(parent, at, reach, 0.25 * reach, try_segment);
+    return best;
+  }
+
+  const ReebTree& tree_;
+  std::vector<ArcRings> rings_;
+  const LocalMesh* mesh_ = nullptr;
+  /// Per arc: its farthest vertex.
+  std::vector<int32_t> tips_;
+  glm::dvec3 root_{0.0};
+  WeldedTree result_;
+};
+
+/// The widest open end.
+std::vector<int32_t> widest_loop(const LocalMesh& mesh, const Topology& topology) {
+  const std::vector<int32_t>* widest = nullptr;
+  double most = -1.0;
+  for (const std::vector<int32_t>& loop : topology.boundary_loops) {
+    glm::dvec3 centre(0.0);
+    for (const int32_t v : loop) centre += glm::dvec3(mesh.positions[v]);
+    centre /= static_cast<double>(loop.size());
+    double radius = 0.0;
+    for (const int32_t v : loop) radius += glm::distance(glm::dvec3(mesh.positions[v]), centre);
+    radius /= static_cast<double>(loop.size());
+    if (radius > most) {
+      most = radius;
+      widest = &loop;
+    }
+  }
+  return *widest;
+}
+
+/// The vertices of the cap that closes a limb around `end`: of the faces there that look along the
+/// limb.
+std::vector<int32_t> cap_around(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
+                                int32_t end, const glm::dvec3& along) {
+  std::vector<std::vector<int32_t>> facing(mesh.positions.size());
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const LocalTriangle& t = triangles[i];
+    const glm::dvec3 a(mesh.positions[t[0]]);
+    const glm::dvec3 area =
+        glm::cross(glm::dvec3(mesh.positions[t[1]]) - a, glm::dvec3(mesh.positions[t[2]]) - a);
+    if (std::abs(glm::dot(area, along)) < kCapCosine * glm::length(area)) continue;
+    for (const int32_t v : t) facing[v].push_back(static_cast<int32_t>(i));
+  }
+  std::vector<char> seen(mesh.positions.size(), 0);
+  std::vector<int32_t> cap{end};
+  seen[end] = 1;
+  for (size_t i = 0; i < cap.size(); ++i) {
+    for (const int32_t triangle : facing[cap[i]]) {
+      for (const int32_t v : triangles[triangle]) {
+        if (seen[v] != 0) continue;
+        seen[v] = 1;
+        cap.push_back(v);
+      }
+    }
+  }
+  std::sort(cap.begin(), cap.end());
+  return cap;
+}
+
+/// The vertices at the thickest end of a surface without open ends.
+std::vector<int32_t> thickest_end(const LocalMesh& mesh,
+                                  const std::vector<LocalTriangle>& triangles) {
+  const auto farthest = [](const std::vector<double>& distance) {
+    int32_t best = 0;
+    for (size_t v = 0; v < distance.size(); ++v) {
+      if (std::isfinite(distance[v]) && distance[v] > distance[best])
+        best = static_cast<int32_t>(v);
+    }
+    return best;
+  };
+  const std::vector<int32_t> first{0};
+  const int32_t far = farthest(geodesic_distances(mesh, triangles, first));
+  const std::vector<double> distance = geodesic_distances(mesh, triangles, std::vector{far});
+  const ReebTree tree = build_reeb_tree(mesh, triangles, distance);
+  // The end at `far` itself, and every arc that ends in a tip.
+  size_t thickest = tree.arcs.size() - 1;
+  for (size_t a = 0; a < tree.arcs.size(); ++a) {
+    if (tree.arcs[a].above.empty() &&
+        mean_radius(tree.arcs[a]) > mean_radius(tree.arcs[thickest])) {
+      thickest = a;
+    }
+  }
+  const ReebArc& arc = tree.arcs[thickest];
+  const bool at_far = thickest + 1 == tree.arcs.size() && !arc.above.empty();
+  int32_t end = far;
+  glm::dvec3 middle(0.0);
+  double members = 0.0;
+  for (size_t v = 0; v < distance.size(); ++v) {
+    if (tree.arc_of[v] != static_cast<int32_t>(thickest)) continue;
+    middle += glm::dvec3(mesh.positions[v]);
+    members += 1.0;
+    const bool bump = std::isfinite(tree.bump_from[v]);
+    if (!at_far && !bump && (end == far || distance[v] > distance[end])) {
+      end = static_cast<int32_t>(v);
+    }
+  }
+  middle /= std::max(members, 1.0);
+  return cap_around(mesh, triangles, end, direction(middle, glm::dvec3(mesh.positions[end])));
+}
+
+double largest_extent(const LocalMesh& mesh) {
+  glm::dvec3 low(std::numeric_limits<double>::max());
+  glm::dvec3 high(std::numeric_limits<double>::lowest());
+  for (const glm::vec3& p : mesh.positions) {
+    low = glm::min(low, glm::dvec3(p));
+    high = glm::max(high, glm::dvec3(p));
+  }
+  return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
+}
+
+/// Mean radius over the surface: of each arc, weighted by its area.
+double mean_thickness(const ReebTree& tree, double& area) {
+  double sum = 0.0;
+  area = 0.0;
+  for (const ReebArc& arc : tree.arcs) {
+    sum += arc.area * mean_radius(arc);
+    area += arc.area;
+  }
+  return area > 0.0 ? sum / area : 0.0;
+}
+
+}  // namespace
+
+std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh,
+                                            const std::vector<int32_t>& root) {
+  const double extent = largest_extent(mesh);
+  if (!(extent > 0.0) || root.empty()) return std::nullopt;
+  const std::vector<LocalTriangle> triangles = triangulate(mesh);
+  const std::vector<double> distance = geodesic_distances(mesh, triangles, root);
+  const ReebTree tree = build_reeb_tree(mesh, triangles, distance);
+  if (tree.arcs.empty()) return std::nullopt;
+  const std::vector<std::vector<double>> levels = ring_levels(triangles, distance, tree);
+  const std::vector<std::vector<Contour>> contours =
+      trace_contours(mesh, triangles, distance, tree, levels);
+  std::vector<ArcRings> rings(tree.arcs.size());
+  for (size_t a = 0; a < rings.size(); ++a) {
+    for (size_t i = 0; i < levels[a].size(); ++i) {
+      if (!(contours[a][i].length > 0.0)) continue;
+      rings[a].levels.push_back(levels[a][i]);
+      rings[a].contours.push_back(contours[a][i]);
+    }
+  }
+  WeldedTree welded = Assembler(tree, std::move(rings), mesh, distance, root).assemble();
+  welded.thickness = mean_thickness(tree, welded.area) / extent;
+  return welded;
+}
+
+std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const int32_t> faces,
+                                       std::span<const int32_t> vertices) {
+  const LocalMesh mesh = weld_equal_positions(extract_component(scene, faces, vertices));
+  if (mesh.face_count() == 0) return std::nullopt;
+  const Topology topology = build_topology(mesh);
+  return trace_welded_from(mesh, topology.boundary_loops.empty()
+                                     ? thickest_end(mesh, triangulate(mesh))
+                                     : widest_loop(mesh, topology));
+}
+
+}  // namespace snowbough::tree

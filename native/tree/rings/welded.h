@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "tree/obj/obj_scene.h"
+#include "tree/rings/local_mesh.h"
+#include "tree/rings/rings.h"
+
+namespace snowbough::tree {
+
+/// A tree that came as one surface.
+struct WeldedTree {
+  /// The limb at the root first, every other one after the one it stands on.
+  std::vector<Limb> limbs;
+  /// Per limb: the one it stands on (-1 for the first), and the place on that one's centreline; the
+  /// limb's first point is there.
+  std::vector<int32_t> parent;
+  std::vector<glm::vec3> attach_point;
+  /// Area of the surface, and its mean distance from the centrelines relative to the largest
+  /// extent.
+  double area = 0.0;
+  double thickness = 0.0;
+};
+
+/// Finds the limbs of a connected surface that forks: the skeleton is its Reeb graph under the
+/// distance from the root along the surface. The root is the widest open end or, of a closed
+/// surface, the thickest. Rings are level sets about as far apart as they are thick. At a fork the
+/// limb goes on where it is thickest and straightest. Bumps lower than one and a half times their
+/// width are not limbs.
+///
+/// @param faces, vertices the component's faces and its vertices (ascending).
+/// @return nothing for a surface without extent.
+///
+/// Source: A. Verroust, F. Lazarus, "Extracting skeletal curves from 3D scattered data", The Visual
+/// Computer 16, 2000: centres of the level sets of the geodesic distance; see reeb.h for the graph.
+std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const int32_t> faces,
+                                       std::span<const int32_t> vertices);
+
+/// The same of one surface as LocalMesh, started from given vertices.
+std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh,
+                                            const std::vector<int32_t>& root);
+
+}  // namespace snowbough::tree
