@@ -120,26 +120,26 @@ struct Times {
   double occlusion;
 };
 
-struct Fall {
+struct Projection {
   shared::ProjectionFrame frame;
   Tile tile;
 };
 
 /// The scene fills a tile of `width` pixels, but for a margin.
-Fall fall_on(int32_t width) {
+Projection project_on(int32_t width) {
   FallSettings settings;
   settings.pixel_size = 1.0 / width;
   settings.depth = 0.01;
   Bounds bounds;
   bounds.include({-0.5, -0.5, -1.0});
   bounds.include({0.5, 0.5, 1.0});
-  Fall fall;
-  fall.frame = make_fall_frame(settings, bounds);
-  fall.tile = make_tiles({pixels_of(bounds, fall.frame)}, width).front();
-  return fall;
+  Projection projection;
+  projection.frame = make_projection_frame(settings, bounds);
+  projection.tile = make_tiles({pixels_of(bounds, projection.frame)}, width).front();
+  return projection;
 }
 
-Times on_gpu(const Scene& scene, const Fall& fall, double budget) {
+Times on_gpu(const Scene& scene, const Projection& projection, double budget) {
   return gpu::GpuThread::shared()->run([&] {
     SceneBuffers buffers;
     buffers.triangle_count = static_cast<int32_t>(scene.triangles.size());
@@ -156,7 +156,7 @@ Times on_gpu(const Scene& scene, const Fall& fall, double budget) {
     buffers.views.alpha_triangles = gpu::BufferTexture(buffers.alpha_triangles, GL_RGBA32UI);
     buffers.views.alpha_places = gpu::BufferTexture(buffers.alpha_places, GL_RGBA32UI);
     buffers.views.alpha_bits = gpu::BufferTexture(buffers.alpha_bits, GL_R32UI);
-    const gpu::Buffer frame(sizeof fall.frame, &fall.frame);
+    const gpu::Buffer frame(sizeof projection.frame, &projection.frame);
     TriangleSetupPass setup;
     OcclusionPass occlusion;
     OcclusionTarget target;
@@ -166,35 +166,35 @@ Times on_gpu(const Scene& scene, const Fall& fall, double budget) {
       glFinish();
     });
     times.occlusion = median_time(budget, [&] {
-      occlusion.run(buffers, frame, fall.tile, {scene.range()}, target);
+      occlusion.run(buffers, frame, projection.tile, {scene.range()}, target);
       glFinish();
     });
     return times;
   });
 }
 
-Times on_processor(const Scene& scene, const Fall& fall, double budget) {
+Times on_processor(const Scene& scene, const Projection& projection, double budget) {
   std::vector<glm::vec4> corners(3 * scene.triangles.size());
   std::vector<glm::vec4> surface(scene.triangles.size());
-  const glm::ivec2 size = fall.tile.pixels.size();
+  const glm::ivec2 size = projection.tile.pixels.size();
   std::vector<shared::SeenPixel> seen(static_cast<size_t>(size.x) * static_cast<size_t>(size.y));
   const TriangleRange all = scene.range();
   cpu::OcclusionPass occlusion;
   Times times;
   times.setup = median_time(budget, [&] {
-    cpu::set_up_triangles(scene.positions, scene.triangles, fall.frame, corners, surface);
+    cpu::set_up_triangles(scene.positions, scene.triangles, projection.frame, corners, surface);
   });
   times.occlusion = median_time(budget, [&] {
     occlusion.run({corners, {&all, 1}, {scene.alpha, scene.masks, scene.mask_bits}},
-                  fall.tile.pixels, seen);
+                  projection.tile.pixels, seen);
   });
   return times;
 }
 
 void print_row(const std::string& triangles, const Scene& scene, int32_t width, double budget) {
-  const Fall fall = fall_on(width);
-  const Times gpu = on_gpu(scene, fall, budget);
-  const Times cpu = on_processor(scene, fall, budget);
+  const Projection projection = project_on(width);
+  const Times gpu = on_gpu(scene, projection, budget);
+  const Times cpu = on_processor(scene, projection, budget);
   std::printf("| %d | %s | %.2f | %.2f | %.1f | %.2f | %.2f | %.1f |\n", width, triangles.c_str(),
               gpu.setup, cpu.setup, gpu.setup / cpu.setup, gpu.occlusion, cpu.occlusion,
               gpu.occlusion / cpu.occlusion);

@@ -468,7 +468,7 @@ TEST(Program, NamesAnInputThatIsMissingOrUnknown) {
       program.dispatch(1);
       FAIL() << "must throw";
     } catch (const std::logic_error& error) {
-      EXPECT_NE(std::string(error.what()).find("'Fall'"), std::string::npos) << error.what();
+      EXPECT_NE(std::string(error.what()).find("'Projection'"), std::string::npos) << error.what();
     }
   });
 }
