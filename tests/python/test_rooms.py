@@ -24,7 +24,7 @@ FLOORS = {
 # can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
 # need only be free of circles.
 ROOMS = {
-    "native/tree": "skeleton obj rings read surface crossings mesh uv leaves",
+    "native/tree": "skeleton obj rings read surface crossings mesh detail uv leaves",
 }
 
 
