@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -219,11 +220,15 @@ void bind_mesh_functions(py::module_& module) {
       "crossing_quads",
       [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {
         const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
-        const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
+        Surface surface;
+        surface.vertices.assign(points.begin(), points.end());
+        surface.quads = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
         std::vector<int32_t> pairs;
         {
           py::gil_scoped_release release;
-          for (const auto& [f, g] : crossing_quads(points, faces)) {
+          std::vector<int32_t> all(surface.quads.size());
+          std::iota(all.begin(), all.end(), 0);
+          for (const auto& [f, g] : crossing_quads(surface, all)) {
             pairs.push_back(f);
             pairs.push_back(g);
           }

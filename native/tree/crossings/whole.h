@@ -1,17 +1,19 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/vec3.hpp>
+#include <span>
 #include <utility>
 #include <vector>
 
-#include "tree/skeleton/tree_mesh.h"
+#include "tree/surface/surface.h"
 
 namespace snowbough::tree {
 
-/// All pairs of quads of a mesh that cross each other (faces_cross), the lower number first,
+/// All pairs of a surface's quads that cross each other (faces_cross), the lower number first,
 /// ascending.
-std::vector<std::pair<int32_t, int32_t>> crossing_quads(const std::vector<glm::vec3>& vertices,
-                                                        const std::vector<Quad>& quads);
+/// @param surface  of which vertices and quads count.
+/// @param only  the quads that are looked at.
+std::vector<std::pair<int32_t, int32_t>> crossing_quads(const Surface& surface,
+                                                        std::span<const int32_t> only);
 
 }  // namespace snowbough::tree

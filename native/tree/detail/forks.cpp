@@ -9,6 +9,8 @@
 #include <span>
 #include <utility>
 
+#include "tree/crossings/whole.h"
+
 namespace snowbough::tree {
 namespace {
 
@@ -19,14 +21,30 @@ constexpr double kRelaxation = 0.5;
 constexpr int kSteps = 2;
 /// A step is no longer than this many of the child's radii.
 constexpr double kLongestStep = 0.5;
+/// A way on which a face would turn its back is halved so often before it is given up; a face shows
+/// its back when less than this share of it is seen from outside.
+constexpr int kHalvings = 3;
+constexpr double kLeastArea = 0.1;
 /// Share of a fork's reach from which on vertices stay where they are along the surface.
 constexpr double kStill = 0.7;
+/// What crosses goes back by this factor, entirely once less than the least share is left, in at
+/// most so many rounds; with its neighbours, which keep at most so much more of their ways.
+constexpr double kBack = 0.6;
+constexpr double kLeastShare = 0.15;
+constexpr int kBackRounds = 8;
+constexpr double kShareStep = 0.34;
+/// Share of the time until everything is blended.
+constexpr float kBlended = 0.6f;
+/// Forks that a thread looks at at a time.
+constexpr size_t kForkBlock = 8;
 /// Vertices that a thread moves at a time.
 constexpr size_t kBlock = 256;
 
 /// The vertices around every vertex, those of each in flat arrays, ascending.
 struct Neighbours {
   std::vector<int32_t> begin, all;
+  /// The vertex before, in the face in which that in `all` comes after.
+  std::vector<int32_t> before;
 
   Neighbours(const std::vector<Quad>& quads, size_t count) : begin(count + 1, 0) {
     // Every edge is met from both its faces, once in either direction.
@@ -35,9 +53,13 @@ struct Neighbours {
     }
     std::partial_sum(begin.begin(), begin.end(), begin.begin());
     all.resize(begin.back());
+    before.resize(begin.back());
     std::vector<int32_t> next(begin.begin(), begin.end() - 1);
     for (const Quad& quad : quads) {
-      for (int k = 0; k < 4; ++k) all[next[quad[k]]++] = quad[(k + 1) % 4];
+      for (int k = 0; k < 4; ++k) {
+        before[next[quad[k]]] = quad[(k + 3) % 4];
+        all[next[quad[k]]++] = quad[(k + 1) % 4];
+      }
     }
   }
   std::span<const int32_t> of(int32_t v) const {
@@ -72,8 +94,8 @@ class ForkBlender {
   void blend(const base::Execution& execution) {
     std::vector<glm::dvec3> moved(movers_.size());
     for (int round = 0; round < kRounds; ++round) {
-      const float from = static_cast<float>(round) / kRounds;
-      const float to = static_cast<float>(round + 1) / kRounds;
+      const float from = kBlended * static_cast<float>(round) / kRounds;
+      const float to = kBlended * static_cast<float>(round + 1) / kRounds;
       base::parallel_for(movers_.size(), kBlock, execution.part(from, to),
                          [&](size_t begin, size_t end) {
                            for (size_t i = begin; i < end; ++i) {
@@ -84,6 +106,7 @@ class ForkBlender {
         points_[movers_[i].vertex] = moved[i];
       }
     }
+    take_back_crossings(execution);
   }
 
  private:
@@ -147,6 +170,98 @@ class ForkBlender {
     }
   }
 
+  /// Per fork: the faces that have vertices in it that move.
+  std::vector<std::vector<int32_t>> fork_faces() const {
+    std::vector<int32_t> mover_of(points_.size(), -1);
+    for (size_t i = 0; i < movers_.size(); ++i) {
+      mover_of[movers_[i].vertex] = static_cast<int32_t>(i);
+    }
+    std::vector<std::vector<int32_t>> faces(forks_.size());
+    for (size_t f = 0; f < fine_.quads.size(); ++f) {
+      const auto face = static_cast<int32_t>(f);
+      for (const int32_t v : fine_.quads[f]) {
+        if (mover_of[v] < 0) continue;
+        for (const int32_t fork : forks_of(movers_[mover_of[v]])) {
+          if (faces[fork].empty() || faces[fork].back() != face) faces[fork].push_back(face);
+        }
+      }
+    }
+    return faces;
+  }
+
+  std::span<const int32_t> forks_of(const Mover& mover) const {
+    return {at_.data() + mover.first_fork, at_.data() + mover.last_fork};
+  }
+
+  /// Per fork that is due: pairs of its faces that cross and did not at first.
+  std::vector<std::vector<std::pair<int32_t, int32_t>>> new_crossings(
+      const std::vector<std::vector<int32_t>>& faces, const std::vector<uint8_t>& due,
+      const base::Execution& execution) const {
+    const Surface now{points_, fine_.quads, {}, {}, {}, {}, {}};
+    const Surface first{first_points_, fine_.quads, {}, {}, {}, {}, {}};
+    std::vector<std::vector<std::pair<int32_t, int32_t>>> found(forks_.size());
+    base::parallel_for(forks_.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+      for (size_t j = begin; j < end; ++j) {
+        if (due[j] == 0) continue;
+        found[j] = crossing_quads(now, faces[j]);
+        if (found[j].empty()) continue;
+        const auto before = crossing_quads(first, faces[j]);
+        std::erase_if(found[j], [&](const auto& pair) {
+          return std::binary_search(before.begin(), before.end(), pair);
+        });
+      }
+    });
+    return found;
+  }
+
+  void take_back_crossings(const base::Execution& execution) {
+    const std::vector<std::vector<int32_t>> faces = fork_faces();
+    const std::vector<glm::dvec3> blended(points_);
+    // Share of its way that every vertex goes.
+    std::vector<double> shares(points_.size(), 1.0);
+    std::vector<uint8_t> due(forks_.size(), 1);
+    for (int round = 0; round < kBackRounds; ++round) {
+      const float from = kBlended + (1.0f - kBlended) * static_cast<float>(round) / kBackRounds;
+      const float to = from + (1.0f - kBlended) / kBackRounds;
+      const auto found = new_crossings(faces, due, execution.part(from, to));
+      std::vector<double> wanted(shares);
+      bool crosses = false;
+      for (const auto& pairs : found) {
+        for (const auto& [f, g] : pairs) {
+          for (const int32_t face : {f, g}) {
+            for (const int32_t v : fine_.quads[face]) {
+              const bool gone = round + 2 >= kBackRounds || shares[v] < kLeastShare;
+              wanted[v] = gone ? 0.0 : kBack * shares[v];
+              crosses = true;
+            }
+          }
+        }
+      }
+      if (!crosses) return;
+      even_out(wanted);
+      std::fill(due.begin(), due.end(), uint8_t{0});
+      for (const Mover& mover : movers_) {
+        const int32_t v = mover.vertex;
+        if (wanted[v] == shares[v]) continue;
+        points_[v] = first_points_[v] + (blended[v] - first_points_[v]) * wanted[v];
+        for (const int32_t fork : forks_of(mover)) due[fork] = 1;
+      }
+      shares = std::move(wanted);
+    }
+  }
+
+  /// Neighbours' shares differ by no more than kShareStep.
+  void even_out(std::vector<double>& shares) const {
+    for (int pass = 0; pass < 3; ++pass) {
+      for (const Mover& mover : movers_) {
+        double& share = shares[mover.vertex];
+        for (const int32_t v : neighbours_.of(mover.vertex)) {
+          share = std::min(share, shares[v] + kShareStep);
+        }
+      }
+    }
+  }
+
   glm::dvec3 move(const Mover& mover) const {
     const std::span<const int32_t> at(at_.data() + mover.first_fork, at_.data() + mover.last_fork);
     glm::dvec3 p = points_[mover.vertex];
@@ -165,11 +280,32 @@ class ForkBlender {
       const glm::dvec3 normal = blended_distance(p, at, forks_).gradient;
       p += (way - normal * glm::dot(way, normal)) * mover.relaxation;
     }
+    FieldValue field;
     for (int step = 0; step < kSteps; ++step) {
-      const FieldValue field = blended_distance(p, at, forks_);
+      field = blended_distance(p, at, forks_);
       p -= field.gradient * std::clamp(field.distance, -mover.longest_step, mover.longest_step);
     }
-    return p;
+    const glm::dvec3& old = points_[mover.vertex];
+    for (int half = 0; half < kHalvings; ++half) {
+      if (!folds(mover.vertex, p, field.gradient)) return p;
+      p = 0.5 * (p + old);
+    }
+    return old;
+  }
+
+  /// Whether a face around a vertex would turn its back where the vertex goes.
+  bool folds(int32_t vertex, const glm::dvec3& p, const glm::dvec3& outwards) const {
+    const glm::dvec3& old = points_[vertex];
+    for (int32_t i = neighbours_.begin[vertex]; i < neighbours_.begin[vertex + 1]; ++i) {
+      const glm::dvec3& after = points_[neighbours_.all[i]];
+      const glm::dvec3& before = points_[neighbours_.before[i]];
+      const glm::dvec3 then = glm::cross(after - p, before - p);
+      const glm::dvec3 now = glm::cross(after - old, before - old);
+      const double least = kLeastArea * std::min(glm::length(now), glm::length(then));
+      if (glm::dot(then, outwards) < least && glm::dot(now, outwards) >= least) return true;
+      if (glm::dot(then, now) <= 0.0) return true;
+    }
+    return false;
   }
 
   const Surface& surface_;

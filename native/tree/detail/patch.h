@@ -49,8 +49,8 @@ struct PatchVertex {
 };
 
 /// The quads of one patch, anticlockwise as the base quad, and its vertices inside. Of a quad with
-/// three corners in a row the middle one is corner 0 or 2, so that the triangles that it is cut into
-/// between these have an area.
+/// three corners in a row the middle one is corner 0 or 2, so that the triangles that it is cut
+/// into between these have an area.
 struct Patch {
   std::vector<std::array<PatchVertex, 4>> quads;
   /// Per vertex inside: the level and the step across, of how many.
