@@ -1,12 +1,15 @@
 #include <pybind11/stl.h>
 
 #include <memory>
+#include <numeric>
+#include <optional>
 #include <string>
 
 #include "bindings.h"
 #include "numpy_arrays.h"
 #include "python_progress.h"
 #include "tree/build_tree_mesh.h"
+#include "tree/crossings/whole.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
@@ -143,7 +146,7 @@ void bind_mesh_functions(py::module_& module) {
       "build_tree_mesh",
       [](const Skeleton& skeleton, const std::string& width, const std::string& species, int lod,
          bool close_root, bool close_tips, int snow_resolution, int max_influences, int threads,
-         const py::object& progress) {
+         const py::object& progress, const std::optional<std::string>& detail) {
         TreeMeshOptions options;
         options.width.mode = choose<WidthMode>(
             "width", width, {{"ORIGINAL", WidthMode::kOriginal}, {"INVERSE", WidthMode::kInverse}});
@@ -151,6 +154,13 @@ void bind_mesh_functions(py::module_& module) {
             "species", species,
             {{"BROADLEAF", Species::kBroadleaf}, {"EVERGREEN", Species::kEvergreen}});
         options.lod = lod;
+        if (detail) {
+          options.detail = choose<Detail>("detail", *detail,
+                                          {{"DRAFT", Detail::kDraft},
+                                           {"GAME", Detail::kGame},
+                                           {"DEFAULT", Detail::kDefault},
+                                           {"FILM", Detail::kFilm}});
+        }
         options.close_root = close_root;
         options.close_tips = close_tips;
         options.snow_resolution = snow_resolution;
@@ -166,9 +176,11 @@ void bind_mesh_functions(py::module_& module) {
       py::arg("skeleton"), py::arg("width") = "ORIGINAL", py::arg("species") = "BROADLEAF",
       py::arg("lod") = 0, py::arg("close_root") = true, py::arg("close_tips") = true,
       py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4, py::arg("threads") = 0,
-      py::arg("progress") = py::none(),
+      py::arg("progress") = py::none(), py::arg("detail") = py::none(),
       "Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.\n\n"
       "width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4;\n"
+      "detail: DRAFT, GAME, DEFAULT or FILM instead of lod: sides by thickness, limbs that curve,\n"
+      "forks with fillets; None = lod.\n"
       "threads: 0 = one a core; the mesh does not depend on them.\n"
       "progress(share) is called now and then; a return of False (not None) cancels with\n"
       "KeyboardInterrupt.\n"
@@ -203,6 +215,29 @@ void bind_mesh_functions(py::module_& module) {
       },
       py::arg("skeleton"), py::arg("mesh"),
       "(L,) per leaf of skeleton.foliage: the bone of its branch nearest to where it hangs.");
+
+  module.def(
+      "crossing_quads",
+      [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {
+        const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
+        Surface surface;
+        surface.vertices.assign(points.begin(), points.end());
+        surface.quads = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
+        std::vector<int32_t> pairs;
+        {
+          py::gil_scoped_release release;
+          std::vector<int32_t> all(surface.quads.size());
+          std::iota(all.begin(), all.end(), 0);
+          for (const auto& [f, g] : crossing_quads(surface, all)) {
+            pairs.push_back(f);
+            pairs.push_back(g);
+          }
+        }
+        const py::ssize_t count = size(pairs.size() / 2);
+        return to_numpy<int32_t>(std::move(pairs), {count, 2});
+      },
+      py::arg("vertices"), py::arg("quads"),
+      "(K, 2) the pairs of quads that cross each other. Exact; for measuring, not for speed.");
 
   module.def(
       "check_mesh",

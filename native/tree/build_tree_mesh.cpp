@@ -6,6 +6,7 @@
 
 #include "base/parallel_for.h"
 #include "tree/crossings/relief.h"
+#include "tree/detail/refine.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/lod.h"
 #include "tree/mesh/weights.h"
@@ -23,9 +24,13 @@ constexpr float kChartsDone = 0.9f;
 /// Time that the first level of the subdivision takes of the base's; each takes four times the one
 /// before.
 constexpr float kFirstLevel = 0.3f;
+/// Share of the time that the base takes of a detailed surface's.
+constexpr float kBaseOfDetail = 0.3f;
 
 /// Share of the time that the base takes.
-float base_share(int lod) {
+float base_share(const TreeMeshOptions& options) {
+  if (options.detail) return kBaseOfDetail;
+  const int lod = options.lod;
   float levels = 0.0f;
   for (int level = 0; level < lod; ++level) {
     levels = 4.0f * levels + kFirstLevel;
@@ -42,6 +47,9 @@ void check_range(const char* name, int value, int low, int high) {
 
 void check_options(const TreeMeshOptions& options) {
   check_range("lod", options.lod, 0, 4);
+  if (options.detail && options.lod != 0) {
+    throw std::invalid_argument("give either detail or lod, not both");
+  }
   check_range("snow_resolution", options.snow_resolution, 64, 16384);
   check_range("max_influences", options.max_influences, 1, 4);
   check_range("threads", options.threads, 0, 1024);
@@ -106,7 +114,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
                          BuildReport* report) {
   check_options(options);
   const base::Execution whole{options.threads, options.progress};
-  const float base_done = base_share(options.lod);
+  const float base_done = base_share(options);
   const base::Execution execution = whole.part(0.0f, base_done);
   base::report_progress(execution.progress, 0.0f);
 
@@ -137,7 +145,12 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
   do_both(options.threads, unwrap, rig);
   base::report_progress(execution.progress, kChartsDone);
 
-  subdivide(mesh, surface, options.lod, options.max_influences, whole.part(base_done, 1.0f));
+  const base::Execution rest = whole.part(base_done, 1.0f);
+  if (options.detail) {
+    refine(mesh, surface, skeleton, paths, scale, *options.detail, options.max_influences, rest);
+  } else {
+    subdivide(mesh, surface, options.lod, options.max_influences, rest);
+  }
   base::report_progress(whole.progress, 1.0f);
   if (report != nullptr) {
     report->check = std::move(check);

@@ -1,8 +1,10 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "base/progress.h"
+#include "tree/detail/detail.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/skeleton.h"
@@ -13,6 +15,8 @@ namespace snowbough::tree {
 
 struct TreeMeshOptions {
   WidthOptions width;
+  /// The surface as an artist wants it: refine. Without, `lod` counts.
+  std::optional<Detail> detail;
   /// 0 = the four-sided base; each level up to 4 doubles the sides.
   int lod = 0;
   bool close_root = true;
@@ -29,7 +33,7 @@ struct TreeMeshOptions {
 
 /// What the finished mesh was checked for.
 struct BuildReport {
-  /// check_mesh on the four-sided base; subdivision keeps its topology.
+  /// check_mesh on the four-sided base; finer meshes keep its topology.
   MeshCheck check;
   /// Places where a branch leaves its parent's side, and how many of them have faces within two
   /// edges that cross each other (find_crossings).

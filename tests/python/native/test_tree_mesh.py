@@ -107,6 +107,17 @@ def test_arrays_outlive_the_mesh():
     assert np.isfinite(vertices).all()
 
 
+@pytest.mark.parametrize("detail", ["DRAFT", "GAME", "DEFAULT", "FILM"])
+def test_a_level_of_detail_has_the_same_bones_and_arrays(detail):
+    base, mesh = native.build_tree_mesh(small_tree()), native.build_tree_mesh(small_tree(), detail=detail)
+    faces, vertices = len(mesh.quads), len(mesh.vertices)
+    assert mesh.bone_names == base.bone_names and mesh.vertices.shape == (vertices, 3)
+    assert mesh.uv_bark.shape == mesh.uv_snow.shape == (faces, 4, 2)
+    assert mesh.branch_level.shape == mesh.face_branch.shape == (faces,)
+    assert mesh.bone_indices.shape == mesh.bone_weights.shape == (vertices, 4)
+    assert len(native.crossing_quads(mesh.vertices, mesh.quads)) == 0
+
+
 def test_weights_sum_to_one():
     mesh = native.build_tree_mesh(small_tree(), lod=1)
     assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
@@ -123,6 +134,8 @@ def test_max_influences_is_kept():
         ({"width": "WIDE"}, "ORIGINAL, INVERSE"),
         ({"species": "PALM"}, "BROADLEAF, EVERGREEN"),
         ({"lod": 7}, "lod must be from 0"),
+        ({"detail": "FINE"}, "DRAFT, GAME, DEFAULT, FILM"),
+        ({"detail": "GAME", "lod": 1}, "either detail or lod"),
         ({"max_influences": 5}, "max_influences must be from 1 to 4"),
     ],
 )
@@ -189,6 +202,27 @@ def test_leaves_hang_on_the_bone_nearest_to_them():
     if len(bones) == 0:
         pytest.skip("quaking_aspen.obj came in without leaves")
     assert np.array_equal(mesh.bone_branches[bones], foliage.leaf_branch)
+
+
+@pytest.mark.parametrize("detail", ["DRAFT", "DEFAULT"])
+@pytest.mark.parametrize("name", REAL_TREES)
+def test_a_real_export_stays_closed_at_a_level_of_detail(name, detail):
+    skeleton = real_tree(name)
+    mesh = native.build_tree_mesh(skeleton, detail=detail)
+    check = native.check_mesh(mesh.vertices, mesh.quads)
+    roots = sum(limb.parent < 0 for limb in skeleton.branches)
+    assert check["closed"] and check["winding_ok"] and check["euler"] == [2] * roots
+    assert check["zero_area_faces"] == 0 and check["unused_vertices"] == 0
+    assert np.abs(mesh.bone_weights.sum(1) - 1).max() < 1e-6
+    layout = native.measure_uv_layout(mesh.uv_snow, mesh.vertices, mesh.quads, 1024)
+    assert layout["overlap_texels"] == 0 and layout["outside_faces"] == 0 and layout["min_face_area"] > 0
+
+
+def test_the_default_detail_of_a_real_tree_has_a_round_trunk_within_its_budget():
+    mesh = native.build_tree_mesh(real_tree("tubes/AL06a.obj"), detail="DEFAULT")
+    assert len(mesh.quads) < 60000
+    # The cap that closes the root of a limb of n sides has n / 4 faces along each of its edges.
+    assert (mesh.face_part == 3).sum() == 16
 
 
 @pytest.mark.parametrize("name", REAL_TREES)

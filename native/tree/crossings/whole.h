@@ -1,0 +1,19 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "tree/surface/surface.h"
+
+namespace snowbough::tree {
+
+/// All pairs of a surface's quads that cross each other (faces_cross), the lower number first,
+/// ascending.
+/// @param surface  of which vertices and quads count.
+/// @param only  the quads that are looked at.
+std::vector<std::pair<int32_t, int32_t>> crossing_quads(const Surface& surface,
+                                                        std::span<const int32_t> only);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,198 @@
+#include "tree/detail/fork_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
+
+namespace snowbough::tree {
+namespace {
+
+/// Width of a fillet, in radii of the child's base: the smooth minimum begins where the distances
+/// from both surfaces differ by so much.
+constexpr double kFillet = 1.0;
+/// Share of a fork's reach from which on its fillet dwindles.
+constexpr double kFullFillet = 0.45;
+/// A fork reaches so many radii of its child's base, and so many more where the child leaves
+/// straight off; at flatter angles more still, up to the second angle's sine.
+constexpr double kReach = 1.6;
+constexpr double kReachAside = 1.6;
+constexpr double kFlattest = 0.35;
+/// It reaches further along a child that stays closer to its parent than so many of its own radii,
+/// up to so many radii of the base.
+constexpr double kClear = 1.7;
+constexpr double kFarthest = 20.0;
+/// How far into its parent a child's tube goes on, straight inwards, and how thick it still is
+/// there, in corner radii of the parent.
+constexpr double kInside = 0.5;
+constexpr double kInsideRadius = 0.4;
+/// Limbs at one place that are told apart.
+constexpr size_t kMostLimbs = 16;
+
+/// All sections of a chain, in order, as cones.
+struct Chain {
+  std::vector<Fork::Cone> cones;
+};
+
+double smooth_step(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3.0 - 2.0 * t);
+}
+
+FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p) {
+  FieldValue nearest{1e300, glm::dvec3(0.0)};
+  for (const Fork::Cone& cone : cones) {
+    const glm::dvec3 to = p - cone.begin;
+    const double square = glm::dot(cone.along, cone.along);
+    const double t = square > 0.0 ? std::clamp(glm::dot(to, cone.along) / square, 0.0, 1.0) : 0.0;
+    const glm::dvec3 off = to - cone.along * t;
+    const double length = glm::length(off);
+    const double distance = length - (cone.begin_radius + cone.widening * t);
+    if (distance < nearest.distance) {
+      nearest = {distance, length > 0.0 ? off / length : glm::dvec3(0.0, 0.0, 1.0)};
+    }
+  }
+  return nearest;
+}
+
+FieldValue smooth_minimum(const FieldValue& a, const FieldValue& b, double width) {
+  if (width <= 0.0 || std::abs(a.distance - b.distance) >= width) {
+    return a.distance <= b.distance ? a : b;
+  }
+  const double share = 0.5 + 0.5 * (b.distance - a.distance) / width;
+  return {a.distance * share + b.distance * (1.0 - share) - width * share * (1.0 - share),
+          a.gradient * share + b.gradient * (1.0 - share)};
+}
+
+/// Takes the cones from number `from` on, or back from it, as long as the way to them is shorter
+/// than `length`.
+void take_cones(const Chain& chain, size_t from, bool forward, double length,
+                std::vector<Fork::Cone>& taken) {
+  double way = 0.0;
+  if (forward) {
+    for (size_t i = from; i < chain.cones.size() && way < length; ++i) {
+      taken.push_back(chain.cones[i]);
+      way += glm::length(chain.cones[i].along);
+    }
+  } else {
+    for (size_t i = from; i-- > 0 && way < length;) {
+      taken.push_back(chain.cones[i]);
+      way += glm::length(chain.cones[i].along);
+    }
+  }
+}
+
+/// Distance from the fork's centre at which its child, on the way through `sections`, is further
+/// away from its parent than it is thick; at most kFarthest of its radii.
+double clear_from(const Fork& fork, const std::vector<TubeSection>& sections) {
+  const double farthest = kFarthest * fork.radius;
+  double away = 0.0;
+  for (const TubeSection& section : sections) {
+    away = glm::distance(section.centre, fork.centre) + section.radius;
+    if (away >= farthest ||
+        distance_from(fork.parent, section.centre).distance > kClear * section.radius) {
+      break;
+    }
+  }
+  return std::min(away, farthest);
+}
+
+}  // namespace
+
+std::vector<int32_t> limb_chains(const Surface& surface, const std::vector<int32_t>& parents) {
+  std::vector<int32_t> chains;
+  for (size_t b = 0; b < surface.limbs.size(); ++b) {
+    chains.push_back(surface.limbs[b].continues_parent ? chains[parents[b]]
+                                                       : static_cast<int32_t>(b));
+  }
+  return chains;
+}
+
+std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes,
+                                const std::vector<int32_t>& chains) {
+  std::vector<Chain> all(surface.limbs.size());
+  std::vector<size_t> first(surface.limbs.size());
+  for (size_t b = 0; b < surface.limbs.size(); ++b) {
+    Chain& chain = all[chains[b]];
+    first[b] = chain.cones.size();
+    const std::vector<TubeSection>& sections = tubes.sections(static_cast<int32_t>(b));
+    for (size_t i = 0; i + 1 < sections.size(); ++i) {
+      chain.cones.push_back({sections[i].centre, sections[i + 1].centre - sections[i].centre,
+                             sections[i].radius, sections[i + 1].radius - sections[i].radius});
+    }
+  }
+  std::vector<Fork> forks;
+  forks.reserve(surface.junctions.size());
+  for (const Junction& junction : surface.junctions) {
+    Fork& fork = forks.emplace_back();
+    fork.parent_chain = chains[junction.parent];
+    fork.child_chain = chains[junction.child];
+    const Ring& hole = surface.limbs[junction.child].rings.front();
+    const Ring& low = surface.limbs[junction.parent].rings[junction.row];
+    const TubeSection& base = tubes.sections(junction.child).front();
+    fork.centre = base.centre;
+    fork.radius = base.radius;
+    const Fork::Cone& out = all[fork.child_chain].cones.front();
+    const glm::dvec3 direction = glm::normalize(out.along);
+    const double sine = std::max(glm::dot(direction, hole.normal), kFlattest);
+    fork.reach = fork.radius * (kReach + kReachAside / sine);
+    const size_t at = first[junction.parent] + tubes.first_section(junction.parent, junction.row);
+    take_cones(all[fork.parent_chain], at, true, kFarthest * fork.radius, fork.parent);
+    take_cones(all[fork.parent_chain], at, false, kFarthest * fork.radius, fork.parent);
+    fork.reach = std::max(fork.reach, clear_from(fork, tubes.sections(junction.child)));
+    // The child's tube begins inside its parent, before its middle line, and so thin that nothing
+    // shows on the parent's other side.
+    const double inside = kInside * low.corner / sine;
+    const double tapered = std::min(base.radius, kInsideRadius * low.corner);
+    fork.child.push_back(
+        {base.centre - direction * inside, direction * inside, tapered, base.radius - tapered});
+    const double length = 2.0 * fork.reach + 2.0 * low.corner;
+    take_cones(all[fork.child_chain], 0, true, length, fork.child);
+    fork.parent.clear();
+    take_cones(all[fork.parent_chain], at, true, length, fork.parent);
+    take_cones(all[fork.parent_chain], at, false, length, fork.parent);
+  }
+  return forks;
+}
+
+FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
+                            const std::vector<Fork>& forks) {
+  struct Limb {
+    int32_t chain;
+    FieldValue value;
+    double width;
+  };
+  std::array<Limb, kMostLimbs> limbs;
+  size_t count = 0;
+  const auto add = [&](int32_t chain, const std::vector<Fork::Cone>& cones, double width) {
+    const FieldValue value = distance_from(cones, p);
+    for (size_t i = 0; i < count; ++i) {
+      if (limbs[i].chain == chain) {
+        if (value.distance < limbs[i].value.distance) limbs[i].value = value;
+        limbs[i].width = std::max(limbs[i].width, width);
+        return;
+      }
+    }
+    if (count < limbs.size()) limbs[count++] = {chain, value, width};
+  };
+  for (const int32_t f : at) {
+    const Fork& fork = forks[f];
+    const double away = glm::distance(p, fork.centre) / fork.reach;
+    add(fork.parent_chain, fork.parent, 0.0);
+    add(fork.child_chain, fork.child,
+        kFillet * fork.radius * (1.0 - smooth_step(kFullFillet, 1.0, away)));
+  }
+  // Parents have lower numbers than what leaves them.
+  std::sort(limbs.begin(), limbs.begin() + static_cast<std::ptrdiff_t>(count),
+            [](const Limb& a, const Limb& b) { return a.chain < b.chain; });
+  FieldValue sum = limbs[0].value;
+  for (size_t i = 1; i < count; ++i) {
+    sum = smooth_minimum(sum, limbs[i].value, limbs[i].width);
+  }
+  const double length = glm::length(sum.gradient);
+  if (length > 1e-3) sum.gradient /= length;
+  return sum;
+}
+
+}  // namespace snowbough::tree

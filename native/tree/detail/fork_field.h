@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <span>
+#include <vector>
+
+#include "tree/detail/limb_tubes.h"
+#include "tree/surface/surface.h"
+
+namespace snowbough::tree {
+
+/// Distance from a surface, negative inside, and the unit direction in which it grows.
+struct FieldValue {
+  double distance = 0.0;
+  glm::dvec3 gradient{0.0};
+};
+
+/// A place where a limb leaves another, and both their tubes around it. Limbs that continue one
+/// another are one chain, named by its first branch.
+struct Fork {
+  int32_t parent_chain = -1, child_chain = -1;
+  glm::dvec3 centre{0.0};
+  /// Radius of the child's base, and how far from the centre the fork has a say: until the child is
+  /// clear of its parent.
+  double radius = 0.0;
+  double reach = 0.0;
+
+  /// The stretch between two sections.
+  struct Cone {
+    glm::dvec3 begin{0.0}, along{0.0};
+    double begin_radius = 0.0, widening = 0.0;
+  };
+  std::vector<Cone> parent, child;
+};
+
+/// Per branch: the chain that it belongs to.
+std::vector<int32_t> limb_chains(const Surface& surface, const std::vector<int32_t>& parents);
+
+/// One fork a junction of the surface, in its order.
+std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes,
+                                const std::vector<int32_t>& chains);
+
+/// The blended surface of all limbs that meet at some forks: the smooth minimum of the distances
+/// from their tubes, thicker limbs first. The fillet between two is as wide as the child's base has
+/// radius, and vanishes towards the fork's reach.
+FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
+                            const std::vector<Fork>& forks);
+
+}  // namespace snowbough::tree
