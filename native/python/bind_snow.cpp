@@ -298,10 +298,10 @@ void bind_snow(py::module_& module) {
       "held: simulations made meanwhile share its driver. A context manager: leaving it lets go.")
       .def(py::init<const std::string&, const std::string&, const std::string&>(),
            "engine"_a = "AUTO", "mapping"_a = "COMPUTE", "device"_a = "")
-      .def_property_readonly(
-          "info", &HeldEngine::info,
-          "As SnowSimulation.engine. Raises RuntimeError, saying what to do, where GL is asked for\n"
-          "and no OpenGL 4.5 context can be made.")
+      .def_property_readonly("info", &HeldEngine::info,
+                             "As SnowSimulation.engine. Raises RuntimeError, saying what to do, "
+                             "where GL is asked for\n"
+                             "and no OpenGL 4.5 context can be made.")
       .def("close", &HeldEngine::close, "Lets go.")
       .def("__enter__", [](const py::object& self) { return self; })
       .def("__exit__", [](HeldEngine& self, const py::args&) { self.close(); });
@@ -317,10 +317,13 @@ void bind_snow(py::module_& module) {
       "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
       "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
-      "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 to\n"
+      "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 "
+      "to\n"
       "4096) and device change neither result nor units; where a device is named, AUTO is GL.\n"
-      "wait_for_gpu: whether RuntimeError is raised here where the engine GL is asked for and not to\n"
-      "be had; else objects can be added while the driver is being loaded, and the first call that\n"
+      "wait_for_gpu: whether RuntimeError is raised here where the engine GL is asked for and not "
+      "to\n"
+      "be had; else objects can be added while the driver is being loaded, and the first call "
+      "that\n"
       "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
@@ -334,8 +337,7 @@ void bind_snow(py::module_& module) {
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
            "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO",
-           "wait_for_gpu"_a = true)
+           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {

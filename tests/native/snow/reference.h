@@ -3,11 +3,11 @@
 #include <vector>
 
 #include "snow/output/dilate.h"
-#include "snow/seams/seam_leveller.h"
 #include "snow/output/map_output.h"
 #include "snow/output/normals.h"
-#include "snow/seams/seam_table.h"
 #include "snow/output/smoothing.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/seams/seam_table.h"
 
 // Smoothing in its plainest form: what the fast ones are compared with.
 namespace snowbough::snow {

@@ -6,8 +6,8 @@
 #include <glm/mat2x2.hpp>
 
 #include "gpu/gpu_thread.h"
-#include "snow/output/gl/normals_pass.h"
 #include "native/snow/layouts.h"
+#include "snow/output/gl/normals_pass.h"
 
 namespace snowbough::snow {
 namespace {

@@ -10,13 +10,13 @@
 #include <thread>
 
 #include "gpu/gpu_thread.h"
+#include "native/snow/layouts.h"
+#include "native/snow/reference.h"
 #include "snow/output/cpu_filter.h"
 #include "snow/output/dilate.h"
 #include "snow/output/gl/gpu_filter.h"
-#include "snow/output/output_filter.h"
 #include "snow/output/gl/smoothing_pass.h"
-#include "native/snow/layouts.h"
-#include "native/snow/reference.h"
+#include "snow/output/output_filter.h"
 
 namespace snowbough::snow {
 namespace {

@@ -7,11 +7,11 @@
 #include <cmath>
 #include <random>
 
-#include "snow/texels/charts.h"
-#include "snow/seams/least_squares.h"
-#include "snow/seams/seam_samples.h"
-#include "snow/seams/seam_gradients.h"
 #include "native/snow/layouts.h"
+#include "snow/seams/least_squares.h"
+#include "snow/seams/seam_gradients.h"
+#include "snow/seams/seam_samples.h"
+#include "snow/texels/charts.h"
 
 namespace snowbough::snow {
 namespace {

@@ -1,16 +1,17 @@
+#include "snow/seams/seam_table.h"
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <chrono>
 #include <random>
 
-#include "snow/texels/charts.h"
-#include "snow/output/dilate.h"
-#include "snow/seams/seam_leveller.h"
-#include "snow/seams/seam_table.h"
-#include "snow/output/smoothing.h"
 #include "native/snow/layouts.h"
 #include "native/snow/reference.h"
+#include "snow/output/dilate.h"
+#include "snow/output/smoothing.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/texels/charts.h"
 
 namespace snowbough::snow {
 namespace {

@@ -6,11 +6,11 @@
 #include <glm/gtc/constants.hpp>
 #include <string>
 
+#include "native/snow/bench.h"
 #include "snow/scene/fragment_opacity.h"
 #include "snow/step/cpu/engine.h"
 #include "snow/step/frame_step.h"
 #include "snow/step/gl/engine.h"
-#include "native/snow/bench.h"
 
 namespace snowbough::snow {
 namespace {
@@ -68,8 +68,7 @@ SceneObject card() {
   ObjectAlpha& alpha = object.description.alpha;
   alpha.corner_uv = object.description.topology.corner_uv;
   alpha.mask = {0, 0};
-  alpha.masks = {std::make_shared<AlphaMask>(
-      make_alpha_mask(32, 32, shared::kAlphaRepeat, image))};
+  alpha.masks = {std::make_shared<AlphaMask>(make_alpha_mask(32, 32, shared::kAlphaRepeat, image))};
   object.fragment_opacity =
       fragment_opacity(object.table, object.description.topology, object.description.alpha);
   return object;

@@ -1,5 +1,7 @@
 // What the sky sees, found on the processor: which pixels a triangle covers, what hides what, and
 // that it is what the passes in OpenGL find.
+#include "snow/step/cpu/occlusion.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,10 +14,9 @@
 #include <string>
 
 #include "gpu/gpu_thread.h"
-#include "shaders/lib/occlusion_pixel.h"
-#include "snow/step/cpu/occlusion.h"
-#include "snow/step/cpu/triangle_setup.h"
 #include "native/snow/bench.h"
+#include "shaders/lib/occlusion_pixel.h"
+#include "snow/step/cpu/triangle_setup.h"
 
 namespace snowbough::snow {
 namespace {
@@ -470,8 +471,9 @@ double share_of_others(const Bench& bench, const Seen& by_gl, const Seen& by_cpu
   size_t others = 0;
   for (size_t i = 0; i < by_gl.size(); ++i) {
     shown += by_cpu[i].triangle != 0;
-    others += by_gl[i].triangle != by_cpu[i].triangle ||
-              std::abs(by_gl[i].depth - by_cpu[i].depth) * shared::one_over_depth(bench.frame) > 1e-5f;
+    others +=
+        by_gl[i].triangle != by_cpu[i].triangle ||
+        std::abs(by_gl[i].depth - by_cpu[i].depth) * shared::one_over_depth(bench.frame) > 1e-5f;
   }
   EXPECT_GT(shown, by_gl.size() / 10);
   return static_cast<double>(others) / static_cast<double>(by_gl.size());
@@ -556,7 +558,8 @@ TEST(CpuOcclusion, CoversThePixelsThatOpenGLCoversWhereSidesMeetCentres) {
     }
     bench.scene.triangle_corners.write(0, static_cast<int64_t>(corners.size() * 16),
                                        corners.data());
-    OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), {{0, 400}}, bench.target);
+    OcclusionPass().run(bench.scene, bench.projection, bench.tiles.front(), {{0, 400}},
+                        bench.target);
     const Seen by_gl = bench.visible();
     const Seen by_cpu = seen_of(corners, pixels);
     for (size_t i = 0; i < by_gl.size(); ++i) {

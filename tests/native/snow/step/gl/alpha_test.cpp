@@ -61,7 +61,8 @@ std::vector<int32_t> seen_from_above(const std::vector<SceneObject>& objects,
                             static_cast<int64_t>(objects[i].positions.size()) * 12,
                             objects[i].positions.data());
       const int32_t first = scene.layout.first_triangle[i];
-      ranges.push_back({first, 2, scene.layout.first_alpha[i] >= 0, scene.layout.first_alpha[i] - first});
+      ranges.push_back(
+          {first, 2, scene.layout.first_alpha[i] >= 0, scene.layout.first_alpha[i] - first});
     }
     FallSettings settings;
     settings.pixel_size = 1.0 / 16.0;

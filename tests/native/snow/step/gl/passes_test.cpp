@@ -7,18 +7,18 @@
 #include <numbers>
 
 #include "gpu/gpu_thread.h"
+#include "native/snow/bench.h"
+#include "native/snow/layouts.h"
+#include "snow/scene/memory_estimate.h"
+#include "snow/seams/seam_leveller.h"
+#include "snow/simulation.h"
 #include "snow/step/gl/back_pixels.h"
 #include "snow/step/gl/deposit.h"
 #include "snow/step/gl/deposit_geometry.h"
+#include "snow/step/gl/scene_buffers.h"
 #include "snow/step/gl/stability.h"
 #include "snow/step/gl/statistics.h"
-#include "snow/seams/seam_leveller.h"
-#include "snow/scene/memory_estimate.h"
-#include "snow/step/gl/scene_buffers.h"
-#include "snow/simulation.h"
 #include "snow/step/gl/texel_groups.h"
-#include "native/snow/bench.h"
-#include "native/snow/layouts.h"
 
 namespace snowbough::snow {
 namespace {
@@ -46,9 +46,10 @@ TEST(FallGrid, IsAnchoredAtTheWorldsOriginWhereverTheSceneLies) {
     bounds.include(point + glm::dvec3(shift, 2.0 * shift, 0.0));
     const shared::ProjectionFrame frame = make_projection_frame(settings, bounds);
     const glm::dvec3 offset = point - glm::dvec3(glm::vec3(frame.anchor));
-    const glm::dvec2 at(
-        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) + shared::anchor_pixel(frame).x + frame.base.x,
-        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) + shared::anchor_pixel(frame).y + frame.base.y);
+    const glm::dvec2 at(glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_x))) +
+                            shared::anchor_pixel(frame).x + frame.base.x,
+                        glm::dot(offset, glm::dvec3(glm::vec3(frame.grid_y))) +
+                            shared::anchor_pixel(frame).y + frame.base.y);
     if (shift == 0.0) {
       first = at;
     }
@@ -300,7 +301,8 @@ TEST(Deposit, IsTheSameBitsHoweverTheTilesAreCut) {
         for (const Tile& tile : tiles) {
           occlusion.run(bench.scene, bench.projection, tile, {{0, bench.scene.triangle_count}},
                         bench.target);
-          deposit.run(bench.scene, bench.projection, tile, bench.target, false, &tile == &tiles.front());
+          deposit.run(bench.scene, bench.projection, tile, bench.target, false,
+                      &tile == &tiles.front());
         }
         gains.emplace_back();
         for (const auto& step : bench.scene.batches[0].steps.read_all<shared::TexelStep>()) {
@@ -349,7 +351,7 @@ TEST(DepositGeometry, PutsEveryPixelsSnowOnTheTexelUnderIt) {
 TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
   gpu::GpuThread::shared()->run([] {
     const auto stable_height = [&](float height, float deposit, float dt, float max_depth,
-                            bool is_ceiling = false) {
+                                   bool is_ceiling = false) {
       SceneObject object = square("a", 1.0f, 0.0f);
       if (is_ceiling) {
         std::vector<int32_t>& corners = object.description.topology.triangles;
@@ -371,7 +373,8 @@ TEST(Stability, FollowsTheClosedFormBelowAcrossAndAboveCapacity) {
     {
       EXPECT_FLOAT_EQ(stable_height(0.1f, 0.2f, 1.0f, 0.5f), 0.3f);
       EXPECT_NEAR(stable_height(0.9f, 0.0f, 2.0f, 0.5f), 0.7f, 1e-6);
-      EXPECT_NEAR(stable_height(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k, 1e-6);
+      EXPECT_NEAR(stable_height(0.5f, 0.3f, 1.0f, 0.5f), 0.5 + 0.3 * (1.0 - std::exp2(-0.5)) / k,
+                  1e-6);
       // Crosses at a third of the step.
       EXPECT_NEAR(stable_height(0.4f, 0.3f, 1.0f, 0.5f),
                   0.5 + 0.2 * (1.0 - std::exp2(-1.0 / 3.0)) / (k * 2.0 / 3.0), 1e-6);
@@ -440,12 +443,13 @@ TEST(WorkGroupSize, ChangesNoResult) {
       BackPixelsPass(local_size).run(bench.scene, bench.tiles[0], bench.target);
       DepositPass().run(bench.scene, bench.projection, bench.tiles[0], bench.target, false, true);
       StabilityPass(local_size).run(bench.scene, {}, 0.01f, 1.0f);
-      const MapGroup& group = bench.scene.groups[static_cast<size_t>(bench.scene.layout.plan.group[0])];
+      const MapGroup& group =
+          bench.scene.groups[static_cast<size_t>(bench.scene.layout.plan.group[0])];
       heights.emplace_back(128 * 128);
       group.height.read(0, GL_RED, GL_FLOAT, 128 * 128 * 4, heights.back().data());
       statistics.close(bench.scene, 1.0f);
-      sums.push_back(bench.scene.sums
-                         .read_all<shared::ObjectSums>()[static_cast<size_t>(bench.scene.layout.plan.slot[0])]);
+      sums.push_back(bench.scene.sums.read_all<shared::ObjectSums>()[static_cast<size_t>(
+          bench.scene.layout.plan.slot[0])]);
     }
     EXPECT_EQ(heights[0], heights[1]);
     EXPECT_NEAR(sums[0].visible_area, sums[1].visible_area, 1e-5);

@@ -6,8 +6,8 @@
 #include <stdexcept>
 
 #include "gpu/buffer_writer.h"
-#include "snow/step/gl/texel_groups.h"
 #include "native/snow/bench.h"
+#include "snow/step/gl/texel_groups.h"
 
 namespace snowbough::snow {
 namespace {
