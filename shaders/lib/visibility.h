@@ -26,7 +26,7 @@ KERNEL_CONSTANT float kHairRange = 4e-7f;
 /// How far the surface that a point lies on may rise over the point's plane within a pixel before it shades
 /// the point: metres over the plane for each pixel of width; and how far its plane there may pass over the
 /// point. Wide enough for creases and rough scans, narrow enough for a twig over its own trunk: with these
-/// volumes are within 0.1 % of what rays reach on scans, animals and trees with pixels of up to three texels.
+/// volumes are within 0.2 % of what rays reach on scans, animals and trees with pixels of up to three texels.
 KERNEL_CONSTANT float kBend = 0.75f;
 KERNEL_CONSTANT float kOverPoint = 0.3f;
 /// Surfaces steeper than this are reckoned with as if they were not.
