@@ -201,7 +201,6 @@ GpuInfo read_info(const std::string& label) {
   GLint64 bytes = 0;
   glGetInteger64v(GL_MAX_SHADER_STORAGE_BLOCK_SIZE, &bytes);
   info.max_storage_buffer_bytes = bytes;
-  glGetIntegeri_v(GL_MAX_COMPUTE_WORK_GROUP_COUNT, 0, &info.max_compute_groups);
   return info;
 }
 

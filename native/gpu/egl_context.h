@@ -17,7 +17,6 @@ struct GpuInfo {
   int32_t max_array_layers = 0;
   int32_t max_viewport = 0;
   int64_t max_storage_buffer_bytes = 0;
-  int32_t max_compute_groups = 0;
 };
 
 /// Whether a renderer of that name computes on the processor: Mesa's llvmpipe and softpipe.

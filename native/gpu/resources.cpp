@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <stdexcept>
 
-#include "gpu/egl_context.h"
-
 namespace snowbough::gpu {
 namespace {
 
@@ -38,9 +36,7 @@ int64_t texel_bytes(GLenum format) {
 void Buffer::allocate(const void* data) {
   glCreateBuffers(1, &id_);
   const int64_t room = std::max<int64_t>(bytes_, 16);
-  // Elsewhere a buffer that can be mapped may come to lie far from the GPU.
-  const GLbitfield mapping = renders_in_software() ? GL_MAP_READ_BIT | GL_MAP_WRITE_BIT : 0;
-  glNamedBufferStorage(id_, room, bytes_ >= 16 ? data : nullptr, GL_DYNAMIC_STORAGE_BIT | mapping);
+  glNamedBufferStorage(id_, room, bytes_ >= 16 ? data : nullptr, GL_DYNAMIC_STORAGE_BIT);
   const GLenum error = glGetError();
   if (error != GL_NO_ERROR) {
     glDeleteBuffers(1, &id_);
@@ -89,19 +85,6 @@ void Buffer::clear(int64_t bytes) {
     glClearNamedBufferSubData(id_, GL_R32UI, 0, bytes < 0 ? (bytes_ + 3) / 4 * 4 : bytes,
                               GL_RED_INTEGER, GL_UNSIGNED_INT, nullptr);
   }
-}
-
-BufferMap::BufferMap(const Buffer& buffer) : id_(buffer.id()) {
-  glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-  data_ = glMapNamedBuffer(id_, GL_READ_WRITE);
-  if (data_ == nullptr) {
-    throw std::runtime_error("the driver does not map a buffer of " +
-                             std::to_string(buffer.bytes() >> 20) + " MiB");
-  }
-}
-
-BufferMap::~BufferMap() {
-  glUnmapNamedBuffer(id_);
 }
 
 Texture::Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers,
@@ -161,11 +144,6 @@ std::pair<GLenum, GLenum> clear_format(GLenum internal_format) {
 void Texture::clear() {
   const auto [format, type] = clear_format(format_);
   glClearTexImage(id_, 0, format, type, nullptr);
-}
-
-void Texture::clear_layer(int32_t layer) {
-  const auto [format, type] = clear_format(format_);
-  glClearTexSubImage(id_, 0, 0, 0, layer, width_, height_, 1, format, type, nullptr);
 }
 
 void Texture::write(int32_t layer, GLenum format, GLenum type, const void* data) {

@@ -62,28 +62,6 @@ class Buffer : public Handle {
   int64_t bytes_ = 0;
 };
 
-/// A buffer's memory in the processor's reach, to read and to write, while this lives; the buffer
-/// is left alone in the meantime. Only buffers of software renderers can be mapped: they have them
-/// there without copying them.
-class BufferMap {
- public:
-  /// Waits until the GPU is done with the buffer. @throws std::runtime_error when the driver
-  /// refuses.
-  explicit BufferMap(const Buffer& buffer);
-  BufferMap(const BufferMap&) = delete;
-  BufferMap& operator=(const BufferMap&) = delete;
-  ~BufferMap();
-
-  template <typename Element>
-  Element* as() const {
-    return static_cast<Element*>(data_);
-  }
-
- private:
-  GLuint id_ = 0;
-  void* data_ = nullptr;
-};
-
 /// A two-dimensional texture, or an array of them, with one mip level and nearest or linear
 /// filtering, clamped at its edges.
 class Texture : public Handle {
@@ -105,8 +83,6 @@ class Texture : public Handle {
   int32_t layers() const { return layers_; }
   /// Fills every texel with zeros.
   void clear();
-  /// Fills one layer with zeros.
-  void clear_layer(int32_t layer);
   /// Copies one layer (0 for a plain texture) in or out, row 0 first, tightly packed. `format` and
   /// `type` say how the data lies in memory, e.g. GL_RED and GL_FLOAT.
   void write(int32_t layer, GLenum format, GLenum type, const void* data);

@@ -8,8 +8,8 @@
 
 namespace snowbough::snow {
 
-/// What a simulation will take on the GPU (with llvmpipe: in main memory), in bytes, told before
-/// anything is allocated.
+/// What a simulation will take in bytes, on the GPU or in main memory as its engine works, told
+/// before anything is allocated.
 struct MemoryEstimate {
   /// Height maps, and owner tables where there are any.
   int64_t maps = 0;
@@ -26,11 +26,11 @@ struct MemoryEstimate {
   int64_t seams = 0;
 
   int64_t total() const { return maps + texels + geometry + tile + output + seams; }
-  /// One line for people: "812 MiB on the GPU (maps 512, ...)".
+  /// One line for people: "812 MiB (maps 512, ...)".
   std::string text() const;
 };
 
-/// `with_owners`: see SceneLayout.
+/// `with_owners`: see SceneBuffers.
 MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,
                                bool with_owners = false);
 
