@@ -113,7 +113,7 @@ def build_tree(name, obj, uv_map, image, frames, covered, levels, units_per_metr
         geometry = _store(tree, geometry, COVERED_ATTRIBUTE, covered, uv)
 
     depth = tree.attribute(HEIGHT_ATTRIBUTE, "FLOAT", "VALUE")
-    bare = tree.math("LESS_THAN", depth, BARE)
+    bare = tree.math("LESS_THAN", tree.math("ABSOLUTE", depth, 0.0), BARE)
     raised = tree.math("SUBTRACT", depth, tree.math("MULTIPLY", bare, SINK))
     offset = tree.node("ShaderNodeVectorMath", operation="SCALE")
     tree.link(tree.node("GeometryNodeInputNormal").outputs["Normal"], offset.inputs[0])
