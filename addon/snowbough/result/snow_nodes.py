@@ -18,7 +18,14 @@ SUBSURFACE_RADIUS = (0.010, 0.013, 0.018)
 # name, socket type, default, least, most, tooltip
 INPUTS = (
     ("Shader", "NodeSocketShader", None, None, None, "The object's own material"),
-    ("Height", "NodeSocketFloat", 0.0, -1000.0, 1000.0, "Thickness of the snow, negative on the back (metres)"),
+    (
+        "Height",
+        "NodeSocketFloat",
+        0.0,
+        -1000.0,
+        1000.0,
+        "Thickness of the snow, negative on the back (metres)",
+    ),
     ("Edge Depth", "NodeSocketFloat", 0.006, 1e-5, 10.0, "Depth at which snow hides the surface (metres)"),
     ("Edge Noise", "NodeSocketFloat", 0.6, 0.0, 1.0, "How ragged the edge of the snow is (0 to 1)"),
     ("Edge Noise Scale", "NodeSocketFloat", 60.0, 0.0, 1e5, "Flecks of the edge (per metre)"),

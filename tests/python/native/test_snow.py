@@ -15,7 +15,9 @@ def simulation(pixel_size=0.02, max_depth=100.0, **settings):
     return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, **settings)
 
 
-def snow_on(mesh, steps=8, depth=0.08, direction=DOWN, resolution=64, dt=1.0 / 24.0, sides="AUTO", **settings):
+def snow_on(
+    mesh, steps=8, depth=0.08, direction=DOWN, resolution=64, dt=1.0 / 24.0, sides="AUTO", **settings
+):
     """Height, texel area and statistics after `depth` fell on one mesh in `steps` steps."""
     positions, triangles, uv = mesh
     with simulation(**settings) as sim:

@@ -9,7 +9,9 @@ from snow_meshes import box, chart_of_box, grid, rotated, smooth, sphere, wind
 DOWN = (0.0, 0.0, -1.0)
 
 
-def snow_on(mesh, shading=None, direction=DOWN, resolution=256, dt=0.0, flutter=0.0, steps=1, max_depth=100.0):
+def snow_on(
+    mesh, shading=None, direction=DOWN, resolution=256, dt=0.0, flutter=0.0, steps=1, max_depth=100.0
+):
     """Height for a depth of 1, texel area and statistics."""
     positions, triangles, uv = mesh
     with native.SnowSimulation(pixel_size=0.008, max_depth=max_depth, flutter=flutter) as sim:
@@ -78,7 +80,9 @@ def test_numbers_that_are_all_negative_are_none_to_the_bit():
 
 def test_a_sharp_edge_between_smooth_faces_stays_sharp():
     # A roof of two slopes, each of which is smooth in itself: as flat as without any numbers.
-    positions = np.array([(-1, -1, 0), (0, -1, 1), (0, 1, 1), (-1, 1, 0), (1, -1, 0.2), (1, 1, 0.2)], np.float32)
+    positions = np.array(
+        [(-1, -1, 0), (0, -1, 1), (0, 1, 1), (-1, 1, 0), (1, -1, 0.2), (1, 1, 0.2)], np.float32
+    )
     triangles = np.array([(0, 1, 2), (0, 2, 3), (1, 4, 5), (1, 5, 2)], np.int32)
     corners = positions[:, :2] * 0.48 + 0.5
     mesh = positions, triangles, corners[triangles].astype(np.float32)
