@@ -369,7 +369,9 @@ cli.frame_line = line_or_end
 @pytest.mark.parametrize("frame", [2, 6, 9])
 def test_without_egl_a_killed_bake_resumes_to_the_same_bytes(addon, shot, without_egl, tmp_path, frame):
     *command, program = blender_command(addon, tmp_path / "shot.blend", "--engine", "AUTO")
-    killed = program.replace("sys.exit(", KILL.format(frame=frame, cache=str(tmp_path / "cache")) + "sys.exit(")
+    killed = program.replace(
+        "sys.exit(", KILL.format(frame=frame, cache=str(tmp_path / "cache")) + "sys.exit("
+    )
     done = subprocess.run([*command, killed], env=without_egl, capture_output=True, text=True, timeout=120)
     assert done.returncode == -signal.SIGKILL, done.stderr
     left = s.files_of(tmp_path / "cache")
