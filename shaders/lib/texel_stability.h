@@ -46,10 +46,18 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
 /// veil that steep faces would get from pixels at their edge.
 KERNEL_CONSTANT float kLeastGain = 0.005f;
 
-/// Thickness in metres that a step brings, negative on the back.
+/// Thickness in metres that a step brings, negative on the back. Where it falls on both sides, all of it lies on the
+/// one that gets more.
 float deposit_of(uvec4 step) {
-  const float gain = float(step.x & ~kBackSide) * (1.0f / kGainUnits);
-  return gain < kLeastGain ? 0.0f : (step.x & kBackSide) != 0u ? -gain * full_gain : gain * full_gain;
+  float gain = float(step.x & ~(kBackSide | kMixedSides)) * (1.0f / kGainUnits);
+  bool is_back = (step.x & kBackSide) != 0u;
+  if ((step.x & kMixedSides) != 0u) {
+    const uint front = step.x & kMixedMask;
+    const uint back = (step.x >> kMixedBits) & kMixedMask;
+    gain = float(front + back) * (1.0f / kMixedUnits);
+    is_back = back > front;
+  }
+  return gain < kLeastGain ? 0.0f : is_back ? -gain * full_gain : gain * full_gain;
 }
 
 /// What a step does to a texel.
