@@ -35,6 +35,7 @@ class CpuEngine final : public Engine {
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     std::copy(positions.begin(), positions.end(),
               scene_.positions.begin() + scene_.layout.first_vertex[object]);
+    scene_.normals_are_current = false;
   }
 
   void set_up_triangles(const shared::ProjectionFrame& frame) override {
