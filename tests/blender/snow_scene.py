@@ -87,7 +87,7 @@ def files_of(root):
 
 
 def moving_scene(folder, frames=(1, 12), **values):
-    """A ground, a cart that drives over it, a flag that an armature bends: all three receive."""
+    """A ground, a cart that drives over it, a flag, shaded smooth, that an armature bends: all three receive."""
     ground = square("Ground", 4.0)
     cart = square("Cart", 1.0, z=1.0)
     key(cart, "location", (frames[0], (-1.0, 0.0, 0.0)), (frames[1], (1.0, 0.0, 0.0)))
@@ -97,6 +97,7 @@ def moving_scene(folder, frames=(1, 12), **values):
     uv = [p for i in range(cells) for p in
           ((i / cells, 0), ((i + 1) / cells, 0), ((i + 1) / cells, 1), (i / cells, 1))]  # fmt: skip
     flag = mesh_object("Flag", points, faces, uv)
+    flag.data.polygons.foreach_set("use_smooth", [True] * cells)
     bone = bpy.data.objects.new("Bone", bpy.data.armatures.new("Bone"))
     bpy.context.scene.collection.objects.link(bone)
     bpy.context.view_layer.objects.active = bone

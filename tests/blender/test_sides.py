@@ -213,15 +213,3 @@ def test_custom_normals_divide_where_they_differ(addon, roof):
     assert not joins_the_slopes(*shading_of(addon, roof.obj))
     mesh.normals_split_custom_set([up] * 8)
     assert joins_the_slopes(*shading_of(addon, roof.obj))
-
-
-def test_a_smooth_object_that_bends_resumes_with_the_same_bytes(native, tmp_path):
-    _, _, flag = s.moving_scene(tmp_path / "whole", (1, 6))
-    flag.data.polygons.foreach_set("use_smooth", [True] * len(flag.data.polygons))
-    s.bake()
-    scene = bpy.context.scene
-    scene.snowbough.cache_directory = str(tmp_path / "parts")
-    bpy.ops.snowbough.bake()
-    assert s.files_of(tmp_path / "whole") == s.files_of(tmp_path / "parts")
-    map_ = s.height(native, tmp_path / "whole", "Flag", 6)
-    assert map_.min() < 0.0 or map_.max() > 0.0
