@@ -35,12 +35,14 @@ class CpuEngine final : public Engine {
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     std::copy(positions.begin(), positions.end(),
               scene_.positions.begin() + scene_.layout.first_vertex[object]);
+    scene_.normals_are_current = false;
   }
 
   void set_up_triangles(const shared::ProjectionFrame& frame) override {
     scene_.frame = frame;
     cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
                           scene_.surface);
+    cpu::set_up_smooth_points(scene_);
   }
   void choose_texels() override { cpu::choose_texels(scene_); }
   void open_statistics() override {
