@@ -5,6 +5,7 @@
 // that the result does not depend on the length of a step.
 #include "kernel.h"
 #include "snow_shared.h"
+#include "texel_repose.h"
 
 /// A TexelStep each.
 KERNEL_VIEW_RGBA32UI(texel_steps);
@@ -14,10 +15,12 @@ KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
 KERNEL_UNIFORM(float, half_life);
+/// Not 0: walls hold nothing, and what sticks there is gone within a second.
+KERNEL_UNIFORM(int, walls_are_bare);
 
 /// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
-float staying_part(float t) {
-  const float x = 0.69314718f * t / half_life;
+float staying_part(float t, float half) {
+  const float x = 0.69314718f * t / half;
   return x < 1e-2f ? 1.0f - x * (0.5f - x * (1.0f / 6.0f - x / 24.0f)) : (1.0f - exp(-x)) / x;
 }
 
@@ -27,7 +30,16 @@ struct WholeStep {
   float stays;
 };
 
-WholeStep whole_step() { return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt)); }
+WholeStep whole_step() {
+  return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt, half_life));
+}
+
+/// What is left on a wall. A wall is faced by snow from the side only: it holds what flies at it for a moment.
+float height_on_wall(float height, float deposit) {
+  const float left =
+      height * exp2(-dt / kWallHalfLife) + deposit * staying_part(dt, kWallHalfLife);
+  return left < kWallLeast && dt > 0.0f ? 0.0f : left;
+}
 
 float stable_height(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
@@ -39,7 +51,7 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
     return height + deposit;
   }
   const float after_crossing = 1.0f - (capacity - height) / deposit;
-  return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
+  return capacity + deposit * after_crossing * staying_part(dt * after_crossing, half_life);
 }
 
 /// A texel that gains less than this of what it would across the fall and under open sky gains nothing: the
@@ -61,7 +73,10 @@ struct StableTexel {
 
 StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
-  const float stable = stable_height(height, deposit, max_depth * uintBitsToFloat(step.z), whole);
+  const float up = uintBitsToFloat(step.z);
+  const float stable = walls_are_bare != 0 && is_wall(up)
+                           ? height_on_wall(height, deposit)
+                           : stable_height(height, deposit, max_depth * up, whole);
   const float visible = full_gain > 0.0f ? deposit / full_gain : 0.0f;
   const vec4 sums =
       vec4(deposit * area, (height + deposit - stable) * area, stable * area, visible * area);
