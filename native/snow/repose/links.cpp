@@ -271,11 +271,14 @@ class LinkFinder {
     std::vector<ReposeLinks::End>& ends = links_.ends;
     const auto across = static_cast<int32_t>(links_.across.size());
     for (int32_t k = 0; k < across; ++k) {
-      ends.push_back({links_.across[static_cast<size_t>(k)].a, k, -1, 0});
-      ends.push_back({links_.across[static_cast<size_t>(k)].b, k, 1, 0});
+      const ReposeLinks::Across& link = links_.across[static_cast<size_t>(k)];
+      links_.across_cells.push_back(
+          {links_.cell_of(place(link.a)), links_.cell_of(place(link.b))});
+      ends.push_back({link.a, links_.across_cells.back()[0], k, -1, 0});
+      ends.push_back({link.b, links_.across_cells.back()[1], k, 1, 0});
     }
     for (size_t k = 0; k < links_.rims.size(); ++k) {
-      ends.push_back({links_.rims[k].texel, across + static_cast<int32_t>(k), -1, 0});
+      ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)), across + static_cast<int32_t>(k), -1, 0});
     }
     const auto block = [&](const ReposeLinks::End& end) {
       return links_.block_of(place(end.texel));

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -50,6 +52,8 @@ struct ReposeLinks {
   /// What ends at a texel apart from its links on the map.
   struct End {
     int32_t texel = 0;
+    /// See cell_of.
+    int32_t cell = 0;
     /// Index in `across`, or across.size() + index in `rims`.
     int32_t link = 0;
     /// Its sign at this end: -1 at `a` and at rims, 1 at `b`.
@@ -64,9 +68,31 @@ struct ReposeLinks {
   std::vector<int32_t> near_begin;
   std::vector<int32_t> near;
 
+  /// Per link across: the cells of its two ends.
+  std::vector<std::array<int32_t, 2>> across_cells;
+
   size_t block_count() const { return end_begin.size() - 1; }
   int32_t block_of(int32_t place) const {
     return place / resolution / kReposeBlock * blocks_a_side + place % resolution / kReposeBlock;
+  }
+  /// block * kReposeBlock^2 + row * kReposeBlock + column within the block.
+  int32_t cell_of(int32_t place) const {
+    return (block_of(place) * kReposeBlock + place / resolution % kReposeBlock) * kReposeBlock +
+           place % resolution % kReposeBlock;
+  }
+  /// Calls visit(texel, cell within the block) for a block's texels; `places`: TexelTable::texel.
+  template <typename Visit>
+  void for_texels(int32_t block, const std::vector<int32_t>& places, const Visit& visit) const {
+    const int32_t column = block % blocks_a_side;
+    const int32_t first = block / blocks_a_side * kReposeBlock;
+    for (int32_t row = first; row < std::min(first + kReposeBlock, resolution); ++row) {
+      const int32_t* run = &run_begin[static_cast<size_t>(row * blocks_a_side + column)];
+      const int32_t begin = row * resolution + column * kReposeBlock;
+      for (int32_t i = run[0]; i < run[1]; ++i) {
+        visit(i, static_cast<size_t>((row - first) * kReposeBlock +
+                                     (places[static_cast<size_t>(i)] - begin)));
+      }
+    }
   }
 };
 

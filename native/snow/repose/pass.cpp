@@ -18,7 +18,6 @@ constexpr float kMostPatience = 8.0f;
 
 void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {
   receivers_.clear();
-  fields_.clear();
   for (const SceneObject* object : objects) {
     receivers_.push_back(object->description.receive ? std::make_unique<Repose>(*object) : nullptr);
   }
@@ -28,28 +27,10 @@ void ReposePass::forget_pose(size_t object) {
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
 }
 
-std::unique_ptr<ReposeField> ReposePass::take_field(int32_t resolution) {
-  {
-    const std::scoped_lock lock(mutex_);
-    const auto found = std::find_if(fields_.begin(), fields_.end(), [&](const auto& field) {
-      return field->resolution == resolution;
-    });
-    if (found != fields_.end()) {
-      std::unique_ptr<ReposeField> field = std::move(*found);
-      fields_.erase(found);
-      return field;
-    }
-  }
-  return std::make_unique<ReposeField>(resolution);
-}
-
 void ReposePass::run_map(Map& map, float patience, bool on_all_cores) {
   Repose& repose = *receivers_[map.object];
-  std::unique_ptr<ReposeField> field = take_field(repose.links().resolution);
-  map.slid = repose.run(*map.height, patience, *field, on_all_cores);
-  map.has_changed = !repose.changed().empty();
-  const std::scoped_lock lock(mutex_);
-  fields_.push_back(std::move(field));
+  map.slid = repose.run(*map.height, patience, on_all_cores);
+  map.has_changed = repose.has_changed();
 }
 
 void ReposePass::run(const ReposeSettings& settings, float dt, std::vector<Map>& maps) {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <memory>
-#include <mutex>
 #include <vector>
 
 #include "snow/repose/repose.h"
@@ -25,22 +24,16 @@ class ReposePass {
   /// `objects` must live until the next call.
   void lay_out(const std::vector<const SceneObject*>& objects);
   void forget_pose(size_t object);
-  /// Of one receiver, as it was in the last step.
-  const Repose& of(size_t object) const { return *receivers_[object]; }
 
   /// Moves what is steeper than the settings allow on these maps. `dt`: seconds that the step
   /// takes; a longer one may go on for longer until all rests.
   void run(const ReposeSettings& settings, float dt, std::vector<Map>& maps);
 
  private:
-  std::unique_ptr<ReposeField> take_field(int32_t resolution);
   void run_map(Map& map, float patience, bool on_all_cores);
 
   /// By object; null for what does not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;
-  /// At rest, for whom needs one next.
-  std::vector<std::unique_ptr<ReposeField>> fields_;
-  std::mutex mutex_;
 };
 
 }  // namespace snowbough::snow

@@ -1,193 +1,200 @@
 #include "snow/repose/repose.h"
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
-#include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
 
 namespace snowbough::snow {
 namespace {
 
-constexpr float kNoLink = std::numeric_limits<float>::infinity();
+/// Rounds that a block does at a time.
+constexpr int kRounds = 8;
 /// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
 /// every block of the map, and for any map.
 constexpr int kMostRounds = 400;
-constexpr double kRoundsABlock = 10.0;
-constexpr double kRoundsAMap = 3000.0;
+constexpr double kRoundsABlock = 4.0;
+constexpr double kRoundsAMap = 1500.0;
 
 }  // namespace
 
-void Repose::for_blocks(const std::vector<int32_t>& blocks, const Work& work) const {
-  if (on_all_cores_) {
-    base::for_each_item(blocks.size(), 1, [&](size_t i) { work(blocks[i]); });
-  } else {
-    for (const int32_t block : blocks) work(block);
-  }
-}
-
-void Repose::take_pose() {
-  if (links_.resolution == 0) {
-    const std::vector<glm::vec3>& rest = object_->description.rest;
-    links_ = find_repose_links(object_->description.topology, object_->table,
-                               rest.empty() ? object_->positions : rest);
-    is_chosen_.assign(links_.block_count(), 0);
-    const size_t ends = links_.across.size() + links_.rims.size();
-    for (std::vector<float>* values : {&end_limit_, &end_rate_, &end_flow_}) {
-      values->assign(ends, 0.0f);
-    }
-    rim_top_.assign(links_.rims.size(), 0.0f);
-  }
-  surface_.set_pose(*object_);
-  slack_.assign(links_.block_count(), {});
-  has_pose_ = true;
-}
-
-Repose::Range Repose::range_of(int32_t block, const std::vector<float>& height) const {
-  const int32_t left = block % links_.blocks_a_side;
-  const int32_t first_row = block / links_.blocks_a_side * kReposeBlock;
-  Range range{kNoLink, 0.0f};
-  for (int32_t row = first_row; row < std::min(first_row + kReposeBlock, links_.resolution);
-       ++row) {
-    const int32_t* run = &links_.run_begin[static_cast<size_t>(row * links_.blocks_a_side + left)];
-    for (int32_t i = run[0]; i < run[1]; ++i) {
-      const size_t place = static_cast<size_t>(object_->table.texel[static_cast<size_t>(i)]);
-      const float depth = std::abs(height[place]);
-      range.low = std::min(range.low, depth);
-      range.high = std::max(range.high, depth);
-    }
-  }
-  return range;
-}
-
-/// Whether no link of the block can be over its limit. Two points that lie as far apart as bare and
-/// whose heights differ by at most `span` and their normals by `turn`, fall by at most span +
-/// high * turn more and come nearer by as much.
-bool Repose::is_level(int32_t block, const std::vector<Range>& ranges) const {
-  Range range{kNoLink, 0.0f};
+void Repose::mark_near(int32_t block, Marks& marks) const {
   const auto b = static_cast<size_t>(block);
   for (int32_t n = links_.near_begin[b]; n < links_.near_begin[b + 1]; ++n) {
-    const Range& other = ranges[static_cast<size_t>(links_.near[static_cast<size_t>(n)])];
-    range = {std::min(range.low, other.low), std::max(range.high, other.high)};
+    marks[static_cast<size_t>(links_.near[static_cast<size_t>(n)])] = 1;
   }
-  if (range.high <= 0.0f) return true;
-  const BlockSlack& slack = slack_[b];
-  const float lifted = range.high - range.low + range.high * slack.turn;
-  return slack.is_known && (1.0f + slope_) * lifted <= slack.inside &&
-         (1.0f + slope_) * range.high <= slack.at_edges;
 }
 
-std::vector<int32_t> Repose::near(const std::vector<int32_t>& blocks,
-                                  const std::vector<uint8_t>* only) const {
-  std::vector<int32_t> result;
-  for (const int32_t block : blocks) {
-    const auto b = static_cast<size_t>(block);
-    for (int32_t n = links_.near_begin[b]; n < links_.near_begin[b + 1]; ++n) {
-      const int32_t other = links_.near[static_cast<size_t>(n)];
-      if (only == nullptr || (*only)[static_cast<size_t>(other)] != 0) result.push_back(other);
-    }
+/// Those blocks and the blocks near them, ascending.
+Repose::Blocks Repose::near(const Blocks& blocks) const {
+  Marks marks(links_.block_count(), 0);
+  for (const int32_t block : blocks) mark_near(block, marks);
+  Blocks result;
+  for (size_t b = 0; b < marks.size(); ++b) {
+    if (marks[b] != 0) result.push_back(static_cast<int32_t>(b));
   }
-  std::sort(result.begin(), result.end());
-  result.erase(std::unique(result.begin(), result.end()), result.end());
   return result;
 }
 
-size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
-  changed_.clear();
-  chosen_.clear();
-  if (!has_pose_) {
-    const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
-    if (is_bare) return 0;
-    take_pose();
-  }
-  if (slope != slope_) slack_.assign(slack_.size(), {});
-  slope_ = slope;
-  std::vector<Range> ranges(links_.block_count());
-  for (size_t b = 0; b < ranges.size(); ++b) {
-    ranges[b] = range_of(static_cast<int32_t>(b), height);
-  }
-  doubtful_.clear();
-  for (size_t b = 0; b < ranges.size(); ++b) {
-    if (!is_level(static_cast<int32_t>(b), ranges)) doubtful_.push_back(static_cast<int32_t>(b));
-  }
-  chosen_ = near(doubtful_, nullptr);
-  return chosen_.size();
-}
-
-double Repose::run(std::vector<float>& height, float patience, ReposeField& field,
-                   bool on_all_cores) {
+double Repose::run(std::vector<float>& height, float patience, bool on_all_cores) {
   if (chosen_.empty()) return 0.0;
   on_all_cores_ = on_all_cores;
-  for (const int32_t block : chosen_) is_chosen_[static_cast<size_t>(block)] = 1;
-  for_blocks(chosen_, [&](int32_t b) {
-    surface_.fill_block(links_, b, height, field);
-    raise_tops(b, field);
-  });
-  for (size_t r = 0; r < links_.rims.size(); ++r) {
-    rim_top_[r] = surface_.point(links_.rims[r].triangle, links_.rims[r].weights).z;
-  }
-  std::vector<uint8_t> steep(links_.block_count(), 0);
-  for_blocks(chosen_, [&](int32_t b) {
-    steep[static_cast<size_t>(b)] = set_up_block(b, field) ? 1 : 0;
-  });
-  // What is known of a block holds only where all that it is linked with was looked at.
-  for (const int32_t block : near(doubtful_, nullptr)) {
-    slack_[static_cast<size_t>(block)].is_known = false;
-  }
-  for (const int32_t block : doubtful_) slack_[static_cast<size_t>(block)].is_known = true;
-
-  std::vector<int32_t> awake;
-  for (const int32_t block : chosen_) {
-    if (steep[static_cast<size_t>(block)] != 0) awake.push_back(block);
-  }
+  set_up(height);
+  run_rounds(doubtful_, patience);
   double fallen = 0.0;
-  if (!awake.empty()) {
-    run_rounds(std::move(awake), patience, field);
-    std::vector<double> parts(links_.block_count(), 0.0);
+  std::vector<double> parts(has_changed_ ? links_.block_count() : 0, 0.0);
+  if (has_changed_) {
     for_blocks(chosen_, [&](int32_t b) {
-      parts[static_cast<size_t>(b)] = write_block(b, height, field);
+      parts[static_cast<size_t>(b)] = write_block(b, height);
     });
     for (const int32_t block : chosen_) fallen += parts[static_cast<size_t>(block)];
   }
-  for_blocks(chosen_, [&](int32_t b) { clear_block(b, field); });
-  for (const int32_t block : chosen_) is_chosen_[static_cast<size_t>(block)] = 0;
+  for (const int32_t block : chosen_) {
+    kept_[static_cast<size_t>(block)] = std::move(tiles_[static_cast<size_t>(block)]);
+  }
   return fallen * static_cast<double>(surface_.unit());
 }
 
-void Repose::run_rounds(std::vector<int32_t> awake, float patience, ReposeField& field) {
-  std::fill(end_flow_.begin(), end_flow_.end(), 0.0f);
-  std::vector<uint8_t> flows(links_.block_count(), 0);
-  std::vector<uint8_t> moves(links_.block_count(), 0);
-  std::vector<uint8_t> has_changed(links_.block_count(), 0);
-  const auto marked = [](const std::vector<int32_t>& blocks, const std::vector<uint8_t>& marks) {
-    std::vector<int32_t> result;
-    for (const int32_t block : blocks) {
-      if (marks[static_cast<size_t>(block)] != 0) result.push_back(block);
+/// Lets blocks that do not touch each other do their rounds; marks those to which snow goes on, in
+/// `seams` also those whose links across seams it may concern. Returns the rounds that were done.
+double Repose::run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams) {
+  std::vector<TileRounds> done(blocks.size());
+  Blocks order(blocks.size());
+  for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int32_t>(i);
+  for_blocks(order, [&](int32_t i) {
+    const int32_t block = blocks[static_cast<size_t>(i)];
+    done[static_cast<size_t>(i)] =
+        run_tile_rounds(tiles_, block, links_.blocks_a_side, rims_[static_cast<size_t>(block)],
+                        first_round, kRounds);
+  });
+  double rounds = 0.0;
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const auto block = static_cast<size_t>(blocks[i]);
+    rounds += done[i].rounds;
+    if (done[i].border_has_changed) mark_near(blocks[i], awake);
+    awake[block] = done[i].flows ? 1 : 0;
+    has_changed_ = has_changed_ || done[i].has_changed;
+    if (done[i].has_changed) mark_near(blocks[i], seams);
+  }
+  return rounds;
+}
+
+/// A round of flows across the seams of the marked blocks.
+void Repose::flow_across(float momentum, Marks& awake, Marks& seams) {
+  Blocks blocks;
+  for (size_t b = 0; b < seams.size(); ++b) {
+    if (seams[b] != 0 && tiles_[b] != nullptr && links_.end_begin[b] != links_.end_begin[b + 1]) {
+      blocks.push_back(static_cast<int32_t>(b));
     }
-    return result;
+    seams[b] = 0;
+  }
+  Marks flows(seams.size(), 0);
+  const auto ends_of = [&](int32_t block, const auto& visit) {
+    const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
+    for (int32_t e = ends[0]; e < ends[1]; ++e) {
+      const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
+      if (static_cast<size_t>(end.link) < across_.size()) visit(end);
+    }
   };
+  for_blocks(blocks, [&](int32_t block) {
+    ends_of(block, [&](const ReposeLinks::End& end) {
+      Flow& link = across_[static_cast<size_t>(end.link)];
+      if (end.sign > 0 || !(link.limit < std::numeric_limits<float>::infinity())) return;
+      const auto& [cell_a, cell_b] = links_.across_cells[static_cast<size_t>(end.link)];
+      const ReposeTile& a = *tiles_[static_cast<size_t>(cell_a / kTileCells)];
+      const ReposeTile& b = *tiles_[static_cast<size_t>(cell_b / kTileCells)];
+      const auto at_a = static_cast<size_t>(cell_a % kTileCells);
+      const auto at_b = static_cast<size_t>(cell_b % kTileCells);
+      link.flow = shared::link_flow(link.flow, a.top[at_a] - b.top[at_b], link.limit, link.rate,
+                                    a.gives[at_a], b.gives[at_b], momentum);
+      if (link.flow != 0.0f) flows[static_cast<size_t>(block)] = 1;
+    });
+  });
+  Blocks flowing;
+  for (const int32_t block : blocks) {
+    if (flows[static_cast<size_t>(block)] != 0) flowing.push_back(block);
+  }
+  for (const int32_t block : flowing) seams[static_cast<size_t>(block)] = 1;
+  Blocks reached;
+  for (const int32_t block : near(flowing)) {
+    if (tiles_[static_cast<size_t>(block)] != nullptr) reached.push_back(block);
+  }
+  Marks moves(seams.size(), 0);
+  for_blocks(reached, [&](int32_t block) {
+    ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+    ends_of(block, [&](const ReposeLinks::End& end) {
+      const float flow = across_[static_cast<size_t>(end.link)].flow;
+      if (flow == 0.0f) return;
+      const auto cell = static_cast<size_t>(end.cell % kTileCells);
+      tile.moved[cell] += static_cast<double>(static_cast<float>(end.sign) * flow);
+      tile.raise(cell);
+      moves[static_cast<size_t>(block)] = 1;
+    });
+  });
+  for (const int32_t block : reached) {
+    if (moves[static_cast<size_t>(block)] == 0) continue;
+    has_changed_ = true;
+    mark_near(block, awake);
+    mark_near(block, seams);
+  }
+}
+
+void Repose::run_rounds(const Blocks& doubtful, float patience) {
+  Marks awake(links_.block_count(), 0);
+  for (const int32_t block : doubtful) awake[static_cast<size_t>(block)] = 1;
+  Marks seams = awake;
+  for (Flow& link : across_) link.flow = 0.0f;
+  const auto any = [](const Marks& marks) {
+    return std::any_of(marks.begin(), marks.end(), [](uint8_t mark) { return mark != 0; });
+  };
+  const int32_t side = links_.blocks_a_side;
   double work = static_cast<double>(patience) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * patience);
-  for (int round = 0; round < most && !awake.empty() && work > 0.0; ++round) {
-    work -= static_cast<double>(awake.size());
-    const float momentum = shared::flow_momentum(round);
-    for_blocks(awake, [&](int32_t b) {
-      flows[static_cast<size_t>(b)] = flow_block(b, momentum, field) ? 1 : 0;
-    });
-    std::vector<int32_t> stirred = marked(awake, flows);
-    const std::vector<int32_t> reached = near(stirred, &is_chosen_);
-    for_blocks(reached, [&](int32_t b) {
-      moves[static_cast<size_t>(b)] = move_block(b, field) ? 1 : 0;
-      if (moves[static_cast<size_t>(b)] != 0) has_changed[static_cast<size_t>(b)] = 1;
-    });
-    const std::vector<int32_t> moved = marked(reached, moves);
-    stirred.insert(stirred.end(), moved.begin(), moved.end());
-    awake = near(stirred, &is_chosen_);
+  const double all = work;
+  int round = 0;
+  int round_across = 0;
+  for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {
+    goes_on = false;
+    for (int32_t colour = 0; colour < 4; ++colour) {
+      Blocks blocks;
+      for (const int32_t block : chosen_) {
+        const int32_t own = block / side % 2 * 2 + block % side % 2;
+        if (own == colour && awake[static_cast<size_t>(block)] != 0) blocks.push_back(block);
+      }
+      if (!blocks.empty()) {
+        work -= run_colour(blocks, round, awake, seams);
+        goes_on = true;
+      }
+      if (!across_.empty() && any(seams)) {
+        flow_across(shared::flow_momentum(round_across++), awake, seams);
+      }
+    }
+    goes_on = goes_on || (!across_.empty() && any(seams));
   }
-  changed_ = marked(chosen_, has_changed);
+  if (std::getenv("RP_DEBUG")) std::fprintf(stderr, "chosen %zu doubtful %zu rounds %d across %d work %.0f of %.0f\n", chosen_.size(), doubtful_.size(), round, round_across, all-work, all);
+}
+
+/// Returns the units that left the surface: they fell over rims or onto walls.
+double Repose::write_block(int32_t block, std::vector<float>& height) const {
+  const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  const std::vector<int32_t>& places = object_->table.texel;
+  double lost = 0.0;
+  links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
+    const double moved = tile.moved[cell];
+    if (moved == 0.0 || (tile.kind[cell] & kWall) != 0) return;
+    float& own = height[static_cast<size_t>(places[static_cast<size_t>(texel)])];
+    const double depth =
+        static_cast<double>(std::abs(own)) +
+        moved * (static_cast<double>(surface_.unit()) / static_cast<double>(tile.area[cell]));
+    const auto now = static_cast<float>(std::max(depth, 0.0));
+    own = (tile.kind[cell] & kBack) != 0 ? -now : now;
+    lost -= moved;
+  });
+  return lost;
 }
 
 }  // namespace snowbough::snow

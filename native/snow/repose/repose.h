@@ -1,12 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
-#include "snow/repose/field.h"
+#include "base/parallel_for.h"
 #include "snow/repose/links.h"
 #include "snow/repose/surface.h"
+#include "snow/repose/tile.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {
@@ -24,8 +24,10 @@ struct ReposeSettings {
 /// into the air, until it rests or the step's work is done; what is left moves on in the next step.
 /// All that it needs to go on is in the heights.
 ///
-/// Blocks in which nothing can be steep are left out, which their heights' range tells as long as
-/// the surface stands still. The result does not depend on threads.
+/// The map is cut into blocks. Those in which nothing can be steep are left out, which their
+/// heights' range tells as long as the surface stands still. The others do some rounds at a time,
+/// each out of the cache, every second one of a row and a column at once; then snow flows across
+/// seams. The result does not depend on threads.
 class Repose {
  public:
   /// `object`, which has positions, must live as long.
@@ -40,11 +42,10 @@ class Repose {
 
   /// Moves snow on `height` in those blocks. `patience`: by how much longer than usual a step may
   /// go on; `on_all_cores`: shares the work among threads. Returns what fell over rims, in m3.
-  double run(std::vector<float>& height, float patience, ReposeField& field, bool on_all_cores);
+  double run(std::vector<float>& height, float patience, bool on_all_cores);
 
-  /// The blocks (of the links' numbering) in which the last run changed heights.
-  const std::vector<int32_t>& changed() const { return changed_; }
-  const ReposeLinks& links() const { return links_; }
+  /// Whether the last run changed heights.
+  bool has_changed() const { return has_changed_; }
 
  private:
   /// What is known of a block's links while the surface stands still, in metres: by how much they
@@ -56,51 +57,69 @@ class Repose {
     float at_edges = 0.0f;
     float turn = 0.0f;
   };
-  struct Range {
-    float low = 0.0f;
+  struct Relief {
     float high = 0.0f;
+    float step = 0.0f;
   };
-  using Work = std::function<void(int32_t block)>;
-  void for_blocks(const std::vector<int32_t>& blocks, const Work& work) const;
-  void take_pose();
-  Range range_of(int32_t block, const std::vector<float>& height) const;
-  bool is_level(int32_t block, const std::vector<Range>& ranges) const;
-  /// The blocks near those, ascending; `only`: of those that it marks.
-  std::vector<int32_t> near(const std::vector<int32_t>& blocks,
-                            const std::vector<uint8_t>* only) const;
-  bool set_up_block(int32_t block, ReposeField& field);
-  bool set_up_link(const ReposeField& field, size_t a, size_t b, float& limit, float& rate,
-                   BlockSlack& slack) const;
-  bool set_up_ends(int32_t block, const ReposeField& field, BlockSlack& slack);
-  void run_rounds(std::vector<int32_t> awake, float patience, ReposeField& field);
-  bool flow_block(int32_t block, float momentum, ReposeField& field);
-  bool move_block(int32_t block, ReposeField& field) const;
-  void raise_tops(int32_t block, ReposeField& field) const;
-  double write_block(int32_t block, std::vector<float>& height, const ReposeField& field) const;
-  void clear_block(int32_t block, ReposeField& field) const;
+  /// A link across a seam.
+  struct Flow {
+    float limit = 0.0f;
+    float rate = 0.0f;
+    float flow = 0.0f;
+  };
+  using Blocks = std::vector<int32_t>;
+  /// Per block of the map.
+  using Marks = std::vector<uint8_t>;
 
-  /// Rows and columns of a block, as cells.
-  struct Cells {
-    size_t begin;
-    int32_t columns;
-    int32_t rows;
-  };
-  Cells cells_of(int32_t block, const ReposeField& field) const;
+  template <typename Work>
+  void for_blocks(const Blocks& blocks, const Work& work) const {
+    if (on_all_cores_) {
+      base::for_each_item(blocks.size(), 1, [&](size_t i) { work(blocks[i]); });
+    } else {
+      for (const int32_t block : blocks) work(block);
+    }
+  }
+  Blocks near(const Blocks& blocks) const;
+  void mark_near(int32_t block, Marks& marks) const;
+
+  // setup.cpp
+  void take_pose();
+  Relief relief_of(int32_t block, const std::vector<float>& height) const;
+  bool is_level(int32_t block, const Relief& relief) const;
+  void set_up(const std::vector<float>& height);
+  void set_up_ends(int32_t block);
+  struct Cell;
+  RimLink rim_link(const Cell& a, const ReposeLinks::Rim& rim) const;
+  Cell across_end(int32_t link, size_t end) const;
+  void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
+  void find_slack(int32_t block);
+
+  // repose.cpp
+  void run_rounds(const Blocks& doubtful, float patience);
+  double run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams);
+  void flow_across(float momentum, Marks& awake, Marks& seams);
+  double write_block(int32_t block, std::vector<float>& height) const;
 
   const SceneObject* object_;
   ReposeLinks links_;
   ReposeSurface surface_;
   bool has_pose_ = false;
+  /// Whether the pose is that of the step before.
+  bool stands_still_ = false;
+  bool on_all_cores_ = false;
+  bool has_changed_ = false;
   float slope_ = 0.0f;
   std::vector<BlockSlack> slack_;
-  /// Blocks to look at closely, these with those near them, and per block whether it is one.
-  std::vector<int32_t> doubtful_;
-  std::vector<int32_t> chosen_;
-  std::vector<uint8_t> is_chosen_;
-  std::vector<int32_t> changed_;
-  bool on_all_cores_ = false;
-  /// Per link across a seam or rim, as the field's planes.
-  std::vector<float> end_limit_, end_rate_, end_flow_, rim_top_;
+  /// Blocks to look at closely, and these with those near them.
+  Blocks doubtful_;
+  Blocks chosen_;
+  /// Of the chosen blocks, during a run; all that there are, between runs.
+  ReposeTiles tiles_;
+  ReposeTiles kept_;
+  /// By block.
+  std::vector<std::vector<RimLink>> rims_;
+  /// By link across a seam.
+  std::vector<Flow> across_;
 };
 
 }  // namespace snowbough::snow

@@ -80,58 +80,29 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   return texel;
 }
 
-void ReposeSurface::fill_cell(int32_t index, float height, size_t cell, ReposeField& field) const {
-  // Both sides of a surface take snow as soon as heights are signed.
-  constexpr bool kBothSides = false;
-  const Texel own = texel(index);
-  const float side = shared::snow_side(height, own.up, kBothSides);
-  const bool wall = shared::is_wall(side * own.up);
-  field.x[cell] = own.point.x;
-  field.y[cell] = own.point.y;
-  field.z[cell] = own.point.z;
-  field.normal_x[cell] = side * own.normal.x;
-  field.normal_y[cell] = side * own.normal.y;
-  field.normal_z[cell] = side * own.normal.z;
-  field.area[cell] = own.area;
-  if (own.area <= 0.0f) return;
-  const float depth = std::abs(height);
-  field.kind[cell] = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
-  field.held[cell] = depth * (own.area / unit_);
-  field.lift[cell] = wall ? 0.0f : std::max(side * own.normal.z, 0.0f) * (unit_ / own.area);
-  field.share[cell] = wall ? 0.0f : 1.0f / shared::kLinks;
-  field.stiffness[cell] = field.lift[cell] * shared::kLinks;
-}
-
-void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block,
-                               const std::vector<float>& height, ReposeField& field) const {
-  const int32_t left = block % links.blocks_a_side;
-  const int32_t first_row = block / links.blocks_a_side * kReposeBlock;
-  const int32_t end_row = std::min(first_row + kReposeBlock, links.resolution);
-  const int32_t columns = std::min(kReposeBlock, links.resolution - left * kReposeBlock);
-  for (int32_t row = first_row; row < end_row; ++row) {
-    const size_t begin = field.cell(left * kReposeBlock, row);
-    const size_t end = begin + static_cast<size_t>(columns);
-    for (const LazyArray<float>* plane : {&field.area, &field.held, &field.top, &field.lift,
-                                          &field.share, &field.gives, &field.stiffness}) {
-      std::fill(plane->get() + begin, plane->get() + end, 0.0f);
-    }
-    std::fill(field.kind.get() + begin, field.kind.get() + end, uint8_t{0});
-    std::fill(field.moved.get() + begin, field.moved.get() + end, 0.0);
-    const int32_t* run = &links.run_begin[static_cast<size_t>(row * links.blocks_a_side + left)];
-    for (int32_t i = run[0]; i < run[1]; ++i) {
-      const int32_t place = object_->table.texel[static_cast<size_t>(i)];
-      fill_cell(i, height[static_cast<size_t>(place)], field.cell_of(place), field);
-    }
-  }
+void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
+  tile.area.fill(0.0f);
+  tile.forward.fill(0);
+  tile.part.fill(1.0f / shared::kLinks);
+  links.for_texels(block, object_->table.texel, [&](int32_t index, size_t cell) {
+    const Texel own = texel(index);
+    tile.x[cell] = own.point.x;
+    tile.y[cell] = own.point.y;
+    tile.z[cell] = own.point.z;
+    tile.normal_x[cell] = own.normal.x;
+    tile.normal_y[cell] = own.normal.y;
+    tile.normal_z[cell] = own.normal.z;
+    tile.up[cell] = own.up;
+    tile.area[cell] = own.area;
+    tile.forward[cell] = links.forward[static_cast<size_t>(index)];
+  });
   const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links.ends[static_cast<size_t>(e)];
-    const size_t cell = field.cell_of(object_->table.texel[static_cast<size_t>(end.texel)]);
-    if (field.share[cell] <= 0.0f) continue;
-    const float count = std::max(shared::kLinks, static_cast<float>(end.links));
-    field.share[cell] = 1.0f / count;
-    field.stiffness[cell] = field.lift[cell] * count;
+    tile.part[static_cast<size_t>(end.cell % kTileCells)] =
+        1.0f / std::max(shared::kLinks, static_cast<float>(end.links));
   }
+  tile.has_pose = true;
 }
 
 }  // namespace snowbough::snow

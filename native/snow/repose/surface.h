@@ -4,7 +4,7 @@
 #include <glm/vec4.hpp>
 #include <vector>
 
-#include "snow/repose/field.h"
+#include "snow/repose/tile.h"
 #include "snow/scene/scene_object.h"
 
 namespace snowbough::snow {
@@ -19,10 +19,8 @@ class ReposeSurface {
   /// on a texel of mean area under a metre of snow.
   float unit() const { return unit_; }
 
-  /// Fills in point, normal, area and kind of the texels of a block, and what follows from them
-  /// and from the heights: held, lift, share and so on. Cells without a texel get an area of 0.
-  void fill_block(const ReposeLinks& links, int32_t block, const std::vector<float>& height,
-                  ReposeField& field) const;
+  /// Fills in what a tile knows of the bare surface.
+  void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
 
   /// A point of a triangle by the weights of its second and third corner, from the anchor.
   glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
@@ -36,7 +34,6 @@ class ReposeSurface {
     float up = 0.0f;
   };
   Texel texel(int32_t index) const;
-  void fill_cell(int32_t texel, float height, size_t cell, ReposeField& field) const;
 
   const SceneObject* object_ = nullptr;
   /// xyz: normal, w: area in m2.
