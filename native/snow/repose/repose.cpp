@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 #include "shaders/lib/texel_repose.h"
@@ -12,12 +10,12 @@ namespace snowbough::snow {
 namespace {
 
 /// Rounds that a block does at a time.
-constexpr int kRounds = 8;
+constexpr int kRounds = 16;
 /// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
 /// every block of the map, and for any map.
 constexpr int kMostRounds = 400;
-constexpr double kRoundsABlock = 4.0;
-constexpr double kRoundsAMap = 1500.0;
+constexpr double kRoundsABlock = 3.0;
+constexpr double kRoundsAMap = 1000.0;
 
 }  // namespace
 
@@ -108,8 +106,12 @@ void Repose::flow_across(float momentum, Marks& awake, Marks& seams) {
       const ReposeTile& b = *tiles_[static_cast<size_t>(cell_b / kTileCells)];
       const auto at_a = static_cast<size_t>(cell_a % kTileCells);
       const auto at_b = static_cast<size_t>(cell_b % kTileCells);
-      link.flow = shared::link_flow(link.flow, a.top[at_a] - b.top[at_b], link.limit, link.rate,
-                                    a.gives[at_a], b.gives[at_b], momentum);
+      const float wanted = shared::wanted_flow(link.flow, a.top[at_a] - b.top[at_b], link.limit,
+                                               link.rate, momentum);
+      // An equal part for every link: the others are not known here.
+      link.flow = shared::given_flow(
+          wanted, shared::given_part(a.gives[at_a] * a.part[at_a], std::abs(wanted)),
+          shared::given_part(b.gives[at_b] * b.part[at_b], std::abs(wanted)));
       if (link.flow != 0.0f) flows[static_cast<size_t>(block)] = 1;
     });
   });
@@ -154,7 +156,6 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
   double work = static_cast<double>(patience) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * patience);
-  const double all = work;
   int round = 0;
   int round_across = 0;
   for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {
@@ -175,7 +176,6 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
     }
     goes_on = goes_on || (!across_.empty() && any(seams));
   }
-  if (std::getenv("RP_DEBUG")) std::fprintf(stderr, "chosen %zu doubtful %zu rounds %d across %d work %.0f of %.0f\n", chosen_.size(), doubtful_.size(), round, round_across, all-work, all);
 }
 
 /// Returns the units that left the surface: they fell over rims or onto walls.

@@ -89,7 +89,7 @@ class Repose {
   void set_up(const std::vector<float>& height);
   void set_up_ends(int32_t block);
   struct Cell;
-  RimLink rim_link(const Cell& a, const ReposeLinks::Rim& rim) const;
+  RimLink rim_link(const Cell& a, const glm::vec3& at) const;
   Cell across_end(int32_t link, size_t end) const;
   void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
   void find_slack(int32_t block);

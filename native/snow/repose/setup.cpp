@@ -161,9 +161,8 @@ void Repose::find_slack(int32_t block) {
   slack_[static_cast<size_t>(block)] = slack;
 }
 
-/// Into the air: the rim itself is the lower point, and bare.
-RimLink Repose::rim_link(const Cell& a, const ReposeLinks::Rim& rim) const {
-  const glm::vec3 at = surface_.point(rim.triangle, rim.weights);
+/// Over a rim into the air, or onto a wall: `at` is the lower point, and bare.
+RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   RimLink link;
   link.cell = static_cast<int32_t>(a.at);
   link.top = at.z;
@@ -184,20 +183,25 @@ void Repose::set_up_ends(int32_t block) {
   const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
-    if (end.sign > 0) continue;
     const auto link = static_cast<size_t>(end.link);
+    const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
     if (link >= across_.size()) {
-      const Cell a{tile, static_cast<size_t>(end.cell % kTileCells)};
-      rims.push_back(rim_link(a, links_.rims[link - across_.size()]));
+      const ReposeLinks::Rim& rim = links_.rims[link - across_.size()];
+      rims.push_back(rim_link(own, surface_.point(rim.triangle, rim.weights)));
       continue;
     }
-    Flow& flow = across_[link];
-    flow.limit = kNoLink;
     const Cell a = across_end(end.link, 0);
     const Cell b = across_end(end.link, 1);
-    if (!a.is_there() || !b.is_there() || (a.is_wall() && b.is_wall())) continue;
+    const Cell& other = end.sign < 0 ? b : a;
+    Flow& flow = across_[link];
+    if (end.sign < 0) flow.limit = kNoLink;
+    if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
+    if (other.is_wall()) {
+      if (other.point().z < own.point().z) rims.push_back(rim_link(own, other.point()));
+      continue;
+    }
+    if (end.sign > 0) continue;
     const glm::vec3 way = b.point() - a.point();
-    if ((a.is_wall() && way.z <= 0.0f) || (b.is_wall() && way.z >= 0.0f)) continue;
     flow.limit = shared::link_limit(
         way.x, way.y, way.x + b.tile->cover_x[b.at] - a.tile->cover_x[a.at],
         way.y + b.tile->cover_y[b.at] - a.tile->cover_y[a.at], slope_);

@@ -33,11 +33,11 @@ struct ReposeTile {
   /// Units of volume when the step began, and what has come since: whole numbers.
   Plane held;
   std::array<double, kTileCells> moved;
-  /// Height of the snow's surface in metres, how much a unit lifts it, and what a texel may give to
-  /// one link: its share of what it holds.
+  /// Height of the snow's surface in metres, how much a unit lifts it, whether a texel gives
+  /// anything (1, walls 0), and the units that it has to give; how stiff it is for link_rate.
   Plane top, lift, share, gives, stiffness;
   /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none), link_rate
-  /// and link_flow.
+  /// and given_flow.
   std::array<Plane, kForwardLinks> limit, rate, flow;
 
   /// Takes a cell's snow, `height` (signed) metres on the current pose, as the step begins. `unit`:
@@ -54,7 +54,7 @@ struct ReposeTile {
 /// Tiles by block; null where there is none.
 using ReposeTiles = std::vector<std::unique_ptr<ReposeTile>>;
 
-/// A link from a cell over a rim of the surface.
+/// A link from a cell over a rim of the surface, or onto a wall beyond a seam.
 struct RimLink {
   int32_t cell = 0;
   float top = 0.0f;

@@ -30,7 +30,7 @@ constexpr size_t local(int32_t column, int32_t row) {
 constexpr int32_t local_step(int32_t k) { return kForwardRow[k] * kStride + kForwardColumn[k]; }
 
 struct alignas(64) Window {
-  Local top, gives, z, lift, share, held, gain;
+  Local top, gives, z, lift, share, held, gain, wanted, part;
   /// Units that have come in these rounds.
   std::array<int32_t, kRows * kStride> come;
 };
@@ -39,24 +39,45 @@ struct alignas(64) Window {
 /// for the largest would be done cell by cell.
 inline uint32_t bits_of(float value) { return std::bit_cast<uint32_t>(value) & 0x7FFFFFFFu; }
 
-/// The flows of a row of a block's cells to their neighbours, `step` cells away; whether there are
-/// any.
-SNOWBOUGH_ROW bool flow_row(int32_t step, const float* __restrict top,
-                            const float* __restrict gives, const float* __restrict limit,
-                            const float* __restrict rate, float* __restrict flow, float momentum) {
+/// What would flow from a row of a block's cells to their neighbours, `step` cells away; adds what
+/// is wanted of either. Returns whether there is anything.
+SNOWBOUGH_ROW bool want_row(int32_t step, const float* __restrict top, const float* __restrict limit,
+                            const float* __restrict rate, float* __restrict flow, float momentum,
+                            float* wanted) {
   uint32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const float next = shared::link_flow(flow[i], top[i] - top[i + step], limit[i], rate[i],
-                                         gives[i], gives[i + step], momentum);
+    const float next =
+        shared::wanted_flow(flow[i], top[i] - top[i + step], limit[i], rate[i], momentum);
     flow[i] = next;
     any |= bits_of(next);
   }
-  return any != 0;
+  if (any == 0) return false;
+  for (int32_t i = 0; i < kReposeBlock; ++i) wanted[i] += flow[i] > 0.0f ? flow[i] : 0.0f;
+  for (int32_t i = 0; i < kReposeBlock; ++i) wanted[i + step] -= flow[i] < 0.0f ? flow[i] : 0.0f;
+  return true;
 }
 
-SNOWBOUGH_ROW void give_row(int32_t step, const float* __restrict flow, float* gain) {
+/// Which part of what is wanted of them cells can give.
+SNOWBOUGH_ROW void part_row(int32_t cells, const float* __restrict gives, float* __restrict wanted,
+                            float* __restrict part) {
+  for (int32_t i = 0; i < cells; ++i) {
+    part[i] = shared::given_part(gives[i], wanted[i]);
+    wanted[i] = 0.0f;
+  }
+}
+
+/// Lets it flow; returns whether anything does.
+SNOWBOUGH_ROW bool give_row(int32_t step, float* __restrict flow, const float* __restrict part,
+                            float* gain) {
+  uint32_t any = 0;
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    flow[i] = shared::given_flow(flow[i], part[i], part[i + step]);
+    any |= bits_of(flow[i]);
+  }
+  if (any == 0) return false;
   for (int32_t i = 0; i < kReposeBlock; ++i) gain[i] -= flow[i];
   for (int32_t i = 0; i < kReposeBlock; ++i) gain[i + step] += flow[i];
+  return true;
 }
 
 /// Adds the gains to what has come, and lifts the tops.
@@ -116,27 +137,49 @@ void load(const ReposeTiles& tiles, int32_t blocks, int32_t block, Window& windo
 }
 
 bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, float momentum) {
+  bool is_wanted[kReposeBlock][kForwardLinks];
   bool flows = false;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const size_t at = local(0, row);
     const auto cells = static_cast<size_t>(row * kReposeBlock);
     for (int32_t k = 0; k < kForwardLinks; ++k) {
       const auto link = static_cast<size_t>(k);
-      float* const flow = tile.flow[link].data() + cells;
-      if (flow_row(local_step(k), window.top.data() + at, window.gives.data() + at,
-                   tile.limit[link].data() + cells, tile.rate[link].data() + cells, flow,
-                   momentum)) {
-        give_row(local_step(k), flow, window.gain.data() + at);
-        flows = true;
-      }
+      is_wanted[row][k] =
+          want_row(local_step(k), window.top.data() + at, tile.limit[link].data() + cells,
+                   tile.rate[link].data() + cells, tile.flow[link].data() + cells, momentum,
+                   window.wanted.data() + at);
+      flows = flows || is_wanted[row][k];
     }
   }
   for (RimLink& rim : rims) {
     const size_t at = local(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
-    rim.flow = shared::link_flow(rim.flow, window.top[at] - rim.top, rim.limit, rim.rate,
-                                 window.gives[at], 0.0f, momentum);
+    rim.flow = std::max(shared::wanted_flow(rim.flow, window.top[at] - rim.top, rim.limit, rim.rate,
+                                            momentum),
+                        0.0f);
+    window.wanted[at] += rim.flow;
+    flows = flows || rim.flow > 0.0f;
+  }
+  if (!flows) return false;
+  for (int32_t row = 0; row < kRows; ++row) {
+    const size_t at = local(-1, row);
+    part_row(kReposeBlock + 2, window.gives.data() + at, window.wanted.data() + at,
+             window.part.data() + at);
+  }
+  flows = false;
+  for (int32_t row = 0; row < kReposeBlock; ++row) {
+    const size_t at = local(0, row);
+    for (int32_t k = 0; k < kForwardLinks; ++k) {
+      if (!is_wanted[row][k]) continue;
+      float* const flow =
+          tile.flow[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
+      flows |= give_row(local_step(k), flow, window.part.data() + at, window.gain.data() + at);
+    }
+  }
+  for (RimLink& rim : rims) {
+    const size_t at = local(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
+    rim.flow = shared::given_flow(rim.flow, window.part[at], 1.0f);
     window.gain[at] -= rim.flow;
-    flows = flows || rim.flow != 0.0f;
+    flows = flows || rim.flow > 0.0f;
   }
   if (!flows) return false;
   for (int32_t row = 0; row < kRows; ++row) {
@@ -199,7 +242,7 @@ void ReposeTile::cover(size_t cell, float height, float unit) {
   cover_x[cell] = wall ? 0.0f : height * normal_x[cell];
   cover_y[cell] = wall ? 0.0f : height * normal_y[cell];
   lift[cell] = wall ? 0.0f : std::max(side * normal_z[cell], 0.0f) * a_unit;
-  share[cell] = wall ? 0.0f : part[cell];
+  share[cell] = wall ? 0.0f : 1.0f;
   stiffness[cell] = lift[cell] / part[cell];
   raise(cell);
 }
