@@ -19,8 +19,8 @@ KERNEL_UNIFORM(float, half_life);
 KERNEL_UNIFORM(int, walls_are_bare);
 
 /// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
-float staying_part(float t, float half) {
-  const float x = 0.69314718f * t / half;
+float staying_part(float t, float halving) {
+  const float x = 0.69314718f * t / halving;
   return x < 1e-2f ? 1.0f - x * (0.5f - x * (1.0f / 6.0f - x / 24.0f)) : (1.0f - exp(-x)) / x;
 }
 
