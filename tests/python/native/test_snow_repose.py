@@ -173,7 +173,7 @@ def test_a_tilted_table_sheds_its_snow():
             sim.step({"table": rotated(mesh[0], "x", degrees)}, 0.0, DOWN, FRAME)
         come_to_rest(sim, 20)
         sums = sim.statistics()["total"]
-    assert before["held_volume"] > 0.09
+    assert before["held_volume"] > 0.07
     assert sums["held_volume"] < 0.01 * before["held_volume"]
     assert sums["slid_volume"] == pytest.approx(sums["deposited_volume"] - sums["held_volume"], rel=1e-5)
 
@@ -193,10 +193,10 @@ def test_a_seam_stops_no_snow():
             come_to_rest(sim)
             height, area = sim.height("plate"), sim.texel_area("plate")
             assert_balanced(sim)
-        volumes.append(float((height * area)[30:-30, 64:].sum()))
-        assert height[64, 72:].max() > 0.02  # beyond the seam
+        volumes.append(float((height * area)[30:-30, 64:80].sum()))
+        assert height[64, 67:71].max() > 0.03  # beyond the seam
         assert height[64, :54].max() == pytest.approx(0.1, rel=1e-3)
-    assert volumes[0] > 1e-4 and volumes[1] == pytest.approx(volumes[0], rel=1e-4)
+    assert volumes[0] > 1e-4 and volumes[1] == pytest.approx(volumes[0], rel=0.05)
 
 
 def test_ninety_degrees_and_no_time_leave_snow_where_it_fell():
