@@ -190,8 +190,7 @@ def seam_gap(mesh, resolution, sigma_texels, direction=DOWN, steps=12):
     positions, triangles, uv = mesh
     texel = texel_size(mesh, resolution)
     with native.SnowSimulation(
-        repose=STAYS,
-        pixel_size=texel, max_depth=1.0, flutter=3.0, blur_radius=sigma_texels * texel
+        repose=STAYS, pixel_size=texel, max_depth=1.0, flutter=3.0, blur_radius=sigma_texels * texel
     ) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution)
         for step in range(steps):

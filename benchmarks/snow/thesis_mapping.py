@@ -142,7 +142,9 @@ def thesis_steps(mesh, direction, resolution, pixel_size, steps):
 def core_steps(mesh, direction, resolution, pixel_size, steps, mapping):
     """Thickness after the first step and after all, areas of the texels, and a step's median seconds."""
     taken, first = [], None
-    with native.SnowSimulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6, mapping=mapping, engine="GL") as sim:
+    with native.SnowSimulation(
+        repose=STAYS, pixel_size=pixel_size, max_depth=1e6, mapping=mapping, engine="GL"
+    ) as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution)
         for _ in range(steps):
             started = time.perf_counter()

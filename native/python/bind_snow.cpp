@@ -30,8 +30,9 @@ snow::gl::DepositMapping mapping_from(const std::string& name) {
 std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
                                                 double flutter, double max_depth,
                                                 double slide_half_life, double repose,
-                                                double blur_radius, int64_t seed, const std::string& mapping,
-                                                int32_t tile_size, const std::string& device,
+                                                double blur_radius, int64_t seed,
+                                                const std::string& mapping, int32_t tile_size,
+                                                const std::string& device,
                                                 const std::string& engine, bool wait_for_gpu) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
@@ -316,7 +317,8 @@ void bind_snow(py::module_& module) {
       "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
       "level\n"
       "ground holds. slide_half_life: seconds. repose: radians from level, over 0 to pi / 2, that\n"
-      "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, where\n"
+      "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
+      "where\n"
       "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
       "fell. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
@@ -335,13 +337,14 @@ void bind_snow(py::module_& module) {
                        const std::string& mapping, int32_t tile_size, const std::string& device,
                        const std::string& engine, bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
-                                           slide_half_life, repose, blur_radius, seed, mapping, tile_size,
-                                           device, engine, wait_for_gpu)
+                                           slide_half_life, repose, blur_radius, seed, mapping,
+                                           tile_size, device, engine, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
-           "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+           "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose,
+           "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
+           "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {

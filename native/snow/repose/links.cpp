@@ -156,8 +156,8 @@ class LinkFinder {
     links_.forward.assign(table_.texel.size(), 0);
     for (int32_t i = 0; i < texel_count(); ++i) {
       for (int32_t k = 0; k < 2; ++k) {
-        const int32_t j = at(place(i) % resolution_ + kForwardColumn[k],
-                             place(i) / resolution_ + kForwardRow[k]);
+        const int32_t j =
+            at(place(i) % resolution_ + kForwardColumn[k], place(i) / resolution_ + kForwardRow[k]);
         if (j >= 0 && joined(i, j)) {
           links_.forward[static_cast<size_t>(i)] |= static_cast<uint8_t>(1 << k);
         }
@@ -295,8 +295,8 @@ class LinkFinder {
   int32_t links_on_map(int32_t i) const {
     int32_t count = 0;
     for (int32_t k = 0; k < kForwardLinks; ++k) {
-      const int32_t back = at(place(i) % resolution_ - kForwardColumn[k],
-                              place(i) / resolution_ - kForwardRow[k]);
+      const int32_t back =
+          at(place(i) % resolution_ - kForwardColumn[k], place(i) / resolution_ - kForwardRow[k]);
       count += (is_linked(i, k) ? 1 : 0) + (is_linked(back, k) ? 1 : 0);
     }
     return count;
@@ -307,13 +307,13 @@ class LinkFinder {
     const auto across = static_cast<int32_t>(links_.across.size());
     for (int32_t k = 0; k < across; ++k) {
       const ReposeLinks::Across& link = links_.across[static_cast<size_t>(k)];
-      links_.across_cells.push_back(
-          {links_.cell_of(place(link.a)), links_.cell_of(place(link.b))});
+      links_.across_cells.push_back({links_.cell_of(place(link.a)), links_.cell_of(place(link.b))});
       ends.push_back({link.a, links_.across_cells.back()[0], k, -1, 0});
       ends.push_back({link.b, links_.across_cells.back()[1], k, 1, 0});
     }
     for (size_t k = 0; k < links_.rims.size(); ++k) {
-      ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)), across + static_cast<int32_t>(k), -1, 0});
+      ends.push_back({links_.rims[k].texel, links_.cell_of(place(links_.rims[k].texel)),
+                      across + static_cast<int32_t>(k), -1, 0});
     }
     const auto block = [&](const ReposeLinks::End& end) {
       return links_.block_of(place(end.texel));

@@ -46,8 +46,7 @@ void ReposePass::run(const ReposeSettings& settings, float dt, std::vector<Map>&
     if (blocks[i] > kManyBlocks) run_map(maps[i], patience, true);
     if (blocks[i] > 0 && blocks[i] <= kManyBlocks) small.push_back(i);
   }
-  base::for_each_item(small.size(), 1,
-                      [&](size_t i) { run_map(maps[small[i]], patience, false); });
+  base::for_each_item(small.size(), 1, [&](size_t i) { run_map(maps[small[i]], patience, false); });
 }
 
 }  // namespace snowbough::snow

@@ -45,9 +45,7 @@ double Repose::run(std::vector<float>& height, float patience, bool on_all_cores
   double fallen = 0.0;
   std::vector<double> parts(has_changed_ ? links_.block_count() : 0, 0.0);
   if (has_changed_) {
-    for_blocks(chosen_, [&](int32_t b) {
-      parts[static_cast<size_t>(b)] = write_block(b, height);
-    });
+    for_blocks(chosen_, [&](int32_t b) { parts[static_cast<size_t>(b)] = write_block(b, height); });
     for (const int32_t block : chosen_) fallen += parts[static_cast<size_t>(block)];
   }
   for (const int32_t block : chosen_) {

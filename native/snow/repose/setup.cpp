@@ -118,8 +118,7 @@ void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
   }
   slack.inside = std::min(slack.inside, bare);
   const glm::vec3 turn = b.normal() - a.normal();
-  slack.turn =
-      std::max(slack.turn, std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z));
+  slack.turn = std::max(slack.turn, std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z));
 }
 
 Repose::Cell Repose::across_end(int32_t link, size_t end) const {
@@ -140,8 +139,7 @@ void Repose::find_slack(int32_t block) {
       if (((links_.forward[static_cast<size_t>(texel)] >> k) & 1) == 0) continue;
       const int32_t x = column + kForwardColumn[k] + kReposeBlock;
       const int32_t y = row + kForwardRow[k];
-      const int32_t other =
-          block + y / kReposeBlock * links_.blocks_a_side + x / kReposeBlock - 1;
+      const int32_t other = block + y / kReposeBlock * links_.blocks_a_side + x / kReposeBlock - 1;
       note_slack({tile, cell},
                  {tiles_[static_cast<size_t>(other)].get(),
                   static_cast<size_t>(y % kReposeBlock * kReposeBlock + x % kReposeBlock)},
@@ -202,9 +200,9 @@ void Repose::set_up_ends(int32_t block) {
     }
     if (end.sign > 0) continue;
     const glm::vec3 way = b.point() - a.point();
-    flow.limit = shared::link_limit(
-        way.x, way.y, way.x + b.tile->cover_x[b.at] - a.tile->cover_x[a.at],
-        way.y + b.tile->cover_y[b.at] - a.tile->cover_y[a.at], slope_);
+    flow.limit =
+        shared::link_limit(way.x, way.y, way.x + b.tile->cover_x[b.at] - a.tile->cover_x[a.at],
+                           way.y + b.tile->cover_y[b.at] - a.tile->cover_y[a.at], slope_);
     flow.rate = shared::link_rate(a.tile->stiffness[a.at], b.tile->stiffness[b.at]);
   }
 }

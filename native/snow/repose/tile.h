@@ -36,8 +36,8 @@ struct ReposeTile {
   /// Height of the snow's surface in metres, how much a unit lifts it, whether a texel gives
   /// anything (1, walls 0), and the units that it has to give; how stiff it is for link_rate.
   Plane top, lift, share, gives, stiffness;
-  /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none), link_rate
-  /// and given_flow.
+  /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none),
+  /// link_rate and given_flow.
   std::array<Plane, kForwardLinks> limit, rate, flow;
 
   /// Takes a cell's snow, `height` (signed) metres on the current pose, as the step begins. `unit`:

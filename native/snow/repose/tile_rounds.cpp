@@ -16,7 +16,8 @@
 namespace snowbough::snow {
 namespace {
 
-/// A block with the cells that its links lead to: a column on either side and a row behind the last.
+/// A block with the cells that its links lead to: a column on either side and a row behind the
+/// last.
 constexpr int32_t kRows = kReposeBlock + 1;
 constexpr int32_t kStride = 48;
 constexpr int32_t kFirst = 8;
@@ -27,7 +28,9 @@ constexpr float kNoLink = std::numeric_limits<float>::infinity();
 constexpr size_t local(int32_t column, int32_t row) {
   return static_cast<size_t>(row * kStride + kFirst + column);
 }
-constexpr int32_t local_step(int32_t k) { return kForwardRow[k] * kStride + kForwardColumn[k]; }
+constexpr int32_t local_step(int32_t k) {
+  return kForwardRow[k] * kStride + kForwardColumn[k];
+}
 
 struct alignas(64) Window {
   Local top, gives, z, lift, share, held, gain, wanted, part;
@@ -37,13 +40,15 @@ struct alignas(64) Window {
 
 /// A number's bits without its sign: 0 only for 0. Or-ed, they say whether any is another; looking
 /// for the largest would be done cell by cell.
-inline uint32_t bits_of(float value) { return std::bit_cast<uint32_t>(value) & 0x7FFFFFFFu; }
+inline uint32_t bits_of(float value) {
+  return std::bit_cast<uint32_t>(value) & 0x7FFFFFFFu;
+}
 
 /// What would flow from a row of a block's cells to their neighbours, `step` cells away; adds what
 /// is wanted of either. Returns whether there is anything.
-SNOWBOUGH_ROW bool want_row(int32_t step, const float* __restrict top, const float* __restrict limit,
-                            const float* __restrict rate, float* __restrict flow, float momentum,
-                            float* wanted) {
+SNOWBOUGH_ROW bool want_row(int32_t step, const float* __restrict top,
+                            const float* __restrict limit, const float* __restrict rate,
+                            float* __restrict flow, float momentum, float* wanted) {
   uint32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const float next =
@@ -100,8 +105,7 @@ template <typename Visit>
 void for_part(const ReposeTiles& tiles, int32_t blocks, int32_t column, int32_t row, int32_t dx,
               int32_t dy, const Visit& visit) {
   if (column + dx < 0 || column + dx >= blocks || row + dy >= blocks) return;
-  ReposeTile* const tile =
-      tiles[static_cast<size_t>((row + dy) * blocks + column + dx)].get();
+  ReposeTile* const tile = tiles[static_cast<size_t>((row + dy) * blocks + column + dx)].get();
   if (tile == nullptr) return;
   const int32_t last = kReposeBlock - 1;
   const int32_t begin_x = dx < 0 ? last : 0;
@@ -153,9 +157,9 @@ bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, flo
   }
   for (RimLink& rim : rims) {
     const size_t at = local(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
-    rim.flow = std::max(shared::wanted_flow(rim.flow, window.top[at] - rim.top, rim.limit, rim.rate,
-                                            momentum),
-                        0.0f);
+    rim.flow = std::max(
+        shared::wanted_flow(rim.flow, window.top[at] - rim.top, rim.limit, rim.rate, momentum),
+        0.0f);
     window.wanted[at] += rim.flow;
     flows = flows || rim.flow > 0.0f;
   }
@@ -216,9 +220,8 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
     const float way_x = x[j] - x[i];
     const float way_y = y[j] - y[i];
     const float falls = z[i] - z[j];
-    const float allowed =
-        shared::link_limit(way_x, way_y, way_x + cover_x[j] - cover_x[i],
-                           way_y + cover_y[j] - cover_y[i], slope);
+    const float allowed = shared::link_limit(way_x, way_y, way_x + cover_x[j] - cover_x[i],
+                                             way_y + cover_y[j] - cover_y[i], slope);
     // One of them a wall, and the other not over it; or both.
     const float over_wall = wall[j] > wall[i] ? falls : (wall[i] > wall[j] ? -falls : 1.0f);
     const bool is_open = (over_wall > 0.0f) & (wall[i] + wall[j] < 1.5f) & (area[i] > 0.0f) &
@@ -292,9 +295,8 @@ TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t bloc
     part.raise(cell);
     const auto row = static_cast<int32_t>(at) / kStride;
     const int32_t column = static_cast<int32_t>(at) % kStride - kFirst;
-    result.border_has_changed = result.border_has_changed || row == 0 ||
-                                row >= kReposeBlock - 1 || column <= 0 ||
-                                column >= kReposeBlock - 1;
+    result.border_has_changed = result.border_has_changed || row == 0 || row >= kReposeBlock - 1 ||
+                                column <= 0 || column >= kReposeBlock - 1;
   });
   return result;
 }

@@ -137,7 +137,10 @@ def test_memory_counts_an_image_that_many_objects_show_once():
 )
 def test_what_does_not_fit_is_named(change, message):
     mesh = card(0.0)
-    with native.SnowSimulation(repose=STAYS) as sim, pytest.raises(ValueError, match=f"object 'leaf': .*{message}"):
+    with (
+        native.SnowSimulation(repose=STAYS) as sim,
+        pytest.raises(ValueError, match=f"object 'leaf': .*{message}"),
+    ):
         sim.add_object("leaf", mesh[1], mesh[2], alpha={**alpha_of(mesh, RING), **change})
 
 
@@ -145,5 +148,8 @@ def test_alpha_must_be_whole():
     mesh = card(0.0)
     alpha = alpha_of(mesh, RING)
     del alpha["images"]
-    with native.SnowSimulation(repose=STAYS) as sim, pytest.raises(ValueError, match="must have an entry 'images'"):
+    with (
+        native.SnowSimulation(repose=STAYS) as sim,
+        pytest.raises(ValueError, match="must have an entry 'images'"),
+    ):
         sim.add_object("leaf", mesh[1], mesh[2], alpha=alpha)

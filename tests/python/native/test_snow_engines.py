@@ -18,7 +18,12 @@ def baked(engine, density=1.0):
     below = ground[0] - np.float32([2.0, 2.0, 1.2])
     with native.SnowSimulation(
         repose=STAYS,
-        pixel_size=0.02, max_depth=0.02, noise_density=density, tile_size=64, flutter=2.0, engine=engine
+        pixel_size=0.02,
+        max_depth=0.02,
+        noise_density=density,
+        tile_size=64,
+        flutter=2.0,
+        engine=engine,
     ) as sim:
         sim.add_object("ball", *ball[1:], resolution=128)
         sim.add_object("ground", *ground[1:], resolution=256)

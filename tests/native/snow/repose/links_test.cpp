@@ -7,8 +7,9 @@
 namespace snowbough::snow {
 namespace {
 
-/// Squares of one metre side by side along x, `columns` of them, each a chart of its own on a map of
-/// 64 texels or, where `in_one_chart`, all of them one. With vertices of their own where `split`.
+/// Squares of one metre side by side along x, `columns` of them, each a chart of its own on a map
+/// of 64 texels or, where `in_one_chart`, all of them one. With vertices of their own where
+/// `split`.
 struct Strip {
   MapTopology topology;
   std::vector<glm::vec3> positions;
