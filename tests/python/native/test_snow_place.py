@@ -96,7 +96,7 @@ def test_a_texel_round_an_edge_lies_on_the_back_where_that_is_outside():
     positions, triangles, uv = folded_strip()
     maps = []
     for faces, corners in ((triangles, uv), (triangles[:, ::-1].copy(), uv[:, ::-1].copy())):
-        with native.SnowSimulation(pixel_size=0.003, max_depth=1e6) as sim:
+        with native.SnowSimulation(pixel_size=0.003, max_depth=1e6, repose=STAYS) as sim:
             sim.add_object("it", faces, corners, resolution=64)
             for step in range(8):
                 sim.step({"it": positions} if step == 0 else {}, 0.01)

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import box, chart_of_box, grid, rotated, smooth, sphere, wind
+from snow_meshes import STAYS, box, chart_of_box, grid, rotated, smooth, sphere, wind
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -14,7 +14,7 @@ def snow_on(
 ):
     """Height for a depth of 1, texel area and statistics."""
     positions, triangles, uv = mesh
-    with native.SnowSimulation(pixel_size=0.008, max_depth=max_depth, flutter=flutter) as sim:
+    with native.SnowSimulation(pixel_size=0.008, max_depth=max_depth, flutter=flutter, repose=STAYS) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution, shading=shading)
         for _ in range(steps):
             sim.step({"it": positions}, 0.05 / steps, direction, dt)
