@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small scenes for tests of the bake, and their maps read back."""
 
+import math
 from pathlib import Path
 
 import bpy
@@ -55,6 +56,7 @@ def settings(folder, frames=(1, 4), **values):
     own.pixel_size = 0.02
     own.flutter = 0.0
     own.blur_radius = 0.0
+    own.repose = math.pi / 2  # snow stays where it fell, at rims too
     own.end_depth = 0.1
     for name, value in values.items():
         setattr(own, name, value)
@@ -116,7 +118,7 @@ def moving_scene(folder, frames=(1, 12), **values):
         pose.rotation_euler = (0, -angle, 0)
         pose.keyframe_insert("rotation_euler", frame=frame)
     receive(ground, cart, flag)
-    settings(folder, frames, checkpoint_interval=4, **values)
+    settings(folder, frames, **{"checkpoint_interval": 4, "repose": math.radians(65.0), **values})
     return ground, cart, flag
 
 
