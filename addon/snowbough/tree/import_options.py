@@ -10,6 +10,8 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 
 LOD_COUNT = 4
+# The option `lod` where `detail` says how fine the surface is.
+BY_DETAIL = -1
 
 
 class ImportProperties:
@@ -64,12 +66,25 @@ class ImportProperties:
         ),
         default="BROADLEAF",
     )
+    detail: EnumProperty(
+        name="Detail",
+        description="How fine the surface is: sides by thickness, limbs that curve, forks that flow",
+        items=(
+            ("DRAFT", "Draft", "For looking at: trunks of up to 8 sides, as few faces as bends need"),
+            ("GAME", "Game", "For engines that draw many trees"),
+            ("DEFAULT", "Default", "Trunks of up to 16 sides, limbs without visible kinks"),
+            ("FILM", "Film", "For close-ups: trunks of up to 32 sides"),
+        ),
+        default="DEFAULT",
+    )
     lod: IntProperty(
         name="Level of Detail",
-        description="0: four-sided limbs; each level doubles the sides and rounds them (levels)",
-        default=0,
-        min=0,
+        description="For scripts, instead of Detail: 0 has four-sided limbs, each level doubles the sides; "
+        "-1: as Detail says (levels)",
+        default=BY_DETAIL,
+        min=BY_DETAIL,
         max=LOD_COUNT - 1,
+        options={"HIDDEN"},
     )
     lod_chain: BoolProperty(
         name="Import LOD Chain",

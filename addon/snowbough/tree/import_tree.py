@@ -17,10 +17,29 @@ import bpy
 from .. import native
 from ..names import SNOW_RESOLUTION_PROPERTY
 from . import armature, materials, objects
-from .import_options import LOD_COUNT
+from .import_options import BY_DETAIL, LOD_COUNT
 
 REPORT_PROPERTY = "snowbough_report"
 LOD_PROPERTY = "snowbough_lod"
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """How fine a mesh is: a level of the chain, counted from the four-sided base, or a detail."""
+
+    lod: int = BY_DETAIL
+    detail: str = ""
+
+    def settings(self):
+        """As build_tree_mesh takes it."""
+        return {"detail": self.detail} if self.lod == BY_DETAIL else {"lod": self.lod}
+
+
+def wanted(options):
+    """The Fineness of each mesh that an import makes, the coarsest first."""
+    if options.lod_chain:
+        return [Fineness(lod) for lod in range(LOD_COUNT)]
+    return [Fineness(options.lod) if options.lod != BY_DETAIL else Fineness(detail=options.detail)]
 
 
 @dataclass
@@ -28,45 +47,45 @@ class NativeTree:
     """Everything an import needs, before Blender hears of it. Meshes share their bones."""
 
     skeleton: object
-    meshes: list  # (level of detail, native mesh with reduced bones)
+    meshes: list  # (Fineness, native mesh with reduced bones)
     leaf_bones: object
     leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
     report: dict
 
 
 def _build_meshes(module, skeleton, options, progress):
-    """(the first mesh with all bones, [(lod, mesh with reduced bones), ...]).
+    """(the first mesh with all bones, [(Fineness, mesh with reduced bones), ...]).
 
     progress(share 0..1) -> False stops: KeyboardInterrupt. The native module works outside Python's
     lock: the finest level of a chain takes as long as all others together, which a second thread makes
     meanwhile.
     """
-    lods = list(range(LOD_COUNT)) if options.lod_chain else [options.lod]
-    shares = dict.fromkeys(lods, 0.0)
+    meshes = wanted(options)
+    shares = dict.fromkeys(meshes, 0.0)
     stopped = threading.Event()
 
-    def build(lod):
+    def build(fineness):
         def step(share):
-            shares[lod] = share
+            shares[fineness] = share
             return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
 
         whole = module.build_tree_mesh(
             skeleton,
             options.width,
             options.species,
-            lod=lod,
+            **fineness.settings(),
             snow_resolution=options.snow_resolution,
             progress=step,
         )
         reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
-        return (whole if lod == lods[0] else None), (lod, reduced)
+        return (whole if fineness == meshes[0] else None), (fineness, reduced)
 
-    if len(lods) == 1:
-        whole, mesh = build(lods[0])
+    if len(meshes) == 1:
+        whole, mesh = build(meshes[0])
         return whole, [mesh]
     built = {}
     with ThreadPoolExecutor(2, "snowbough-lod") as workers:
-        futures = {workers.submit(build, lod): lod for lod in reversed(lods)}
+        futures = {workers.submit(build, fineness): fineness for fineness in reversed(meshes)}
         try:
             for future in as_completed(futures):
                 built[futures[future]] = future.result()
@@ -74,7 +93,7 @@ def _build_meshes(module, skeleton, options, progress):
             stopped.set()
             workers.shutdown(wait=True, cancel_futures=True)
             raise
-    return built[lods[0]][0], [built[lod][1] for lod in lods]
+    return built[meshes[0]][0], [built[fineness][1] for fineness in meshes]
 
 
 def _lay_out_leaves(module, skeleton, options, stopped):
@@ -147,7 +166,8 @@ def read_native(path, options, progress=None):
     report["bones_found"] = len(whole.bone_parents)
     report["bones"] = len(meshes[0][1].bone_parents)
     report["meshes"] = [
-        {"lod": lod, "vertices": len(mesh.vertices), "faces": len(mesh.quads)} for lod, mesh in meshes
+        {**fineness.settings(), "vertices": len(mesh.vertices), "faces": len(mesh.quads)}
+        for fineness, mesh in meshes
     ]
     report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
@@ -175,10 +195,12 @@ def create_tree(context, title, tree, options):
         rig = armature.create_armature(context, name, bones, collection)
         made = [rig]
         bark_material = materials.bark_material(f"{name}_bark")
-        for lod, mesh in reversed(tree.meshes):
+        for fineness, mesh in reversed(tree.meshes):
+            lod = fineness.lod
             bark_name = f"{name}_bark{_lod_suffix(lod, options.lod_chain)}"
             bark = objects.create_bark(bark_name, mesh, bones.names, bark_material)
-            bark[LOD_PROPERTY] = lod
+            if lod != BY_DETAIL:
+                bark[LOD_PROPERTY] = lod
             bark[SNOW_RESOLUTION_PROPERTY] = options.snow_resolution
             made.append(bark)
         if tree.leaf_bones is not None:
