@@ -131,6 +131,12 @@ def set_alpha_clipping(material):
         material.shadow_method = "HASHED"
 
 
+def specular_input(principled):
+    """The strength of a Principled BSDF's reflection, 0.5 by default (renamed in 4.0)."""
+    inputs = principled.inputs
+    return inputs["Specular IOR Level"] if "Specular IOR Level" in inputs else inputs["Specular"]
+
+
 # --------------------------------------------------------------------------------------------------
 # Add-on services
 
@@ -338,3 +344,17 @@ def draw_progress(layout, fraction, text):
         layout.progress(factor=fraction, text=text)
     else:
         layout.label(text=text, icon="BLANK1")
+
+
+def section(layout, identifier, text):
+    """A part of a dialog under a heading; its layout, or None where the user has closed it.
+
+    Parts that can be closed came in 4.1; before, a box. identifier: what Blender remembers it by.
+    """
+    if hasattr(layout, "panel"):
+        header, body = layout.panel(identifier)
+        header.label(text=text)
+        return body
+    box = layout.box()
+    box.label(text=text)
+    return box.column()
