@@ -64,6 +64,16 @@ def assign_bone_level_groups(armature, levels, names):
     armature.layers = [index <= min(max(levels, default=0), 31) for index in range(32)]
 
 
+def hide_bones(armature):
+    """Hides all bones that assign_bone_level_groups has sorted; the armature's object stays as it is."""
+    if hasattr(armature, "collections"):
+        for group in armature.collections:
+            group.is_visible = False
+        return
+    # One layer must be shown: the last, which is empty unless there are more levels than layers.
+    armature.layers = [index == 31 for index in range(32)]
+
+
 # --------------------------------------------------------------------------------------------------
 # Animation
 

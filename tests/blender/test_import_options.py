@@ -135,7 +135,8 @@ def test_several_files_and_folders_come_in_at_once(forest):
     files = [{"name": name} for name in ("one.obj", "more")]
     assert bpy.ops.import_scene.xfrog_tree(directory=str(forest), files=files) == {"FINISHED"}
     assert _trees() == ["one", "three"]
-    assert {obj.name for obj in bpy.context.selected_objects} == {"one_bark", "three_bark"}
+    selected = {obj.name for obj in bpy.context.selected_objects}
+    assert selected == {"one", "one_bark", "three", "three_bark"}
 
 
 def test_several_trees_stand_side_by_side(forest):
@@ -207,9 +208,18 @@ def test_the_command_line_takes_several_files_and_folders(forest):
 # -- bones, wind, assets ----------------------------------------------------------------------------------
 
 
-def test_bones_are_shown_on_demand():
-    rig = _import(show_bones=True).objects["small_maple"]
+def _shown_bones(rig):
+    if hasattr(rig.data, "collections"):
+        return [bone for bone in rig.data.bones if any(group.is_visible for group in bone.collections)]
+    layers = list(rig.data.layers)
+    return [bone for bone in rig.data.bones if any(a and b for a, b in zip(bone.layers, layers))]
+
+
+@pytest.mark.parametrize("shown", [False, True])
+def test_bones_are_shown_on_demand(shown):
+    rig = _import(show_bones=shown).objects["small_maple"]
     assert not rig.hide_get()
+    assert len(_shown_bones(rig)) == (len(rig.data.bones) if shown else 0)
 
 
 def test_a_tree_whose_bones_are_hidden_sways():

@@ -135,7 +135,7 @@ class ImportProperties:
     )
     show_bones: BoolProperty(
         name="Show Bones",
-        description="Show the armature; off, it is hidden and moves the tree all the same",
+        description="Show the bones; off, they are hidden by their levels and move the tree all the same",
         default=False,
     )
     foliage: BoolProperty(

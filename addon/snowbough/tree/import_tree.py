@@ -13,7 +13,7 @@ from typing import NamedTuple
 import bpy
 import numpy as np
 
-from .. import native
+from .. import compat, native
 from ..names import BARK_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
 from . import armature, materials, objects, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
@@ -85,11 +85,11 @@ def _create_leaves(name, tree, options, bone_names):
     return leaves
 
 
-def _select(context, barks, others):
-    """The finest bark is active; it and the leaves are selected."""
+def _select(context, rig, barks, leaves):
+    """The finest bark is active; with it are selected the leaves, and the armature, which moves them all."""
     for other in context.view_layer.objects.selected:
         other.select_set(False)
-    for obj in (barks[0], *others):
+    for obj in (rig, barks[0], *leaves):
         obj.select_set(True)
     context.view_layer.objects.active = barks[0]
 
@@ -116,8 +116,9 @@ def create_tree(context, title, tree, options):
             bark.hide_render = True
             bark.hide_set(True)
         collection[REPORT_PROPERTY] = json.dumps(tree.report)
-        _select(context, barks, leaves)
-        rig.hide_set(not options.show_bones)
+        _select(context, rig, barks, leaves)
+        if not options.show_bones:
+            compat.hide_bones(rig.data)
         if options.mark_asset:
             thumbnail.mark_asset(collection, summary(tree.report))
         return collection
@@ -135,17 +136,17 @@ def _reach(tree):
 def create_trees(context, trees, options):
     """Makes the trees of `trees`, [(path, NativeTree), ...], in a row along X, the first where its file has it;
     returns their collections. On an error none stays."""
-    collections, all_meshes, end = [], [], None
+    collections, made, end = [], [], None
     with objects.Ledger():
         for path, tree in trees:
             collections.append(create_tree(context, Path(path).stem, tree, options))
-            all_meshes += context.view_layer.objects.selected
+            made += context.view_layer.objects.selected
             low, high = _reach(tree)
             shift = 0.0 if end is None else end + ROW_GAP * (high - low) - low
             end = shift + high + ROW_GAP * (high - low)
             rig = next(obj for obj in collections[-1].objects if obj.type == "ARMATURE")
             rig.location.x = shift
-        for obj in all_meshes:
+        for obj in made:
             obj.select_set(True)
     return collections
 
