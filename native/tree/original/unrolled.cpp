@@ -18,6 +18,9 @@ constexpr float kSameUv = 1e-3f;
 constexpr double kOnAxis = 1e-3;
 /// Steps of a walk: faces are small against the original's triangles.
 constexpr int kMostSteps = 64;
+/// A limb's surface is nowhere this many times as far from its axis as nearby; another limb's may
+/// be.
+constexpr double kOtherLimb = 2.5;
 /// How far beyond an open edge coordinates run on, in heights of the triangle there.
 constexpr double kRunOn = 2.0;
 
@@ -68,6 +71,14 @@ std::array<double, 3> nearest_shares(const Flat& flat) {
   Flat moved = flat;
   for (glm::dvec2& corner : moved) corner -= glm::dvec2(near);
   return shares_at_origin(moved);
+}
+
+/// How far from the axis the point with these shares of a triangle's corners is.
+double radius_at(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners,
+                 const std::array<double, 3>& shares) {
+  glm::dvec3 off = -place.axis;
+  for (int k = 0; k < 3; ++k) off += corners[k] * shares[k];
+  return glm::length(off - place.along * glm::dot(off, place.along));
 }
 
 bool finite(const std::array<double, 3>& shares) {
@@ -133,12 +144,12 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
   int32_t at = from;
   int32_t before = -1;
   std::array<double, 3> shares{};
+  const auto corners = [&](int32_t t) {
+    const std::array<int32_t, 3>& v = wood_.triangles[t];
+    return std::array<glm::dvec3, 3>{wood_.vertices[v[0]], wood_.vertices[v[1]],
+                                     wood_.vertices[v[2]]};
+  };
   for (int step = 0;; ++step) {
-    const auto corners = [&](int32_t t) {
-      const std::array<int32_t, 3>& v = wood_.triangles[t];
-      return std::array<glm::dvec3, 3>{wood_.vertices[v[0]], wood_.vertices[v[1]],
-                                       wood_.vertices[v[2]]};
-    };
     const Flat flat = unroll(place, corners(at));
     shares = shares_at_origin(flat);
     if (!finite(shares)) {
@@ -177,6 +188,16 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     shift += next.shift;
     before = at;
     at = next.triangle;
+  }
+  if (at != from) {
+    // In a crotch of a surface that forks the walk may have gone up the other limb.
+    const std::array<double, 3> first = nearest_shares(unroll(place, corners(from)));
+    if (radius_at(place, corners(at), shares) >
+        kOtherLimb * radius_at(place, corners(from), first)) {
+      at = from;
+      shares = first;
+      shift = glm::vec2(0.0f);
+    }
   }
   found.triangle = at;
   if (!finite(shares)) shares = {1.0, 0.0, 0.0};

@@ -181,3 +181,43 @@ def test_sizes_that_make_no_sense_are_refused(tmp_path, settings):
     path.write_text("g trunk\n" + tube(8))
     with pytest.raises(ValueError, match="metres"):
         native.read_tree(path, **settings)
+
+
+def branch(name, parent, points, radii):
+    points, radii = np.array(points, float), np.array(radii, float)
+    return {
+        "name": name,
+        "level": 0 if parent < 0 else 1,
+        "parent": parent,
+        "attach_point": points[0],
+        "points": points,
+        "radii": radii,
+        "areas": np.pi * radii**2,
+    }
+
+
+def test_a_welded_tree_is_looked_up_across_its_forks(tmp_path):
+    """Its coordinates are its x and z, so that they tell where on it a face of ours was looked up."""
+    height = np.linspace(0, 8, 17)
+    along = np.linspace(0, 1, 13)[:, None]
+    grown = native.Skeleton.from_branches(
+        [
+            branch("trunk", -1, np.c_[0 * height, 0 * height, height], np.linspace(0.4, 0.08, 17)),
+            branch("left", 0, (0, 0, 3) + along * (-4, 0.5, 3), np.linspace(0.2, 0.05, 13)),
+            branch("right", 0, (0, 0, 4.5) + along * (3, -1, 3), np.linspace(0.15, 0.04, 13)),
+        ]
+    )
+    whole = native.build_tree_mesh(grown, detail="GAME")
+    path = tmp_path / "welded.obj"
+    lines = ["g tree", *("v %.6f %.6f %.6f" % tuple(p) for p in whole.vertices)]
+    lines += ["vt %.6f %.6f" % (p[0], p[2]) for p in whole.vertices]
+    lines += ["f " + " ".join(f"{v + 1}/{v + 1}" for v in quad) for quad in whole.quads]
+    path.write_text("\n".join(lines) + "\n")
+    skeleton = native.read_tree(path, up_axis="Z", levels="")
+    assert skeleton.report["form"] == "WELDED" and len(skeleton.branches) == 3
+    mesh = native.build_tree_mesh(skeleton, detail="DEFAULT")
+    uv, _ = native.original_uvs(skeleton, mesh)
+    off = np.linalg.norm(uv - mesh.vertices[mesh.quads][..., [0, 2]], axis=2).max(axis=1)
+    assert np.median(off) < 0.02 and np.percentile(off, 95) < 0.1
+    # Near forks, too, no face is looked up on another limb.
+    assert off[mesh.face_part < 2].max() < 0.5
