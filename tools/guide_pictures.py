@@ -161,7 +161,9 @@ def detail():
         normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
         corners, normals = corners[normals @ away < 0], normals[normals @ away < 0]
-        plate = contact_sheet.Plate(244, 330, DETAIL_MIDDLE + DETAIL_REACH * np.array([(-1, 0, -1), (1, 0, 1)]))
+        plate = contact_sheet.Plate(
+            244, 330, DETAIL_MIDDLE + DETAIL_REACH * np.array([(-1, 0, -1), (1, 0, 1)])
+        )
         tones = (105 + 140 * np.maximum(normals @ light, 0)).astype(int)
         # Far ones first. The finer the faces, the fainter their edges, or nothing else were to be seen.
         for face in np.argsort(-(corners.mean(axis=1) @ away)):

@@ -219,5 +219,5 @@ def test_a_welded_tree_is_looked_up_across_its_forks(tmp_path):
     uv, _ = native.original_uvs(skeleton, mesh)
     off = np.linalg.norm(uv - mesh.vertices[mesh.quads][..., [0, 2]], axis=2).max(axis=1)
     assert np.median(off) < 0.02 and np.percentile(off, 95) < 0.1
-    # Near forks, too, no face is looked up on another limb.
-    assert off[mesh.face_part < 2].max() < 0.5
+    # In crotches, whose fillet is ours alone, no face is looked up far along the other limb.
+    assert off[mesh.face_part < 2].max() < 2 * 0.4
