@@ -64,6 +64,16 @@ def assign_bone_level_groups(armature, levels, names):
     armature.layers = [index <= min(max(levels, default=0), 31) for index in range(32)]
 
 
+def hide_bones(armature):
+    """Hides all bones that assign_bone_level_groups has sorted; the armature's object stays as it is."""
+    if hasattr(armature, "collections"):
+        for group in armature.collections:
+            group.is_visible = False
+        return
+    # One layer must be shown: the last, which is empty unless there are more levels than layers.
+    armature.layers = [index == 31 for index in range(32)]
+
+
 # --------------------------------------------------------------------------------------------------
 # Animation
 
@@ -129,6 +139,12 @@ def set_alpha_clipping(material):
     else:
         material.blend_method = "HASHED"
         material.shadow_method = "HASHED"
+
+
+def specular_input(principled):
+    """The strength of a Principled BSDF's reflection, 0.5 by default (renamed in 4.0)."""
+    inputs = principled.inputs
+    return inputs["Specular IOR Level"] if "Specular IOR Level" in inputs else inputs["Specular"]
 
 
 # --------------------------------------------------------------------------------------------------
@@ -351,3 +367,17 @@ def draw_progress(layout, fraction, text):
         layout.progress(factor=fraction, text=text)
     else:
         layout.label(text=text, icon="BLANK1")
+
+
+def section(layout, identifier, text):
+    """A part of a dialog under a heading; its layout, or None where the user has closed it.
+
+    Parts that can be closed came in 4.1; before, a box. identifier: what Blender remembers it by.
+    """
+    if hasattr(layout, "panel"):
+        header, body = layout.panel(identifier)
+        header.label(text=text)
+        return body
+    box = layout.box()
+    box.label(text=text)
+    return box.column()

@@ -8,8 +8,9 @@ import hashlib
 import math
 import re
 
-# UV maps: bark tiles, leaves lie where their exporter put them, snow stores every place once.
+# UV maps: bark tiles, original and leaves lie where their exporter put them, snow stores every place once.
 BARK_UV = "bark"
+ORIGINAL_UV = "original"
 LEAF_UV = "leaf"
 SNOW_UV = "snow"
 
