@@ -1,148 +1,380 @@
 #include "snow/output/smoothing.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <cstring>
 #include <stdexcept>
+#include <utility>
+
+#include "base/parallel_for.h"
+#include "snow/output/smoothing_kernels.h"
 
 namespace snowbough::snow {
 namespace {
 
-constexpr int32_t kMostPasses = 64;
+constexpr ptrdiff_t kMargin = 32;
+/// Cells of a row that are passed over together where they are bare.
+constexpr int32_t kBlock = 32;
+constexpr int32_t kStages = 3;
+/// Levels of at most this size are not worth a second thread.
+constexpr int32_t kSmallLevel = 128;
+/// A profile reaches at most so many texels in from the edge.
+constexpr int32_t kWidestShoulder = 12;
 
-/// Weights with the taps at `scale` times their offsets, each shared by the two texels beside it.
-std::array<double, kFilterReach + 1> scaled_weights(double scale) {
-  std::array<double, kFilterReach + 1> weights{};
-  double sum = 0.0;
-  for (int tap = 0; tap < 3; ++tap) {
-    const double offset = kTapOffset[tap] * scale;
-    const auto lower = static_cast<size_t>(offset);
-    const double part = offset - static_cast<double>(lower);
-    // Taps left and right that fall on the texel itself count twice there.
-    const double sides = tap == 0 ? 1.0 : 2.0;
-    sum += sides * kTapWeight[tap];
-    weights[lower] += kTapWeight[tap] * (1.0 - part) * (lower == 0 ? sides : 1.0);
-    if (part > 0.0) weights[lower + 1] += kTapWeight[tap] * part;
-  }
-  for (double& weight : weights) weight /= sum;
-  return weights;
+/// What of a link's variance the levels below `level` see to, in its own cells.
+float done_below(size_t level) {
+  return 2.0f * kStages * kStageShare / 3.0f * (1.0f - std::pow(0.25f, static_cast<float>(level)));
 }
 
-double variance_of(const std::array<double, kFilterReach + 1>& weights) {
-  double variance = 0.0;
-  for (int32_t k = 1; k <= kFilterReach; ++k) variance += 2.0 * k * k * weights[k];
-  return variance;
-}
-
-struct FilterLevelTable {
-  std::array<FilterWeights, kFilterLevels> weights{};
-  std::array<uint16_t, kFilterLevels> scale{};
-};
-
-FilterLevelTable make_levels() {
-  FilterLevelTable levels;
-  const double full = std::sqrt(variance_of(scaled_weights(1.0)));
-  for (int32_t level = 0; level < kFilterLevels; ++level) {
-    const double sigma = full * level / (kFilterLevels - 1);
-    // The variance grows with the scale, in straight pieces: bisection finds it exactly enough.
-    double low = 0.0;
-    double high = 1.0;
-    for (int step = 0; step < 50; ++step) {
-      const double middle = 0.5 * (low + high);
-      (variance_of(scaled_weights(middle)) < sigma * sigma ? low : high) = middle;
-    }
-    const double scale = level == 0 ? 0.0 : (level == kFilterLevels - 1 ? 1.0 : high);
-    levels.scale[level] = static_cast<uint16_t>(std::lround(scale / double{kFilterScaleStep}));
-    const auto weights = scaled_weights(levels.scale[level] * double{kFilterScaleStep});
-    for (int32_t k = 0; k <= kFilterReach; ++k) {
-      levels.weights[level][k] = static_cast<float>(weights[k]);
-    }
-  }
-  return levels;
-}
-
-const FilterLevelTable& level_table() {
-  static const FilterLevelTable levels = make_levels();
-  return levels;
-}
-
-/// Positive numbers into few boxes, the boxes in the numbers' order.
-uint32_t box_of(float size) {
-  return std::bit_cast<uint32_t>(size) >> 16;
-}
-
-/// The texel length that a tenth of the covered texels fall short of.
-double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
-  // Sorting millions of texels would take longer than a frame: only a box of them is sorted.
-  std::vector<double> boxes(size_t{1} << 15, 0.0);
-  double total = 0.0;
-  const auto for_each = [&](const auto& visit) {
-    for (size_t i = 0; i < table.texel.size(); ++i) {
-      for (const float size : {seams.texel_size[i].x, seams.texel_size[i].y}) {
-        if (size > 0.0f) visit(size, table.coverage[i]);
-      }
-    }
-  };
-  for_each([&](float size, float coverage) {
-    boxes[box_of(size)] += coverage;
-    total += coverage;
-  });
-  double below = 0.0;
-  uint32_t box = 0;
-  while (box + 1 < boxes.size() && below + boxes[box] < 0.1 * total) below += boxes[box++];
-  std::vector<std::pair<float, float>> sizes;
-  for_each([&](float size, float coverage) {
-    if (box_of(size) == box) sizes.emplace_back(size, coverage);
-  });
-  std::sort(sizes.begin(), sizes.end());
-  for (const auto& [size, coverage] : sizes) {
-    below += coverage;
-    if (below >= 0.1 * total) return size;
-  }
-  return sizes.empty() ? 0.0 : sizes.back().first;
+ConductanceTerms terms_of(float least_variance, size_t level) {
+  return {least_variance, done_below(level), 2.0f * kStages};
 }
 
 }  // namespace
 
-const std::array<FilterWeights, kFilterLevels>& filter_levels() {
-  return level_table().weights;
-}
-
-uint16_t filter_scale(int32_t level) {
-  return level_table().scale[level];
-}
-
-double full_filter_sigma() {
-  return std::sqrt(variance_of(scaled_weights(1.0)));
-}
-
-SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, float blur_radius) {
-  if (!(blur_radius >= 0.0f) || !std::isfinite(blur_radius)) {
+void check_smoothing(const SmoothingSettings& settings) {
+  if (!(settings.blur_radius >= 0.0f) || !std::isfinite(settings.blur_radius)) {
     throw std::invalid_argument("blur_radius must be 0 or more metres");
   }
-  SmoothingPlan plan;
-  const double size = fine_texel_size(table, seams);
-  if (blur_radius == 0.0f || size == 0.0) return plan;
-  // In variances of a full pass, which add up; a closing pass brings half of one.
-  const double wanted = std::pow(blur_radius / (full_filter_sigma() * size), 2.0);
-  plan.closing_passes = wanted > 1.0 ? 2 : 1;
-  const double closing = 0.5 * plan.closing_passes;
-  plan.passes =
-      static_cast<int32_t>(std::clamp(std::ceil(wanted - closing), 0.0, double{kMostPasses}));
-  const double pass_radius = blur_radius / std::sqrt(plan.passes + closing);
-  const double full_size = pass_radius / full_filter_sigma();
-  const auto level = [&](float texel_size) {
-    if (texel_size <= 0.0f) return uint8_t{0};
-    return static_cast<uint8_t>(
-        std::lround(std::min(full_size / texel_size, 1.0) * (kFilterLevels - 1)));
-  };
-  plan.level_u.reserve(seams.texel_size.size());
-  plan.level_v.reserve(seams.texel_size.size());
-  for (const glm::vec2 texel_size : seams.texel_size) {
-    plan.level_u.push_back(level(texel_size.x));
-    plan.level_v.push_back(level(texel_size.y));
+}
+
+Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings, int32_t threads)
+    : grid_(grid),
+      least_variance_(settings.blur_radius * settings.blur_radius),
+      threads_(std::max(1, threads)) {
+  check_smoothing(settings);
+}
+
+void Smoother::make_level(size_t number) {
+  if (number < levels_.size()) return;
+  Level& level = levels_.emplace_back();
+  const auto size = static_cast<ptrdiff_t>(grid_.levels[number].size);
+  level.margin = size + kMargin;
+  const auto count = static_cast<size_t>(size * size + 2 * level.margin);
+  for (std::vector<float>* values :
+       {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
+    values->assign(count, 0.0f);
   }
-  return plan;
+  if (number > 0) level.before.assign(count, 0.0f);
+  level.loose.assign(grid_.levels[number].link_other.size(), 0.0f);
+  level.run_row.assign(static_cast<size_t>(size) + 1, 0);
+  level.stray_joins.assign(grid_.levels[number].strays.size(), 0);
+}
+
+void Smoother::for_each_row_band(
+    const SmoothingLevel& grid, const std::function<void(int32_t first, int32_t last)>& work) const {
+  const int32_t threads = grid.size <= kSmallLevel ? 1 : threads_;
+  base::parallel_for(threads, [&](size_t part, size_t parts) {
+    const auto rows = static_cast<size_t>(grid.size);
+    work(static_cast<int32_t>(rows * part / parts), static_cast<int32_t>(rows * (part + 1) / parts));
+  });
+}
+
+/// Leaves no trace of the map before.
+void Smoother::clear_conductances(size_t number) {
+  Level& level = levels_[number];
+  for (const Run& run : level.runs) {
+    for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
+      std::fill(level.at(*values) + run.begin, level.at(*values) + run.end, 0.0f);
+    }
+  }
+  level.runs.clear();
+}
+
+/// `is_filled(cell, count)`: whether some of the cells hold snow.
+template <typename IsFilled, typename Runs>
+static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
+                            std::vector<int32_t>& run_row) {
+  for (int32_t y = 0; y < size; ++y) {
+    bool goes_on = false;
+    for (int32_t x = 0; x < size; x += kBlock) {
+      const int32_t count = std::min(kBlock, size - x);
+      const int32_t cell = y * size + x;
+      const bool filled = is_filled(cell, count);
+      if (filled && goes_on) runs.back().end = cell + count;
+      if (filled && !goes_on) runs.push_back({cell, cell + count});
+      goes_on = filled;
+    }
+    run_row[static_cast<size_t>(y) + 1] = static_cast<int32_t>(runs.size());
+  }
+}
+
+void Smoother::find_runs(const std::vector<float>& map) {
+  find_level_runs(
+      grid_.levels[0].size,
+      [&](int32_t cell, int32_t count) { return holds_anything(map.data() + cell, count); },
+      levels_[0].runs, levels_[0].run_row);
+}
+
+void Smoother::load(const std::vector<float>& map) {
+  Level& level = levels_[0];
+  for_each_row_band(grid_.levels[0], [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      const Run run = level.runs[r];
+      load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
+               level.at(level.inverse_weight), run.begin, run.end);
+    }
+  });
+}
+
+/// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
+/// as many rounds as the widest shoulder has texels.
+void Smoother::shape_edges() {
+  Level& level = levels_[0];
+  const SmoothingLevel& grid = grid_.levels[0];
+  const ptrdiff_t size = grid.size;
+  // The array is not in use yet; its bytes hold distances and which links are open.
+  auto* const bytes = reinterpret_cast<uint8_t*>(level.next.data());
+  const auto count = static_cast<ptrdiff_t>(level.next.size());
+  EdgeArrays edges{bytes + level.margin, bytes + count + level.margin,
+                   bytes + 2 * count + level.margin, bytes + 3 * count + level.margin};
+  std::memset(bytes, 0, static_cast<size_t>(4 * count));
+  const float* const height = level.at(level.height);
+  const ClosenessView closeness{grid.right.data(), grid.above.data(), size};
+  std::vector<float> widest(static_cast<size_t>(grid.size), 0.0f);
+  const auto for_each_run = [&](const auto& work) {
+    for_each_row_band(grid, [&](int32_t first, int32_t last) {
+      for (int32_t y = first; y < last; ++y) {
+        for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
+      }
+    });
+  };
+  for_each_run([&](int32_t, Run run) { open_links_run(height, closeness, edges, run.begin, run.end); });
+  for_each_run([&](int32_t y, Run run) {
+    widest[y] = std::max(widest[y], find_edges_run(height, closeness, least_variance_, edges,
+                                                   run.begin, run.end));
+  });
+  for (size_t k = 0; k < grid.link_cell.size(); ++k) {
+    const int32_t cell = grid.link_cell[k];
+    for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+      const float other = height[grid.link_other[t]];
+      const bool open = is_open(height[cell], other);
+      level.loose[t] = open ? 1.0f : 0.0f;
+      if (open || height[cell] == 0.0f || std::fabs(height[cell]) < std::fabs(other)) continue;
+      edges.distance[cell] = 0;
+      const float variance = std::max(least_variance_, third_squared(height[cell]));
+      widest[cell / size] = std::max(widest[cell / size], variance * grid.link_closeness[t]);
+    }
+  }
+  const float most = *std::max_element(widest.begin(), widest.end());
+  if (most == 0.0f) return;
+  const int32_t rounds = std::min(
+      kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(most))));
+  for (int32_t round = 0; round < rounds; ++round) {
+    for_each_row_band(grid, [&](int32_t first, int32_t last) {
+      for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+        spread_distance_run(edges, size, level.runs[r].begin, level.runs[r].end);
+      }
+      for (int32_t k = grid.link_row[first]; k < grid.link_row[last]; ++k) {
+        uint8_t& own = edges.next[grid.link_cell[k]];
+        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+          if (level.loose[t] == 0.0f) continue;
+          own = std::min(own, static_cast<uint8_t>(edges.distance[grid.link_other[t]] + 1));
+        }
+      }
+    });
+    std::swap(edges.distance, edges.next);
+  }
+  for_each_run([&](int32_t, Run run) {
+    shape_run(height, closeness, least_variance_, static_cast<float>(rounds), edges.distance,
+              level.at(level.inverse_weight), run.begin, run.end);
+  });
+}
+
+float Smoother::conduct(size_t number) {
+  Level& level = levels_[number];
+  const SmoothingLevel& grid = grid_.levels[number];
+  const ConductanceTerms terms = terms_of(least_variance_, number);
+  const float* const height = level.at(level.height);
+  const float* const inverse = level.at(level.inverse_weight);
+  std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
+  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for (int32_t y = first; y < last; ++y) {
+      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
+        const Run run = level.runs[r];
+        const float right = conduct_run(height, inverse, grid.right.data(), level.at(level.right),
+                                        terms, 1, run.begin, run.end);
+        const float above = conduct_run(height, inverse, grid.above.data(), level.at(level.above),
+                                        terms, grid.size, run.begin, run.end);
+        largest[y] = std::max({largest[y], right, above});
+      }
+      for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
+        const int32_t cell = grid.link_cell[k];
+        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+          const int32_t other = grid.link_other[t];
+          const LinkConductance link =
+              conductance(height[cell], height[other], inverse[cell], inverse[other],
+                          grid.link_closeness[t], terms);
+          level.loose[t] = grid.link_weight[t] * link.conductance;
+          largest[y] = std::max(largest[y], link.wanted);
+        }
+      }
+    }
+  });
+  return *std::max_element(largest.begin(), largest.end());
+}
+
+void Smoother::stages(size_t number, int32_t count) {
+  Level& level = levels_[number];
+  const SmoothingLevel& grid = grid_.levels[number];
+  for (int32_t stage = 0; stage < count; ++stage) {
+    const float* const from = level.at(level.height);
+    float* const to = level.at(level.next);
+    const float* const inverse = level.at(level.inverse_weight);
+    for_each_row_band(grid, [&](int32_t first, int32_t last) {
+      for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+        stage_run(from, to, level.at(level.right), level.at(level.above), inverse, grid.size,
+                  level.runs[r].begin, level.runs[r].end);
+      }
+      for (int32_t k = grid.link_row[first]; k < grid.link_row[last]; ++k) {
+        const int32_t cell = grid.link_cell[k];
+        if (from[cell] == 0.0f) continue;
+        float flux = 0.0f;
+        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+          flux += level.loose[t] * (from[grid.link_other[t]] - from[cell]);
+        }
+        to[cell] += inverse[cell] * flux;
+      }
+    });
+    std::swap(level.height, level.next);
+  }
+}
+
+/// Fills the next level with the mean heights of its blocks.
+void Smoother::restrict_to(size_t number) {
+  const Level& fine = levels_[number - 1];
+  const SmoothingLevel& fine_grid = grid_.levels[number - 1];
+  const SmoothingLevel& grid = grid_.levels[number];
+  Level& level = levels_[number];
+  const float* const height = fine.height.data() + fine.margin;
+  const float* const inverse = fine.inverse_weight.data() + fine.margin;
+
+  // Which blocks of cells hold anything: those above the runs, and those that strays join.
+  const int32_t blocks = (grid.size + kBlock - 1) / kBlock;
+  std::vector<uint8_t> filled(static_cast<size_t>(blocks) * grid.size, 0);
+  const auto mark = [&](int32_t cell) {
+    filled[static_cast<size_t>(cell / grid.size * blocks + cell % grid.size / kBlock)] = 1;
+  };
+  for (const Run& run : fine.runs) {
+    const int32_t y = run.begin / fine_grid.size / 2;
+    if (y >= grid.size) continue;
+    const int32_t last = std::min((run.end - 1) % fine_grid.size / 2, grid.size - 1);
+    for (int32_t x = run.begin % fine_grid.size / 2; x <= last; x += kBlock / 2) {
+      mark(y * grid.size + x);
+    }
+    mark(y * grid.size + last);
+  }
+  for (const SmoothingLevel::Stray& stray : fine_grid.strays) {
+    if (height[stray.cell] != 0.0f) mark(stray.parent);
+  }
+  find_level_runs(
+      grid.size,
+      [&](int32_t cell, int32_t) {
+        return filled[static_cast<size_t>(cell / grid.size * blocks + cell % grid.size / kBlock)] != 0;
+      },
+      level.runs, level.run_row);
+
+  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      for (int32_t cell = level.runs[r].begin; cell < level.runs[r].end; ++cell) {
+        const int32_t child =
+            cell / grid.size * 2 * fine_grid.size + cell % grid.size * 2;
+        const Block block(height, fine_grid.joins.data(), child, fine_grid.size);
+        block.mean(height, inverse, level.at(level.height)[cell],
+                   level.at(level.inverse_weight)[cell]);
+      }
+    }
+  });
+  for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
+    const auto [cell, parent] = fine_grid.strays[s];
+    float& mean = level.at(level.height)[parent];
+    float& weight = level.at(level.inverse_weight)[parent];
+    const bool joins = height[cell] != 0.0f && (weight == 0.0f || is_open(height[cell], mean));
+    levels_[number - 1].stray_joins[s] = joins ? 1 : 0;
+    if (!joins) continue;
+    const float own = 1.0f / inverse[cell];
+    const float others = weight == 0.0f ? 0.0f : 1.0f / weight;
+    mean = (mean * others + height[cell] * own) / (others + own);
+    weight = 1.0f / (others + own);
+  }
+  for (const Run& run : level.runs) {
+    std::copy(level.at(level.height) + run.begin, level.at(level.height) + run.end,
+              level.at(level.before) + run.begin);
+  }
+}
+
+/// Hands the change of each block's mean on to its cells: what comes evenly, what goes in
+/// proportion, so that none falls below 0.
+void Smoother::prolong_from(size_t number) {
+  Level& fine = levels_[number - 1];
+  const SmoothingLevel& fine_grid = grid_.levels[number - 1];
+  const SmoothingLevel& grid = grid_.levels[number];
+  Level& level = levels_[number];
+  float* const height = fine.at(fine.height);
+  const float* const now = level.at(level.height);
+  const float* const before = level.at(level.before);
+  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      for (int32_t cell = level.runs[r].begin; cell < level.runs[r].end; ++cell) {
+        if (before[cell] == 0.0f) continue;
+        const int32_t child =
+            cell / grid.size * 2 * fine_grid.size + cell % grid.size * 2;
+        Block(height, fine_grid.joins.data(), child, fine_grid.size)
+            .change(height, before[cell], now[cell]);
+      }
+    }
+  });
+  for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
+    if (fine.stray_joins[s] == 0) continue;
+    const auto [cell, parent] = fine_grid.strays[s];
+    height[cell] = changed(height[cell], before[parent], now[parent]);
+  }
+}
+
+void Smoother::cycle(size_t number, float variance) {
+  const size_t next = number + 1;
+  const float left = variance * std::pow(0.25f, static_cast<float>(next));
+  if (next >= grid_.levels.size() || left <= done_below(next)) {
+    stages(number, 2 * kStages);
+    return;
+  }
+  stages(number, kStages);
+  make_level(next);
+  restrict_to(next);
+  conduct(next);
+  cycle(next, variance);
+  prolong_from(next);
+  stages(number, kStages);
+}
+
+void Smoother::store(std::vector<float>& map) {
+  Level& level = levels_[0];
+  for_each_row_band(grid_.levels[0], [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
+                map.data(), level.runs[r].begin, level.runs[r].end);
+    }
+  });
+}
+
+void Smoother::run(std::vector<float>& map) {
+  if (least_variance_ == 0.0f) return;
+  make_level(0);
+  for (size_t number = 0; number < levels_.size(); ++number) clear_conductances(number);
+  find_runs(map);
+  if (levels_[0].runs.empty()) return;
+  load(map);
+  shape_edges();
+  const float variance = conduct(0);
+  Level& level = levels_[0];
+  for_each_row_band(grid_.levels[0], [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      divide_run(level.at(level.height), grid_.inverse_area.data(),
+                 level.at(level.inverse_weight), level.runs[r].begin, level.runs[r].end);
+    }
+  });
+  cycle(0, variance);
+  store(map);
 }
 
 }  // namespace snowbough::snow
