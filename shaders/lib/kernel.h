@@ -22,11 +22,12 @@
 #define KERNEL_UNIFORM_BLOCK(block, type, name) layout(std140) uniform block { type name; }
 #define KERNEL_BLOCK(block, type, name) layout(std430) buffer block { type name[]; }
 #define KERNEL_BLOCK_WRITEONLY(block, type, name) layout(std430) writeonly buffer block { type name[]; }
-/// A buffer texture of one, two or four numbers an element; OpenGL 4.1 has no storage blocks.
+/// A buffer texture of one to four numbers an element; OpenGL 4.1 has no storage blocks.
 #define KERNEL_VIEW_R32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RG32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RGBA32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_R32F(name) uniform samplerBuffer name
+#define KERNEL_VIEW_RGB32F(name) uniform samplerBuffer name
 #define KERNEL_VIEW_RGBA32F(name) uniform samplerBuffer name
 #else
 #define KERNEL_CONSTANT static constexpr
@@ -45,5 +46,6 @@
 #define KERNEL_VIEW_RG32UI(name) const uvec2* name
 #define KERNEL_VIEW_RGBA32UI(name) const uvec4* name
 #define KERNEL_VIEW_R32F(name) const shared::Number* name
+#define KERNEL_VIEW_RGB32F(name) const vec3* name
 #define KERNEL_VIEW_RGBA32F(name) const vec4* name
 #endif

@@ -41,6 +41,7 @@ class CpuEngine final : public Engine {
     scene_.frame = frame;
     cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
                           scene_.surface);
+    cpu::set_up_smooth_points(scene_);
   }
   void choose_texels() override { cpu::choose_texels(scene_); }
   void open_statistics() override {
