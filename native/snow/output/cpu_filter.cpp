@@ -40,7 +40,7 @@ MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
     const std::scoped_lock lock(smoothing_);
     smoother_.run(map);
   }
-  show_layers(table_, surface.layers, map, threads_);
+  if (surface.layers != nullptr) show_layers(table_, *surface.layers, map, threads_);
   continuation_.run(map, filled_tiles(map, table_.resolution));
   if (is_smoothed_) {
     const std::scoped_lock lock(levelling_);

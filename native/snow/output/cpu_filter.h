@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <mutex>
 #include <vector>
 
@@ -18,8 +19,8 @@ namespace snowbough::snow {
 
 /// A receiver's surface in the pose of a map.
 struct OutputSurface {
-  /// See layer_terms; empty: flat.
-  std::vector<LayerTerms> layers;
+  /// See layer_terms; null or empty: flat.
+  std::shared_ptr<const std::vector<LayerTerms>> layers;
   /// See surface_metrics; empty where no normals are wanted.
   std::vector<SurfaceMetric> metrics;
 };

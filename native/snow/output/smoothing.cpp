@@ -26,8 +26,9 @@ float done_below(size_t level) {
   return 2.0f * kStages * kStageShare / 3.0f * (1.0f - std::pow(0.25f, static_cast<float>(level)));
 }
 
-ConductanceTerms terms_of(float least_variance, size_t level) {
-  return {least_variance, done_below(level), 2.0f * kStages};
+BlockRows block_rows(const SmoothingLevel& grid, const float* inverse, int32_t first) {
+  return {{inverse + first, inverse + first + grid.size},
+          {grid.joins.data() + first, grid.joins.data() + first + grid.size}};
 }
 
 }  // namespace
@@ -43,6 +44,9 @@ Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings,
       least_variance_(settings.blur_radius * settings.blur_radius),
       threads_(std::max(1, threads)) {
   check_smoothing(settings);
+  for (size_t level = 0; level < grid.levels.size(); ++level) {
+    done_below_.push_back(done_below(level));
+  }
 }
 
 void Smoother::make_level(size_t number) {
@@ -130,7 +134,7 @@ void Smoother::shape_edges() {
                    bytes + 2 * count + level.margin, bytes + 3 * count + level.margin};
   std::memset(bytes, 0, static_cast<size_t>(4 * count));
   const float* const height = level.at(level.height);
-  const ClosenessView closeness{grid.right.data(), grid.above.data(), size};
+  const ClosenessView closeness{grid.to_right(), grid.upwards(), size};
   std::vector<float> widest(static_cast<size_t>(grid.size), 0.0f);
   const auto for_each_run = [&](const auto& work) {
     for_each_row_band(grid, [&](int32_t first, int32_t last) {
@@ -184,7 +188,7 @@ void Smoother::shape_edges() {
 float Smoother::conduct(size_t number) {
   Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
-  const ConductanceTerms terms = terms_of(least_variance_, number);
+  const ConductanceTerms terms{least_variance_, done_below_[number], 2.0f * kStages};
   const float* const height = level.at(level.height);
   const float* const inverse = level.at(level.inverse_weight);
   std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
@@ -192,9 +196,9 @@ float Smoother::conduct(size_t number) {
     for (int32_t y = first; y < last; ++y) {
       for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
         const Run run = level.runs[r];
-        const float right = conduct_run(height, inverse, grid.right.data(), level.at(level.right),
+        const float right = conduct_run(height, inverse, grid.to_right(), level.at(level.right),
                                         terms, 1, run.begin, run.end);
-        const float above = conduct_run(height, inverse, grid.above.data(), level.at(level.above),
+        const float above = conduct_run(height, inverse, grid.upwards(), level.at(level.above),
                                         terms, grid.size, run.begin, run.end);
         largest[y] = std::max({largest[y], right, above});
       }
@@ -276,13 +280,11 @@ void Smoother::restrict_to(size_t number) {
 
   for_each_row_band(grid, [&](int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      for (int32_t cell = level.runs[r].begin; cell < level.runs[r].end; ++cell) {
-        const int32_t child =
-            cell / grid.size * 2 * fine_grid.size + cell % grid.size * 2;
-        const Block block(height, fine_grid.joins.data(), child, fine_grid.size);
-        block.mean(height, inverse, level.at(level.height)[cell],
-                   level.at(level.inverse_weight)[cell]);
-      }
+      const Run run = level.runs[r];
+      const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
+      restrict_run(height + child, height + child + fine_grid.size,
+                   block_rows(fine_grid, inverse, child), level.at(level.height) + run.begin,
+                   level.at(level.inverse_weight) + run.begin, run.end - run.begin);
     }
   });
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
@@ -303,8 +305,7 @@ void Smoother::restrict_to(size_t number) {
   }
 }
 
-/// Hands the change of each block's mean on to its cells: what comes evenly, what goes in
-/// proportion, so that none falls below 0.
+/// Hands the change of each block's mean on to its cells, in proportion, so that none falls below 0.
 void Smoother::prolong_from(size_t number) {
   Level& fine = levels_[number - 1];
   const SmoothingLevel& fine_grid = grid_.levels[number - 1];
@@ -315,26 +316,30 @@ void Smoother::prolong_from(size_t number) {
   const float* const before = level.at(level.before);
   for_each_row_band(grid, [&](int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      for (int32_t cell = level.runs[r].begin; cell < level.runs[r].end; ++cell) {
-        if (before[cell] == 0.0f) continue;
-        const int32_t child =
-            cell / grid.size * 2 * fine_grid.size + cell % grid.size * 2;
-        Block(height, fine_grid.joins.data(), child, fine_grid.size)
-            .change(height, before[cell], now[cell]);
-      }
+      const Run run = level.runs[r];
+      const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
+      prolong_run(height + child, height + child + fine_grid.size,
+                  block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
+                  now + run.begin,
+                  {grid.to_right() + run.begin, grid.upwards() + run.begin, least_variance_,
+                   done_below_[number]},
+                  run.end - run.begin);
     }
   });
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
     if (fine.stray_joins[s] == 0) continue;
     const auto [cell, parent] = fine_grid.strays[s];
-    height[cell] = changed(height[cell], before[parent], now[parent]);
+    const float closeness = from_half(std::max(grid.to_right()[parent], grid.upwards()[parent]));
+    height[cell] = changed(
+        height[cell], before[parent], now[parent],
+        kept_part(before[parent], closeness, least_variance_, done_below_[number]));
   }
 }
 
 void Smoother::cycle(size_t number, float variance) {
   const size_t next = number + 1;
   const float left = variance * std::pow(0.25f, static_cast<float>(next));
-  if (next >= grid_.levels.size() || left <= done_below(next)) {
+  if (next >= grid_.levels.size() || left <= done_below_[next]) {
     stages(number, 2 * kStages);
     return;
   }
@@ -373,6 +378,7 @@ void Smoother::run(std::vector<float>& map) {
                  level.at(level.inverse_weight), level.runs[r].begin, level.runs[r].end);
     }
   });
+  std::fill(level.next.begin(), level.next.end(), 0.0f);  // shape_edges() left bytes there
   cycle(0, variance);
   store(map);
 }

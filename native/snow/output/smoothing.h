@@ -25,7 +25,7 @@ void check_smoothing(const SmoothingSettings& settings);
 /// - Nothing flows onto bare texels, nor onto such that hold less than a fiftieth of their
 ///   neighbour, nor between front (positive heights) and back (negative ones).
 /// - Where snow ends so, it ends rounded: not the height is evened out but the height over a
-///   shoulder's profile, a parabola that rises from the edge to 1 within 1.5 sigma. What tapers off
+///   shoulder's profile, a parabola that rises from the edge to 1 within a sigma. What tapers off
 ///   by itself stays as it is; where the surface itself ends nothing is rounded.
 ///
 /// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
@@ -90,6 +90,8 @@ class Smoother {
   const SmoothingGrid& grid_;
   float least_variance_;
   int32_t threads_;
+  /// Per level: half the variance over distance^2 that those below see to.
+  std::vector<float> done_below_;
   std::vector<Level> levels_;
 };
 

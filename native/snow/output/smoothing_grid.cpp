@@ -46,11 +46,11 @@ void merge(std::vector<LooseLink>& links) {
 
 /// How many links each cell has on the grid.
 std::vector<float> grid_links(const SmoothingLevel& level) {
-  std::vector<float> count(level.right.size(), 0.0f);
   const auto size = static_cast<size_t>(level.size);
+  std::vector<float> count(size * size, 0.0f);
   for (size_t i = 0; i < count.size(); ++i) {
-    if (level.right[i] != 0) count[i] += 1.0f, count[i + 1] += 1.0f;
-    if (level.above[i] != 0) count[i] += 1.0f, count[i + size] += 1.0f;
+    if (level.to_right()[i] != 0) count[i] += 1.0f, count[i + 1] += 1.0f;
+    if (level.upwards()[i] != 0) count[i] += 1.0f, count[i + size] += 1.0f;
   }
   return count;
 }
@@ -77,7 +77,7 @@ void limit_weights(const SmoothingLevel& level, std::vector<LooseLink>& links) {
 void lay_links(SmoothingLevel& level, std::vector<LooseLink>& links) {
   merge(links);
   limit_weights(level, links);
-  const size_t cells = level.right.size();
+  const auto cells = static_cast<size_t>(level.size) * static_cast<size_t>(level.size);
   std::vector<int32_t> count(cells, 0);
   for (const LooseLink& link : links) ++count[link.a], ++count[link.b];
   std::vector<int32_t> next(cells, 0);
@@ -125,7 +125,7 @@ void link_texels(const TexelTable& table, const SeamTable& seams, int axis, Smoo
     const int32_t next = texel_at[lines.place[i] + 1];
     if (next < 0) continue;
     const float mean = 0.5f * (length(static_cast<int32_t>(i)) + length(next));
-    links[table.texel[i]] = rounded_half(closeness_of(mean));
+    links[table.texel[i] + table.resolution] = rounded_half(closeness_of(mean));
   }
   for (size_t g = 0; g < lines.ghost_place.size(); g += kFilterReach) {
     const int32_t place = lines.ghost_place[g];
@@ -238,14 +238,14 @@ SmoothingLevel coarsened(SmoothingLevel& level, const Cells& cells, Cells& block
     }
   };
   for (int32_t i = 0; i < size * size; ++i) {
-    if (level.right[i] != 0) add(i, i + 1, 1.0f, from_half(level.right[i]));
-    if (level.above[i] != 0) add(i, i + size, 1.0f, from_half(level.above[i]));
+    if (level.to_right()[i] != 0) add(i, i + 1, 1.0f, from_half(level.to_right()[i]));
+    if (level.upwards()[i] != 0) add(i, i + size, 1.0f, from_half(level.upwards()[i]));
   }
   for (const LooseLink& link : cells.loose) {
     if (link.weight > 0.0f) add(link.a, link.b, link.weight, link.closeness / link.weight);
   }
-  next.right.reserve(right.size());
-  next.above.reserve(above.size());
+  next.right.assign(static_cast<size_t>(next.size), 0);
+  next.above.assign(static_cast<size_t>(next.size), 0);
   for (const float closeness : right) next.right.push_back(rounded_half(closeness));
   for (const float closeness : above) next.above.push_back(rounded_half(closeness));
   return next;
@@ -267,8 +267,8 @@ SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& sea
   }
   SmoothingLevel& first = grid.levels.emplace_back();
   first.size = table.resolution;
-  first.right.assign(texels, 0);
-  first.above.assign(texels, 0);
+  first.right.assign(texels + static_cast<size_t>(first.size), 0);
+  first.above.assign(texels + static_cast<size_t>(first.size), 0);
   link_texels(table, seams, 0, first, cells.loose);
   link_texels(table, seams, 1, first, cells.loose);
   lay_links(first, cells.loose);

@@ -21,9 +21,11 @@ inline float from_half(uint16_t half) {
 /// over which neighbours exchange snow. A link's closeness is 1 / distance^2 in 1/m2; 0 = no link.
 struct SmoothingLevel {
   int32_t size = 0;
-  /// Links to the right and upper neighbour on the grid (rounded_half).
+  /// Links to the right and upper neighbour on the grid (rounded_half), after a row of none.
   std::vector<uint16_t> right;
   std::vector<uint16_t> above;
+  const uint16_t* to_right() const { return right.data() + size; }
+  const uint16_t* upwards() const { return above.data() + size; }
 
   /// Links that run elsewhere, across seams, each noted at both of its ends: those of cell
   /// link_cell[i] (ascending) are [link_begin[i], link_begin[i + 1]), and those of the cells of row

@@ -36,34 +36,46 @@ namespace {
 
 /// The closest of a cell's links on the grid.
 inline float closest(const ClosenessView& closeness, int32_t i) {
-  uint16_t most = std::max(closeness.right[i], closeness.above[i]);
-  if (i > 0) most = std::max(most, closeness.right[i - 1]);
-  if (i >= closeness.size) most = std::max(most, closeness.above[i - closeness.size]);
-  return from_half(most);
+  return from_half(std::max({closeness.right[i], closeness.above[i], closeness.right[i - 1],
+                             closeness.above[i - closeness.size]}));
 }
 
 }  // namespace
 
+/// Whether a cell is the deeper end of a link that is there and not open.
+SNOWBOUGH_WIDE uint8_t mark_edges(const float* __restrict height, const ClosenessView& closeness,
+                                  const EdgeArrays& edges, int32_t begin, int32_t end) {
+  const uint16_t* __restrict right = closeness.right;
+  const uint16_t* __restrict above = closeness.above;
+  const uint8_t* __restrict open_right = edges.right;
+  const uint8_t* __restrict open_above = edges.above;
+  uint8_t* __restrict distance = edges.distance;
+  uint8_t* __restrict next = edges.next;
+  const ptrdiff_t size = closeness.size;
+  uint8_t any = 0;
+  for (int32_t i = begin; i < end; ++i) {
+    const float own = std::fabs(height[i]);
+    const bool to_right = (right[i] != 0) & (open_right[i] == 0) & (own >= std::fabs(height[i + 1]));
+    const bool to_left =
+        (right[i - 1] != 0) & (open_right[i - 1] == 0) & (own >= std::fabs(height[i - 1]));
+    const bool upwards =
+        (above[i] != 0) & (open_above[i] == 0) & (own >= std::fabs(height[i + size]));
+    const bool downwards = (above[i - size] != 0) & (open_above[i - size] == 0) &
+                           (own >= std::fabs(height[i - size]));
+    const bool edge = (to_right | to_left | upwards | downwards) & (own > 0.0f);
+    distance[i] = edge ? 0 : kFarFromEdge;
+    next[i] = kFarFromEdge;
+    any |= edge ? 1 : 0;
+  }
+  return any;
+}
+
 float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
                      const EdgeArrays& edges, int32_t begin, int32_t end) {
-  const auto size = static_cast<int32_t>(closeness.size);
   float widest = 0.0f;
-  const auto is_edge = [&](int32_t i, int32_t other) {
-    return std::fabs(height[i]) >= std::fabs(height[other]);
-  };
+  if (mark_edges(height, closeness, edges, begin, end) == 0) return widest;
   for (int32_t i = begin; i < end; ++i) {
-    // Neighbours that are all open, or no surface at all: nearly always so.
-    uint8_t edge = 0;
-    edge |= closeness.right[i] != 0 && edges.right[i] == 0 && is_edge(i, i + 1);
-    edge |= closeness.above[i] != 0 && edges.above[i] == 0 && is_edge(i, i + size);
-    if (i > 0) edge |= closeness.right[i - 1] != 0 && edges.right[i - 1] == 0 && is_edge(i, i - 1);
-    if (i >= size) {
-      edge |= closeness.above[i - size] != 0 && edges.above[i - size] == 0 && is_edge(i, i - size);
-    }
-    const bool counts = edge != 0 && height[i] != 0.0f;
-    edges.distance[i] = counts ? 0 : kFarFromEdge;
-    edges.next[i] = kFarFromEdge;
-    if (!counts) continue;
+    if (edges.distance[i] != 0) continue;
     const float variance = std::max(least_variance, third_squared(height[i]));
     widest = std::max(widest, variance * closest(closeness, i));
   }
@@ -114,6 +126,69 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
     largest = largest > link.wanted ? largest : link.wanted;
   }
   return largest;
+}
+
+namespace {
+
+inline float deepest(float a, float b) {
+  return std::fabs(a) < std::fabs(b) ? b : a;
+}
+
+}  // namespace
+
+SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __restrict high,
+                                 const BlockRows& rows, float* __restrict mean,
+                                 float* __restrict inverse, int32_t count) {
+  const float* __restrict low_inverse = rows.inverse[0];
+  const float* __restrict high_inverse = rows.inverse[1];
+  const uint8_t* __restrict low_joins = rows.joins[0];
+  const uint8_t* __restrict high_joins = rows.joins[1];
+  for (int32_t i = 0; i < count; ++i) {
+    const float a = low_joins[2 * i] != 0 ? low[2 * i] : 0.0f;
+    const float b = low_joins[2 * i + 1] != 0 ? low[2 * i + 1] : 0.0f;
+    const float c = high_joins[2 * i] != 0 ? high[2 * i] : 0.0f;
+    const float d = high_joins[2 * i + 1] != 0 ? high[2 * i + 1] : 0.0f;
+    const float most = deepest(deepest(a, b), deepest(c, d));
+    // Bare cells have no weight, and no height to be open to.
+    const auto weight = [most](float height, float inverse_weight) {
+      const float own = 1.0f / (inverse_weight > 0.0f ? inverse_weight : 1.0f);
+      return is_open(height, most) ? own : 0.0f;
+    };
+    const float of_a = weight(a, low_inverse[2 * i]);
+    const float of_b = weight(b, low_inverse[2 * i + 1]);
+    const float of_c = weight(c, high_inverse[2 * i]);
+    const float of_d = weight(d, high_inverse[2 * i + 1]);
+    const float sum = (of_a + of_b) + (of_c + of_d);
+    const float inverse_sum = 1.0f / (sum > 0.0f ? sum : 1.0f);
+    mean[i] = ((of_a * a + of_b * b) + (of_c * c + of_d * d)) * inverse_sum;
+    inverse[i] = sum > 0.0f ? inverse_sum : 0.0f;
+  }
+}
+
+SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
+                                const BlockRows& rows, const float* __restrict before,
+                                const float* __restrict now, const KeptTerms& of, int32_t count) {
+  const KeptTerms terms = of;
+  const uint8_t* __restrict low_joins = rows.joins[0];
+  const uint8_t* __restrict high_joins = rows.joins[1];
+  for (int32_t i = 0; i < count; ++i) {
+    const float closeness =
+        from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
+    const float kept = kept_part(before[i], closeness, terms.least_variance, terms.done_below);
+    const float mean = before[i] != 0.0f ? before[i] : 1.0f;
+    const float ratio = now[i] / mean;
+    const float base = now[i] * (1.0f - kept);
+    const float slope = ratio * kept;
+    const float a = low_joins[2 * i] != 0 ? low[2 * i] : 0.0f;
+    const float b = low_joins[2 * i + 1] != 0 ? low[2 * i + 1] : 0.0f;
+    const float c = high_joins[2 * i] != 0 ? high[2 * i] : 0.0f;
+    const float d = high_joins[2 * i + 1] != 0 ? high[2 * i + 1] : 0.0f;
+    const float most = deepest(deepest(a, b), deepest(c, d));
+    low[2 * i] = is_open(a, most) ? base + slope * a : low[2 * i];
+    low[2 * i + 1] = is_open(b, most) ? base + slope * b : low[2 * i + 1];
+    high[2 * i] = is_open(c, most) ? base + slope * c : high[2 * i];
+    high[2 * i + 1] = is_open(d, most) ? base + slope * d : high[2 * i + 1];
+  }
 }
 
 SNOWBOUGH_WIDE void divide_run(float* __restrict height, const float* __restrict inverse_area,

@@ -16,7 +16,7 @@ inline constexpr float kStageShare = 0.2f;
 /// A neighbour that holds less than this part is no neighbour.
 inline constexpr float kLeastPart = 0.02f;
 /// Width of a shoulder in standard deviations.
-inline constexpr float kShoulder = 1.5f;
+inline constexpr float kShoulder = 1.0f;
 /// More links from the edge than any shoulder is wide.
 inline constexpr uint8_t kFarFromEdge = 200;
 
@@ -105,47 +105,42 @@ void store_run(const float* height, const float* inverse_area, const float* inve
 void stage_run(const float* from, float* to, const float* right, const float* above,
                const float* inverse, ptrdiff_t size, int32_t begin, int32_t end);
 
-/// What a height becomes when the mean of its block changes from `before` to `now`.
-inline float changed(float height, float before, float now) {
-  const float ratio = now / before;
-  return ratio < 1.0f ? height * ratio : height + (now - before);
+/// What a height becomes when the mean of its block changes from `before` to `now`, and only the part
+/// `kept` of what sets it apart from the mean is left.
+inline float changed(float height, float before, float now, float kept) {
+  return now * (1.0f + kept * (height / before - 1.0f));
 }
 
-/// The cells of a block of 2 x 2 that count as one: of its chart, and with snow not too thin beside
-/// the block's deepest.
-class Block {
- public:
-  Block(const float* height, const uint8_t* joins, int32_t first, int32_t size)
-      : cell_{first, first + 1, first + size, first + size + 1} {
-    float most = 0.0f;
-    for (const int32_t cell : cell_) {
-      if (joins[cell] != 0 && std::fabs(height[cell]) > std::fabs(most)) most = height[cell];
-    }
-    for (int k = 0; k < 4; ++k) counts_[k] = joins[cell_[k]] != 0 && is_open(height[cell_[k]], most);
-  }
-
-  void mean(const float* height, const float* inverse, float& mean, float& inverse_sum) const {
-    float weight = 0.0f;
-    float sum = 0.0f;
-    for (int k = 0; k < 4; ++k) {
-      if (!counts_[k]) continue;
-      const float own = 1.0f / inverse[cell_[k]];
-      weight += own;
-      sum += own * height[cell_[k]];
-    }
-    mean = weight > 0.0f ? sum / weight : 0.0f;
-    inverse_sum = weight > 0.0f ? 1.0f / weight : 0.0f;
-  }
-
-  void change(float* height, float before, float now) const {
-    for (int k = 0; k < 4; ++k) {
-      if (counts_[k]) height[cell_[k]] = changed(height[cell_[k]], before, now);
-    }
-  }
-
- private:
-  int32_t cell_[4];
-  bool counts_[4];
+/// Two rows of a level's cells, from the block on that a run of the next level begins with. Which
+/// cells of a block of 2 x 2 count as one: those of its chart, and with snow not too thin beside the
+/// block's deepest.
+struct BlockRows {
+  const float* inverse[2];
+  const uint8_t* joins[2];
 };
+
+/// What is left of differences within blocks. `closeness`: of the blocks; see ConductanceTerms.
+struct KeptTerms {
+  const uint16_t* right;
+  const uint16_t* above;
+  float least_variance;
+  float done_below;
+};
+
+/// Means of blocks by weight, and 1 / their weights.
+void restrict_run(const float* low, const float* high, const BlockRows& rows, float* mean,
+                  float* inverse, int32_t count);
+/// Hands the change of the means on to the cells.
+void prolong_run(float* low, float* high, const BlockRows& rows, const float* before,
+                 const float* now, const KeptTerms& terms, int32_t count);
+
+/// What is left of the differences within a block: about what a Gaussian leaves of waves as long.
+inline float kept_part(float before, float closeness, float least_variance, float done_below) {
+  const float third = third_squared(before);
+  const float variance = third > least_variance ? third : least_variance;
+  const float wanted = 0.5f * variance * closeness - done_below;
+  const float left = wanted > 0.0f ? wanted : 0.0f;
+  return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
+}
 
 }  // namespace snowbough::snow
