@@ -23,12 +23,16 @@ SNOWBOUGH_WIDE void open_links_run(const float* __restrict height, const Closene
                                    const EdgeArrays& edges, int32_t begin, int32_t end) {
   uint8_t* __restrict right = edges.right;
   uint8_t* __restrict above = edges.above;
+  const uint16_t* __restrict to_right = closeness.right;
+  const uint16_t* __restrict upwards = closeness.above;
   const ptrdiff_t size = closeness.size;
   for (int32_t i = begin; i < end; ++i) {
-    right[i] = is_open(height[i], height[i + 1]) & (closeness.right[i] != 0) ? 255 : 0;
+    const float there = from_half(to_right[i]) > 0.0f ? height[i + 1] : 0.0f;
+    right[i] = static_cast<uint8_t>(is_open(height[i], there) ? 255 : 0);
   }
   for (int32_t i = begin; i < end; ++i) {
-    above[i] = is_open(height[i], height[i + size]) & (closeness.above[i] != 0) ? 255 : 0;
+    const float there = from_half(upwards[i]) > 0.0f ? height[i + size] : 0.0f;
+    above[i] = static_cast<uint8_t>(is_open(height[i], there) ? 255 : 0);
   }
 }
 
@@ -42,8 +46,9 @@ inline float closest(const ClosenessView& closeness, int32_t i) {
 
 }  // namespace
 
-/// Whether a cell is the deeper end of a link that is there and not open.
-SNOWBOUGH_WIDE uint8_t mark_edges(const float* __restrict height, const ClosenessView& closeness,
+/// Finds the cells that are the deeper end of a link that is there and not open; returns whether there
+/// are any.
+SNOWBOUGH_WIDE bool mark_edges(const float* __restrict height, const ClosenessView& closeness,
                                   const EdgeArrays& edges, int32_t begin, int32_t end) {
   const uint16_t* __restrict right = closeness.right;
   const uint16_t* __restrict above = closeness.above;
@@ -52,28 +57,32 @@ SNOWBOUGH_WIDE uint8_t mark_edges(const float* __restrict height, const Closenes
   uint8_t* __restrict distance = edges.distance;
   uint8_t* __restrict next = edges.next;
   const ptrdiff_t size = closeness.size;
-  uint8_t any = 0;
+  // Over 0 where a link is there, closed, and the neighbour not deeper.
+  const auto ends = [](uint16_t link, uint8_t open, float own, float other) {
+    const float there = from_half(link) > 0.0f ? 1.0f : 0.0f;
+    const float closed = open == 0 ? there : 0.0f;
+    return std::fabs(own) >= std::fabs(other) ? closed : 0.0f;
+  };
+  int32_t any = 0;
   for (int32_t i = begin; i < end; ++i) {
-    const float own = std::fabs(height[i]);
-    const bool to_right = (right[i] != 0) & (open_right[i] == 0) & (own >= std::fabs(height[i + 1]));
-    const bool to_left =
-        (right[i - 1] != 0) & (open_right[i - 1] == 0) & (own >= std::fabs(height[i - 1]));
-    const bool upwards =
-        (above[i] != 0) & (open_above[i] == 0) & (own >= std::fabs(height[i + size]));
-    const bool downwards = (above[i - size] != 0) & (open_above[i - size] == 0) &
-                           (own >= std::fabs(height[i - size]));
-    const bool edge = (to_right | to_left | upwards | downwards) & (own > 0.0f);
-    distance[i] = edge ? 0 : kFarFromEdge;
+    const float own = height[i];
+    const float along = ends(right[i], open_right[i], own, height[i + 1]) +
+                        ends(right[i - 1], open_right[i - 1], own, height[i - 1]);
+    const float across = ends(above[i], open_above[i], own, height[i + size]) +
+                         ends(above[i - size], open_above[i - size], own, height[i - size]);
+    const float edge = std::fabs(own) > 0.0f ? along + across : 0.0f;
+    const int32_t links = edge > 0.0f ? 0 : kFarFromEdge;
+    distance[i] = static_cast<uint8_t>(links);
     next[i] = kFarFromEdge;
-    any |= edge ? 1 : 0;
+    any |= links ^ kFarFromEdge;
   }
-  return any;
+  return any != 0;
 }
 
 float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
                      const EdgeArrays& edges, int32_t begin, int32_t end) {
   float widest = 0.0f;
-  if (mark_edges(height, closeness, edges, begin, end) == 0) return widest;
+  if (!mark_edges(height, closeness, edges, begin, end)) return widest;
   for (int32_t i = begin; i < end; ++i) {
     if (edges.distance[i] != 0) continue;
     const float variance = std::max(least_variance, third_squared(height[i]));
@@ -118,14 +127,15 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
                                  float* __restrict conductances, const ConductanceTerms& of,
                                  ptrdiff_t stride, int32_t begin, int32_t end) {
   const ConductanceTerms terms = of;
-  float largest = 0.0f;
+  // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
+  int32_t largest = 0;
   for (int32_t i = begin; i < end; ++i) {
     const LinkConductance link = conductance(height[i], height[i + stride], inverse[i],
                                              inverse[i + stride], from_half(closeness[i]), terms);
     conductances[i] = link.conductance;
-    largest = largest > link.wanted ? largest : link.wanted;
+    largest = std::max(largest, std::bit_cast<int32_t>(link.wanted));
   }
-  return largest;
+  return std::bit_cast<float>(largest);
 }
 
 namespace {
@@ -144,24 +154,23 @@ SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __res
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
-    const float a = low_joins[2 * i] != 0 ? low[2 * i] : 0.0f;
-    const float b = low_joins[2 * i + 1] != 0 ? low[2 * i + 1] : 0.0f;
-    const float c = high_joins[2 * i] != 0 ? high[2 * i] : 0.0f;
-    const float d = high_joins[2 * i + 1] != 0 ? high[2 * i + 1] : 0.0f;
+    const float a = low[2 * i] * static_cast<float>(low_joins[2 * i]);
+    const float b = low[2 * i + 1] * static_cast<float>(low_joins[2 * i + 1]);
+    const float c = high[2 * i] * static_cast<float>(high_joins[2 * i]);
+    const float d = high[2 * i + 1] * static_cast<float>(high_joins[2 * i + 1]);
     const float most = deepest(deepest(a, b), deepest(c, d));
     // Bare cells have no weight, and no height to be open to.
     const auto weight = [most](float height, float inverse_weight) {
-      const float own = 1.0f / (inverse_weight > 0.0f ? inverse_weight : 1.0f);
-      return is_open(height, most) ? own : 0.0f;
+      return is_open(height, most) ? 1.0f / inverse_weight : 0.0f;
     };
     const float of_a = weight(a, low_inverse[2 * i]);
     const float of_b = weight(b, low_inverse[2 * i + 1]);
     const float of_c = weight(c, high_inverse[2 * i]);
     const float of_d = weight(d, high_inverse[2 * i + 1]);
     const float sum = (of_a + of_b) + (of_c + of_d);
-    const float inverse_sum = 1.0f / (sum > 0.0f ? sum : 1.0f);
+    const float inverse_sum = sum > 0.0f ? 1.0f / sum : 0.0f;
     mean[i] = ((of_a * a + of_b * b) + (of_c * c + of_d * d)) * inverse_sum;
-    inverse[i] = sum > 0.0f ? inverse_sum : 0.0f;
+    inverse[i] = inverse_sum;
   }
 }
 
@@ -179,10 +188,10 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
     const float ratio = now[i] / mean;
     const float base = now[i] * (1.0f - kept);
     const float slope = ratio * kept;
-    const float a = low_joins[2 * i] != 0 ? low[2 * i] : 0.0f;
-    const float b = low_joins[2 * i + 1] != 0 ? low[2 * i + 1] : 0.0f;
-    const float c = high_joins[2 * i] != 0 ? high[2 * i] : 0.0f;
-    const float d = high_joins[2 * i + 1] != 0 ? high[2 * i + 1] : 0.0f;
+    const float a = low[2 * i] * static_cast<float>(low_joins[2 * i]);
+    const float b = low[2 * i + 1] * static_cast<float>(low_joins[2 * i + 1]);
+    const float c = high[2 * i] * static_cast<float>(high_joins[2 * i]);
+    const float d = high[2 * i + 1] * static_cast<float>(high_joins[2 * i + 1]);
     const float most = deepest(deepest(a, b), deepest(c, d));
     low[2 * i] = is_open(a, most) ? base + slope * a : low[2 * i];
     low[2 * i + 1] = is_open(b, most) ? base + slope * b : low[2 * i + 1];
