@@ -5,7 +5,7 @@
 #include <mutex>
 #include <vector>
 
-#include "snow/output/curvature.h"
+#include "snow/seams/curvature.h"
 #include "snow/output/dilate.h"
 #include "snow/output/map_output.h"
 #include "snow/output/smoothing.h"

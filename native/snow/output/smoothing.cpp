@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 #include <stdexcept>
 #include <utility>
 
@@ -15,15 +14,20 @@ namespace {
 constexpr ptrdiff_t kMargin = 32;
 /// Cells of a row that are passed over together where they are bare.
 constexpr int32_t kBlock = 32;
-constexpr int32_t kStages = 3;
+/// Stages of a level on the way up and on the way down.
+constexpr int32_t kStagesUp = 1;
+constexpr int32_t kStagesDown = 3;
+constexpr auto kStages = static_cast<float>(kStagesUp + kStagesDown);
 /// Levels of at most this size are not worth a second thread.
 constexpr int32_t kSmallLevel = 128;
-/// A profile reaches at most so many texels in from the edge.
-constexpr int32_t kWidestShoulder = 12;
 
-/// What of a link's variance the levels below `level` see to, in its own cells.
+/// Half the variance that it adds to take a block's cells for one, in cells^2.
+constexpr float kBlockSpread = 0.25f;
+
+/// What of half a link's variance over distance^2 the levels below `level` see to.
 float done_below(size_t level) {
-  return 2.0f * kStages * kStageShare / 3.0f * (1.0f - std::pow(0.25f, static_cast<float>(level)));
+  return (kStages * kStageShare + kBlockSpread) / 3.0f *
+         (1.0f - std::pow(0.25f, static_cast<float>(level)));
 }
 
 BlockRows block_rows(const SmoothingLevel& grid, const float* inverse, int32_t first) {
@@ -74,6 +78,16 @@ void Smoother::for_each_row_band(
   });
 }
 
+void Smoother::for_each_run(size_t number,
+                            const std::function<void(int32_t row, Run run)>& work) const {
+  const Level& level = levels_[number];
+  for_each_row_band(grid_.levels[number], [&](int32_t first, int32_t last) {
+    for (int32_t y = first; y < last; ++y) {
+      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
+    }
+  });
+}
+
 /// Leaves no trace of the map before.
 void Smoother::clear_conductances(size_t number) {
   Level& level = levels_[number];
@@ -112,83 +126,16 @@ void Smoother::find_runs(const std::vector<float>& map) {
 
 void Smoother::load(const std::vector<float>& map) {
   Level& level = levels_[0];
-  for_each_row_band(grid_.levels[0], [&](int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      const Run run = level.runs[r];
-      load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
-               level.at(level.inverse_weight), run.begin, run.end);
-    }
-  });
-}
-
-/// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
-/// as many rounds as the widest shoulder has texels.
-void Smoother::shape_edges() {
-  Level& level = levels_[0];
-  const SmoothingLevel& grid = grid_.levels[0];
-  const ptrdiff_t size = grid.size;
-  // The array is not in use yet; its bytes hold distances and which links are open.
-  auto* const bytes = reinterpret_cast<uint8_t*>(level.next.data());
-  const auto count = static_cast<ptrdiff_t>(level.next.size());
-  EdgeArrays edges{bytes + level.margin, bytes + count + level.margin,
-                   bytes + 2 * count + level.margin, bytes + 3 * count + level.margin};
-  std::memset(bytes, 0, static_cast<size_t>(4 * count));
-  const float* const height = level.at(level.height);
-  const ClosenessView closeness{grid.to_right(), grid.upwards(), size};
-  std::vector<float> widest(static_cast<size_t>(grid.size), 0.0f);
-  const auto for_each_run = [&](const auto& work) {
-    for_each_row_band(grid, [&](int32_t first, int32_t last) {
-      for (int32_t y = first; y < last; ++y) {
-        for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
-      }
-    });
-  };
-  for_each_run([&](int32_t, Run run) { open_links_run(height, closeness, edges, run.begin, run.end); });
-  for_each_run([&](int32_t y, Run run) {
-    widest[y] = std::max(widest[y], find_edges_run(height, closeness, least_variance_, edges,
-                                                   run.begin, run.end));
-  });
-  for (size_t k = 0; k < grid.link_cell.size(); ++k) {
-    const int32_t cell = grid.link_cell[k];
-    for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-      const float other = height[grid.link_other[t]];
-      const bool open = is_open(height[cell], other);
-      level.loose[t] = open ? 1.0f : 0.0f;
-      if (open || height[cell] == 0.0f || std::fabs(height[cell]) < std::fabs(other)) continue;
-      edges.distance[cell] = 0;
-      const float variance = std::max(least_variance_, third_squared(height[cell]));
-      widest[cell / size] = std::max(widest[cell / size], variance * grid.link_closeness[t]);
-    }
-  }
-  const float most = *std::max_element(widest.begin(), widest.end());
-  if (most == 0.0f) return;
-  const int32_t rounds = std::min(
-      kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(most))));
-  for (int32_t round = 0; round < rounds; ++round) {
-    for_each_row_band(grid, [&](int32_t first, int32_t last) {
-      for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-        spread_distance_run(edges, size, level.runs[r].begin, level.runs[r].end);
-      }
-      for (int32_t k = grid.link_row[first]; k < grid.link_row[last]; ++k) {
-        uint8_t& own = edges.next[grid.link_cell[k]];
-        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-          if (level.loose[t] == 0.0f) continue;
-          own = std::min(own, static_cast<uint8_t>(edges.distance[grid.link_other[t]] + 1));
-        }
-      }
-    });
-    std::swap(edges.distance, edges.next);
-  }
-  for_each_run([&](int32_t, Run run) {
-    shape_run(height, closeness, least_variance_, static_cast<float>(rounds), edges.distance,
-              level.at(level.inverse_weight), run.begin, run.end);
+  for_each_run(0, [&](int32_t, Run run) {
+    load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
+             level.at(level.inverse_weight), run.begin, run.end);
   });
 }
 
 float Smoother::conduct(size_t number) {
   Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
-  const ConductanceTerms terms{least_variance_, done_below_[number], 2.0f * kStages};
+  const ConductanceTerms terms{least_variance_, done_below_[number], kStages};
   const float* const height = level.at(level.height);
   const float* const inverse = level.at(level.inverse_weight);
   std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
@@ -196,11 +143,10 @@ float Smoother::conduct(size_t number) {
     for (int32_t y = first; y < last; ++y) {
       for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
         const Run run = level.runs[r];
-        const float right = conduct_run(height, inverse, grid.to_right(), level.at(level.right),
-                                        terms, 1, run.begin, run.end);
-        const float above = conduct_run(height, inverse, grid.upwards(), level.at(level.above),
-                                        terms, grid.size, run.begin, run.end);
-        largest[y] = std::max({largest[y], right, above});
+        largest[y] = std::max(
+            largest[y], conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
+                                    level.at(level.right), level.at(level.above), terms, run.begin,
+                                    run.end));
       }
       for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
         const int32_t cell = grid.link_cell[k];
@@ -340,25 +286,23 @@ void Smoother::cycle(size_t number, float variance) {
   const size_t next = number + 1;
   const float left = variance * std::pow(0.25f, static_cast<float>(next));
   if (next >= grid_.levels.size() || left <= done_below_[next]) {
-    stages(number, 2 * kStages);
+    stages(number, kStagesUp + kStagesDown);
     return;
   }
-  stages(number, kStages);
+  stages(number, kStagesUp);
   make_level(next);
   restrict_to(next);
   conduct(next);
   cycle(next, variance);
   prolong_from(next);
-  stages(number, kStages);
+  stages(number, kStagesDown);
 }
 
 void Smoother::store(std::vector<float>& map) {
   Level& level = levels_[0];
-  for_each_row_band(grid_.levels[0], [&](int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
-                map.data(), level.runs[r].begin, level.runs[r].end);
-    }
+  for_each_run(0, [&](int32_t, Run run) {
+    store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
+              map.data(), run.begin, run.end);
   });
 }
 
@@ -369,16 +313,9 @@ void Smoother::run(std::vector<float>& map) {
   find_runs(map);
   if (levels_[0].runs.empty()) return;
   load(map);
-  shape_edges();
+  const bool has_edges = shape_edges();
   const float variance = conduct(0);
-  Level& level = levels_[0];
-  for_each_row_band(grid_.levels[0], [&](int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      divide_run(level.at(level.height), grid_.inverse_area.data(),
-                 level.at(level.inverse_weight), level.runs[r].begin, level.runs[r].end);
-    }
-  });
-  std::fill(level.next.begin(), level.next.end(), 0.0f);  // shape_edges() left bytes there
+  if (has_edges) divide_by_profile();
   cycle(0, variance);
   store(map);
 }

@@ -8,6 +8,8 @@
 
 namespace snowbough::snow {
 
+struct EdgeArrays;
+
 /// How far a map is smoothed: a standard deviation of the larger of `blur_radius` and a third of
 /// the local depth, metres. 0: the map is passed on as it is.
 struct SmoothingSettings {
@@ -30,8 +32,8 @@ void check_smoothing(const SmoothingSettings& settings);
 ///
 /// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
 /// within those that there were before. Far away snow travels over blocks of 2 x 2, 4 x 4, ..
-/// texels: three stages on each level on the way up and three on the way down (a V cycle), which
-/// reach a sigma of 1.5, 3.5, 7, 14, .. texels at the cost of eight passes over the map.
+/// texels: a stage on each level on the way up and three on the way down (a V cycle), at the cost of
+/// about five passes over the map for any sigma up to a hundred texels.
 ///
 /// P. Perona, J. Malik, Scale-Space and Edge Detection Using Anisotropic Diffusion, 1990 (fluxes
 /// between texels); W. Briggs, V. Henson, S. McCormick, A Multigrid Tutorial, 2000 (V cycle).
@@ -75,10 +77,18 @@ class Smoother {
   void make_level(size_t number);
   void for_each_row_band(const SmoothingLevel& grid,
                          const std::function<void(int32_t first, int32_t last)>& work) const;
+  void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
   void clear_conductances(size_t number);
   void load(const std::vector<float>& map);
-  void shape_edges();
+  bool open_links(const EdgeArrays& edges);
+  float find_edges(const EdgeArrays& edges);
+  void spread_distance(EdgeArrays& edges);
+  /// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
+  /// as many rounds as the widest shoulder has texels. Returns whether there is an edge.
+  bool shape_edges();
+  /// Heights to heights over profile.
+  void divide_by_profile();
   /// Returns the largest variance over distance^2 of a link.
   float conduct(size_t number);
   void stages(size_t number, int32_t count);

@@ -19,21 +19,31 @@ SNOWBOUGH_WIDE void load_run(const float* __restrict map, const float* __restric
   }
 }
 
-SNOWBOUGH_WIDE void open_links_run(const float* __restrict height, const ClosenessView& closeness,
+SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const ClosenessView& closeness,
                                    const EdgeArrays& edges, int32_t begin, int32_t end) {
   uint8_t* __restrict right = edges.right;
   uint8_t* __restrict above = edges.above;
   const uint16_t* __restrict to_right = closeness.right;
   const uint16_t* __restrict upwards = closeness.above;
   const ptrdiff_t size = closeness.size;
+  int32_t closed = 0;
   for (int32_t i = begin; i < end; ++i) {
-    const float there = from_half(to_right[i]) > 0.0f ? height[i + 1] : 0.0f;
-    right[i] = static_cast<uint8_t>(is_open(height[i], there) ? 255 : 0);
+    const float linked = from_half(to_right[i]);
+    const float there = linked > 0.0f ? height[i + 1] : 0.0f;
+    const int32_t open = is_open(height[i], there) ? 255 : 0;
+    const float deep = linked > 0.0f ? std::fabs(height[i]) + std::fabs(there) : 0.0f;
+    closed |= deep > 0.0f ? ~open : 0;
+    right[i] = static_cast<uint8_t>(open);
   }
   for (int32_t i = begin; i < end; ++i) {
-    const float there = from_half(upwards[i]) > 0.0f ? height[i + size] : 0.0f;
-    above[i] = static_cast<uint8_t>(is_open(height[i], there) ? 255 : 0);
+    const float linked = from_half(upwards[i]);
+    const float there = linked > 0.0f ? height[i + size] : 0.0f;
+    const int32_t open = is_open(height[i], there) ? 255 : 0;
+    const float deep = linked > 0.0f ? std::fabs(height[i]) + std::fabs(there) : 0.0f;
+    closed |= deep > 0.0f ? ~open : 0;
+    above[i] = static_cast<uint8_t>(open);
   }
+  return (closed & 255) != 0;
 }
 
 namespace {
@@ -123,17 +133,25 @@ void shape_run(const float* height, const ClosenessView& closeness, float least_
 }
 
 SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __restrict inverse,
-                                 const uint16_t* __restrict closeness,
-                                 float* __restrict conductances, const ConductanceTerms& of,
-                                 ptrdiff_t stride, int32_t begin, int32_t end) {
+                                 const ClosenessView& closeness, float* __restrict right,
+                                 float* __restrict above, const ConductanceTerms& of,
+                                 int32_t begin, int32_t end) {
   const ConductanceTerms terms = of;
+  const uint16_t* __restrict to_right = closeness.right;
+  const uint16_t* __restrict upwards = closeness.above;
+  const ptrdiff_t size = closeness.size;
   // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
   int32_t largest = 0;
   for (int32_t i = begin; i < end; ++i) {
-    const LinkConductance link = conductance(height[i], height[i + stride], inverse[i],
-                                             inverse[i + stride], from_half(closeness[i]), terms);
-    conductances[i] = link.conductance;
-    largest = std::max(largest, std::bit_cast<int32_t>(link.wanted));
+    const LinkConductance along = conductance(height[i], height[i + 1], inverse[i], inverse[i + 1],
+                                              from_half(to_right[i]), terms);
+    const LinkConductance across =
+        conductance(height[i], height[i + size], inverse[i], inverse[i + size],
+                    from_half(upwards[i]), terms);
+    right[i] = along.conductance;
+    above[i] = across.conductance;
+    largest = std::max(largest, std::bit_cast<int32_t>(along.wanted));
+    largest = std::max(largest, std::bit_cast<int32_t>(across.wanted));
   }
   return std::bit_cast<float>(largest);
 }

@@ -82,7 +82,8 @@ bool holds_anything(const float* values, int32_t count);
 /// Takes heights in where there is surface.
 void load_run(const float* map, const float* inverse_area, float* height, float* inverse_weight,
               int32_t begin, int32_t end);
-void open_links_run(const float* height, const ClosenessView& closeness, const EdgeArrays& edges,
+/// Returns whether a cell with snow has a link that is not open, but for links to cells before.
+bool open_links_run(const float* height, const ClosenessView& closeness, const EdgeArrays& edges,
                     int32_t begin, int32_t end);
 /// Sets the distance of cells at an edge to 0, of others to kFarFromEdge. Returns the largest
 /// variance over distance^2 of cells at an edge; 0 where there is none.
@@ -93,10 +94,10 @@ void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin,
 void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
                float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
                int32_t end);
-/// Returns the largest LinkConductance::wanted.
-float conduct_run(const float* height, const float* inverse, const uint16_t* closeness,
-                  float* conductance, const ConductanceTerms& terms, ptrdiff_t stride,
-                  int32_t begin, int32_t end);
+/// Of the links to the right and above. Returns the largest LinkConductance::wanted.
+float conduct_run(const float* height, const float* inverse, const ClosenessView& closeness,
+                  float* right, float* above, const ConductanceTerms& terms, int32_t begin,
+                  int32_t end);
 /// Heights to heights over profile, and back.
 void divide_run(float* height, const float* inverse_area, const float* inverse_weight,
                 int32_t begin, int32_t end);

@@ -215,7 +215,7 @@ TEST(Smoothing, snowThatEndsInACliffEndsRounded) {
   const float* const row = &smoothed[64 * 128];
   EXPECT_LT(row[63], 0.05f);                   // under a third at the rim
   EXPECT_GT(row[63 - 5], 0.14f);               // and full again a third of the depth further in
-  EXPECT_LT(*std::max_element(row, row + 64), 0.18f);
+  EXPECT_LT(*std::max_element(row, row + 64), 0.185f);
   EXPECT_EQ(row[64], 0.0f);
 }
 
@@ -359,7 +359,7 @@ std::vector<float> random_map(const Map& map, uint32_t seed) {
   std::mt19937 random(seed);
   std::vector<float> stored(static_cast<size_t>(map.table.resolution) * map.table.resolution, 0.0f);
   for (const int32_t texel : map.table.texel)
-    stored[texel] = static_cast<float>(random() % 1000) * 1e-4f;
+    stored[texel] = 0.03f + static_cast<float>(random() % 1000) * 1e-4f;
   return stored;
 }
 
@@ -443,12 +443,8 @@ TEST(CpuFilter, bothSidesOfASeamShowTheSameHeightOnTheBunny) {
   EXPECT_NEAR(volume(map, smoothed) / volume(map, heights), 1.0, 1e-5);
 }
 
-void print_times(int32_t resolution, const char* name, float depth, float uneven) {
-  const Map map = plate(resolution, 0.01f * static_cast<float>(resolution),
-                        0.01f * static_cast<float>(resolution));
-  std::mt19937 random(7);
-  std::vector<float> stored = blanket(map, depth);
-  for (float& h : stored) h += uneven * static_cast<float>(random() % 1000) * 1e-3f;
+void print_times(int32_t resolution, const char* name, const std::vector<float>& stored,
+                 const Map& map) {
   const auto begin = std::chrono::steady_clock::now();
   CpuFilter output(map.table, map.seams, {0.02f});
   const std::chrono::duration<double> made = std::chrono::steady_clock::now() - begin;
@@ -465,8 +461,11 @@ void print_times(int32_t resolution, const char* name, float depth, float uneven
 
 TEST(MapOutput, timeOfAFullMap) {
   for (const int32_t resolution : {1024, 2048}) {
-    print_times(resolution, "uneven, up to 10 cm", 0.0f, 0.1f);
-    print_times(resolution, "deep, 30 cm", 0.3f, 0.01f);
+    const float size = 0.01f * static_cast<float>(resolution);
+    const Map map = plate(resolution, size, size);
+    print_times(resolution, "3 to 13 cm", random_map(map, 7), map);
+    print_times(resolution, "30 cm", blanket(map, 0.3f), map);
+    print_times(resolution, "bare patches", patchy_snow(map, 7), map);
   }
 }
 

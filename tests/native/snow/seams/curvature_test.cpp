@@ -1,4 +1,4 @@
-#include "snow/output/curvature.h"
+#include "snow/seams/curvature.h"
 
 #include <gtest/gtest.h>
 
