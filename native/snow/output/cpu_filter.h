@@ -5,11 +5,11 @@
 #include <mutex>
 #include <vector>
 
-#include "snow/seams/curvature.h"
 #include "snow/output/dilate.h"
 #include "snow/output/map_output.h"
 #include "snow/output/smoothing.h"
 #include "snow/output/smoothing_grid.h"
+#include "snow/seams/curvature.h"
 #include "snow/seams/seam_leveller.h"
 #include "snow/seams/seam_table.h"
 #include "snow/seams/surface_metric.h"

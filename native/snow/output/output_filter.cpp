@@ -14,8 +14,8 @@ void OutputFilter::build() {
     const std::vector<glm::vec3>& rest = receiver_->description.rest;
     seams_ = build_seam_table(topology, receiver_->table,
                               {rest.begin(), rest.begin() + topology.vertex_count});
-    cpu_filter_ = std::make_unique<CpuFilter>(
-        receiver_->table, seams_, SmoothingSettings{static_cast<float>(blur_radius_)});
+    cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_,
+                                              SmoothingSettings{static_cast<float>(blur_radius_)});
   });
 }
 

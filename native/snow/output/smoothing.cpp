@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
 #include <utility>
 
@@ -53,9 +54,55 @@ Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings,
   }
 }
 
+/// Arrays of maps that are done with, for the next ones of their size: to fill new memory for the
+/// first time costs more than a pass over a map. For any thread.
+class Smoother::Works {
+ public:
+  static Works& shared() {
+    static Works works;
+    return works;
+  }
+
+  /// Levels for a map of `size` texels a side; none where none are there.
+  std::vector<Level> take(int32_t size) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::find_if(kept_.begin(), kept_.end(),
+                                    [size](const auto& work) { return work.first == size; });
+    if (found == kept_.end()) return {};
+    std::vector<Level> levels = std::move(found->second);
+    kept_.erase(found);
+    return levels;
+  }
+
+  void give(int32_t size, std::vector<Level>&& levels) {
+    std::vector<Level> oldest;  // released behind the lock
+    const std::scoped_lock lock(mutex_);
+    if (kept_.size() == kMostKept) {
+      oldest = std::move(kept_.front().second);
+      kept_.erase(kept_.begin());
+    }
+    kept_.emplace_back(size, std::move(levels));
+  }
+
+ private:
+  /// As many as are made at a time.
+  static constexpr size_t kMostKept = 2;
+  std::mutex mutex_;
+  std::vector<std::pair<int32_t, std::vector<Level>>> kept_;
+};
+
+/// Makes a level's arrays unless they are there, all 0.
 void Smoother::make_level(size_t number) {
-  if (number < levels_.size()) return;
+  const auto fit = [&](Level& level) {
+    level.loose.resize(grid_.levels[number].link_other.size());
+    level.stray_joins.resize(grid_.levels[number].strays.size());
+  };
+  if (number < levels_.size()) {
+    fit(levels_[number]);
+    return;
+  }
   Level& level = levels_.emplace_back();
+  fit(level);
   const auto size = static_cast<ptrdiff_t>(grid_.levels[number].size);
   level.margin = size + kMargin;
   const auto count = static_cast<size_t>(size * size + 2 * level.margin);
@@ -64,17 +111,17 @@ void Smoother::make_level(size_t number) {
     values->assign(count, 0.0f);
   }
   if (number > 0) level.before.assign(count, 0.0f);
-  level.loose.assign(grid_.levels[number].link_other.size(), 0.0f);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
-  level.stray_joins.assign(grid_.levels[number].strays.size(), 0);
 }
 
 void Smoother::for_each_row_band(
-    const SmoothingLevel& grid, const std::function<void(int32_t first, int32_t last)>& work) const {
+    const SmoothingLevel& grid,
+    const std::function<void(int32_t first, int32_t last)>& work) const {
   const int32_t threads = grid.size <= kSmallLevel ? 1 : threads_;
   base::parallel_for(threads, [&](size_t part, size_t parts) {
     const auto rows = static_cast<size_t>(grid.size);
-    work(static_cast<int32_t>(rows * part / parts), static_cast<int32_t>(rows * (part + 1) / parts));
+    work(static_cast<int32_t>(rows * part / parts),
+         static_cast<int32_t>(rows * (part + 1) / parts));
   });
 }
 
@@ -89,7 +136,7 @@ void Smoother::for_each_run(size_t number,
 }
 
 /// Leaves no trace of the map before.
-void Smoother::clear_conductances(size_t number) {
+void Smoother::clear_runs(size_t number) {
   Level& level = levels_[number];
   for (const Run& run : level.runs) {
     for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
@@ -144,17 +191,16 @@ float Smoother::conduct(size_t number) {
       for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
         const Run run = level.runs[r];
         largest[y] = std::max(
-            largest[y], conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
-                                    level.at(level.right), level.at(level.above), terms, run.begin,
-                                    run.end));
+            largest[y],
+            conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
+                        level.at(level.right), level.at(level.above), terms, run.begin, run.end));
       }
       for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
         const int32_t cell = grid.link_cell[k];
         for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
           const int32_t other = grid.link_other[t];
-          const LinkConductance link =
-              conductance(height[cell], height[other], inverse[cell], inverse[other],
-                          grid.link_closeness[t], terms);
+          const LinkConductance link = conductance(height[cell], height[other], inverse[cell],
+                                                   inverse[other], grid.link_closeness[t], terms);
           level.loose[t] = grid.link_weight[t] * link.conductance;
           largest[y] = std::max(largest[y], link.wanted);
         }
@@ -220,7 +266,8 @@ void Smoother::restrict_to(size_t number) {
   find_level_runs(
       grid.size,
       [&](int32_t cell, int32_t) {
-        return filled[static_cast<size_t>(cell / grid.size * blocks + cell % grid.size / kBlock)] != 0;
+        return filled[static_cast<size_t>(cell / grid.size * blocks + cell % grid.size / kBlock)] !=
+               0;
       },
       level.runs, level.run_row);
 
@@ -251,7 +298,8 @@ void Smoother::restrict_to(size_t number) {
   }
 }
 
-/// Hands the change of each block's mean on to its cells, in proportion, so that none falls below 0.
+/// Hands the change of each block's mean on to its cells, in proportion, so that none falls below
+/// 0.
 void Smoother::prolong_from(size_t number) {
   Level& fine = levels_[number - 1];
   const SmoothingLevel& fine_grid = grid_.levels[number - 1];
@@ -276,9 +324,9 @@ void Smoother::prolong_from(size_t number) {
     if (fine.stray_joins[s] == 0) continue;
     const auto [cell, parent] = fine_grid.strays[s];
     const float closeness = from_half(std::max(grid.to_right()[parent], grid.upwards()[parent]));
-    height[cell] = changed(
-        height[cell], before[parent], now[parent],
-        kept_part(before[parent], closeness, least_variance_, done_below_[number]));
+    height[cell] =
+        changed(height[cell], before[parent], now[parent],
+                kept_part(before[parent], closeness, least_variance_, done_below_[number]));
   }
 }
 
@@ -308,16 +356,21 @@ void Smoother::store(std::vector<float>& map) {
 
 void Smoother::run(std::vector<float>& map) {
   if (least_variance_ == 0.0f) return;
+  const int32_t size = grid_.levels[0].size;
+  levels_ = Works::shared().take(size);
   make_level(0);
-  for (size_t number = 0; number < levels_.size(); ++number) clear_conductances(number);
+  for (size_t number = 0; number < levels_.size(); ++number) clear_runs(number);
   find_runs(map);
-  if (levels_[0].runs.empty()) return;
-  load(map);
-  const bool has_edges = shape_edges();
-  const float variance = conduct(0);
-  if (has_edges) divide_by_profile();
-  cycle(0, variance);
-  store(map);
+  if (!levels_[0].runs.empty()) {
+    load(map);
+    const bool has_edges = shape_edges();
+    const float variance = conduct(0);
+    if (has_edges) divide_by_profile();
+    cycle(0, variance);
+    store(map);
+  }
+  Works::shared().give(size, std::move(levels_));
+  levels_.clear();
 }
 
 }  // namespace snowbough::snow

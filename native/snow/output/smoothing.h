@@ -32,8 +32,8 @@ void check_smoothing(const SmoothingSettings& settings);
 ///
 /// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
 /// within those that there were before. Far away snow travels over blocks of 2 x 2, 4 x 4, ..
-/// texels: a stage on each level on the way up and three on the way down (a V cycle), at the cost of
-/// about five passes over the map for any sigma up to a hundred texels.
+/// texels: a stage on each level on the way up and three on the way down (a V cycle), at the cost
+/// of about five passes over the map for any sigma up to a hundred texels.
 ///
 /// P. Perona, J. Malik, Scale-Space and Edge Detection Using Anisotropic Diffusion, 1990 (fluxes
 /// between texels); W. Briggs, V. Henson, S. McCormick, A Multigrid Tutorial, 2000 (V cycle).
@@ -74,12 +74,15 @@ class Smoother {
     float* at(std::vector<float>& values) const { return values.data() + margin; }
   };
 
+  /// Working arrays are lent for a run only: receivers are many, and maps under way few.
+  class Works;
+
   void make_level(size_t number);
   void for_each_row_band(const SmoothingLevel& grid,
                          const std::function<void(int32_t first, int32_t last)>& work) const;
   void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
-  void clear_conductances(size_t number);
+  void clear_runs(size_t number);
   void load(const std::vector<float>& map);
   bool open_links(const EdgeArrays& edges);
   float find_edges(const EdgeArrays& edges);
@@ -102,6 +105,7 @@ class Smoother {
   int32_t threads_;
   /// Per level: half the variance over distance^2 that those below see to.
   std::vector<float> done_below_;
+  /// During a run.
   std::vector<Level> levels_;
 };
 

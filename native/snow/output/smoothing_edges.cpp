@@ -45,12 +45,13 @@ float Smoother::find_edges(const EdgeArrays& edges) {
   if (may_have_edges) {
     for_each_run(0, [&](int32_t y, Run run) {
       float& own = widest[static_cast<size_t>(y)];
-      own = std::max(own, find_edges_run(height, closeness, least_variance_, edges, run.begin,
-                                         run.end));
+      own = std::max(own,
+                     find_edges_run(height, closeness, least_variance_, edges, run.begin, run.end));
     });
   } else {
     for_each_run(0, [&](int32_t, Run run) {
-      std::memset(edges.distance + run.begin, kFarFromEdge, static_cast<size_t>(run.end - run.begin));
+      std::memset(edges.distance + run.begin, kFarFromEdge,
+                  static_cast<size_t>(run.end - run.begin));
       std::memset(edges.next + run.begin, kFarFromEdge, static_cast<size_t>(run.end - run.begin));
     });
   }
@@ -100,8 +101,8 @@ bool Smoother::shape_edges() {
   std::memset(bytes, 0, static_cast<size_t>(4 * count));
   const float widest = find_edges(edges);
   if (widest > 0.0f) {
-    const int32_t rounds = std::min(
-        kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));
+    const int32_t rounds =
+        std::min(kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));
     for (int32_t round = 0; round < rounds; ++round) spread_distance(edges);
     for_each_run(0, [&](int32_t, Run run) {
       shape_run(level.at(level.height), {grid.to_right(), grid.upwards(), grid.size},

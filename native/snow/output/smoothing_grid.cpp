@@ -20,9 +20,7 @@ struct LooseLink {
   /// Sum over its parts of weight * closeness.
   float closeness;
 
-  bool operator<(const LooseLink& other) const {
-    return a != other.a ? a < other.a : b < other.b;
-  }
+  bool operator<(const LooseLink& other) const { return a != other.a ? a < other.a : b < other.b; }
 };
 
 LooseLink loose_link(int32_t one, int32_t other, float weight, float closeness) {
@@ -134,8 +132,8 @@ void link_texels(const TexelTable& table, const SeamTable& seams, int axis, Smoo
     for (int32_t t = lines.ghosts.begin[g]; t < lines.ghosts.begin[g + 1]; ++t) {
       const int32_t other = lines.ghosts.source[t];
       if (other == own) continue;
-      loose.push_back(loose_link(table.texel[own], table.texel[other], 0.5f * lines.ghosts.weight[t],
-                                 closeness_of(length(own))));
+      loose.push_back(loose_link(table.texel[own], table.texel[other],
+                                 0.5f * lines.ghosts.weight[t], closeness_of(length(own))));
     }
   }
 }

@@ -56,10 +56,10 @@ inline float closest(const ClosenessView& closeness, int32_t i) {
 
 }  // namespace
 
-/// Finds the cells that are the deeper end of a link that is there and not open; returns whether there
-/// are any.
+/// Finds the cells that are the deeper end of a link that is there and not open; returns whether
+/// there are any.
 SNOWBOUGH_WIDE bool mark_edges(const float* __restrict height, const ClosenessView& closeness,
-                                  const EdgeArrays& edges, int32_t begin, int32_t end) {
+                               const EdgeArrays& edges, int32_t begin, int32_t end) {
   const uint16_t* __restrict right = closeness.right;
   const uint16_t* __restrict above = closeness.above;
   const uint8_t* __restrict open_right = edges.right;
@@ -134,8 +134,8 @@ void shape_run(const float* height, const ClosenessView& closeness, float least_
 
 SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __restrict inverse,
                                  const ClosenessView& closeness, float* __restrict right,
-                                 float* __restrict above, const ConductanceTerms& of,
-                                 int32_t begin, int32_t end) {
+                                 float* __restrict above, const ConductanceTerms& of, int32_t begin,
+                                 int32_t end) {
   const ConductanceTerms terms = of;
   const uint16_t* __restrict to_right = closeness.right;
   const uint16_t* __restrict upwards = closeness.above;
@@ -145,9 +145,8 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
   for (int32_t i = begin; i < end; ++i) {
     const LinkConductance along = conductance(height[i], height[i + 1], inverse[i], inverse[i + 1],
                                               from_half(to_right[i]), terms);
-    const LinkConductance across =
-        conductance(height[i], height[i + size], inverse[i], inverse[i + size],
-                    from_half(upwards[i]), terms);
+    const LinkConductance across = conductance(height[i], height[i + size], inverse[i],
+                                               inverse[i + size], from_half(upwards[i]), terms);
     right[i] = along.conductance;
     above[i] = across.conductance;
     largest = std::max(largest, std::bit_cast<int32_t>(along.wanted));
@@ -219,8 +218,7 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
 }
 
 SNOWBOUGH_WIDE void divide_run(float* __restrict height, const float* __restrict inverse_area,
-                               const float* __restrict inverse_weight, int32_t begin,
-                               int32_t end) {
+                               const float* __restrict inverse_weight, int32_t begin, int32_t end) {
   for (int32_t i = begin; i < end; ++i) {
     const float area = inverse_area[i];
     const float ratio = inverse_weight[i] / (area > 0.0f ? area : 1.0f);
@@ -244,8 +242,9 @@ SNOWBOUGH_WIDE void stage_run(const float* __restrict from, float* __restrict to
                               int32_t end) {
   for (int32_t i = begin; i < end; ++i) {
     const float own = from[i];
-    const float flux = right[i] * (from[i + 1] - own) + right[i - 1] * (from[i - 1] - own) +
-                       (above[i] * (from[i + size] - own) + above[i - size] * (from[i - size] - own));
+    const float flux =
+        right[i] * (from[i + 1] - own) + right[i - 1] * (from[i - 1] - own) +
+        (above[i] * (from[i + size] - own) + above[i - size] * (from[i - size] - own));
     to[i] = own + inverse[i] * flux;
   }
 }

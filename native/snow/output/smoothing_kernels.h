@@ -106,15 +106,15 @@ void store_run(const float* height, const float* inverse_area, const float* inve
 void stage_run(const float* from, float* to, const float* right, const float* above,
                const float* inverse, ptrdiff_t size, int32_t begin, int32_t end);
 
-/// What a height becomes when the mean of its block changes from `before` to `now`, and only the part
-/// `kept` of what sets it apart from the mean is left.
+/// What a height becomes when the mean of its block changes from `before` to `now`, and only the
+/// part `kept` of what sets it apart from the mean is left.
 inline float changed(float height, float before, float now, float kept) {
   return now * (1.0f + kept * (height / before - 1.0f));
 }
 
 /// Two rows of a level's cells, from the block on that a run of the next level begins with. Which
-/// cells of a block of 2 x 2 count as one: those of its chart, and with snow not too thin beside the
-/// block's deepest.
+/// cells of a block of 2 x 2 count as one: those of its chart, and with snow not too thin beside
+/// the block's deepest.
 struct BlockRows {
   const float* inverse[2];
   const uint8_t* joins[2];

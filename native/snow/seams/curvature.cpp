@@ -72,7 +72,8 @@ LayerTerms prism_terms(const Face& face, const glm::vec3 (&normal)[3]) {
   const glm::vec3 n_v = normal[2] - normal[0];
   const glm::vec3 bend = glm::cross(p_u, n_v) + glm::cross(n_u, p_v);
   return {std::max(kLeastCosine, glm::dot(face.normal, along) / area),
-          0.5f * glm::dot(bend, along) / area, glm::dot(glm::cross(n_u, n_v), along) / (3.0f * area)};
+          0.5f * glm::dot(bend, along) / area,
+          glm::dot(glm::cross(n_u, n_v), along) / (3.0f * area)};
 }
 
 /// The height per held, 1 on flat ground: y of y + a y^2 + b y^3 = 1.

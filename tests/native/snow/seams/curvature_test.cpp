@@ -82,7 +82,8 @@ double displaced_volume(const LaidOutMesh& mesh, const std::vector<float>& map, 
     for (int d = 0; d < 4; ++d) {
       const glm::vec2 step(d & 1, d >> 1);
       const glm::vec2 part = glm::mix(1.0f - (at - corner), at - corner, step);
-      const glm::ivec2 texel = glm::clamp(glm::ivec2(corner + step), glm::ivec2(0), glm::ivec2(size - 1));
+      const glm::ivec2 texel =
+          glm::clamp(glm::ivec2(corner + step), glm::ivec2(0), glm::ivec2(size - 1));
       sum += part.x * part.y * map[static_cast<size_t>(texel.y) * size + texel.x];
     }
     return sum;
@@ -226,16 +227,16 @@ TEST(ShownVolume, onAPlane) {
 TEST(ShownVolume, onABallOfFewFacesAndOfMany) {
   for (const int32_t n : {8, 48}) {
     expect_as_much_as_fell(
-        shown(ball(n, 0.4f), [](glm::vec3 p) { return 0.12f * std::max(0.0f, p.z / 0.4f); }), 0.005);
+        shown(ball(n, 0.4f), [](glm::vec3 p) { return 0.12f * std::max(0.0f, p.z / 0.4f); }),
+        0.005);
   }
 }
 
 TEST(ShownVolume, onATwigThinnerThanItsSnow) {
   for (const int32_t around : {8, 16, 64}) {
-    expect_as_much_as_fell(
-        shown(cylinder(around, 24, 0.01f, 0.3f, 256),
-              [](glm::vec3 p) { return 0.05f * std::max(0.0f, p.y / 0.01f); }),
-        0.005);
+    expect_as_much_as_fell(shown(cylinder(around, 24, 0.01f, 0.3f, 256),
+                                 [](glm::vec3 p) { return 0.05f * std::max(0.0f, p.y / 0.01f); }),
+                           0.005);
   }
 }
 

@@ -138,8 +138,8 @@ void expect_even_seams(const LaidOutMesh& mesh, const char* name, float shadow_t
       "%s: %d charts, %zu texels, %zu ghosts, %.1f ms, table %.0f ms; seam p50 %.4f p99 "
       "%.4f max %.4f\n",
       name, table.chart_count, table.texel.size(),
-      seams.u.ghost_place.size() + seams.v.ghost_place.size(),
-      1e3 * smooth_taken.count(), 1e3 * taken.count(), differences[differences.size() / 2],
+      seams.u.ghost_place.size() + seams.v.ghost_place.size(), 1e3 * smooth_taken.count(),
+      1e3 * taken.count(), differences[differences.size() / 2],
       differences[differences.size() * 99 / 100], differences.back());
   EXPECT_LT(differences[differences.size() * 99 / 100], 0.01f);
 }
