@@ -60,20 +60,37 @@ std::vector<glm::vec3> shared_normals(const std::vector<int32_t>& triangles,
   return normals;
 }
 
-/// Of the prism between a triangle and its displaced corners: the integral over the height t of
-/// ((P_u + t N_u) x (P_v + t N_v)) . N.
+/// At one point of a triangle, for unit normals N: the parts of ((P_u + t N_u) x (P_v + t N_v)) . N
+/// by the powers of the height t, integrated over it.
+LayerTerms terms_at(const glm::vec3& p_u, const glm::vec3& p_v, const glm::vec3 (&normal)[3],
+                    glm::vec2 at) {
+  const glm::vec3 mean = normal[0] * (1.0f - at.x - at.y) + normal[1] * at.x + normal[2] * at.y;
+  const float length = glm::length(mean);
+  if (!(length > 1e-6f)) return LayerTerms(0.0f);
+  const glm::vec3 n = mean / length;
+  const auto turned = [&](const glm::vec3& step) {
+    return (step - n * glm::dot(n, step)) / length;
+  };
+  const glm::vec3 n_u = turned(normal[1] - normal[0]);
+  const glm::vec3 n_v = turned(normal[2] - normal[0]);
+  const glm::vec3 bend = glm::cross(p_u, n_v) + glm::cross(n_u, p_v);
+  return {glm::dot(glm::cross(p_u, p_v), n), 0.5f * glm::dot(bend, n),
+          glm::dot(glm::cross(n_u, n_v), n) / 3.0f};
+}
+
+/// Of the prism between a triangle and the same displaced: the mean of three points, exact where
+/// the terms change evenly or with the square of the place.
 LayerTerms prism_terms(const Face& face, const glm::vec3 (&normal)[3]) {
-  const glm::vec3 along = unit(normal[0] + normal[1] + normal[2]);
   const float area = glm::length(face.normal);
-  if (!(area > 1e-30f) || along == glm::vec3(0.0f)) return kFlat;
+  if (!(area > 1e-30f)) return kFlat;
   const glm::vec3 p_u = face.p[1] - face.p[0];
   const glm::vec3 p_v = face.p[2] - face.p[0];
-  const glm::vec3 n_u = normal[1] - normal[0];
-  const glm::vec3 n_v = normal[2] - normal[0];
-  const glm::vec3 bend = glm::cross(p_u, n_v) + glm::cross(n_u, p_v);
-  return {std::max(kLeastCosine, glm::dot(face.normal, along) / area),
-          0.5f * glm::dot(bend, along) / area,
-          glm::dot(glm::cross(n_u, n_v), along) / (3.0f * area)};
+  LayerTerms sum(0.0f);
+  for (const glm::vec2 at : {glm::vec2(1.0f, 1.0f), {4.0f, 1.0f}, {1.0f, 4.0f}}) {
+    sum += terms_at(p_u, p_v, normal, at / 6.0f);
+  }
+  sum /= 3.0f * area;
+  return {std::max(kLeastCosine, sum.x), sum.y, sum.z};
 }
 
 /// The height per held, 1 on flat ground: y of y + a y^2 + b y^3 = 1.

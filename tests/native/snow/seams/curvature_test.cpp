@@ -236,7 +236,7 @@ TEST(ShownVolume, onATwigThinnerThanItsSnow) {
   for (const int32_t around : {8, 16, 64}) {
     expect_as_much_as_fell(shown(cylinder(around, 24, 0.01f, 0.3f, 256),
                                  [](glm::vec3 p) { return 0.05f * std::max(0.0f, p.y / 0.01f); }),
-                           0.005);
+                           0.01);
   }
 }
 
