@@ -150,6 +150,15 @@ class SnowProperties:
         min=1e-3,
         soft_max=60.0,
     )
+    repose: FloatProperty(
+        name="Repose",
+        description="Steepest slope of snow's own surface before it moves to what lies lower or falls over an edge: "
+        "wet snow stands steeper than powder. At 90 snow stays where it fell, on walls too (degrees)",
+        subtype="ANGLE",
+        default=math.radians(65.0),
+        min=math.radians(5.0),
+        max=math.radians(90.0),
+    )
     seed: IntProperty(
         name="Seed",
         description="Another number gives other random flakes (no unit)",

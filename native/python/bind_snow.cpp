@@ -29,15 +29,17 @@ snow::gl::DepositMapping mapping_from(const std::string& name) {
 
 std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
                                                 double flutter, double max_depth,
-                                                double slide_half_life, double blur_radius,
-                                                int64_t seed, const std::string& mapping,
-                                                int32_t tile_size, const std::string& device,
+                                                double slide_half_life, double repose,
+                                                double blur_radius, int64_t seed,
+                                                const std::string& mapping, int32_t tile_size,
+                                                const std::string& device,
                                                 const std::string& engine, bool wait_for_gpu) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
                                     flutter,
                                     max_depth,
                                     slide_half_life,
+                                    repose,
                                     blur_radius,
                                     static_cast<uint32_t>(seed),
                                     mapping_from(mapping),
@@ -333,7 +335,11 @@ void bind_snow(py::module_& module) {
       "in\n"
       "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
       "level\n"
-      "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
+      "ground holds. slide_half_life: seconds. repose: radians from level, over 0 to pi / 2, that\n"
+      "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
+      "where\n"
+      "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
+      "fell. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
       "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
       "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 "
@@ -346,17 +352,18 @@ void bind_snow(py::module_& module) {
       "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
-                       double slide_half_life, double blur_radius, int64_t seed,
+                       double slide_half_life, double repose, double blur_radius, int64_t seed,
                        const std::string& mapping, int32_t tile_size, const std::string& device,
                        const std::string& engine, bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
-                                           slide_half_life, blur_radius, seed, mapping, tile_size,
-                                           device, engine, wait_for_gpu)
+                                           slide_half_life, repose, blur_radius, seed, mapping,
+                                           tile_size, device, engine, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
-           "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+           "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose,
+           "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
+           "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -406,7 +413,7 @@ void bind_snow(py::module_& module) {
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0,
            "Lets snow fall: depth in metres on open level ground, along direction, within dt "
-           "seconds.\n"
+           "seconds\n(0: nothing slides or moves).\n"
            "positions: {name: (N, 3) metres} of the objects that moved; an object's first step "
            "must\n"
            "name it, later ones only when it moved.")

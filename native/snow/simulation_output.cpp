@@ -43,6 +43,7 @@ std::string describe(const SimulationSettings& s,
   text += "flutter=" + number(s.flutter) + "\n";
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
+  text += "repose=" + number(s.repose) + "\n";
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";

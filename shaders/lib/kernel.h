@@ -11,6 +11,7 @@
 #define KERNEL_MAKE2(type, a, b) type(a, b)
 #define KERNEL_MAKE3(type, a, b, c) type(a, b, c)
 #define KERNEL_MAKE4(type, a, b, c, d) type(a, b, c, d)
+#define KERNEL_MAKE5(type, a, b, c, d, e) type(a, b, c, d, e)
 /// What was found last, by two numbers, for a kernel that asks for it again: neighbouring texels lie in the
 /// same triangle.
 #define KERNEL_MEMO(type, name)
@@ -34,6 +35,7 @@
 #define KERNEL_MAKE2(type, a, b) type{a, b}
 #define KERNEL_MAKE3(type, a, b, c) type{a, b, c}
 #define KERNEL_MAKE4(type, a, b, c, d) type{a, b, c, d}
+#define KERNEL_MAKE5(type, a, b, c, d, e) type{a, b, c, d, e}
 #define KERNEL_MEMO(type, name) kernel::Memo<type> name;
 #define KERNEL_CONST_REF(type) const type&
 #define KERNEL_MEMOIZED(name, key, found) (name).get(key, [&] { return found; })

@@ -66,7 +66,8 @@ SNOWBOUGH_SHARED_SIZE(Fragment, 16)
 struct TexelStep {
   /// What falls on it, in units of the step's thickness perpendicular to the fall / kGainUnits: a texel
   /// that faces the fall and is seen as a whole gains kGainUnits. Integers, so that the sum over tiles does
-  /// not depend on how they were cut. With kBackSide where it falls on the back.
+  /// not depend on how they were cut. With kBackSide where it falls on the back; with kMixedSides what falls on
+  /// front and back lies in kMixedBits each, in units of 1 / kMixedUnits.
   uint gain;
   /// Covered area in m2.
   float area;
@@ -186,8 +187,12 @@ const uint kReceives = 0x80000000u;
 const uint kTwoSided = 0x40000000u;
 /// What is left of a SceneTriangle's `object` without them: the slot.
 const uint kSlotBits = 0x3FFFFFFFu;
-/// In a TexelStep's gain.
+/// In a TexelStep's gain, which is less than these: no texel gains more than 3 * kGainUnits.
 const uint kBackSide = 0x80000000u;
+const uint kMixedSides = 0x40000000u;
+const uint kMixedBits = 15u;
+const uint kMixedMask = (1u << kMixedBits) - 1u;
+const float kMixedUnits = 4096.0f;
 const uint kNowhere = 0xFFFFFFFFu;
 /// How an alpha image goes on beyond 0 to 1.
 const uint kAlphaRepeat = 0u;

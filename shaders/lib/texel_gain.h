@@ -176,15 +176,16 @@ float falling_on(uvec4 fragment, vec4 surface) {
   return surface.x;
 }
 
-/// What texel `index` finds out in this tile: a TexelStep. All that falls on a texel lies on one side of it, that on
-/// which most falls: the height has one sign. `map_offset`: from a scene triangle's index to its
-/// index among map_triangles.
+/// What texel `index` finds out in this tile: a TexelStep. All that falls on a texel is to lie on one side of it; at
+/// a fold, where both face the fall, that is found when all tiles have been looked at. `map_offset`: from a scene
+/// triangle's index to its index among map_triangles.
 void gather_texel(int index, int map_offset) {
   const int begin = int(texelFetch(fragment_begin, index).x);
   const int end = int(texelFetch(fragment_begin, index + 1).x);
   const TexelSurface surface = surface_of(begin, end);
-  uint gain = goes_on != 0 ? texel_steps[index].x & ~kBackSide : 0u;
-  float front = 0.0f;
+  const bool mixed = surface.faces_front && surface.faces_back;
+  const float units = mixed ? kMixedUnits : kGainUnits;
+  uint gain = goes_on != 0 ? texel_steps[index].x & ~(kBackSide | kMixedSides) : 0u;
   for (int i = begin; i < end; ++i) {
     const uvec4 fragment = uvec4(texelFetch(fragments, i));
     const vec4 of_triangle = texelFetch(triangle_surface, int(fragment.x));
@@ -197,10 +198,10 @@ void gather_texel(int index, int map_offset) {
           KERNEL_MEMOIZED(last_triangle, uvec2(fragment.x, 0u),
                       gain_triangle(int(fragment.x), int(fragment.x) + map_offset));
       const float falls = falling_on(fragment, of_triangle) * (area / surface.area);
-      gain += fragment_gain(fragment, own, falls * kGainUnits);
-      front += of_triangle.w < 0.0f ? -falls : falls;
+      gain += fragment_gain(fragment, own, falls * units) << (mixed && of_triangle.w < 0.0f ? kMixedBits : 0u);
     }
   }
-  texel_steps[index] = uvec4(gain | (front < 0.0f ? kBackSide : 0u), floatBitsToUint(surface.area),
-                             floatBitsToUint(surface.up), floatBitsToUint(surface.back_up));
+  const uint side = mixed ? kMixedSides : surface.faces_back ? kBackSide : 0u;
+  texel_steps[index] = uvec4(gain | side, floatBitsToUint(surface.area), floatBitsToUint(surface.up),
+                             floatBitsToUint(surface.back_up));
 }

@@ -5,6 +5,7 @@
 // that the result does not depend on the length of a step.
 #include "kernel.h"
 #include "snow_shared.h"
+#include "texel_repose.h"
 
 /// A TexelStep each.
 KERNEL_VIEW_RGBA32UI(texel_steps);
@@ -14,10 +15,12 @@ KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
 KERNEL_UNIFORM(float, half_life);
+/// Not 0: walls hold nothing, and what sticks there is gone within a second.
+KERNEL_UNIFORM(int, walls_are_bare);
 
 /// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
-float staying_part(float t) {
-  const float x = 0.69314718f * t / half_life;
+float staying_part(float t, float halving) {
+  const float x = 0.69314718f * t / halving;
   return x < 1e-2f ? 1.0f - x * (0.5f - x * (1.0f / 6.0f - x / 24.0f)) : (1.0f - exp(-x)) / x;
 }
 
@@ -27,7 +30,16 @@ struct WholeStep {
   float stays;
 };
 
-WholeStep whole_step() { return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt)); }
+WholeStep whole_step() {
+  return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt, half_life));
+}
+
+/// What is left on a wall. A wall is faced by snow from the side only: it holds what flies at it for a moment.
+float height_on_wall(float height, float deposit) {
+  const float left =
+      height * exp2(-dt / kWallHalfLife) + deposit * staying_part(dt, kWallHalfLife);
+  return left < kWallLeast && dt > 0.0f ? 0.0f : left;
+}
 
 float stable_height(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
@@ -39,17 +51,25 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
     return height + deposit;
   }
   const float after_crossing = 1.0f - (capacity - height) / deposit;
-  return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
+  return capacity + deposit * after_crossing * staying_part(dt * after_crossing, half_life);
 }
 
 /// A texel that gains less than this of what it would across the fall and under open sky gains nothing: the
 /// veil that steep faces would get from pixels at their edge.
 KERNEL_CONSTANT float kLeastGain = 0.005f;
 
-/// Thickness in metres that a step brings, negative on the back.
+/// Thickness in metres that a step brings, negative on the back. Where it falls on both sides, all of it lies on the
+/// one that gets more.
 float deposit_of(uvec4 step) {
-  const float gain = float(step.x & ~kBackSide) * (1.0f / kGainUnits);
-  return gain < kLeastGain ? 0.0f : (step.x & kBackSide) != 0u ? -gain * full_gain : gain * full_gain;
+  float gain = float(step.x & ~(kBackSide | kMixedSides)) * (1.0f / kGainUnits);
+  bool is_back = (step.x & kBackSide) != 0u;
+  if ((step.x & kMixedSides) != 0u) {
+    const uint front = step.x & kMixedMask;
+    const uint back = (step.x >> kMixedBits) & kMixedMask;
+    gain = float(front + back) * (1.0f / kMixedUnits);
+    is_back = back > front;
+  }
+  return gain < kLeastGain ? 0.0f : is_back ? -gain * full_gain : gain * full_gain;
 }
 
 /// What a step does to a texel.
@@ -75,8 +95,12 @@ StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep w
   const bool meet = lies > 0.0f && comes > 0.0f && side_of(height) != side_of(deposit);
   const bool stays = lies > 0.0f && (!meet || up_on(side_of(height), step) > 0.0f);
   const float side = side_of(stays ? height : deposit);
-  const float stable = stable_height(stays ? lies : 0.0f, stays && meet ? 0.0f : comes,
-                                     max_depth * up_on(side, step), whole);
+  const float up = up_on(side, step);
+  const float staying = stays ? lies : 0.0f;
+  const float coming = stays && meet ? 0.0f : comes;
+  const float stable = walls_are_bare != 0 && is_wall(up)
+                           ? height_on_wall(staying, coming)
+                           : stable_height(staying, coming, max_depth * up, whole);
   const float visible = full_gain > 0.0f ? comes / full_gain : 0.0f;
   const vec4 sums =
       vec4(comes * area, (lies + comes - stable) * area, stable * area, visible * area);

@@ -37,6 +37,9 @@ struct TexelSurface {
   float up;
   /// The same of its back, by its two-sided parts; 0 where it has none.
   float back_up;
+  /// Whether parts face the fall with their front, and with their back.
+  bool faces_front;
+  bool faces_back;
 };
 
 KERNEL_MEMO(TexelSurface, last_surface)
@@ -52,7 +55,7 @@ float fragment_up(uvec4 fragment, vec4 surface) {
 }
 
 TexelSurface sum_of_fragments(int i, int end) {
-  TexelSurface sum = KERNEL_MAKE3(TexelSurface, 0.0f, 0.0f, 0.0f);
+  TexelSurface sum = KERNEL_MAKE5(TexelSurface, 0.0f, 0.0f, 0.0f, false, false);
   float upper = 0.0f;
   float back_upper = 0.0f;
   // The test stands at the end for software renderers' sake (CONTRIBUTING.md).
@@ -67,6 +70,9 @@ TexelSurface sum_of_fragments(int i, int end) {
     upper += max(own_up, 0.0f);
     sum.back_up += own_back_up;
     back_upper += max(own_back_up, 0.0f);
+    const bool faces = i < end && surface.x > 0.0f;
+    sum.faces_front = sum.faces_front || (faces && surface.w >= 0.0f);
+    sum.faces_back = sum.faces_back || (faces && surface.w < 0.0f);
   } while (++i < end);
   sum.up = sum.area > 0.0f ? (upper > 0.0f ? upper : sum.up) / sum.area : 0.0f;
   sum.back_up = sum.area > 0.0f ? (back_upper > 0.0f ? back_upper : sum.back_up) / sum.area : 0.0f;

@@ -34,6 +34,8 @@ MAX_AUTOMATIC_PIXELS = 4096 * 4096
 
 # To rest: 64 half-lives leave 5e-20 of an excess.
 REST_HALF_LIVES = 64
+# Long enough for repose to come to rest, and for walls to shed what stuck to them (seconds).
+REST_SECONDS = 4.0
 
 
 @dataclass(frozen=True)
@@ -117,7 +119,7 @@ def preroll_steps(snowfall, fps, slide_half_life, directions=1):
     frame = snowfall.frame_start
     count = max(PREROLL_STEPS, directions)
     steps = [Step(frame, 0.0, snowfall.preroll / count, 1.0 / fps) for _ in range(count)]
-    return steps + [Step(frame, 0.0, 0.0, REST_HALF_LIVES * slide_half_life)]
+    return steps + [Step(frame, 0.0, 0.0, max(REST_SECONDS, REST_HALF_LIVES * slide_half_life))]
 
 
 def frame_steps(snowfall, frame, fps, substeps=1, directions=1):

@@ -3,6 +3,9 @@
 
 import numpy as np
 
+# The angle of repose at which snow stays where it fell, for tests of the deposit alone.
+STAYS = np.pi / 2
+
 
 def grid(size_x=1.0, size_y=1.0, cells=1, margin=0.02):
     """A level rectangle around the origin, facing up, its UVs filling the map but for a margin."""

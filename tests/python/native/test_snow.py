@@ -6,13 +6,13 @@ import gc
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import box, chart_of_box, grid, rotated, sphere, wind
+from snow_meshes import STAYS, box, chart_of_box, grid, rotated, sphere, wind
 
 DOWN = (0.0, 0.0, -1.0)
 
 
-def simulation(pixel_size=0.02, max_depth=100.0, **settings):
-    return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, **settings)
+def simulation(pixel_size=0.02, max_depth=100.0, repose=STAYS, **settings):
+    return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, repose=repose, **settings)
 
 
 def snow_on(

@@ -85,9 +85,12 @@ void set_up_smooth_points(Scene& scene) {
   smooth.point_corners = kernel::words(points.corners);
   smooth.triangle_surface = scene.surface.data();
   smooth.point_normals = scene.point_normals.data();
-  for_each_run(points.count(), [&](size_t begin, size_t end) {
-    kernel::find_normals(smooth, begin, end, scene.point_normals.data());
-  });
+  if (!scene.normals_are_current) {
+    for_each_run(points.count(), [&](size_t begin, size_t end) {
+      kernel::find_normals(smooth, begin, end, scene.point_normals.data());
+    });
+    scene.normals_are_current = true;
+  }
   for_each_run(points.count(), [&](size_t begin, size_t end) {
     kernel::find_points(smooth, begin, end, scene.smooth_points.data());
   });

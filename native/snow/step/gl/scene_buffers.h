@@ -108,6 +108,8 @@ struct SceneBuffers {
   gpu::Buffer point_normals;
   gpu::Buffer smooth_points;
   int64_t smooth_point_count = 0;
+  /// Whether `point_normals` are those of `positions`.
+  bool normals_are_current = false;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
   /// Of the objects with alpha only: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks'

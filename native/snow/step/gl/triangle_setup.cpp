@@ -42,11 +42,14 @@ void TriangleSetupPass::find_smooth_points(SceneBuffers& scene, const gpu::Buffe
     program.dispatch_items(scene.smooth_point_count, 64);
     glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
   };
-  gpu::Program& normals = points_.with({"NORMALS"});
-  normals.use();
-  normals.bind_texture("positions", scene.views.positions);
-  normals.bind_texture("triangles", scene.views.triangles);
-  run(normals, scene.point_normals);
+  if (!scene.normals_are_current) {
+    gpu::Program& normals = points_.with({"NORMALS"});
+    normals.use();
+    normals.bind_texture("positions", scene.views.positions);
+    normals.bind_texture("triangles", scene.views.triangles);
+    run(normals, scene.point_normals);
+    scene.normals_are_current = true;
+  }
   gpu::Program& gains = points_.with({});
   gains.use();
   gains.bind_texture("triangle_points", scene.views.triangle_points);
