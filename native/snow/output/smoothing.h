@@ -27,8 +27,9 @@ void check_smoothing(const SmoothingSettings& settings);
 /// - Nothing flows onto bare texels, nor onto such that hold less than a fiftieth of their
 ///   neighbour, nor between front (positive heights) and back (negative ones).
 /// - Where snow ends so, it ends rounded: not the height is evened out but the height over a
-///   shoulder's profile, a parabola that rises from 0.4 at the edge to 1 within a sigma. What tapers
-///   off by itself stays as it is; where the surface itself ends nothing is rounded.
+///   shoulder's profile, a parabola that rises from 0 at the edge to 1 within a sigma. What tapers
+///   off by itself goes on doing so, up to half as steep again at its foot; where the surface
+///   itself ends nothing is rounded.
 ///
 /// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
 /// within those that there were before. Far away snow travels over blocks of 2 x 2, 4 x 4, ..

@@ -128,7 +128,7 @@ void shape_run(const float* height, const ClosenessView& closeness, float least_
     const float width =
         std::max(1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest(closeness, i))));
     const float part = (static_cast<float>(distance[i]) + 0.5f) / width;
-    if (part < 1.0f) inverse_weight[i] /= 1.0f - kRounding * (1.0f - part) * (1.0f - part);
+    if (part < 1.0f) inverse_weight[i] /= part * (2.0f - part);
   }
 }
 

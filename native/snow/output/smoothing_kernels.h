@@ -17,8 +17,6 @@ inline constexpr float kStageShare = 0.2f;
 inline constexpr float kLeastPart = 0.02f;
 /// Width of a shoulder in standard deviations.
 inline constexpr float kShoulder = 1.0f;
-/// What a shoulder takes off at the edge itself: more would pile up as a lip further in.
-inline constexpr float kRounding = 0.6f;
 /// More links from the edge than any shoulder is wide.
 inline constexpr uint8_t kFarFromEdge = 200;
 
