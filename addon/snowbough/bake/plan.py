@@ -6,8 +6,8 @@ Pure numbers, no ``bpy``. Depths are metres on open level ground, angles radians
 **When snow falls.** Frame f lays ``(end_depth - start_depth) * rate(f) / sum of all rates``, and the map
 of frame f shows the moment after that. ``start_depth`` lies there before the first frame's own snow: it is
 laid on the first frame's pose, in PREROLL_STEPS steps or one for each direction. With substeps, frame f's snow
-is laid on the poses at the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own pose; the first
-frame has no such interval within the shot and takes all its snow on its own pose. The depths are
+is laid on the poses at the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own pose; the
+first frame has no such interval within the shot and takes all its snow on its own pose. The depths are
 differences of a running total that ends at ``end_depth`` itself, so rounding cannot gather.
 
 **From how many directions.** Where flakes flutter, every step falls from another direction, and shadows are
