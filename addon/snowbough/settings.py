@@ -318,6 +318,14 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         min=1,
         max=16,
     )
+    directions: IntProperty(
+        name="Directions",
+        description="Directions of flutter that a shot's snow falls from at least: few frames are divided into more "
+        "steps, so that a still is as smooth as a long shot (directions a shot)",
+        default=64,
+        min=1,
+        soft_max=256,
+    )
     checkpoint_interval: IntProperty(
         name="Checkpoint Every",
         description="A stopped bake resumes from the last checkpoint (frames)",

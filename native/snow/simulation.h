@@ -81,10 +81,8 @@ class OutputSnapshot {
  private:
   friend class SnowSimulation;
   int32_t resolution_ = 0;
-  /// Stored heights and, where normals are wanted, surface_metrics; or what the GPU made of them.
   std::vector<float> stored_;
-  std::vector<SurfaceMetric> metrics_;
-  MapOutput done_;
+  OutputSurface surface_;
   std::shared_ptr<OutputFilter> filter_;
   std::shared_ptr<MapMemory> memory_;
 };

@@ -177,6 +177,7 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     }
     object.positions.assign(points.begin(), points.end());
     object.moved = true;
+    object.layers = nullptr;
     // Only vertices in use count: stray ones would widen the grid.
     glm::vec3 low(1e30f);
     glm::vec3 high(-1e30f);

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -129,17 +128,11 @@ void SnowSimulation::prepare_output(const std::string& name) {
     throw std::invalid_argument(
         "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
   }
-  outputs_.begin(object, blur_radius_of(*object), choice_->is_cpu());
+  outputs_.begin(object, blur_radius_of(*object));
 }
 
 MapOutput OutputSnapshot::output() {
-  if (!stored_.empty()) {
-    return filter_->run(std::move(stored_), metrics_);
-  }
-  if (done_.normal.empty()) {
-    filter_->level(done_.height);
-  }
-  return std::move(done_);
+  return filter_->run(std::move(stored_), surface_);
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
@@ -154,26 +147,19 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
     throw std::invalid_argument("object '" + name +
                                 "' has no positions yet: output is known after its first step");
   }
-  Engine& now = engine();
-  const std::shared_ptr<OutputFilter> filter =
-      outputs_.get(object, blur_radius_of(*object), choice_->is_cpu());
   const MapTopology& topology = object->description.topology;
   OutputSnapshot snapshot;
   snapshot.resolution_ = topology.resolution;
-  snapshot.filter_ = filter;
+  snapshot.filter_ = outputs_.get(object, blur_radius_of(*object));
+  if (object->layers == nullptr) {
+    object->layers = std::make_shared<const std::vector<LayerTerms>>(
+        layer_terms(topology.triangles, object->description.shading, object->positions));
+  }
+  snapshot.surface_.layers = object->layers;
   if (with_normals) {
     const std::vector<glm::vec3> positions(object->positions.begin(),
                                            object->positions.begin() + topology.vertex_count);
-    snapshot.metrics_ = surface_metrics(topology, positions);
-  }
-  std::optional<MapOutput> done;
-  if (scene_is_current_) {
-    const size_t at = index_of(name);
-    now.run([&] { done = now.filter_output(at, *filter, snapshot.metrics_); });
-  }
-  if (done) {
-    snapshot.done_ = std::move(*done);
-    return snapshot;
+    snapshot.surface_.metrics = surface_metrics(topology, positions);
   }
   snapshot.stored_ = stored_height(name);
   snapshot.memory_ = map_memory_;

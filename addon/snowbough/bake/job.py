@@ -273,9 +273,11 @@ class BakeJob:
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""
         request = self.request
-        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps)
+        directions = request.directions if request.snow["flutter"] > 0 else 1
+        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps, directions)
         if frame == request.frame_start:
-            steps = plan.preroll_steps(snowfall, request.fps, request.snow["slide_half_life"]) + steps
+            half_life = request.snow["slide_half_life"]
+            steps = plan.preroll_steps(snowfall, request.fps, half_life, directions) + steps
         poses = []
         for step in steps:
             at = (step.frame, step.subframe)

@@ -46,6 +46,8 @@ class BakeRequest:
     blur_radius: float = _for_all_maps()
     """Texels."""
     substeps: int = _for_all_maps()
+    directions: int = _for_all_maps()
+    """Of flutter, over the shot, at least."""
     checkpoint_interval: int = _for_all_maps()
     write_normals: bool = _for_all_maps()
     receivers: tuple

@@ -123,7 +123,7 @@ class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):
 class SNOWBOUGH_PT_advanced(_Settings, bpy.types.Panel):
     bl_label = "Advanced"
     bl_options = {"DEFAULT_CLOSED"}
-    names = (("substeps",), ("seed", "noise_density"), ("mapping",))
+    names = (("substeps", "directions"), ("seed", "noise_density"), ("mapping",))
 
 
 class SNOWBOUGH_PT_preflight(_ScenePanel, bpy.types.Panel):

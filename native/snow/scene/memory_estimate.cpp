@@ -90,8 +90,8 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   // What is seen, drawn and copied; the depth test's own.
   estimate.tile =
       int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
-  // Three heights, a normal and its tables.
-  estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
+  // Two works of seven arrays, a third more for the coarse levels; the map, a normal, tables.
+  estimate.output = largest_map * (2 * 28 + 4 + 12 + 12);
   return estimate;
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -59,6 +60,8 @@ struct SceneObject {
   Bounds bounds;
   /// Positions changed since the last step.
   bool moved = true;
+  /// Receivers only: see layer_terms, of the current positions; null: not worked out yet.
+  std::shared_ptr<const std::vector<glm::vec3>> layers;
 
   int32_t triangle_count() const {
     return static_cast<int32_t>(description.topology.triangles.size() / 3);

@@ -57,6 +57,8 @@ struct SeamTable {
   SeamLevelling levelling;
   /// Per owned texel: how long a step of one texel along u and along v is on the surface, metres.
   std::vector<glm::vec2> texel_size;
+  /// Per owned texel: the area that it covers, m2.
+  std::vector<float> texel_area;
 };
 
 /// Builds the table for a layout in the pose `positions` (vertex_count points, metres). Built once;

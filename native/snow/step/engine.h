@@ -2,13 +2,10 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "shaders/lib/snow_shared.h"
-#include "snow/output/map_output.h"
-#include "snow/output/output_filter.h"
 #include "snow/repose/repose.h"
 #include "snow/scene/projection.h"
 #include "snow/scene/scene_layout.h"
@@ -83,11 +80,6 @@ class Engine {
   /// A receiver's balance.
   virtual shared::ObjectSums read_sums(size_t object) = 0;
   virtual void write_sums(size_t object, const shared::ObjectSums& sums) = 0;
-
-  /// A receiver's output where the engine can make it from heights that it holds itself; where
-  /// `metrics` are empty its seams are not level yet. Nothing: the caller filters read_height's.
-  virtual std::optional<MapOutput> filter_output(size_t object, OutputFilter& filter,
-                                                 const std::vector<SurfaceMetric>& metrics) = 0;
 
   /// Of the scene that was laid out last.
   virtual const SceneLayout& layout() const = 0;

@@ -102,10 +102,6 @@ class CpuEngine final : public Engine {
   void write_sums(size_t object, const shared::ObjectSums& sums) override {
     receiver_of(object).sums = sums;
   }
-  std::optional<MapOutput> filter_output(size_t, OutputFilter&,
-                                         const std::vector<SurfaceMetric>&) override {
-    return std::nullopt;
-  }
   const SceneLayout& layout() const override { return scene_.layout; }
 
  private:

@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "snow/output/gl/gpu_filter.h"
 #include "snow/repose/pass.h"
 #include "snow/step/gl/driver.h"
 #include "snow/step/gl/occlusion.h"
@@ -137,15 +136,6 @@ class GlEngine final : public Engine {
     passes_->scene.sums.write(sums_offset(object), sizeof sums, &sums);
   }
 
-  std::optional<MapOutput> filter_output(size_t object, OutputFilter& filter,
-                                         const std::vector<SurfaceMetric>& metrics) override {
-    if (largest_output_buffer(filter.receiver().table, filter.seams()) >
-        thread_->info().max_storage_buffer_bytes) {
-      return std::nullopt;
-    }
-    return filter_on_gpu(thread_->resource<OutputPasses>(), filter, group_of(object).height,
-                         layer_of(object), metrics);
-  }
   const SceneLayout& layout() const override { return passes_->scene.layout; }
 
  private:
