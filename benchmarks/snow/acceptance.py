@@ -27,9 +27,9 @@ from meshes import (
     tree,  # noqa: E402
     wind,
 )
-from snow_meshes import STAYS  # noqa: E402
 from place import place  # noqa: E402
 from rows import ROWS, row  # noqa: E402
+from snow_meshes import STAYS  # noqa: E402
 from snow_rays import outline_area  # noqa: E402
 
 DOWN = (0.0, 0.0, -1.0)
