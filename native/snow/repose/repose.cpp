@@ -14,8 +14,8 @@ constexpr int kRounds = 16;
 /// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
 /// every block of the map, and for any map.
 constexpr int kMostRounds = 400;
-constexpr double kRoundsABlock = 3.0;
-constexpr double kRoundsAMap = 1000.0;
+constexpr double kRoundsABlock = 40.0;
+constexpr double kRoundsAMap = 8000.0;
 
 }  // namespace
 
