@@ -175,7 +175,7 @@ TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {
   std::vector<RimLink> none;
   int rounds = 0;
   while (run_tile_rounds(tiles, 0, 1, none, rounds, 1).flows && rounds < 1000) ++rounds;
-  EXPECT_LT(rounds, 150);
+  EXPECT_LT(rounds, 200);
   for (size_t i = 0; i + 1 < 32; ++i) {
     EXPECT_LE(std::abs(tiles[0]->top[i] - tiles[0]->top[i + 1]), 0.0100001f);
   }
