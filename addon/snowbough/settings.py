@@ -50,6 +50,17 @@ ENGINES = (
 )
 
 
+SIDES = (
+    (
+        "AUTO",
+        "Automatic",
+        "Both sides of parts that have no inside, such as leaves, cards, flags and bowls; the outside of all else",
+    ),
+    ("FRONT", "Front", "Only the front of faces, where their normals point to"),
+    ("BOTH", "Both", "Whichever side faces the sky"),
+)
+
+
 def _range_getter(name):
     def get(self):
         return getattr(self.id_data, name) if self.use_scene_range else getattr(self, f"own_{name}")
@@ -94,6 +105,12 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         name="UV Map",
         description="UV map without overlaps that snow is stored in. "
         "Empty takes the map named 'snow', else the object's active one",
+    )
+    sides: EnumProperty(
+        name="Sides",
+        description="Which sides of its faces take snow",
+        items=SIDES,
+        default="AUTO",
     )
     folder: StringProperty(
         name="Baked Files",

@@ -51,11 +51,19 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
   return std::make_unique<SnowSimulation>(settings);
 }
 
+snow::Sides sides_from(const std::string& name, const std::string& object) {
+  if (name == "AUTO") return snow::Sides::kAuto;
+  if (name == "FRONT") return snow::Sides::kFront;
+  if (name == "BOTH") return snow::Sides::kBoth;
+  throw std::invalid_argument("object '" + object + "': sides must be AUTO, FRONT or BOTH, not " +
+                              name);
+}
+
 snow::ObjectDescription describe(const std::string& name, const InputArray<int32_t>& triangles,
                                  const InputArray<float>& uv, int32_t resolution, bool receive,
                                  bool occlude, const py::object& rest,
-                                 const std::optional<double>& blur_radius,
-                                 const py::object& alpha) {
+                                 const std::optional<double>& blur_radius, const py::object& alpha,
+                                 const py::object& shading, const std::string& sides) {
   if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
     throw std::invalid_argument("object '" + name + "': triangles must have shape (T, 3)");
   }
@@ -84,15 +92,25 @@ snow::ObjectDescription describe(const std::string& name, const InputArray<int32
   if (!alpha.is_none()) {
     description.alpha = alpha_from_python(alpha, name, triangles.shape(0));
   }
+  if (!shading.is_none()) {
+    const auto numbers = py::cast<InputArray<int32_t>>(shading);
+    if (numbers.ndim() != 2 || numbers.shape(0) != triangles.shape(0) || numbers.shape(1) != 3) {
+      throw std::invalid_argument("object '" + name + "': shading must have shape (T, 3), T = " +
+                                  std::to_string(triangles.shape(0)));
+    }
+    description.shading.assign(numbers.data(), numbers.data() + numbers.size());
+  }
+  description.sides = sides_from(sides, name);
   return description;
 }
 
 void add_object(SnowSimulation& simulation, const std::string& name,
                 const InputArray<int32_t>& triangles, const InputArray<float>& uv,
                 int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                const std::optional<double>& blur_radius, const py::object& alpha) {
-  snow::ObjectDescription description =
-      describe(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha);
+                const std::optional<double>& blur_radius, const py::object& alpha,
+                const py::object& shading, const std::string& sides) {
+  snow::ObjectDescription description = describe(name, triangles, uv, resolution, receive, occlude,
+                                                 rest, blur_radius, alpha, shading, sides);
   const py::gil_scoped_release release;
   simulation.add_object(std::move(description));
 }
@@ -100,9 +118,10 @@ void add_object(SnowSimulation& simulation, const std::string& name,
 void replace_object(SnowSimulation& simulation, const std::string& name,
                     const InputArray<int32_t>& triangles, const InputArray<float>& uv,
                     int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                    const std::optional<double>& blur_radius, const py::object& alpha) {
-  snow::ObjectDescription description =
-      describe(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha);
+                    const std::optional<double>& blur_radius, const py::object& alpha,
+                    const py::object& shading, const std::string& sides) {
+  snow::ObjectDescription description = describe(name, triangles, uv, resolution, receive, occlude,
+                                                 rest, blur_radius, alpha, shading, sides);
   const py::gil_scoped_release release;
   simulation.replace_object(std::move(description));
 }
@@ -357,24 +376,36 @@ void bind_snow(py::module_& module) {
           },
           "What does the passes, waited for: a dict of 'name' (GL or CPU), 'driver' (what decides\n"
           "about last bits) and 'reason' (why this one).")
-      .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
-           "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-           "blur_radius"_a = py::none(), "alpha"_a = py::none(),
-           "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
-           "a\n"
-           "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
-           "3):\n"
-           "the pose in which output measures distances, in metres; by default that of its first "
-           "step.\n"
-           "blur_radius: sigma in metres for this object, by default the simulation's.\n"
-           "alpha: where snow falls through, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index "
-           "into\n"
-           "'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more "
-           "is\n"
-           "there], 'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.")
+      .def(
+          "add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
+          "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+          "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
+          "sides"_a = "AUTO",
+          "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
+          "a\n"
+          "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
+          "3):\n"
+          "the pose in which output measures distances, in metres; by default that of its first "
+          "step.\n"
+          "blur_radius: sigma in metres for this object, by default the simulation's.\n"
+          "alpha: where snow falls through, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index "
+          "into\n"
+          "'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more "
+          "is\n"
+          "there], 'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.\n"
+          "shading (T, 3) int32: corners of one number share a smooth normal, worked out from the\n"
+          "positions of each step; -1, or None for all: flat. Thickness follows the smooth "
+          "normals, and\n"
+          "the snow on all of the surface stays what falls on its triangles.\n"
+          "sides: which take snow. FRONT, where triangles run anticlockwise; BOTH: the one that "
+          "faces\n"
+          "the sky, heights being negative on the back; AUTO: BOTH for the parts of the mesh that "
+          "have\n"
+          "no inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.")
       .def("replace_object", &replace_object, "name"_a, "triangles"_a, "uv"_a,
            "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-           "blur_radius"_a = py::none(), "alpha"_a = py::none(),
+           "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
+           "sides"_a = "AUTO",
            "Gives an object another mesh, from the next step on, which must name it. A receiver "
            "keeps\n"
            "its map wherever the new mesh has a surface in UV space; the rest goes, and counts as\n"
@@ -387,7 +418,9 @@ void bind_snow(py::module_& module) {
            "must\n"
            "name it, later ones only when it moved.")
       .def("height", &height, "name"_a,
-           "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0.")
+           "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative "
+           "where it\n"
+           "lies on the back.")
       .def(
           "output", &output, "name"_a, "normal"_a = true,
           "{'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both\n"

@@ -57,7 +57,12 @@ std::string describe(const SimulationSettings& s,
     if (object->description.receive) {
       hash = digest(topology.corner_uv.data(), topology.corner_uv.size() * 8, hash);
     }
-    const ObjectAlpha& alpha = object->description.alpha;
+    const ObjectDescription& own = object->description;
+    if (own.receive) {
+      hash = digest(own.shading.data(), own.shading.size() * 4, hash);
+      hash = digest(&own.sides, sizeof own.sides, hash);
+    }
+    const ObjectAlpha& alpha = own.alpha;
     if (!alpha.empty()) {
       hash = digest(alpha.corner_uv.data(), alpha.corner_uv.size() * 8, hash);
       hash = digest(alpha.mask.data(), alpha.mask.size() * 4, hash);

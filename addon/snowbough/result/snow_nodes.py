@@ -18,7 +18,14 @@ SUBSURFACE_RADIUS = (0.010, 0.013, 0.018)
 # name, socket type, default, least, most, tooltip
 INPUTS = (
     ("Shader", "NodeSocketShader", None, None, None, "The object's own material"),
-    ("Height", "NodeSocketFloat", 0.0, 0.0, 1000.0, "Thickness of the snow (metres)"),
+    (
+        "Height",
+        "NodeSocketFloat",
+        0.0,
+        -1000.0,
+        1000.0,
+        "Thickness of the snow, negative on the back (metres)",
+    ),
     ("Edge Depth", "NodeSocketFloat", 0.006, 1e-5, 10.0, "Depth at which snow hides the surface (metres)"),
     ("Edge Noise", "NodeSocketFloat", 0.6, 0.0, 1.0, "How ragged the edge of the snow is (0 to 1)"),
     ("Edge Noise Scale", "NodeSocketFloat", 60.0, 0.0, 1e5, "Flecks of the edge (per metre)"),
@@ -35,7 +42,7 @@ OUTPUTS = (
 
 
 def _edge(tree, inputs):
-    """Coverage from the height: a smooth step over the edge depth, made ragged by noise."""
+    """Coverage from the height, on either side: a smooth step over the edge depth, made ragged by noise."""
     coordinates = tree.nodes.new("ShaderNodeTexCoord")
     noise = tree.nodes.new("ShaderNodeTexNoise")
     tree.links.new(coordinates.outputs["Object"], noise.inputs["Vector"])
@@ -51,9 +58,12 @@ def _edge(tree, inputs):
     factor.inputs[2].default_value = 1.0
     tree.links.new(centred.outputs[0], factor.inputs[0])
     tree.links.new(inputs["Edge Noise"], factor.inputs[1])
+    thickness = tree.nodes.new("ShaderNodeMath")
+    thickness.operation = "ABSOLUTE"
+    tree.links.new(inputs["Height"], thickness.inputs[0])
     depth = tree.nodes.new("ShaderNodeMath")
     depth.operation = "MULTIPLY"
-    tree.links.new(inputs["Height"], depth.inputs[0])
+    tree.links.new(thickness.outputs[0], depth.inputs[0])
     tree.links.new(factor.outputs[0], depth.inputs[1])
 
     step = tree.nodes.new("ShaderNodeMapRange")

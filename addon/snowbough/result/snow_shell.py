@@ -86,6 +86,16 @@ def _store(tree, geometry, name, image, uv, frame=None, factor=None):
     return store.outputs["Geometry"]
 
 
+def _outside_out(tree, geometry, obj):
+    """The geometry with its faces turned where the object's negative scale has turned it inside out: nodes leave the
+    corners in their order, with which normals change sides."""
+    if obj.matrix_world.determinant() >= 0.0:
+        return geometry
+    flip = tree.node("GeometryNodeFlipFaces")
+    tree.feed(flip, Mesh=geometry)
+    return flip.outputs["Mesh"]
+
+
 def build_tree(name, obj, uv_map, image, frames, covered, levels, units_per_metre, material):
     """The node tree: receiver -> subdivide -> sample -> raise along the normal -> cut -> material.
 
@@ -99,7 +109,8 @@ def build_tree(name, obj, uv_map, image, frames, covered, levels, units_per_metr
     realized = tree.node("GeometryNodeRealizeInstances")
     tree.link(receiver.outputs["Geometry"], realized.inputs["Geometry"])
     subdivided = tree.node("GeometryNodeSubdivideMesh")
-    tree.feed(subdivided, Mesh=realized.outputs["Geometry"], Level=levels)
+    outside = _outside_out(tree, realized.outputs["Geometry"], obj)
+    tree.feed(subdivided, Mesh=outside, Level=levels)
     geometry = subdivided.outputs["Mesh"]
 
     uv = tree.attribute(uv_map, "FLOAT_VECTOR", "VECTOR")
@@ -113,7 +124,7 @@ def build_tree(name, obj, uv_map, image, frames, covered, levels, units_per_metr
         geometry = _store(tree, geometry, COVERED_ATTRIBUTE, covered, uv)
 
     depth = tree.attribute(HEIGHT_ATTRIBUTE, "FLOAT", "VALUE")
-    bare = tree.math("LESS_THAN", depth, BARE)
+    bare = tree.math("LESS_THAN", tree.math("ABSOLUTE", depth, 0.0), BARE)
     raised = tree.math("SUBTRACT", depth, tree.math("MULTIPLY", bare, SINK))
     offset = tree.node("ShaderNodeVectorMath", operation="SCALE")
     tree.link(tree.node("GeometryNodeInputNormal").outputs["Normal"], offset.inputs[0])

@@ -40,6 +40,18 @@ def sphere(radius=0.5, around=48, rings=24):
     return positions.astype(np.float32), triangles, uv[triangles].astype(np.float32)
 
 
+def turned_over(mesh):
+    """The mesh with its triangles the other way round, so that its back is where its front was."""
+    positions, triangles, uv = mesh
+    return positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()
+
+
+def smooth(positions, triangles):
+    """Shading numbers (T, 3) that join the corners in one place: a mesh without sharp edges."""
+    places = np.unique(np.round(positions, 5), axis=0, return_inverse=True)[1]
+    return places.reshape(-1)[triangles].astype(np.int32)
+
+
 def box(size=1.0, height=1.0):
     """An axis-aligned box standing on z = 0; charts in a 3 x 2 arrangement: -x +x -y / +y bottom top."""
     h = 0.5 * size

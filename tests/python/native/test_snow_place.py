@@ -92,6 +92,19 @@ def test_a_texel_round_an_edge_takes_snow_by_the_part_that_faces_the_fall():
     assert height[:, 21:].max() == 0.0
 
 
+def test_a_texel_round_an_edge_lies_on_the_back_where_that_is_outside():
+    positions, triangles, uv = folded_strip()
+    maps = []
+    for faces, corners in ((triangles, uv), (triangles[:, ::-1].copy(), uv[:, ::-1].copy())):
+        with native.SnowSimulation(pixel_size=0.003, max_depth=1e6) as sim:
+            sim.add_object("it", faces, corners, resolution=64)
+            for step in range(8):
+                sim.step({"it": positions} if step == 0 else {}, 0.01)
+            maps.append(sim.height("it"))
+    assert abs(maps[0] + maps[1]).max() < 1e-6
+    assert maps[1][10:54, 20].max() < 0.0
+
+
 @pytest.mark.parametrize("tilt", [0, 40])
 def test_nothing_lies_close_beneath_a_plate_of_the_same_mesh(tilt):
     pixel_size = 0.01

@@ -37,6 +37,7 @@ class CpuEngine final : public Engine {
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     std::copy(positions.begin(), positions.end(),
               scene_.positions.begin() + scene_.layout.first_vertex[object]);
+    scene_.normals_are_current = false;
     repose_.forget_pose(object);
   }
 
@@ -44,6 +45,7 @@ class CpuEngine final : public Engine {
     scene_.frame = frame;
     cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
                           scene_.surface);
+    cpu::set_up_smooth_points(scene_);
   }
   void choose_texels() override { cpu::choose_texels(scene_); }
   void open_statistics() override {

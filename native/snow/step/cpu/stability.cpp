@@ -38,7 +38,7 @@ SNOWBOUGH_KERNEL vec4 stabilise_run(Stability stability, size_t begin, size_t en
     const Stability::StableTexel stable =
         stability.stabilise_texel(height, stability.deposit_of(step), step, whole);
     if (stable.height != height) height = stable.height;
-    highest = max(highest, stable.height);
+    highest = max(highest, abs(stable.height));
     sums += stable.sums;
   }
   holds_snow = holds_snow || highest > 0.0f;

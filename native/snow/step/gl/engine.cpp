@@ -57,6 +57,7 @@ class GlEngine final : public Engine {
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     passes_->scene.positions.write(int64_t{12} * layout().first_vertex[object],
                                    static_cast<int64_t>(positions.size()) * 12, positions.data());
+    passes_->scene.normals_are_current = false;
     repose_.forget_pose(object);
   }
 
