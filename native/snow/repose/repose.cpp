@@ -189,7 +189,7 @@ double Repose::write_block(int32_t block, std::vector<float>& height) const {
         static_cast<double>(std::abs(own)) +
         moved * (static_cast<double>(surface_.unit()) / static_cast<double>(tile.area[cell]));
     const auto now = static_cast<float>(std::max(depth, 0.0));
-    own = (tile.kind[cell] & kBack) != 0 ? -now : now;
+    own = (tile.kind[cell] & kBack) != 0 && now > 0.0f ? -now : now;
     lost -= moved;
   });
   return lost;

@@ -110,7 +110,8 @@ size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
 void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
   if (!a.is_there() || !b.is_there() || (a.is_wall() && b.is_wall())) return;
   const glm::vec3 way = b.point() - a.point();
-  const float bare = shared::kEven * slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
+  const float bare =
+      shared::kEven * slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
   if (a.is_wall() || b.is_wall()) {
     const bool falls = a.is_wall() ? way.z > 0.0f : way.z < 0.0f;
     if (falls) slack.at_edges = std::min(slack.at_edges, bare);

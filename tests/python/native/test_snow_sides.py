@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import box, grid, rotated, smooth, sphere, turned_over, wind
+from snow_meshes import STAYS, box, grid, rotated, smooth, sphere, turned_over, wind
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -120,7 +120,7 @@ def balanced(statistics):
 
 def test_what_lies_on_a_flag_slides_off_when_it_turns_over():
     positions, triangles, uv = grid()
-    with native.SnowSimulation(pixel_size=0.02, max_depth=0.5, slide_half_life=0.1) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.02, max_depth=0.5, slide_half_life=0.1) as sim:
         sim.add_object("flag", triangles, uv, resolution=64)
         sim.step({"flag": positions}, 0.1)
         assert lying(sim.height("flag")).min() == pytest.approx(0.1)
@@ -135,7 +135,7 @@ def test_what_lies_on_a_flag_slides_off_when_it_turns_over():
 
 def test_new_snow_on_the_upper_side_throws_off_at_once_what_hangs_below():
     positions, triangles, uv = grid()
-    with native.SnowSimulation(pixel_size=0.02, max_depth=0.5, slide_half_life=100.0) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.02, max_depth=0.5, slide_half_life=100.0) as sim:
         sim.add_object("flag", triangles, uv, resolution=64)
         sim.step({"flag": positions}, 0.1)
         sim.step({"flag": rotated(positions, "x", 180.0)}, 0.02, dt=0.01)
