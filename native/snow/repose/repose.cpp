@@ -15,7 +15,7 @@ constexpr int kRounds = 16;
 /// every block of the map, and for any map.
 constexpr int kMostRounds = 400;
 constexpr double kRoundsABlock = 40.0;
-constexpr double kRoundsAMap = 8000.0;
+constexpr double kRoundsAMap = 12000.0;
 
 }  // namespace
 
