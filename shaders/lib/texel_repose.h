@@ -22,8 +22,8 @@ KERNEL_CONSTANT float kWallHalfLife = 0.0595f;
 /// Metres below which it is gone.
 KERNEL_CONSTANT float kWallLeast = 1e-5f;
 /// Parts of a link's limit at which snow that flows would rest, and below which it stops at once.
-KERNEL_CONSTANT float kRests = 0.96f;
-KERNEL_CONSTANT float kStops = 0.88f;
+KERNEL_CONSTANT float kRests = 0.94f;
+KERNEL_CONSTANT float kStops = 0.86f;
 /// Units in which volumes flow: parts of a metre on a texel of the object's mean area; and the most that a link
 /// carries in a round, so that sums over a texel's links are whole in a float.
 KERNEL_CONSTANT float kUnitsAMetre = 16777216.0f;
@@ -32,6 +32,9 @@ KERNEL_CONSTANT float kMostFlow = 524288.0f;
 KERNEL_CONSTANT float kLinks = 8.0f;
 /// Which part of the excess flows in a round where two texels alike have eight links each.
 KERNEL_CONSTANT float kRate = 0.2f;
+/// Links in eight directions let a slope between two of them be up to 1 / cos(22.5 degrees) = 1.08 times as steep: by
+/// this much each allows less, so that all directions have the angle of repose in the mean.
+KERNEL_CONSTANT float kEven = 0.95f;
 /// Part of the way between two bare points that snow on them is reckoned to be apart at least, in hollows and where
 /// it hangs over. At most it is all of it: on a ridge, where snow's surface fans out along the normals, it would hold
 /// itself up by its own thickness.
@@ -51,7 +54,7 @@ SNOWBOUGH_SHARED_FUNCTION bool is_wall(float up) { return up < kWallUp; }
 SNOWBOUGH_SHARED_FUNCTION float link_limit(float way_x, float way_y, float snow_x, float snow_y, float slope) {
   const float way = sqrt(way_x * way_x + way_y * way_y);
   const float along = way > 0.0f ? (snow_x * way_x + snow_y * way_y) / way : 0.0f;
-  return slope * clamp(along, kLeastWay * way, way);
+  return kEven * slope * clamp(along, kLeastWay * way, way);
 }
 
 /// Units of volume that flow for a metre of excess. `stiffness` of an end: metres by which a unit lifts its

@@ -14,8 +14,8 @@ constexpr int kRounds = 16;
 /// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
 /// every block of the map, and for any map.
 constexpr int kMostRounds = 400;
-constexpr double kRoundsABlock = 3.0;
-constexpr double kRoundsAMap = 1000.0;
+constexpr double kRoundsABlock = 40.0;
+constexpr double kRoundsAMap = 12000.0;
 
 }  // namespace
 
@@ -189,7 +189,7 @@ double Repose::write_block(int32_t block, std::vector<float>& height) const {
         static_cast<double>(std::abs(own)) +
         moved * (static_cast<double>(surface_.unit()) / static_cast<double>(tile.area[cell]));
     const auto now = static_cast<float>(std::max(depth, 0.0));
-    own = (tile.kind[cell] & kBack) != 0 ? -now : now;
+    own = (tile.kind[cell] & kBack) != 0 && now > 0.0f ? -now : now;
     lost -= moved;
   });
   return lost;

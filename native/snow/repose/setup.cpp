@@ -110,7 +110,8 @@ size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
 void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
   if (!a.is_there() || !b.is_there() || (a.is_wall() && b.is_wall())) return;
   const glm::vec3 way = b.point() - a.point();
-  const float bare = slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
+  const float bare =
+      shared::kEven * slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
   if (a.is_wall() || b.is_wall()) {
     const bool falls = a.is_wall() ? way.z > 0.0f : way.z < 0.0f;
     if (falls) slack.at_edges = std::min(slack.at_edges, bare);
@@ -170,7 +171,7 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   link.limit = shared::link_limit(way.x, way.y, way.x - a.tile->cover_x[a.at],
                                   way.y - a.tile->cover_y[a.at], slope_);
   link.rate = shared::link_rate(a.tile->stiffness[a.at], 0.0f);
-  link.slack = slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
+  link.slack = shared::kEven * slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
   return link;
 }
 

@@ -63,10 +63,15 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
     sum_up += own * triangle.z;
     upper += triangle.z > 0.0f ? own : 0.0f;
     upper_up += own * std::max(triangle.z, 0.0f);
+    const auto number = static_cast<size_t>(table.fragment_triangle[f]);
+    texel.two_sided =
+        texel.two_sided || (!object_->two_sided.empty() && object_->two_sided[number] != 0);
   }
   if (texel.area <= 0.0f) return texel;
+  // Snow lies on the parts that face up, where there are any; on a sheet with two sides, on one of
+  // them.
+  if (texel.two_sided) upper = upper_up = 0.0f;
   texel.up = (upper_up > 0.0f ? upper_up : sum_up) / texel.area;
-  // Snow lies on the parts that face up, where there are any.
   const float all = upper > 0.0f ? upper : texel.area;
   for (size_t f = begin; f < end; ++f) {
     const glm::vec4& triangle = triangles_[static_cast<size_t>(table.fragment_triangle[f])];
@@ -94,6 +99,7 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
     tile.normal_z[cell] = own.normal.z;
     tile.up[cell] = own.up;
     tile.area[cell] = own.area;
+    tile.two_sided[cell] = own.two_sided ? 1 : 0;
     tile.forward[cell] = links.forward[static_cast<size_t>(index)];
   });
   const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];

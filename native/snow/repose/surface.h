@@ -32,6 +32,7 @@ class ReposeSurface {
     float area = 0.0f;
     /// As for the capacity, see shaders/lib/texel_surface.h.
     float up = 0.0f;
+    bool two_sided = false;
   };
   Texel texel(int32_t index) const;
 

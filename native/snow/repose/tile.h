@@ -23,6 +23,8 @@ struct ReposeTile {
   /// 1 / (links that the texel has, at least kLinks).
   Plane x, y, z, normal_x, normal_y, normal_z, up, area, part;
   std::array<uint8_t, kTileCells> forward;
+  /// Not 0: the texel takes snow on both sides.
+  std::array<uint8_t, kTileCells> two_sided;
   /// Whether the above is that of the current pose.
   bool has_pose = false;
 

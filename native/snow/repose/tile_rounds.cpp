@@ -234,9 +234,7 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
 }  // namespace
 
 void ReposeTile::cover(size_t cell, float height, float unit) {
-  // Both sides of a surface take snow as soon as heights are signed.
-  constexpr bool kBothSides = false;
-  const float side = shared::snow_side(height, up[cell], kBothSides);
+  const float side = shared::snow_side(height, up[cell], two_sided[cell] != 0);
   const bool wall = shared::is_wall(side * up[cell]) || area[cell] <= 0.0f;
   kind[cell] = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
   const float a_unit = area[cell] > 0.0f ? unit / area[cell] : 0.0f;

@@ -199,6 +199,21 @@ def test_a_seam_stops_no_snow():
     assert volumes[0] > 1e-4 and volumes[1] == pytest.approx(volumes[0], rel=0.05)
 
 
+def test_a_card_that_lies_face_down_carries_the_same_heap_on_its_back():
+    card = grid(0.3, 0.3)
+    heights = []
+    for mesh in (card, (rotated(card[0], "x", 180.0), *card[1:])):
+        with simulation({"card": mesh}, resolution=64) as sim:
+            fall(sim, {"card": mesh}, 0.1, 12)
+            come_to_rest(sim)
+            heights.append(sim.height("card"))
+            assert assert_balanced(sim)["slid_volume"] > 0.0
+    front, back = heights
+    assert front.min() == 0.0 and back.max() == 0.0
+    assert -back.sum() == pytest.approx(front.sum(), rel=0.01)
+    assert np.abs(front + back[::-1]).max() < 0.01
+
+
 def test_ninety_degrees_and_no_time_leave_snow_where_it_fell():
     mesh = box(0.5, 0.5)
     heights = []

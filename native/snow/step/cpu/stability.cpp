@@ -10,7 +10,7 @@ namespace kernel {
 namespace {
 
 /// Texels whose sums are added up as floats.
-constexpr size_t kRun = 128;
+constexpr size_t kRun = 16;
 
 struct Stability {
 #include "shaders/lib/texel_stability.h"
