@@ -29,6 +29,9 @@ MAX_FALL_ANGLE = math.radians(89.5)
 # The node group of all snow materials.
 SNOW_GROUP = "Snowbough Snow"
 
+# On the points of an object that is told to keep it: where they are undeformed. Blender's own name.
+REST_ATTRIBUTE = "rest_position"
+
 # The modifiers that a receiver gets for its displacement.
 SUBDIVISION_MODIFIER = "Snowbough Subdivision"
 DISPLACE_MODIFIER = "Snowbough Displace"
