@@ -144,10 +144,10 @@ class Preview:
                 continue
             name = f"{obj.name} {SUFFIX}"
             image = bpy.data.images.new(name, RESOLUTION, RESOLUTION, float_buffer=True, is_data=True)
-            material = snow_shell.make_material(name)
+            material = snow_shell.make_material(scene, name)
             source = snow_shell.source_of(scene, obj, pose.uv_map, image, RESOLUTION, material)
             tree = shell_nodes.build_tree(f"{snow_shell.TREE_PREFIX} {name}", source)
-            shell = snow_shell.make_object(name, tree, material, self._collection(scene))
+            shell = snow_shell.make_object(scene, name, tree, material, self._collection(scene))
             self.shells[key], self.images[key] = shell.name, image.name
 
     def _close(self):

@@ -8,6 +8,9 @@ stand in shells (geometry nodes) and in materials that displace.
 
 from .. import compat
 
+# The slider of shells and of materials that displace; 1 is fresh snow.
+RELIEF_INPUT = "Relief"
+
 # (waves a metre, metres up and down)
 OCTAVES = ((9.0, 0.009), (23.0, 0.0045), (60.0, 0.002))
 # Thinner snow than this has less relief (metres), and never more than this share of its thickness.

@@ -21,11 +21,10 @@ import bpy
 from .. import compat
 from ..names import REST_ATTRIBUTE
 from .node_builder import NodeBuilder
-from .relief_nodes import add_relief, octaves_for
+from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
 
 HEIGHT_ATTRIBUTE = "snow_height"
 POSITION_ATTRIBUTE = "snow_position"
-RELIEF_INPUT = "Relief"
 
 _COVERED = "snow_covered"
 _OFFSET = "snow_offset"
@@ -37,6 +36,8 @@ SKIN = 0.0004
 # Snow is there from this thickness on (metres).
 BARE = 1e-5
 THIN = 0.001
+# Deeper snow (metres) stands as high as its map says.
+DEEP = 0.02
 # What Phong tessellation adds at most, as a share of the thickness.
 MOST_CURVATURE = 0.5
 # Which way snow grows in the space of grains and relief: any that is no axis.
@@ -244,7 +245,8 @@ def _raised(tree, geometry, source, normal, curvature, strength):
     relief = add_relief(
         tree, tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), height, strength, octaves_for(source.face_size)
     )
-    extra = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
+    skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
+    extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
     if relief is not None:
         extra = tree.add(extra, relief)
     units = 1.0 / source.metres_per_unit

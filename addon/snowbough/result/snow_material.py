@@ -11,7 +11,7 @@ import bpy
 from .. import compat
 from ..names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.pose import metres_per_unit
-from . import baked_images, original_state, snow_nodes
+from . import baked_images, look, original_state, snow_nodes
 
 FRAME_LABEL = "Snowbough"
 
@@ -129,6 +129,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres,
     height, normal: BakedSequence or None. displacement_scale: Blender units per metre when the
     material moves the surface (Cycles displacement), or None when geometry does. metres: of a unit of the
     object's own space, along its three axes. rest: whether the object keeps its undeformed positions.
+    Returns the node of the group.
     """
     tree = material.node_tree
     output = _output_node(tree)
@@ -165,6 +166,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres,
         compat.set_displacement_method(material, "BOTH")
     builder.frame.location = (output.location.x - 200, output.location.y + 260)
     output.location.x += 420
+    return group
 
 
 # --------------------------------------------------------------------------------------------------
@@ -265,7 +267,10 @@ def add(scene, receiver, displace):
     record["copies"] = []
     for slot, entry in zip(obj.material_slots, record["slots"]):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
-        add_snow_nodes(material, height, normal, uv_map, scale, metres, obj.add_rest_position_attribute)
+        group = add_snow_nodes(
+            material, height, normal, uv_map, scale, metres, getattr(obj, "add_rest_position_attribute", False)
+        )
+        look.set_group_inputs(group, look.of(scene))
         slot.link = "OBJECT"
         slot.material = material
         record["copies"].append(material.name)

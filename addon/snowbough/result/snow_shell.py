@@ -14,8 +14,8 @@ import numpy as np
 from .. import compat
 from ..names import OWN_MODIFIERS
 from ..scene.pose import metres_per_unit
-from . import baked_images, original_state, shell_nodes, snow_material, snow_nodes
-from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, RELIEF_INPUT, ShellSource
+from . import baked_images, look, original_state, shell_nodes, snow_material, snow_nodes
+from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
 MODIFIER_NAME = "Snowbough Shell"
@@ -121,17 +121,19 @@ def source_of(scene, obj, uv_map, image, size, material, rest=False, **more):
 # The objects
 
 
-def make_material(name):
-    """Snow that thins out to nothing: its depth and its place come with the shell as attributes."""
+def make_material(scene, name):
+    """Snow of the scene's kind that thins out to nothing: its depth and its place come with the shell as
+    attributes."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
-    material.diffuse_color = snow_nodes.SNOW_COLOR  # the Solid view
+    material.diffuse_color = look.of(scene).inputs()["Color"]  # the Solid view
     material.roughness = snow_nodes.ROUGH
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     output = nodes.new("ShaderNodeOutputMaterial")
     group = nodes.new("ShaderNodeGroup")
     group.node_tree = snow_nodes.ensure_group()
+    look.set_group_inputs(group, look.of(scene))
     for attribute, socket, result in (
         (HEIGHT_ATTRIBUTE, "Height", "Fac"),
         (POSITION_ATTRIBUTE, "Position", "Vector"),
@@ -148,7 +150,7 @@ def make_material(name):
     return material
 
 
-def make_object(name, tree, material, collection):
+def make_object(scene, name, tree, material, collection):
     """An object with that node tree as its modifier, in that collection; bakes leave it out."""
     shell = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     shell.snowbough.is_shell = True
@@ -156,6 +158,7 @@ def make_object(name, tree, material, collection):
     shell.lock_location = shell.lock_rotation = shell.lock_scale = (True,) * 3  # the nodes count on it
     shell.data.materials.append(material)
     shell.modifiers.new(MODIFIER_NAME, "NODES").node_group = tree
+    look.set_shell_relief(shell, look.of(scene))
     collection.objects.link(shell)
     return shell
 
@@ -203,13 +206,13 @@ def _make_one(scene, receiver, member, record):
     if not uv_map:
         raise ValueError(f"{member.obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")
     name = f"{member.obj.name} snow"
-    material = make_material(name)
+    material = make_material(scene, name)
     source = source_of(
         scene, member.obj, uv_map, height.image, height.size, material,
         rest=_keep_rest_position(member.obj, record), frames=height, covered=baked_images.load_ever_covered(member.folder), instancer=member.instancer,
     )  # fmt: skip
     tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
-    return make_object(name, tree, material, _home(scene, receiver.object))
+    return make_object(scene, name, tree, material, _home(scene, receiver.object))
 
 
 def make(scene, receiver):
