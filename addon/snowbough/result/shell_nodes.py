@@ -8,7 +8,7 @@
 - **Curvature**: under snow a surface that is shaded smooth is drawn towards what its normals say (T. Boubekeur,
   M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008), by the half that is exact on a sphere.
 - **Heights** are sampled on face corners, where UVs are unambiguous. A point takes the mean of its corners' offsets,
-  weighted by their heights: where two charts meet at an edge no gap opens and nothing flares.
+  weighted by their heights and by how level they are: where two charts meet at an edge no gap opens and nothing flares.
 - **The border**: where no snow lies, and along the rim of an open mesh, the shell dips just below the surface, so it
   ends on it. Faces beyond the first ring of bare ones are cut where snow never lies, the same in every frame, so
   that motion blur and caches work.
@@ -42,6 +42,8 @@ DEEP = 0.02
 MOST_CURVATURE = 0.5
 # Which way snow grows in the space of grains and relief: any that is no axis.
 GROWTH = (0.27, 0.21, 0.94)
+# What a wall's height counts at an edge, beside 1 for level ground.
+WALL_SHARE = 0.05
 # Snow on slopes leans upwards: so much, at most, for a slope of 45 degrees.
 LEAN = 0.5
 
@@ -224,16 +226,18 @@ def _raised(tree, geometry, source, normal, curvature, strength):
     corner = tree.attribute(_CORNER_HEIGHT)
     thickness = tree.absolute(corner)
     outside = tree.scale(normal, tree.math("SIGN", corner))
-    offset = tree.scale(_leaning(tree, outside), tree.multiply(thickness, thickness))
+    # At an edge the side that faces the sky says where snow goes.
+    weight = tree.multiply(thickness, tree.math("MAXIMUM", tree.components(outside)[2], WALL_SHARE))
+    offset = tree.scale(_leaning(tree, outside), tree.multiply(weight, thickness))
     geometry = tree.store(geometry, _OFFSET, offset, "CORNER", "FLOAT_VECTOR")
 
-    weight = tree.on_domain(thickness, "POINT")
+    weight = tree.on_domain(tree.on_domain(weight, "CORNER"), "POINT")
     edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
     rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
     inside = tree.math("LESS_THAN", rim, 1e-3)
     mean = tree.scale(
         tree.attribute(_OFFSET, "FLOAT_VECTOR"),
-        tree.divide(inside, tree.math("MAXIMUM", weight, BARE)),
+        tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)),
     )
     geometry, mean = _capture(tree, geometry, mean, "POINT", "FLOAT_VECTOR")
     direction = tree.vector("NORMALIZE", tree.on_domain(tree.vector("ADD", mean, tree.scale(normal, 1e-9)),

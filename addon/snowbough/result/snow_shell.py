@@ -23,6 +23,8 @@ MODIFIER_NAME = "Snowbough Shell"
 # Faces are about as large as two texels of the map, but fine enough for relief (metres).
 TEXELS_PER_FACE = 2.0
 FINEST_RELIEF = 0.006
+# Long faces are cut until their longer side is no more than so many times that.
+LONGEST_SIDE = 3.0
 # A layout fills about this share of its map.
 FILLED_SHARE = 0.6
 MAX_LEVEL = 11
@@ -56,21 +58,39 @@ def _area(mesh, scale):
     return float(areas.sum(dtype=np.float64)) * scale * scale
 
 
-def face_levels(corners, area, texel):
+def _long_side(mesh, scale):
+    """The longer side of the mesh's faces in metres, on average over its surface."""
+    ends = np.empty((len(mesh.edges), 2), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends.ravel())
+    positions = compat.read_positions(mesh)
+    lengths = np.linalg.norm(positions[ends[:, 0]] - positions[ends[:, 1]], axis=1)
+    of_corner = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", of_corner)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    areas = np.empty(len(mesh.polygons), dtype=np.float32)
+    mesh.polygons.foreach_get("area", areas)
+    longest = np.maximum.reduceat(lengths[of_corner], starts)
+    return float(np.average(longest, weights=areas + 1e-20)) * scale
+
+
+def face_levels(corners, area, long_side, texel):
     """((levels in the viewport, in renders), size of a face in renders in metres) of a mesh with so many corners.
 
-    area: m2; texel: metres. The first subdivision gives a face for every corner, each further one four for one.
+    area: m2; long_side: of its faces, texel: metres. The first subdivision gives a face for every corner, each
+    further one four for one.
     """
     wanted = min(TEXELS_PER_FACE * texel, FINEST_RELIEF)
+    by_area = 1.5 + math.log(max(area / (wanted * wanted * max(corners, 1)), 1e-9), 4.0)
+    by_side = 0.5 + math.log(max(long_side / (LONGEST_SIDE * wanted), 1e-9), 2.0)
 
     def level(most):
-        faces = min(area / (wanted * wanted), most)
-        nearest = math.floor(1.5 + math.log(max(faces / max(corners, 1), 1e-9), 4.0))
-        return max(0, min(nearest, MAX_LEVEL, 1 + int(math.log(max(most / max(corners, 1), 0.25), 4.0))))
+        affordable = 1 + int(math.log(max(most / max(corners, 1), 0.25), 4.0))
+        return max(0, min(math.floor(max(by_area, by_side)), MAX_LEVEL, affordable))
 
     render = level(MAX_FACES_RENDER)
     size = math.sqrt(area / (max(corners, 1) * 4.0 ** (render - 1)))
-    return (min(level(MAX_FACES_VIEWPORT), render), render), size
+    return (min(level(MAX_FACES_VIEWPORT), render), render), max(size, long_side / 2.0**render / 2.0)
 
 
 def _sharp_angle(mesh):
@@ -109,7 +129,9 @@ def source_of(scene, obj, uv_map, image, size, material, rest=False, **more):
     average = abs(obj.matrix_world.determinant()) ** (1.0 / 3.0)
     area = _area(mesh, average * scale)
     texel = math.sqrt(area / FILLED_SHARE) / size if size else FINEST_RELIEF
-    levels, face_size = face_levels(len(mesh.loops), area, texel)
+    levels, face_size = face_levels(
+        len(mesh.loops), area, _long_side(mesh, average * scale), texel
+    )
     return ShellSource(
         obj=obj, uv_map=uv_map, image=image, material=material, levels=levels, face_size=face_size,
         metres_per_unit=scale, sharp_angle=_sharp_angle(mesh), weld=_has_split_points(mesh),
