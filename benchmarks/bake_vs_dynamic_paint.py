@@ -2,10 +2,11 @@
 """A whole bake per frame against Blender's Dynamic Paint, in one run on one machine. Prints a table.
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/bake_vs_dynamic_paint.py -- [--frames 48]
-        [--sizes 1024,2048] [--json FILE]
+        [--sizes 1024,2048] [--scene turning|still] [--json FILE]
 
-Both bake the same shot: a monkey of 1,968 faces that turns once, under falling snow, into one EXR height
-map a frame. Dynamic Paint: an image sequence surface of type Displace, incremental, written as OpenEXR,
+Both bake the same shot: a monkey of 1,968 faces under falling snow, into one EXR height map a frame. `turning`:
+it turns once, and the particles' brush has a radius of 0.05. `still`: it stands over a plane, and the radius is
+0.02. Dynamic Paint: an image sequence surface of type Displace, incremental, written as OpenEXR,
 painted by a particle system that rains on it, whose own simulation is baked beforehand and not counted.
 Snowbough: the add-on's own operator with its defaults. Counted is the wall-clock time from the call until
 the last file is whole, divided by the frames, so setting up, evaluating the scene and writing files are in
@@ -37,6 +38,7 @@ STILL_SECONDS = 1.0
 NEUTRAL = 0.5
 # Snow lies on about a quarter of the monkey's map; Dynamic Paint's particles go through the monkey.
 LEAST_PAINTED = 0.1
+SCENES = {"turning": 0.05, "still": 0.02}
 GOALS = {1024: 10.0, 2048: 20.0}
 
 
@@ -45,15 +47,18 @@ def arguments():
     parser = argparse.ArgumentParser(prog="bake_vs_dynamic_paint.py")
     parser.add_argument("--frames", type=int, default=48)
     parser.add_argument("--sizes", default="1024,2048")
+    parser.add_argument("--scene", choices=SCENES, default="turning")
     parser.add_argument("--json")
     return parser.parse_args(given)
 
 
-def build_shot(frames):
-    """A monkey of 1,968 faces that turns, unwrapped without overlaps; returns it."""
+def build_shot(frames, name):
+    """The scene `name` with a monkey of 1,968 faces, unwrapped without overlaps; returns it."""
     bpy.ops.wm.read_homefile(use_empty=True)
     scene = bpy.context.scene
     scene.frame_start, scene.frame_end = 1, frames
+    if name == "still":
+        bpy.ops.mesh.primitive_plane_add(size=4.0, location=(0, 0, -1))
     bpy.ops.mesh.primitive_monkey_add(size=2.0)
     monkey = bpy.context.object
     monkey.modifiers.new("Subdivision", "SUBSURF").levels = 1
@@ -64,7 +69,7 @@ def build_shot(frames):
     bpy.ops.mesh.select_all(action="SELECT")
     bpy.ops.uv.smart_project(island_margin=0.004)
     bpy.ops.object.mode_set(mode="OBJECT")
-    for frame, angle in ((1, 0.0), (frames, 6.28)):
+    for frame, angle in ((1, 0.0), (frames, 6.28)) if name == "turning" else ():
         monkey.rotation_euler.z = angle
         monkey.keyframe_insert("rotation_euler", frame=frame)
     return monkey
@@ -84,7 +89,7 @@ def require_paint(name, share):
         raise SystemExit(f"{name} has painted only {share:.0%} of its map: there is nothing to compare")
 
 
-def bake_snowbough(monkey, size, frames, folder):
+def bake_snowbough(monkey, size, frames, folder, _radius):
     """Seconds from the call until the last file is whole; the operator then shows the result in the scene."""
     bpy.ops.object.select_all(action="DESELECT")
     monkey.select_set(True)
@@ -102,8 +107,8 @@ def bake_snowbough(monkey, size, frames, folder):
     return (max(file.stat().st_ctime_ns for file in files) - began) / 1e9
 
 
-def add_rain(monkey, frames):
-    """A plane above the monkey that rains particles, as Dynamic Paint's brush."""
+def add_rain(frames, radius):
+    """A plane above the monkey that rains particles, as Dynamic Paint's brush of `radius`."""
     bpy.ops.mesh.primitive_plane_add(size=3.0, location=(0, 0, 2))
     cloud = bpy.context.object
     cloud.modifiers.new("Rain", "PARTICLE_SYSTEM")
@@ -125,12 +130,12 @@ def add_rain(monkey, frames):
     brush.paint_source = "PARTICLE_SYSTEM"
     brush.particle_system = cloud.particle_systems[0]
     brush.use_particle_radius = False
-    brush.solid_radius = 0.05
+    brush.solid_radius = radius
 
 
-def bake_dynamic_paint(monkey, size, frames, folder):
+def bake_dynamic_paint(monkey, size, frames, folder, radius):
     """Seconds from the call until the last file is whole."""
-    add_rain(monkey, frames)
+    add_rain(frames, radius)
     bpy.ops.object.select_all(action="DESELECT")
     monkey.select_set(True)
     bpy.context.view_layer.objects.active = monkey
@@ -170,11 +175,14 @@ def main():
         row = {"size": size, "frames": options.frames}
         for name, bake in (("snowbough", bake_snowbough), ("dynamic_paint", bake_dynamic_paint)):
             with tempfile.TemporaryDirectory() as folder:
-                monkey = build_shot(options.frames)
-                row[name] = bake(monkey, size, options.frames, folder) / options.frames
+                monkey = build_shot(options.frames, options.scene)
+                seconds = bake(monkey, size, options.frames, folder, SCENES[options.scene])
+                row[name] = seconds / options.frames
         row["factor"] = row["dynamic_paint"] / row["snowbough"]
         rows.append(row)
-    print(f"\nSeconds a frame, whole bake over {options.frames} frames, EXR files included")
+    print(
+        f"\nSeconds a frame, whole bake of the {options.scene} monkey, {options.frames} frames, EXR files included"
+    )
     print(f"{'size':>6} {'Dynamic Paint':>14} {'Snowbough':>10} {'times faster':>13} {'goal':>6}")
     for row in rows:
         goal = GOALS.get(row["size"])

@@ -1,5 +1,5 @@
 // Counts the pixels in which the sky sees back faces, of every receiver: a hint at flipped normals.
-// LOCAL_SIZE: invocations of a work group; see native/snow/step/gl/work_group_size.h.
+// LOCAL_SIZE: invocations of a work group; see native/snow/step/gl/driver.h.
 #include "lib/tile_pixel.h"
 #include "glsl/triangle_object.glsl"
 

@@ -1,7 +1,7 @@
 // The stability pass, see texel_stability.h for what it does.
 //
 // DEPOSIT_MAP: the deposit lies on a map of its own.
-// LOCAL_SIZE: invocations of a work group, at most kMaxLocalSize; see native/snow/step/gl/work_group_size.h.
+// LOCAL_SIZE: invocations of a work group, at most kMaxLocalSize; see native/snow/step/gl/driver.h.
 #include "glsl/texel_group.glsl"
 #include "glsl/texel_place.glsl"
 #include "lib/texel_stability.h"

@@ -1,6 +1,6 @@
 // Adds up, in a fixed order and in double precision, what the invocations of the stability pass
 // found for one object. One work group a segment.
-// LOCAL_SIZE: invocations of that pass's work groups; see native/snow/step/gl/work_group_size.h.
+// LOCAL_SIZE: invocations of that pass's work groups; see native/snow/step/gl/driver.h.
 #include "lib/snow_shared.h"
 
 layout(local_size_x = 64) in;

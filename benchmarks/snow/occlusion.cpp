@@ -23,8 +23,8 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/step/cpu/occlusion.h"
-#include "snow/step/cpu/triangle_setup.h"
-#include "snow/step/gl/triangle_setup.h"
+#include "snow/step/cpu/passes.h"
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 namespace {

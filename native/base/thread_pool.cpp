@@ -1,10 +1,32 @@
 #include "base/thread_pool.h"
 
 #include <algorithm>
+#include <array>
 #include <exception>
+#include <memory>
 #include <system_error>
 
+#ifdef __linux__
+#include <sys/resource.h>
+#endif
+
 namespace snowbough::base {
+namespace {
+
+constexpr size_t kNicenesses = 40;
+
+/// Of the calling thread, counted from 0. A new thread has that of the one that makes it.
+size_t niceness() {
+#ifdef __linux__
+  constexpr int kLeast = -20;
+  return static_cast<size_t>(
+      std::clamp(getpriority(PRIO_PROCESS, 0) - kLeast, 0, static_cast<int>(kNicenesses) - 1));
+#else
+  return 0;
+#endif
+}
+
+}  // namespace
 
 /// One run() that is going on.
 struct ThreadPool::Job {
@@ -33,9 +55,13 @@ ThreadPool::ThreadPool(int32_t threads) {
 }
 
 ThreadPool& ThreadPool::shared() {
-  // Never destroyed: work that goes on while the process ends must not find it gone.
-  static auto* pool = new ThreadPool(default_threads());
-  return *pool;
+  // Never destroyed: work that goes on while the process ends must not find them gone.
+  static auto* pools = new std::array<std::unique_ptr<ThreadPool>, kNicenesses>;
+  static auto* made = new std::array<std::once_flag, kNicenesses>;
+  const size_t own = niceness();
+  std::call_once((*made)[own],
+                 [own] { (*pools)[own] = std::make_unique<ThreadPool>(default_threads()); });
+  return *(*pools)[own];
 }
 
 void ThreadPool::run(size_t parts, const std::function<void(size_t)>& work) {

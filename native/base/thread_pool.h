@@ -25,7 +25,9 @@ class ThreadPool {
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
-  /// The pool for all work of the process, of default_threads(); made at the first call.
+  /// The pool for all work of the process, of default_threads(); made at the first call. On Linux,
+  /// where a thread has a niceness of its own, there is one for each: who has lowered its priority
+  /// is helped by threads of the same, so that its work steps back for others' as a whole.
   static ThreadPool& shared();
 
   /// Calls `work(part)` for all parts 0 to parts - 1, each once and begun in their order: part 0 on

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cstring>
 
 #include "bindings.h"
@@ -12,12 +13,7 @@ namespace {
 
 using snow::SnowSimulation;
 
-py::dict state_of(SnowSimulation& simulation) {
-  snow::SimulationState state;
-  {
-    const py::gil_scoped_release release;
-    state = simulation.state();
-  }
+py::dict to_dict(snow::SimulationState&& state) {
   py::dict objects;
   for (snow::ObjectState& object : state.objects) {
     py::dict own;
@@ -33,34 +29,66 @@ py::dict state_of(SnowSimulation& simulation) {
   return result;
 }
 
-void set_state(SnowSimulation& simulation, const py::dict& given) {
+snow::ObjectState object_of(const std::string& name, const py::dict& own) {
+  snow::ObjectState object;
+  object.name = name;
+  const auto height = py::cast<InputArray<float>>(own["height"]);
+  const auto sums = py::cast<InputArray<double>>(own["sums"]);
+  if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
+    throw std::invalid_argument("state of '" + name + "': height must have shape (H, H)");
+  }
+  if (sums.size() != static_cast<py::ssize_t>(object.sums.size())) {
+    throw std::invalid_argument("state of '" + name + "': sums must have " +
+                                std::to_string(object.sums.size()) + " values");
+  }
+  object.resolution = static_cast<int32_t>(height.shape(0));
+  object.height.assign(height.data(), height.data() + height.size());
+  std::memcpy(object.sums.data(), sums.data(), sizeof object.sums);
+  return object;
+}
+
+snow::SimulationState from_dict(const py::dict& given) {
   snow::SimulationState state;
   state.step_number = py::cast<uint32_t>(given["step_number"]);
-  std::map<std::string, snow::ObjectState> sorted;
-  for (const auto& [key, value] : py::cast<py::dict>(given["objects"])) {
-    snow::ObjectState object;
-    object.name = py::cast<std::string>(key);
-    const auto own = py::cast<py::dict>(value);
-    const auto height = py::cast<InputArray<float>>(own["height"]);
-    const auto sums = py::cast<InputArray<double>>(own["sums"]);
-    if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
-      throw std::invalid_argument("state of '" + object.name + "': height must have shape (H, H)");
-    }
-    if (sums.size() != static_cast<py::ssize_t>(object.sums.size())) {
-      throw std::invalid_argument("state of '" + object.name + "': sums must have " +
-                                  std::to_string(object.sums.size()) + " values");
-    }
-    object.resolution = static_cast<int32_t>(height.shape(0));
-    object.height.assign(height.data(), height.data() + height.size());
-    std::memcpy(object.sums.data(), sums.data(), sizeof object.sums);
-    std::string name = object.name;
-    sorted.emplace(std::move(name), std::move(object));
+  for (const auto& [key, own] : py::cast<py::dict>(given["objects"])) {
+    state.objects.push_back(object_of(py::cast<std::string>(key), py::cast<py::dict>(own)));
   }
-  for (auto& [name, object] : sorted) {
-    state.objects.push_back(std::move(object));
+  std::sort(state.objects.begin(), state.objects.end(),
+            [](const auto& a, const auto& b) { return a.name < b.name; });
+  return state;
+}
+
+py::dict state_of(SnowSimulation& simulation) {
+  snow::SimulationState state;
+  {
+    const py::gil_scoped_release release;
+    state = simulation.state();
   }
+  return to_dict(std::move(state));
+}
+
+void set_state(SnowSimulation& simulation, const py::dict& given) {
+  const snow::SimulationState state = from_dict(given);
   const py::gil_scoped_release release;
   simulation.set_state(state);
+}
+
+void write_checkpoint(const std::string& path, const py::dict& given,
+                      const std::string& description) {
+  const snow::Checkpoint checkpoint{description, from_dict(given)};
+  const py::gil_scoped_release release;
+  snow::save_checkpoint(path, checkpoint);
+}
+
+py::dict read_checkpoint(const std::string& path) {
+  snow::Checkpoint checkpoint;
+  {
+    const py::gil_scoped_release release;
+    checkpoint = snow::load_checkpoint(path);
+  }
+  py::dict result = to_dict(std::move(checkpoint.state));
+  result["description"] = checkpoint.description;
+  return result;
 }
 
 }  // namespace
@@ -75,6 +103,16 @@ void bind_snow_state(py::module_& module) {
       "Takes a state of simulation_state, for a simulation with the same receivers; parts of\n"
       "several states may be put together where their step numbers agree. ValueError naming\n"
       "what differs.");
+  module.def(
+      "write_checkpoint", &write_checkpoint, "path"_a, "state"_a, "description"_a = "",
+      "Writes a state of simulation_state, or some of its receivers, as SnowSimulation.save\n"
+      "does (docs/formats.md), whole or not at all. `description`: a text that says whose it\n"
+      "is. RuntimeError with path and reason.");
+  module.def(
+      "read_checkpoint", &read_checkpoint, "path"_a,
+      "What write_checkpoint or SnowSimulation.save wrote, bit for bit: a state with\n"
+      "'description' beside it. RuntimeError for a file that is missing, of another version,\n"
+      "truncated or damaged.");
 }
 
 }  // namespace snowbough::python

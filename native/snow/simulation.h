@@ -16,7 +16,7 @@
 #include "snow/scene/memory_estimate.h"
 #include "snow/scene/scene_object.h"
 #include "snow/scene/statistics.h"
-#include "snow/state/simulation_state.h"
+#include "snow/state/checkpoint.h"
 #include "snow/step/choose_engine.h"
 #include "snow/step/frame_step.h"
 

@@ -175,44 +175,26 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
 }
 
 void SnowSimulation::save(const std::string& path) {
-  const SimulationState now = state();
-  CheckpointData data;
+  Checkpoint checkpoint{{}, state()};
   {
     const std::scoped_lock lock(mutex_);
-    data.description = describe(settings_, objects_, engine());
+    checkpoint.description = describe(settings_, objects_, engine());
   }
-  data.step_number = now.step_number;
-  for (const ObjectState& object : now.objects) {
-    CheckpointMap map{object.name, object.resolution, object.height, {}};
-    for (size_t i = 0; i < object.sums.size(); ++i) {
-      map.totals.emplace_back("sum" + std::to_string(i), object.sums[i]);
-    }
-    data.maps.push_back(std::move(map));
-  }
-  save_checkpoint(path, data);
+  save_checkpoint(path, checkpoint);
 }
 
 void SnowSimulation::restore(const std::string& path, bool any_driver) {
-  CheckpointData data = load_checkpoint(path);
+  const Checkpoint checkpoint = load_checkpoint(path);
   {
     const std::scoped_lock lock(mutex_);
     const std::string changed =
-        differences(data.description, describe(settings_, objects_, engine()), any_driver);
+        differences(checkpoint.description, describe(settings_, objects_, engine()), any_driver);
     if (!changed.empty()) {
       throw std::invalid_argument(path +
                                   " belongs to another simulation; what differs: " + changed);
     }
   }
-  SimulationState state;
-  state.step_number = static_cast<uint32_t>(data.step_number);
-  for (CheckpointMap& map : data.maps) {
-    ObjectState object{map.name, map.resolution, std::move(map.height), {}};
-    for (size_t i = 0; i < object.sums.size() && i < map.totals.size(); ++i) {
-      object.sums[i] = map.totals[i].second;
-    }
-    state.objects.push_back(std::move(object));
-  }
-  set_state(state);
+  set_state(checkpoint.state);
 }
 
 }  // namespace snowbough::snow

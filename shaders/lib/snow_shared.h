@@ -206,7 +206,7 @@ const uint kGroupListBegin = 8u;
 const uint kHoldsSnow = 1u;
 /// Work groups in one direction that OpenGL promises for a dispatch.
 const uint kMostGroups = 65535u;
-/// Largest LOCAL_SIZE, see native/snow/step/gl/work_group_size.h.
+/// Largest LOCAL_SIZE, see native/snow/step/gl/driver.h.
 const uint kMaxLocalSize = 64u;
 /// Pixels of a row that a work group takes.
 const uint kRowRun = 1024u;

@@ -350,12 +350,16 @@ def test_without_egl_the_native_module_has_no_opengl(native, without_egl):
     assert "refused: snow needs EGL, and libEGL.so.1 cannot be loaded" in done.stdout
 
 
-# Ends the process, as kill -9 does, when a frame is reported and the ones after it are being baked and written.
+# Ends the process, as kill -9 does, when a frame is reported and the ones after it are being baked and written;
+# not before a first file is there, for which a busy machine may take longer than for the frames.
 KILL = """
-import os, signal
+import os, signal, time
+from pathlib import Path
 frame_line = cli.frame_line
 def line_or_end(result, left):
     if result.frame == {frame}:
+        while not any(Path({cache!r}).rglob("height_0001.exr")):
+            time.sleep(0.01)
         os.kill(os.getpid(), signal.SIGKILL)
     return frame_line(result, left)
 cli.frame_line = line_or_end
@@ -365,7 +369,9 @@ cli.frame_line = line_or_end
 @pytest.mark.parametrize("frame", [2, 6, 9])
 def test_without_egl_a_killed_bake_resumes_to_the_same_bytes(addon, shot, without_egl, tmp_path, frame):
     *command, program = blender_command(addon, tmp_path / "shot.blend", "--engine", "AUTO")
-    killed = program.replace("sys.exit(", KILL.format(frame=frame) + "sys.exit(")
+    killed = program.replace(
+        "sys.exit(", KILL.format(frame=frame, cache=str(tmp_path / "cache")) + "sys.exit("
+    )
     done = subprocess.run([*command, killed], env=without_egl, capture_output=True, text=True, timeout=120)
     assert done.returncode == -signal.SIGKILL, done.stderr
     left = s.files_of(tmp_path / "cache")

@@ -6,10 +6,9 @@ from pathlib import Path
 
 import numpy as np
 
-from ..cache import checkpoint
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
-from ..cache.errors import InputsChanged
+from ..cache.errors import CacheError, InputsChanged
 from ..cache.files import EVER_COVERED, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
@@ -87,23 +86,31 @@ class BakedReceiver:
             },
         )
 
-    def write_checkpoint(self, frame, shot, state, driver, inputs):
+    def write_checkpoint(self, native, frame, shot, state, driver, inputs):
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
         simulation_state gives it, the engine and driver that ran (job.driver_text), the poses so far (scene.inputs)."""
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
         receiver_folder.write_sidecar(self.folder, frame, sidecar)
         self.write_manifest(shot, False)
-        checkpoint.write(self.folder / state_file(frame), state["step_number"], state["objects"][self.key])
+        own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
+        try:
+            native.write_checkpoint(str(self.folder / state_file(frame)), own)
+        except RuntimeError as error:
+            raise CacheError(str(error)) from error
         self._remove_passed_checkpoints(shot, frame)
 
-    def read_checkpoint(self, frame):
+    def read_checkpoint(self, native, frame):
         """Sets coverage and frames to those of a checkpoint; returns (step number, state, driver, inputs)."""
         receiver_folder.remove_stray_files(self.folder)
         sidecar = receiver_folder.read_sidecar(self.folder, frame)
         self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
         self.frames = sidecar["frames"]
-        step_number, state = checkpoint.read(self.folder / state_file(frame))
-        return step_number, state, sidecar["driver"], sidecar["inputs"]
+        try:
+            state = native.read_checkpoint(str(self.folder / state_file(frame)))
+            own = state["objects"][self.key]
+        except (RuntimeError, KeyError) as error:
+            raise CacheError(f"{error}: free the bake, then bake again") from error
+        return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
     def forget_after(self, frame):
         """Removes what was baked after a checkpoint."""

@@ -182,7 +182,7 @@ class BakeJob:
         numbers, states, before = set(), {}, None
         for receiver in self.receivers:
             receiver.compare_settings(settings)
-            number, states[receiver.key], driver, before = receiver.read_checkpoint(frame)
+            number, states[receiver.key], driver, before = receiver.read_checkpoint(self.native, frame)
             numbers.add(number)
             if driver != self._driver and not request.allow_other_driver:
                 raise _other_engine(driver, self._driver)
@@ -396,7 +396,9 @@ class BakeJob:
         inputs, driver = self._inputs_at, driver_text(self._simulation.engine)
         for receiver in self.receivers:
             writer.call(
-                lambda receiver=receiver: receiver.write_checkpoint(frame, settings, state, driver, inputs)
+                lambda receiver=receiver: receiver.write_checkpoint(
+                    self.native, frame, settings, state, driver, inputs
+                )
             )
 
     def _stop(self, settings, writer):

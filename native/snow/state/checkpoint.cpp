@@ -13,7 +13,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
-constexpr uint32_t kVersion = 1;
+constexpr uint32_t kVersion = 3;
 constexpr int32_t kLargestResolution = 8192;
 /// The magic, the version, the length of what follows and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
@@ -40,12 +40,9 @@ class Writer {
     number(static_cast<uint32_t>(value.size()));
     bytes_.append(value);
   }
-  void totals(const std::vector<std::pair<std::string, double>>& values) {
-    number(static_cast<uint32_t>(values.size()));
-    for (const auto& [name, value] : values) {
-      text(name);
-      number(std::bit_cast<uint64_t>(value));
-    }
+  template <size_t Count>
+  void doubles(const std::array<double, Count>& values) {
+    for (const double value : values) number(std::bit_cast<uint64_t>(value));
   }
   void raw(std::string_view value) { bytes_.append(value); }
   const std::string& bytes() const { return bytes_; }
@@ -70,13 +67,9 @@ class Reader {
     return value;
   }
   std::string text() { return std::string(raw(number<uint32_t>())); }
-  std::vector<std::pair<std::string, double>> totals() {
-    std::vector<std::pair<std::string, double>> values;
-    for (uint32_t count = number<uint32_t>(); count > 0; --count) {
-      std::string name = text();
-      values.emplace_back(std::move(name), std::bit_cast<double>(number<uint64_t>()));
-    }
-    return values;
+  template <size_t Count>
+  void doubles(std::array<double, Count>& values) {
+    for (double& value : values) value = std::bit_cast<double>(number<uint64_t>());
   }
   std::string_view raw(uint64_t count) {
     if (count > rest_.size()) throw std::runtime_error("its content does not fit together");
@@ -90,31 +83,22 @@ class Reader {
   std::string_view rest_;
 };
 
-/// The heights' bytes, all lowest bytes first, then the second ones and so on: exponents lie
-/// together and pack well.
-std::string to_planes(const std::vector<float>& height) {
-  std::string planes(4 * height.size(), '\0');
-  for (size_t i = 0; i < height.size(); ++i) {
-    const auto bits = std::bit_cast<uint32_t>(height[i]);
-    for (size_t byte = 0; byte < 4; ++byte) {
-      planes[byte * height.size() + i] = static_cast<char>((bits >> (8 * byte)) & 0xff);
-    }
-  }
-  return planes;
+/// Whether nothing at all is written of a texel: 0, and not the negative one.
+bool is_bare(float height) {
+  return std::bit_cast<uint32_t>(height) == 0;
 }
 
-std::vector<float> from_planes(const std::string& planes) {
-  const size_t count = planes.size() / 4;
-  std::vector<float> height(count);
-  for (size_t i = 0; i < count; ++i) {
-    uint32_t bits = 0;
-    for (size_t byte = 0; byte < 4; ++byte) {
-      bits |= static_cast<uint32_t>(static_cast<unsigned char>(planes[byte * count + i]))
-              << (8 * byte);
-    }
-    height[i] = std::bit_cast<float>(bits);
+/// A bit a texel, 1 where it is not bare, the first in the highest bit.
+std::string mask_of(const std::vector<float>& height) {
+  std::string mask((height.size() + 7) / 8, '\0');
+  for (size_t i = 0; i < height.size(); ++i) {
+    if (!is_bare(height[i])) mask[i / 8] = static_cast<char>(mask[i / 8] | (0x80 >> (i % 8)));
   }
-  return height;
+  return mask;
+}
+
+bool is_set(const std::string& mask, size_t texel) {
+  return (static_cast<unsigned char>(mask[texel / 8]) & (0x80u >> (texel % 8))) != 0;
 }
 
 std::string pack(const std::string& data) {
@@ -122,7 +106,7 @@ std::string pack(const std::string& data) {
   std::string packed(size, '\0');
   const int result = compress2(reinterpret_cast<Bytef*>(packed.data()), &size,
                                reinterpret_cast<const Bytef*>(data.data()), data.size(), 1);
-  if (result != Z_OK) throw std::runtime_error("zlib could not pack a snow map");
+  if (result != Z_OK) throw std::runtime_error("zlib could not pack a map");
   packed.resize(size);
   return packed;
 }
@@ -136,30 +120,49 @@ std::string unpack(std::string_view packed, size_t size) {
   return data;
 }
 
-CheckpointData parse(std::string_view body) {
-  Reader reader(body);
-  CheckpointData data;
-  data.description = reader.text();
-  data.step_number = reader.number<uint64_t>();
-  data.totals = reader.totals();
-  for (uint32_t count = reader.number<uint32_t>(); count > 0; --count) {
-    CheckpointMap map;
-    map.name = reader.text();
-    const uint32_t resolution = reader.number<uint32_t>();
-    if (resolution == 0 || resolution > kLargestResolution) {
-      throw std::runtime_error("a map in it has an impossible size");
-    }
-    map.resolution = static_cast<int32_t>(resolution);
-    map.totals = reader.totals();
-    const uint64_t packed_bytes = reader.number<uint64_t>();
-    map.height = from_planes(unpack(reader.raw(packed_bytes), size_t{4} * resolution * resolution));
-    data.maps.push_back(std::move(map));
+void write_object(Writer& body, const ObjectState& object) {
+  const std::string mask = pack(mask_of(object.height));
+  body.text(object.name);
+  body.number(static_cast<uint32_t>(object.resolution));
+  body.doubles(object.sums);
+  body.number(static_cast<uint64_t>(mask.size()));
+  body.raw(mask);
+  for (const float height : object.height) {
+    if (!is_bare(height)) body.number(std::bit_cast<uint32_t>(height));
   }
-  if (!reader.at_end()) throw std::runtime_error("there is more in it than there should be");
-  return data;
 }
 
-CheckpointData check_and_parse(std::string_view file) {
+ObjectState read_object(Reader& reader) {
+  ObjectState object;
+  object.name = reader.text();
+  const auto resolution = reader.number<uint32_t>();
+  if (resolution == 0 || resolution > kLargestResolution) {
+    throw std::runtime_error("a map in it has an impossible size");
+  }
+  object.resolution = static_cast<int32_t>(resolution);
+  reader.doubles(object.sums);
+  object.height.resize(size_t{resolution} * resolution);
+  const auto mask_bytes = reader.number<uint64_t>();
+  const std::string mask = unpack(reader.raw(mask_bytes), (object.height.size() + 7) / 8);
+  for (size_t i = 0; i < object.height.size(); ++i) {
+    if (is_set(mask, i)) object.height[i] = std::bit_cast<float>(reader.number<uint32_t>());
+  }
+  return object;
+}
+
+Checkpoint parse(std::string_view body) {
+  Reader reader(body);
+  Checkpoint checkpoint;
+  checkpoint.description = reader.text();
+  checkpoint.state.step_number = reader.number<uint32_t>();
+  for (auto count = reader.number<uint32_t>(); count > 0; --count) {
+    checkpoint.state.objects.push_back(read_object(reader));
+  }
+  if (!reader.at_end()) throw std::runtime_error("there is more in it than there should be");
+  return checkpoint;
+}
+
+Checkpoint check_and_parse(std::string_view file) {
   if (!file.starts_with(kMagic.substr(0, std::min(file.size(), kMagic.size()))) || file.empty()) {
     throw std::runtime_error("it is not a Snowbough checkpoint");
   }
@@ -186,25 +189,20 @@ CheckpointData check_and_parse(std::string_view file) {
 
 }  // namespace
 
-void save_checkpoint(const std::string& path, const CheckpointData& data) {
+void save_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
   Writer body;
-  body.text(data.description);
-  body.number(data.step_number);
-  body.totals(data.totals);
-  body.number(static_cast<uint32_t>(data.maps.size()));
-  for (const CheckpointMap& map : data.maps) {
-    const auto texels = static_cast<size_t>(map.resolution) * static_cast<size_t>(map.resolution);
-    if (map.resolution < 1 || map.resolution > kLargestResolution || map.height.size() != texels) {
-      throw std::invalid_argument("the map of '" + map.name + "' has " +
-                                  std::to_string(map.height.size()) + " heights, not " +
-                                  std::to_string(map.resolution) + " squared");
+  body.text(checkpoint.description);
+  body.number(checkpoint.state.step_number);
+  body.number(static_cast<uint32_t>(checkpoint.state.objects.size()));
+  for (const ObjectState& object : checkpoint.state.objects) {
+    const int64_t texels = int64_t{object.resolution} * object.resolution;
+    if (object.resolution < 1 || object.resolution > kLargestResolution ||
+        static_cast<int64_t>(object.height.size()) != texels) {
+      throw std::invalid_argument("the map of '" + object.name + "' has " +
+                                  std::to_string(object.height.size()) + " heights, not " +
+                                  std::to_string(object.resolution) + " squared");
     }
-    body.text(map.name);
-    body.number(static_cast<uint32_t>(map.resolution));
-    body.totals(map.totals);
-    const std::string packed = pack(to_planes(map.height));
-    body.number(static_cast<uint64_t>(packed.size()));
-    body.raw(packed);
+    write_object(body, object);
   }
   Writer file;
   file.raw(kMagic);
@@ -215,7 +213,7 @@ void save_checkpoint(const std::string& path, const CheckpointData& data) {
   image::atomic_write(path, file.bytes());
 }
 
-CheckpointData load_checkpoint(const std::string& path) {
+Checkpoint load_checkpoint(const std::string& path) {
   const std::string file = image::read_file(path);
   try {
     return check_and_parse(file);

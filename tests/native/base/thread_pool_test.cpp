@@ -11,6 +11,13 @@
 
 #include "base/parallel_for.h"
 
+#ifdef __linux__
+#include <sys/resource.h>
+#include <sys/time.h>
+
+#include <chrono>
+#endif
+
 namespace snowbough::base {
 namespace {
 
@@ -130,6 +137,29 @@ TEST(ThreadPool, ofPartsThatFailThrowsTheFirstsError) {
     }
   }
 }
+
+#ifdef __linux__
+/// Niceness of the threads that the shared pool gives to the calling one, itself included. Every
+/// part takes its time, so that all threads get some.
+std::vector<int> nicenesses_of_the_shared_pool() {
+  std::vector<int> found(64);
+  ThreadPool::shared().run(found.size(), [&](size_t part) {
+    found[part] = getpriority(PRIO_PROCESS, 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  });
+  return found;
+}
+
+TEST(SharedPool, hasThePriorityOfWhoeverUsesIt) {
+  const int before = getpriority(PRIO_PROCESS, 0);
+  EXPECT_EQ(nicenesses_of_the_shared_pool(), std::vector<int>(64, before));
+  std::jthread([&] {
+    ASSERT_EQ(setpriority(PRIO_PROCESS, 0, before + 3), 0);
+    EXPECT_EQ(nicenesses_of_the_shared_pool(), std::vector<int>(64, before + 3));
+  }).join();
+  EXPECT_EQ(nicenesses_of_the_shared_pool(), std::vector<int>(64, before));
+}
+#endif
 
 }  // namespace
 }  // namespace snowbough::base

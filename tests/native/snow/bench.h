@@ -9,9 +9,8 @@
 
 #include "gpu/gpu_thread.h"
 #include "snow/step/gl/occlusion.h"
+#include "snow/step/gl/passes.h"
 #include "snow/step/gl/scene_buffers.h"
-#include "snow/step/gl/texel_surface.h"
-#include "snow/step/gl/triangle_setup.h"
 #include "snow/texels/texel_table.h"
 
 namespace snowbough::snow {

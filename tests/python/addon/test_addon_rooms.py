@@ -44,7 +44,6 @@ WITHOUT_BLENDER = (
     "cache.manifest",
     "cache.folder",
     "cache.versions",
-    "cache.checkpoint",
     "cache.coverage",
     "scene.inputs",
     "scene.pose",

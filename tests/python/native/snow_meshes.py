@@ -76,3 +76,37 @@ def wind(degrees, bearing=0.0):
     """The direction of a fall at an angle from vertical that blows to a bearing (0 = +Y, 90 = +X)."""
     a, b = np.radians(degrees), np.radians(bearing)
     return (np.sin(a) * np.sin(b), np.sin(a) * np.cos(b), -np.cos(a))
+
+
+def cylinder(radius, length, around=32, axis="z"):
+    """A closed cylinder around the origin along an axis: its side unrolled over the lower half of the map, the two
+    ends as discs above it (the end towards +axis on the right)."""
+    turn = np.linspace(0.0, 2.0 * np.pi, around + 1)
+    circle = radius * np.stack([np.cos(turn), np.sin(turn)], axis=1)[:-1]
+    half = np.full(around, 0.5 * length)
+    positions = np.concatenate(
+        [
+            np.column_stack([circle, -half]),
+            np.column_stack([circle, half]),
+            [[0, 0, -half[0]], [0, 0, half[0]]],
+        ]
+    )
+    u = 0.02 + 0.96 * turn / (2.0 * np.pi)
+    disc = 0.2 * circle / radius
+    triangles, uv = [], []
+    for i in range(around):
+        j = (i + 1) % around
+        triangles += [(i, j, around + j), (i, around + j, around + i)]
+        a, b, c, d = (u[i], 0.02), (u[i + 1], 0.02), (u[i + 1], 0.48), (u[i], 0.48)
+        uv += [(a, b, c), (a, c, d)]
+        for end, centre, order in ((0, (0.25, 0.75), (j, i)), (around, (0.75, 0.75), (i, j))):
+            triangles.append((2 * around + (end > 0), end + order[0], end + order[1]))
+            uv.append(
+                (centre, *(tuple(np.add(centre, disc[k] * (1.0 if end else (-1.0, 1.0)))) for k in order))
+            )
+    x, y, z = {"z": (0, 1, 2), "x": (2, 0, 1)}[axis]
+    return (
+        positions[:, [x, y, z]].astype(np.float32),
+        np.array(triangles, np.int32),
+        np.array(uv, np.float32),
+    )

@@ -1,8 +1,7 @@
-#include "snow/step/cpu/back_faces.h"
-
 #include <atomic>
 
 #include "base/parallel_for.h"
+#include "snow/step/cpu/passes.h"
 
 namespace snowbough::snow::cpu {
 namespace {

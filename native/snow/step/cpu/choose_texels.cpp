@@ -1,9 +1,8 @@
-#include "snow/step/cpu/choose_texels.h"
-
 #include <algorithm>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/facing.h"
+#include "snow/step/cpu/passes.h"
 
 namespace snowbough::snow::cpu {
 namespace {

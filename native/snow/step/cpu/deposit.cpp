@@ -1,7 +1,6 @@
-#include "snow/step/cpu/deposit.h"
-
 #include "base/parallel_for.h"
 #include "snow/step/cpu/kernel.h"
+#include "snow/step/cpu/passes.h"
 
 namespace snowbough::snow {
 namespace kernel {

@@ -5,14 +5,9 @@
 
 #include "shaders/lib/object_sums.h"
 #include "snow/scene/memory_estimate.h"
-#include "snow/step/cpu/back_faces.h"
-#include "snow/step/cpu/choose_texels.h"
-#include "snow/step/cpu/deposit.h"
 #include "snow/step/cpu/occlusion.h"
+#include "snow/step/cpu/passes.h"
 #include "snow/step/cpu/scene.h"
-#include "snow/step/cpu/stability.h"
-#include "snow/step/cpu/texel_surface.h"
-#include "snow/step/cpu/triangle_setup.h"
 
 namespace snowbough::snow::cpu {
 namespace {

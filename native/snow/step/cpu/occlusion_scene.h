@@ -1,8 +1,10 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec4.hpp>
 #include <span>
+#include <vector>
 
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/triangle_range.h"
@@ -25,6 +27,47 @@ struct OcclusionScene {
   std::span<const TriangleRange> ranges;
   /// Read for ranges with alpha only.
   AlphaImages alpha;
+};
+
+/// Ranges of triangles one behind the other, in drawing order: a draw is a triangle's number in it.
+class DrawList {
+ public:
+  /// `ranges` live as long as the list.
+  explicit DrawList(std::span<const TriangleRange> ranges) : ranges_(ranges), begin_{0} {
+    for (const TriangleRange& range : ranges) begin_.push_back(begin_.back() + range.count);
+  }
+
+  int64_t size() const { return begin_.back(); }
+
+  /// Finds the triangles of draws that ascend.
+  class Cursor {
+   public:
+    explicit Cursor(const DrawList& list) : list_(&list) {}
+
+    /// Goes on to `draw`, which is less than the list's size and not less than the last one.
+    void move_to(int64_t draw) {
+      if (draw >= list_->begin_[at_ + 1]) skip_to(draw);
+      triangle_ = list_->ranges_[at_].first + (draw - list_->begin_[at_]);
+    }
+    const TriangleRange& range() const { return list_->ranges_[at_]; }
+    int64_t triangle() const { return triangle_; }
+
+   private:
+    void skip_to(int64_t draw) {
+      const std::vector<int64_t>& begin = list_->begin_;
+      const auto from = begin.begin() + static_cast<ptrdiff_t>(at_) + 1;
+      at_ = static_cast<size_t>(std::upper_bound(from, begin.end(), draw) - begin.begin()) - 1;
+    }
+
+    const DrawList* list_;
+    size_t at_ = 0;
+    int64_t triangle_ = 0;
+  };
+
+ private:
+  std::span<const TriangleRange> ranges_;
+  /// First draw of each range, and the end.
+  std::vector<int64_t> begin_;
 };
 
 }  // namespace snowbough::snow::cpu

@@ -6,7 +6,6 @@
 
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
-#include "snow/step/cpu/draw_list.h"
 #include "snow/step/cpu/occlusion_scene.h"
 
 namespace snowbough::snow::cpu {

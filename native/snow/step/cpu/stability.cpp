@@ -1,9 +1,8 @@
-#include "snow/step/cpu/stability.h"
-
 #include <algorithm>
 
 #include "base/parallel_for.h"
 #include "snow/step/cpu/kernel.h"
+#include "snow/step/cpu/passes.h"
 
 namespace snowbough::snow {
 namespace kernel {

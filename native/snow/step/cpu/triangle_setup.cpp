@@ -1,4 +1,4 @@
-#include "snow/step/cpu/triangle_setup.h"
+#include "shaders/lib/triangle_setup.h"
 
 #include <algorithm>
 #include <cstdint>
@@ -6,8 +6,8 @@
 #include <string>
 
 #include "base/parallel_for.h"
-#include "shaders/lib/triangle_setup.h"
 #include "snow/step/cpu/kernel.h"
+#include "snow/step/cpu/passes.h"
 
 namespace snowbough::snow::cpu {
 namespace {

@@ -1,4 +1,4 @@
-#include "snow/step/gl/back_pixels.h"
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 

@@ -1,4 +1,4 @@
-#include "snow/step/gl/deposit_geometry.h"
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 namespace {

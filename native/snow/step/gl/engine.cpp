@@ -3,17 +3,10 @@
 #include <utility>
 
 #include "snow/output/gl/gpu_filter.h"
-#include "snow/step/gl/back_pixels.h"
-#include "snow/step/gl/deposit.h"
-#include "snow/step/gl/deposit_geometry.h"
-#include "snow/step/gl/free_memory.h"
+#include "snow/step/gl/driver.h"
 #include "snow/step/gl/occlusion.h"
+#include "snow/step/gl/passes.h"
 #include "snow/step/gl/scene_buffers.h"
-#include "snow/step/gl/stability.h"
-#include "snow/step/gl/statistics.h"
-#include "snow/step/gl/texel_groups.h"
-#include "snow/step/gl/texel_surface.h"
-#include "snow/step/gl/triangle_setup.h"
 
 namespace snowbough::snow::gl {
 namespace {

@@ -1,4 +1,4 @@
-#include "snow/step/gl/statistics.h"
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 

@@ -1,6 +1,6 @@
-#include "snow/step/gl/texel_groups.h"
-
 #include <vector>
+
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 

@@ -1,6 +1,4 @@
-#include "snow/step/gl/texel_surface.h"
-
-#include "snow/step/gl/texel_groups.h"
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 

@@ -1,6 +1,6 @@
-#include "snow/step/gl/triangle_setup.h"
-
 #include <algorithm>
+
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 namespace {

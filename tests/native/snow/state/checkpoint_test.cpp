@@ -16,15 +16,14 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-using ::testing::Pair;
 
-class Checkpoint : public ::testing::Test {
+class CheckpointFile : public ::testing::Test {
  protected:
-  Checkpoint()
+  CheckpointFile()
       : path_(std::filesystem::temp_directory_path() /
               ("snowbough_state_" + std::to_string(::getpid()) + "_" +
                ::testing::UnitTest::GetInstance()->current_test_info()->name())) {}
-  ~Checkpoint() override { std::filesystem::remove(path_); }
+  ~CheckpointFile() override { std::filesystem::remove(path_); }
 
   std::string refusal() const {
     try {
@@ -38,45 +37,41 @@ class Checkpoint : public ::testing::Test {
   std::string path_;
 };
 
-CheckpointData example() {
-  CheckpointData data;
-  data.description = "9f86d081";
-  data.step_number = 48;
-  data.totals = {{"deposited_volume", 1.0 / 3.0}, {"slid_volume", 1e-300}};
-  CheckpointMap map;
-  map.name = "ground \xc3\xa4";
-  map.resolution = 2;
-  map.height = {0.1f, -0.0f, 1e-42f, std::nextafter(1.0f, 2.0f)};
-  map.totals = {{"slid", 0.1}};
-  data.maps = {map, map};
-  data.maps[1].name = "cart";
-  data.maps[1].height[0] = 7.0f;
-  return data;
+Checkpoint example() {
+  ObjectState ground;
+  ground.name = "ground \xc3\xa4";
+  ground.resolution = 3;
+  ground.height = {0.1f, -0.0f, 1e-42f, std::nextafter(1.0f, 2.0f), 0.0f, -0.5f, 0.0f, 0.0f, 2.0f};
+  for (size_t i = 0; i < ground.sums.size(); ++i) ground.sums[i] = static_cast<double>(i) / 3.0;
+  ObjectState cart{"cart", 1, {0.0f}, {}};
+  return {"9f86d081", {48, {cart, ground}}};
 }
 
-TEST_F(Checkpoint, comesBackBitForBit) {
+TEST_F(CheckpointFile, comesBackBitForBit) {
   save_checkpoint(path_, example());
-  const CheckpointData data = load_checkpoint(path_);
-  EXPECT_EQ(data.description, "9f86d081");
-  EXPECT_EQ(data.step_number, 48u);
-  EXPECT_THAT(data.totals,
-              ElementsAre(Pair("deposited_volume", 1.0 / 3.0), Pair("slid_volume", 1e-300)));
-  ASSERT_EQ(data.maps.size(), 2u);
-  EXPECT_EQ(data.maps[0].name, "ground \xc3\xa4");
-  EXPECT_EQ(data.maps[0].resolution, 2);
-  EXPECT_EQ(0, std::memcmp(data.maps[0].height.data(), example().maps[0].height.data(), 16));
-  EXPECT_THAT(data.maps[0].totals, ElementsAre(Pair("slid", 0.1)));
-  EXPECT_EQ(data.maps[1].height[0], 7.0f);
+  const Checkpoint checkpoint = load_checkpoint(path_);
+  EXPECT_EQ(checkpoint.description, "9f86d081");
+  EXPECT_EQ(checkpoint.state.step_number, 48u);
+  ASSERT_EQ(checkpoint.state.objects.size(), 2u);
+  EXPECT_EQ(checkpoint.state.objects[0].name, "cart");
+  EXPECT_THAT(checkpoint.state.objects[0].height, ElementsAre(0.0f));
+  const ObjectState& ground = checkpoint.state.objects[1];
+  const ObjectState expected = example().state.objects[1];
+  EXPECT_EQ(ground.name, "ground \xc3\xa4");
+  EXPECT_EQ(ground.resolution, 3);
+  ASSERT_EQ(ground.height.size(), 9u);
+  EXPECT_EQ(0, std::memcmp(ground.height.data(), expected.height.data(), 36));
+  EXPECT_EQ(ground.sums, expected.sums);
 }
 
-TEST_F(Checkpoint, theSameDataGivesTheSameBytes) {
+TEST_F(CheckpointFile, theSameDataGivesTheSameBytes) {
   save_checkpoint(path_, example());
   const std::string first = image::read_file(path_);
   save_checkpoint(path_, example());
   EXPECT_EQ(image::read_file(path_), first);
 }
 
-TEST_F(Checkpoint, isRefusedWhereverItIsCutOff) {
+TEST_F(CheckpointFile, isRefusedWhereverItIsCutOff) {
   save_checkpoint(path_, example());
   const std::string whole = image::read_file(path_);
   for (size_t length = 1; length < whole.size(); length += 7) {
@@ -85,7 +80,7 @@ TEST_F(Checkpoint, isRefusedWhereverItIsCutOff) {
   }
 }
 
-TEST_F(Checkpoint, isRefusedWhereverAByteIsWrong) {
+TEST_F(CheckpointFile, isRefusedWhereverAByteIsWrong) {
   save_checkpoint(path_, example());
   const std::string whole = image::read_file(path_);
   for (size_t at = 0; at < whole.size(); at += 5) {
@@ -96,7 +91,7 @@ TEST_F(Checkpoint, isRefusedWhereverAByteIsWrong) {
   }
 }
 
-TEST_F(Checkpoint, namesFileAndReason) {
+TEST_F(CheckpointFile, namesFileAndReason) {
   EXPECT_THAT(refusal(), HasSubstr("No such file"));
   image::atomic_write(path_, "a pickle");
   EXPECT_THAT(refusal(), HasSubstr("not a Snowbough checkpoint"));
@@ -105,7 +100,7 @@ TEST_F(Checkpoint, namesFileAndReason) {
   EXPECT_THAT(refusal(), HasSubstr("not a Snowbough checkpoint"));
 }
 
-TEST_F(Checkpoint, ofAnotherVersionIsRefusedWithTheVersion) {
+TEST_F(CheckpointFile, ofAnotherVersionIsRefusedWithTheVersion) {
   save_checkpoint(path_, example());
   std::string bytes = image::read_file(path_);
   bytes[16] = 2;
@@ -113,9 +108,9 @@ TEST_F(Checkpoint, ofAnotherVersionIsRefusedWithTheVersion) {
   EXPECT_THAT(refusal(), HasSubstr("version 2"));
 }
 
-TEST_F(Checkpoint, withAMapOfTheWrongSizeIsNotWritten) {
-  CheckpointData data = example();
-  data.maps[0].height.pop_back();
+TEST_F(CheckpointFile, withAMapOfTheWrongSizeIsNotWritten) {
+  Checkpoint data = example();
+  data.state.objects[0].height.pop_back();
   EXPECT_THROW(save_checkpoint(path_, data), std::invalid_argument);
   EXPECT_FALSE(std::filesystem::exists(path_));
 }

@@ -16,7 +16,7 @@
 #include "gpu/gpu_thread.h"
 #include "native/snow/bench.h"
 #include "shaders/lib/occlusion_pixel.h"
-#include "snow/step/cpu/triangle_setup.h"
+#include "snow/step/cpu/passes.h"
 
 namespace snowbough::snow {
 namespace {

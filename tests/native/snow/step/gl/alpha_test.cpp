@@ -7,8 +7,8 @@
 #include "gpu/gpu_thread.h"
 #include "snow/scene/memory_estimate.h"
 #include "snow/step/gl/occlusion.h"
+#include "snow/step/gl/passes.h"
 #include "snow/step/gl/scene_buffers.h"
-#include "snow/step/gl/triangle_setup.h"
 
 namespace snowbough::snow {
 namespace {

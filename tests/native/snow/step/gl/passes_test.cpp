@@ -1,4 +1,6 @@
 // The passes of a snow step, one by one: small buffers in, one pass, read back, compare.
+#include "snow/step/gl/passes.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -12,13 +14,7 @@
 #include "snow/scene/memory_estimate.h"
 #include "snow/seams/seam_leveller.h"
 #include "snow/simulation.h"
-#include "snow/step/gl/back_pixels.h"
-#include "snow/step/gl/deposit.h"
-#include "snow/step/gl/deposit_geometry.h"
 #include "snow/step/gl/scene_buffers.h"
-#include "snow/step/gl/stability.h"
-#include "snow/step/gl/statistics.h"
-#include "snow/step/gl/texel_groups.h"
 
 namespace snowbough::snow {
 namespace {

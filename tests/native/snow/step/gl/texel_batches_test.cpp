@@ -7,7 +7,7 @@
 
 #include "gpu/buffer_writer.h"
 #include "native/snow/bench.h"
-#include "snow/step/gl/texel_groups.h"
+#include "snow/step/gl/passes.h"
 
 namespace snowbough::snow {
 namespace {

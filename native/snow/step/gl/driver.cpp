@@ -1,4 +1,4 @@
-#include "snow/step/gl/free_memory.h"
+#include "snow/step/gl/driver.h"
 
 #include <epoxy/gl.h>
 
@@ -19,6 +19,14 @@ int64_t available_memory(const gpu::GpuInfo& info) {
     return int64_t{kibibytes[0]} << 10;
   }
   return machine_memory();
+}
+
+int32_t local_size() {
+  return gpu::renders_in_software() ? 8 : 64;
+}
+
+std::string local_size_define(int32_t local_size) {
+  return "LOCAL_SIZE " + std::to_string(local_size);
 }
 
 }  // namespace snowbough::snow
