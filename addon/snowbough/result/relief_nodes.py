@@ -17,7 +17,9 @@ OCTAVES = ((9.0, 0.009), (23.0, 0.0045), (60.0, 0.002))
 FULL_DEPTH = 0.06
 MOST_OF_DEPTH = 0.3
 # A wave needs this many faces to be seen as one.
-FACES_A_WAVE = 2.5
+FACES_A_WAVE = 2.0
+# Gradient noise hardly ever comes near 0 or 1: so much it is drawn out.
+GAIN = 1.7
 
 
 def octaves_for(face_size):
@@ -27,7 +29,7 @@ def octaves_for(face_size):
 
 def highest(thickness, strength=1.0):
     """The bound of the relief in metres, either way, on snow of that thickness (metres)."""
-    return min(sum(height for _, height in OCTAVES) * strength, MOST_OF_DEPTH * thickness)
+    return min(sum(height for _, height in OCTAVES) * GAIN * strength, MOST_OF_DEPTH * thickness)
 
 
 def add_relief(builder, position, thickness, strength, octaves):
@@ -39,7 +41,7 @@ def add_relief(builder, position, thickness, strength, octaves):
     for waves, height in octaves:
         noise = builder.node("ShaderNodeTexNoise")
         builder.feed(noise, Vector=position, Scale=waves, Detail=0.0)
-        wave = builder.math("MULTIPLY_ADD", compat.noise_value(noise), 2.0 * height, -height)
+        wave = builder.math("MULTIPLY_ADD", compat.noise_value(noise), 2.0 * GAIN * height, -GAIN * height)
         total = wave if total is None else builder.add(total, wave)
     if total is None:
         return None

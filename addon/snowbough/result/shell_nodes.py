@@ -86,7 +86,7 @@ def build_tree(name, source):
     compat.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     strength = tree.node("NodeGroupInput").outputs[RELIEF_INPUT]
 
-    geometry = _receiver(tree, source)
+    geometry = _outside_out(tree, _receiver(tree, source), source)
     geometry, normal = _corner_normals(tree, geometry, source.sharp_angle)
     geometry, curvature = _phong(tree, geometry, normal)
     if source.weld:
@@ -142,6 +142,17 @@ def _receiver(tree, source):
     place = _object(tree, source.instancer, "RELATIVE").outputs
     return tree.feed(placed, Geometry=moved.outputs[0], Translation=place["Location"],
                      Rotation=place["Rotation"], Scale=place["Scale"]).outputs[0]  # fmt: skip
+
+
+def _outside_out(tree, geometry, source):
+    """The geometry with its faces turned where a negative scale has turned it inside out: nodes leave the corners in
+    their order, with which normals change sides."""
+    mirrored = source.obj.matrix_world.determinant() < 0.0
+    if source.instancer is not None:
+        mirrored ^= source.instancer.matrix_world.determinant() < 0.0
+    if not mirrored:
+        return geometry
+    return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
 
 
 def _corner_normals(tree, geometry, sharp_angle):
