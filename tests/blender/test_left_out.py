@@ -113,4 +113,6 @@ def test_ground_that_scatters_and_is_there_itself_carries_snow(addon, scatter, n
     s.settings(tmp_path / "cache")
     code, report = run_cli(addon, tmp_path)
     assert code == 0 and report["refused"] == {}
-    assert s.texel(s.height(native, tmp_path / "cache", "Ground", 4), 0.5, 0.5) == pytest.approx(0.1, rel=0.02)
+    assert s.texel(s.height(native, tmp_path / "cache", "Ground", 4), 0.5, 0.5) == pytest.approx(
+        0.1, rel=0.02
+    )

@@ -13,7 +13,8 @@ maps, whichever engine computes them) and ``files`` (packing and writing) run be
 or AUTO (GL on a graphics card, else CPU). Without it the add-on's preference counts, and AUTO where there is none.
 
 What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
-standard error, each receiver that is left out as ``SNOWBOUGH refused="..."``, what went wrong after as ``SNOWBOUGH error="..." code=N``.
+standard error, each receiver that is left out as ``SNOWBOUGH refused="..."``, what went wrong after as
+``SNOWBOUGH error="..." code=N``.
 
 Exit codes, also in the JSON report:
 

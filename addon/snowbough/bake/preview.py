@@ -145,7 +145,7 @@ class Preview:
             name = f"{obj.name} {SUFFIX}"
             image = bpy.data.images.new(name, RESOLUTION, RESOLUTION, float_buffer=True, is_data=True)
             material = snow_shell.make_material(scene, name)
-            source = snow_shell.source_of(scene, obj, pose.uv_map, image, RESOLUTION, material)
+            source = snow_shell.source_of(scene, obj, pose.uv_map, image, RESOLUTION, material, relief=False)
             tree = shell_nodes.build_tree(f"{snow_shell.TREE_PREFIX} {name}", source)
             shell = snow_shell.make_object(scene, name, tree, material, self._collection(scene))
             self.shells[key], self.images[key] = shell.name, image.name

@@ -73,7 +73,11 @@ def set_shell_relief(shell, look):
 
 def _group_nodes(material):
     nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
-    return [node for node in nodes if node.type == "GROUP" and node.node_tree and node.node_tree.name == SNOW_GROUP]
+    return [
+        node
+        for node in nodes
+        if node.type == "GROUP" and node.node_tree and node.node_tree.name == SNOW_GROUP
+    ]
 
 
 def apply(scene, kind):

@@ -221,9 +221,16 @@ def _heights(tree, geometry, source):
     if frames is not None:
         height = tree.multiply(height, tree.math("GREATER_THAN", now, frames.first - 0.5))
     geometry = tree.store(geometry, _CORNER_HEIGHT, height, "CORNER")
-    final = tree.absolute(_sampled(tree, source, source.image, "Cubic", None if frames is None else frames.last))
-    place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-    place = tree.vector("ADD", place, tree.scale(GROWTH, tree.on_domain(final, "CORNER")))
+    final = tree.absolute(
+        _sampled(tree, source, source.image, "Cubic", None if frames is None else frames.last)
+    )
+    # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
+    mean, square = (
+        tree.on_domain(tree.on_domain(value, "CORNER"), "POINT")
+        for value in (final, tree.multiply(final, final))
+    )
+    grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
+    place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
     if source.covered is not None:
         ever = _sampled(tree, source, source.covered, "Linear")
@@ -258,7 +265,11 @@ def _raised(tree, geometry, source, normal, curvature, strength):
 
     height = tree.attribute(HEIGHT_ATTRIBUTE)
     relief = add_relief(
-        tree, tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), height, strength, octaves_for(source.face_size)
+        tree,
+        tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"),
+        height,
+        strength,
+        octaves_for(source.face_size),
     )
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))

@@ -268,7 +268,13 @@ def add(scene, receiver, displace):
     for slot, entry in zip(obj.material_slots, record["slots"]):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
         group = add_snow_nodes(
-            material, height, normal, uv_map, scale, metres, getattr(obj, "add_rest_position_attribute", False)
+            material,
+            height,
+            normal,
+            uv_map,
+            scale,
+            metres,
+            getattr(obj, "add_rest_position_attribute", False),
         )
         look.set_group_inputs(group, look.of(scene))
         slot.link = "OBJECT"

@@ -60,9 +60,7 @@ def _coverage(tree, inputs, thickness):
     patches, grains = (_noise(tree, inputs["Position"], scale, 2.0) for scale in DUST_SCALES)
     threshold = tree.add(tree.multiply(patches, 0.6), tree.multiply(grains, 0.6))
     filled = tree.divide(thickness, inputs["Dusting"])
-    return tree.smoothstep(
-        filled, tree.subtract(threshold, 0.35), tree.add(threshold, 0.35)
-    )
+    return tree.smoothstep(filled, tree.subtract(threshold, 0.35), tree.add(threshold, 0.35))
 
 
 def _grain(tree, inputs):

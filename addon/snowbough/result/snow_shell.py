@@ -29,7 +29,7 @@ LONGEST_SIDE = 3.0
 FILLED_SHARE = 0.6
 MAX_LEVEL = 11
 MAX_FACES_RENDER = 1_000_000
-MAX_FACES_VIEWPORT = 250_000
+MAX_FACES_VIEWPORT = 120_000
 # Edges at which split normals that cannot be read are taken for sharp (radians).
 USUAL_SHARP_ANGLE = math.radians(30.0)
 
@@ -74,13 +74,12 @@ def _long_side(mesh, scale):
     return float(np.average(longest, weights=areas + 1e-20)) * scale
 
 
-def face_levels(corners, area, long_side, texel):
-    """((levels in the viewport, in renders), size of a face in renders in metres) of a mesh with so many corners.
+def face_levels(corners, area, long_side, wanted):
+    """((levels in the viewport, in renders), size of a face in renders in metres) of a mesh.
 
-    area: m2; long_side: of its faces, texel: metres. The first subdivision gives a face for every corner, each
-    further one four for one.
+    area: m2; long_side: of its faces, wanted: size of a face, metres. The first subdivision gives a face for every
+    corner, each further one four for one.
     """
-    wanted = min(TEXELS_PER_FACE * texel, FINEST_RELIEF)
     by_area = 1.5 + math.log(max(area / (wanted * wanted * max(corners, 1)), 1e-9), 4.0)
     by_side = 0.5 + math.log(max(long_side / (LONGEST_SIDE * wanted), 1e-9), 2.0)
 
@@ -122,20 +121,19 @@ def _keep_rest_position(obj, record):
     return True
 
 
-def source_of(scene, obj, uv_map, image, size, material, rest=False, **more):
-    """The ShellSource of an object with an image of `size` texels."""
+def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
+    """The ShellSource of an object with an image of `size` texels. relief: with faces that are fine enough for it."""
     mesh = _evaluated_mesh(obj)
     scale = metres_per_unit(scene)
     average = abs(obj.matrix_world.determinant()) ** (1.0 / 3.0)
     area = _area(mesh, average * scale)
     texel = math.sqrt(area / FILLED_SHARE) / size if size else FINEST_RELIEF
-    levels, face_size = face_levels(
-        len(mesh.loops), area, _long_side(mesh, average * scale), texel
-    )
+    wanted = min(TEXELS_PER_FACE * texel, FINEST_RELIEF) if relief else texel
+    levels, face_size = face_levels(len(mesh.loops), area, _long_side(mesh, average * scale), wanted)
     return ShellSource(
         obj=obj, uv_map=uv_map, image=image, material=material, levels=levels, face_size=face_size,
         metres_per_unit=scale, sharp_angle=_sharp_angle(mesh), weld=_has_split_points(mesh),
-        rest=rest, **more,
+        **more,
     )  # fmt: skip
 
 
@@ -226,12 +224,15 @@ def _make_one(scene, receiver, member, record):
         return None
     uv_map = baked_images.baked_uv_map(member.folder) or snow_material.uv_map_name(receiver)
     if not uv_map:
-        raise ValueError(f"{member.obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")
+        raise ValueError(
+            f"{member.obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it"
+        )
     name = f"{member.obj.name} snow"
     material = make_material(scene, name)
     source = source_of(
         scene, member.obj, uv_map, height.image, height.size, material,
-        rest=_keep_rest_position(member.obj, record), frames=height, covered=baked_images.load_ever_covered(member.folder), instancer=member.instancer,
+        rest=_keep_rest_position(member.obj, record), frames=height,
+        covered=baked_images.load_ever_covered(member.folder), instancer=member.instancer,
     )  # fmt: skip
     tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
     return make_object(scene, name, tree, material, _home(scene, receiver.object))
@@ -286,9 +287,7 @@ def freeze(scene, receiver, depsgraph):
     for shell in shells:
         evaluated = shell.evaluated_get(depsgraph)
         name = f"{shell.name} {scene.frame_current:04d}"
-        mesh = bpy.data.meshes.new_from_object(
-            evaluated, preserve_all_data_layers=True, depsgraph=depsgraph
-        )
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
         mesh.name = name
         plain = bpy.data.objects.new(name, mesh)
         for collection in shell.users_collection:

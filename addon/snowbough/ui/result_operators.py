@@ -76,8 +76,7 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
     mode: EnumProperty(
         name="Displacement",
         description="How snow gets its thickness",
-        items=(("AUTO", "Automatic", "A snow shell, which suits all objects"),)
-        + displacement.MODES,
+        items=(("AUTO", "Automatic", "A snow shell, which suits all objects"),) + displacement.MODES,
         default="AUTO",
     )
 
@@ -117,7 +116,9 @@ class SNOWBOUGH_OT_set_kind(NotWhileBaking, bpy.types.Operator):
     bl_label = "Set Kind of Snow"
     bl_options = {"REGISTER", "UNDO"}
 
-    kind: EnumProperty(name="Kind of Snow", description="What the snow is like", items=SNOW_KINDS, default="FRESH")
+    kind: EnumProperty(
+        name="Kind of Snow", description="What the snow is like", items=SNOW_KINDS, default="FRESH"
+    )
 
     def execute(self, context):
         look.apply(context.scene, self.kind)
