@@ -7,8 +7,6 @@ The sliders stay the artist's: choosing a kind sets them once, and nothing sets 
 import math
 from dataclasses import dataclass
 
-import bpy
-
 from .. import compat
 from ..names import SNOW_GROUP, SNOW_KINDS
 from .relief_nodes import RELIEF_INPUT
@@ -93,7 +91,3 @@ def apply(scene, kind):
             if slot.material is not None and slot.material.library is None:
                 for node in _group_nodes(slot.material):
                     set_group_inputs(node, look)
-                if obj.snowbough.is_shell:
-                    slot.material.diffuse_color = (*look.color, 1.0)
-    for area in (area for window in bpy.context.window_manager.windows for area in window.screen.areas):
-        area.tag_redraw()

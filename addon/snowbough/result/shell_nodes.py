@@ -66,7 +66,7 @@ class ShellSource:
     levels: tuple = (0, 0)
     """Subdivisions in the viewport and in renders."""
     face_size: float = 0.01
-    """Of a face in renders (metres)."""
+    """Of a face in renders (metres): waves of the relief that it cannot carry are left out."""
     metres_per_unit: float = 1.0
     sharp_angle: float = 4.0
     """Edges with a larger angle between their faces are sharp (radians; over pi: none)."""

@@ -34,6 +34,10 @@ MAX_FACES_VIEWPORT = 120_000
 USUAL_SHARP_ANGLE = math.radians(30.0)
 
 
+# In the Solid view, where all else is greyer.
+SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
+
+
 @dataclass
 class _Member:
     """A mesh that carries snow: the receiver itself, or one of the collection that it instances."""
@@ -131,10 +135,17 @@ def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
     wanted = min(TEXELS_PER_FACE * texel, FINEST_RELIEF) if relief else texel
     levels, face_size = face_levels(len(mesh.loops), area, _long_side(mesh, average * scale), wanted)
     return ShellSource(
-        obj=obj, uv_map=uv_map, image=image, material=material, levels=levels, face_size=face_size,
-        metres_per_unit=scale, sharp_angle=_sharp_angle(mesh), weld=_has_split_points(mesh),
+        obj=obj,
+        uv_map=uv_map,
+        image=image,
+        material=material,
+        levels=levels,
+        face_size=face_size if relief else math.inf,
+        metres_per_unit=scale,
+        sharp_angle=_sharp_angle(mesh),
+        weld=_has_split_points(mesh),
         **more,
-    )  # fmt: skip
+    )
 
 
 # --------------------------------------------------------------------------------------------------
@@ -146,7 +157,7 @@ def make_material(scene, name):
     attributes."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
-    material.diffuse_color = look.of(scene).inputs()["Color"]  # the Solid view
+    material.diffuse_color = SOLID_COLOR
     material.roughness = snow_nodes.ROUGH
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
