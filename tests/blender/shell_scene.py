@@ -27,7 +27,7 @@ def shell_of(obj, folder):
 
 def set_relief(addon, shell, strength):
     modifier = shell.modifiers[0]
-    assert addon("compat").set_modifier_input(modifier, "Relief", float(strength))
+    assert addon("compat_nodes").set_modifier_input(modifier, "Relief", float(strength))
     shell.update_tag()
 
 

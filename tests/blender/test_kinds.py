@@ -28,7 +28,7 @@ def slider(obj, name):
 
 def relief(addon, shell):
     modifier = shell.modifiers[0]
-    socket = addon("compat").group_sockets(modifier.node_group, "INPUT")["Relief"]
+    socket = addon("compat_nodes").group_sockets(modifier.node_group, "INPUT")["Relief"]
     return modifier[socket.identifier]
 
 
@@ -66,7 +66,7 @@ def test_a_group_of_an_earlier_version_keeps_its_materials(addon):
     assert (
         made is not old
         and made.name == "Snowbough Snow"
-        and "Position" in addon("compat").group_sockets(made, "INPUT")
+        and "Position" in addon("compat_nodes").group_sockets(made, "INPUT")
     )
     assert old.name != "Snowbough Snow"
 

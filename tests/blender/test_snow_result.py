@@ -59,7 +59,7 @@ def evaluated_points(obj):
 
 def snow_points(addon, shell):
     """The points of a shell without relief, away from its border."""
-    assert addon("compat").set_modifier_input(shell.modifiers[0], "Relief", 0.0)
+    assert addon("compat_nodes").set_modifier_input(shell.modifiers[0], "Relief", 0.0)
     shell.update_tag()
     points = evaluated_points(shell)
     low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)

@@ -7,7 +7,7 @@ The sliders stay the artist's: choosing a kind sets them once, and nothing sets 
 import math
 from dataclasses import dataclass
 
-from .. import compat
+from .. import compat_nodes
 from ..names import SNOW_GROUP, SNOW_KINDS
 from .relief_nodes import RELIEF_INPUT
 
@@ -65,7 +65,7 @@ def set_group_inputs(node, look):
 def set_shell_relief(shell, look):
     for modifier in shell.modifiers:
         if modifier.type == "NODES" and modifier.node_group is not None:
-            compat.set_modifier_input(modifier, RELIEF_INPUT, look.relief)
+            compat_nodes.set_modifier_input(modifier, RELIEF_INPUT, look.relief)
     shell.update_tag()
 
 

@@ -6,7 +6,7 @@ deforms and knows nothing of UV charts. It fades to nothing on thin snow and so 
 stand in shells (geometry nodes) and in materials that displace.
 """
 
-from .. import compat
+from .. import compat_nodes
 
 # The slider of shells and of materials that displace; 1 is fresh snow.
 RELIEF_INPUT = "Relief"
@@ -41,7 +41,9 @@ def add_relief(builder, position, thickness, strength, octaves):
     for waves, height in octaves:
         noise = builder.node("ShaderNodeTexNoise")
         builder.feed(noise, Vector=position, Scale=waves, Detail=0.0)
-        wave = builder.math("MULTIPLY_ADD", compat.noise_value(noise), 2.0 * GAIN * height, -GAIN * height)
+        wave = builder.math(
+            "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * GAIN * height, -GAIN * height
+        )
         total = wave if total is None else builder.add(total, wave)
     if total is None:
         return None

@@ -18,7 +18,7 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import compat
+from .. import compat_nodes
 from ..names import REST_ATTRIBUTE
 from .node_builder import NodeBuilder
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
@@ -80,10 +80,10 @@ def build_tree(name, source):
     """A geometry node group that makes the shell of a ShellSource, for an object that stands at the world's
     origin. Its one input besides the geometry is the strength of the relief."""
     tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
-    compat.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
-    compat.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
+    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
+    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
                             "Bumps of the surface; 1 is fresh snow", 1.0, 0.0, 10.0)  # fmt: skip
-    compat.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
+    compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     strength = tree.node("NodeGroupInput").outputs[RELIEF_INPUT]
 
     geometry = _outside_out(tree, _receiver(tree, source), source)
@@ -116,7 +116,7 @@ def _realized(tree, geometry):
 
 def _capture(tree, geometry, value, domain, data_type):
     """(geometry, value): the value as it is on this geometry, for what is made of it."""
-    return compat.capture_attribute(tree.tree, geometry, value, domain, data_type)
+    return compat_nodes.capture_attribute(tree.tree, geometry, value, domain, data_type)
 
 
 def _receiver(tree, source):
@@ -305,5 +305,5 @@ def _cut(tree, geometry, source):
     tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
     geometry = node.outputs["Geometry"]
     for name in (_OFFSET, _CORNER_HEIGHT, *((_COVERED,) if source.covered is not None else ())):
-        geometry = compat.remove_attribute(tree.tree, geometry, name)
+        geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
     return geometry

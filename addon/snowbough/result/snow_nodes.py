@@ -8,7 +8,7 @@ changes to it are kept.
 
 import bpy
 
-from .. import compat
+from .. import compat_nodes
 from ..names import SNOW_GROUP
 from .node_builder import NodeBuilder
 from .relief_nodes import OCTAVES, add_relief
@@ -52,7 +52,7 @@ OUTPUTS = (
 def _noise(tree, position, scale, detail=0.0):
     node = tree.node("ShaderNodeTexNoise")
     tree.feed(node, Vector=position, Scale=scale, Detail=detail)
-    return compat.noise_value(node)
+    return compat_nodes.noise_value(node)
 
 
 def _coverage(tree, inputs, thickness):
@@ -98,10 +98,12 @@ def _fill(tree):
     snow.label = "Snow"
     roughness, normal = _sparkle(builder, inputs, _grain(builder, inputs))
     builder.feed(snow, Base_Color=inputs["Color"], Normal=normal, Roughness=roughness)
-    compat.set_specular(snow, 0.35)
+    compat_nodes.set_specular(snow, 0.35)
     depth = builder.smoothstep(thickness, 0.0, SCATTERING_DEPTH)
     radius = builder.scale(SUBSURFACE_RADIUS, builder.math("MULTIPLY_ADD", depth, 0.9, 0.1))
-    compat.set_subsurface(tree, snow, builder.multiply(inputs["Subsurface"], depth), inputs["Color"], radius)
+    compat_nodes.set_subsurface(
+        tree, snow, builder.multiply(inputs["Subsurface"], depth), inputs["Color"], radius
+    )
 
     coverage = _coverage(builder, inputs, thickness)
     mix = builder.node("ShaderNodeMixShader")
@@ -116,7 +118,7 @@ def _fill(tree):
 
 
 def _is_current(tree):
-    return all(name in compat.group_sockets(tree, "INPUT") for name, *_ in INPUTS)
+    return all(name in compat_nodes.group_sockets(tree, "INPUT") for name, *_ in INPUTS)
 
 
 def ensure_group():
@@ -132,8 +134,8 @@ def ensure_group():
     if tree is None:
         tree = bpy.data.node_groups.new(SNOW_GROUP, "ShaderNodeTree")
         for name, kind, default, least, most, description in INPUTS:
-            compat.add_group_socket(tree, "INPUT", kind, name, description, default, least, most)
+            compat_nodes.add_group_socket(tree, "INPUT", kind, name, description, default, least, most)
         for name, kind, description in OUTPUTS:
-            compat.add_group_socket(tree, "OUTPUT", kind, name, description)
+            compat_nodes.add_group_socket(tree, "OUTPUT", kind, name, description)
         _fill(tree)
     return tree

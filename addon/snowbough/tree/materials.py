@@ -5,7 +5,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import compat
+from .. import compat, compat_nodes
 from ..names import BARK_UV, LEAF_UV
 
 
@@ -49,7 +49,7 @@ def bark_material(name):
     bump.location = (-600, -250)
     bump.inputs["Strength"].default_value = 0.5
     bump.inputs["Distance"].default_value = 0.01
-    height = compat.noise_value(noise)
+    height = compat_nodes.noise_value(noise)
     link = tree.links.new
     link(uv.outputs["UV"], mapping.inputs["Vector"])
     link(mapping.outputs["Vector"], noise.inputs["Vector"])
