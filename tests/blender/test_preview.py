@@ -89,6 +89,17 @@ def test_the_outliner_gets_one_collection_and_snow_is_white(ground):
     assert not bpy.context.scene.collection.children and not bpy.data.collections
 
 
+def test_baked_snow_is_out_of_sight_meanwhile(ground, tmp_path):
+    bpy.context.scene.snowbough.cache_directory = str(tmp_path)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.ops.snowbough.bake()
+    baked = bpy.data.objects["Ground snow"]
+    bpy.ops.snowbough.toggle_preview()
+    assert baked.hide_viewport
+    bpy.ops.snowbough.toggle_preview()
+    assert not baked.hide_viewport
+
+
 def test_bare_ground_shows_no_preview_snow(ground):
     """Faces without snow are cut, so nothing flickers through the surface."""
     bpy.context.scene.frame_set(1)

@@ -48,6 +48,8 @@ class Preview:
         self.images = {}
         self.simulation = None
         self.muted = displacement.Muted(scene, "show_viewport")
+        # Shells of bakes are out of sight meanwhile: name -> whether they were before.
+        self.hidden = {}
 
     # -- simulation --------------------------------------------------------------------------------
 
@@ -129,6 +131,10 @@ class Preview:
     def make_shells(self, scene):
         """One shell a receiver that is a mesh of its own; instanced collections show in bakes only."""
         self.muted.__enter__()
+        for entry in scene.snowbough.receivers:
+            for shell in snow_shell.find(entry):
+                self.hidden[shell.name] = shell.hide_viewport
+                shell.hide_viewport = True
         for key, pose in self.receivers.items():
             obj = next(
                 (
@@ -165,6 +171,9 @@ class Preview:
             image = bpy.data.images.get(name)
             if image is not None:
                 bpy.data.images.remove(image)
+        for name, was_hidden in self.hidden.items():
+            if name in bpy.data.objects:
+                bpy.data.objects[name].hide_viewport = was_hidden
         collection = bpy.data.collections.get(COLLECTION)
         if collection is not None and not collection.all_objects:
             bpy.data.collections.remove(collection)

@@ -96,9 +96,10 @@ def build_tree(name, source):
     geometry = _heights(tree, geometry, source)
     geometry = _raised(tree, geometry, source, normal, curvature, strength)
     geometry = _cut(tree, geometry, source)
-    smooth = tree.feed(tree.node("GeometryNodeSetShadeSmooth"), Geometry=geometry)
+    smooth = tree.node("GeometryNodeSetShadeSmooth")
+    tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
     painted = tree.node("GeometryNodeSetMaterial")
-    tree.feed(painted, Geometry=smooth.outputs["Geometry"], Material=source.material)
+    tree.feed(painted, Geometry=smooth.outputs[0], Material=source.material)
     output = tree.node("NodeGroupOutput")
     tree.set(output.inputs["Geometry"], painted.outputs["Geometry"])
     return tree.tree

@@ -11,7 +11,7 @@ import bpy
 from .. import compat
 from ..names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.pose import metres_per_unit
-from . import baked_images, look, original_state, snow_nodes
+from . import baked_images, look, original_state, rest_position, snow_nodes
 
 FRAME_LABEL = "Snowbough"
 
@@ -264,18 +264,11 @@ def add(scene, receiver, displace):
     record = original_state.read(receiver)
     _note_slots(obj, record)
     _drop_copies(obj, record)
+    rest = rest_position.keep(obj, record)
     record["copies"] = []
     for slot, entry in zip(obj.material_slots, record["slots"]):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
-        group = add_snow_nodes(
-            material,
-            height,
-            normal,
-            uv_map,
-            scale,
-            metres,
-            getattr(obj, "add_rest_position_attribute", False),
-        )
+        group = add_snow_nodes(material, height, normal, uv_map, scale, metres, rest)
         look.set_group_inputs(group, look.of(scene))
         slot.link = "OBJECT"
         slot.material = material
@@ -299,6 +292,7 @@ def remove(receiver):
             slot.material = original
         if original is not None and entry["fake_user"]:
             original.use_fake_user = False
+    rest_position.release(record)
     if record.pop("added_slot"):
         obj.data.materials.clear()  # the one slot is ours; pop() would leave it on the object
     original_state.write(receiver, record)

@@ -12,9 +12,8 @@ import bpy
 import numpy as np
 
 from .. import compat
-from ..names import OWN_MODIFIERS
 from ..scene.pose import metres_per_unit
-from . import baked_images, look, original_state, shell_nodes, snow_material, snow_nodes
+from . import baked_images, look, original_state, rest_position, shell_nodes, snow_material, snow_nodes
 from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
@@ -112,17 +111,6 @@ def _has_split_points(mesh):
         return False
     grid = np.round(positions / max(1e-7, float(np.abs(positions).max()) * 1e-6)).astype(np.int64)
     return len(np.unique(grid, axis=0)) < len(grid)
-
-
-def _keep_rest_position(obj, record):
-    """Lets a local object that deforms carry where its points are undeformed; True where it does."""
-    deforms = obj.data.shape_keys or any(m.name not in OWN_MODIFIERS for m in obj.modifiers)
-    if not deforms or obj.library or obj.override_library or not hasattr(obj, "add_rest_position_attribute"):
-        return False
-    if not obj.add_rest_position_attribute:
-        obj.add_rest_position_attribute = True
-        record.setdefault("rest_position", []).append(obj.name)
-    return True
 
 
 def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
@@ -242,7 +230,7 @@ def _make_one(scene, receiver, member, record):
     material = make_material(scene, name)
     source = source_of(
         scene, member.obj, uv_map, height.image, height.size, material,
-        rest=_keep_rest_position(member.obj, record), frames=height,
+        rest=rest_position.keep(member.obj, record), frames=height,
         covered=baked_images.load_ever_covered(member.folder), instancer=member.instancer,
     )  # fmt: skip
     tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
@@ -276,9 +264,7 @@ def remove(receiver):
     record = original_state.read(receiver)
     for key in ("shell", "shells"):
         record.pop(key, None)
-    for name in record.pop("rest_position", ()):
-        if name in bpy.data.objects:
-            bpy.data.objects[name].add_rest_position_attribute = False
+    rest_position.release(record)
     original_state.write(receiver, record)
     for shell in shells:
         delete_object(shell)
