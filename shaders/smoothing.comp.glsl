@@ -22,6 +22,8 @@ uniform int last;
 const int kAlongU = 1;
 const int kAlongV = 2;
 const int kReach = 4;
+/// See kNothing in native/snow/seams/seam_table.h.
+const float kSomething = -1e29;
 
 float along_u(int place, int weights) {
   const float own = level_weights[weights];
@@ -31,8 +33,8 @@ float along_u(int place, int weights) {
     const float weight = level_weights[weights + k];
     const float before = line_u[place - k];
     const float after = line_u[place + k];
-    const float weight_before = before >= 0.0 ? weight : 0.0;
-    const float weight_after = after >= 0.0 ? weight : 0.0;
+    const float weight_before = before > kSomething ? weight : 0.0;
+    const float weight_after = after > kSomething ? weight : 0.0;
     sum += weight_before * before;
     sum += weight_after * after;
     present += weight_before;
@@ -49,8 +51,8 @@ float along_v(int place, int weights) {
     const float weight = level_weights[weights + k];
     const float before = line_v[place - k];
     const float after = line_v[place + k];
-    const float weight_before = before >= 0.0 ? weight : 0.0;
-    const float weight_after = after >= 0.0 ? weight : 0.0;
+    const float weight_before = before > kSomething ? weight : 0.0;
+    const float weight_after = after > kSomething ? weight : 0.0;
     sum += weight_before * before;
     sum += weight_after * after;
     present += weight_before;

@@ -288,6 +288,19 @@ def read_uv(layer, corner_count):
     return uv
 
 
+def read_corner_normals(mesh):
+    """The normal that every corner is shaded with, as float32 (L, 3): smooth and flat faces, sharp edges, Auto
+    Smooth and custom normals taken into account."""
+    normals = np.empty((len(mesh.loops), 3), dtype=np.float32)
+    if hasattr(mesh, "corner_normals"):  # 4.1 on
+        mesh.corner_normals.foreach_get("vector", normals.ravel())
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals.ravel())
+        mesh.free_normals_split()
+    return normals
+
+
 def ensure_triangles(mesh):
     """Makes mesh.loop_triangles valid; from 4.1 on Blender does so by itself."""
     if hasattr(mesh, "calc_loop_triangles"):

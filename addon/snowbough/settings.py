@@ -50,6 +50,17 @@ ENGINES = (
 )
 
 
+SIDES = (
+    (
+        "AUTO",
+        "Automatic",
+        "Both sides of parts that have no inside, such as leaves, cards, flags and bowls; the outside of all else",
+    ),
+    ("FRONT", "Front", "Only the front of faces, where their normals point to"),
+    ("BOTH", "Both", "Whichever side faces the sky"),
+)
+
+
 def _range_getter(name):
     def get(self):
         return getattr(self.id_data, name) if self.use_scene_range else getattr(self, f"own_{name}")
@@ -95,6 +106,12 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         description="UV map without overlaps that snow is stored in. "
         "Empty takes the map named 'snow', else the object's active one",
     )
+    sides: EnumProperty(
+        name="Sides",
+        description="Which sides of its faces take snow",
+        items=SIDES,
+        default="AUTO",
+    )
     folder: StringProperty(
         name="Baked Files",
         description="Folder of the newest finished bake of this receiver",
@@ -132,6 +149,15 @@ class SnowProperties:
         default=2.0,
         min=1e-3,
         soft_max=60.0,
+    )
+    repose: FloatProperty(
+        name="Repose",
+        description="Steepest slope of snow's own surface before it moves to what lies lower or falls over an edge: "
+        "wet snow stands steeper than powder. At 90 snow stays where it fell, on walls too (degrees)",
+        subtype="ANGLE",
+        default=math.radians(65.0),
+        min=math.radians(5.0),
+        max=math.radians(90.0),
     )
     seed: IntProperty(
         name="Seed",

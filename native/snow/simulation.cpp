@@ -30,6 +30,8 @@ void check_settings(const SimulationSettings& s) {
   require(std::isfinite(s.max_depth) && s.max_depth >= 0.0, "max_depth must be 0 metres or more");
   require(std::isfinite(s.slide_half_life) && s.slide_half_life >= 0.0,
           "slide_half_life must be 0 seconds or more");
+  require(std::isfinite(s.repose) && s.repose > 0.0 && s.repose <= 1.5708,
+          "repose must be over 0 and at most pi / 2 radians");
   require(std::isfinite(s.blur_radius) && s.blur_radius >= 0.0,
           "blur_radius must be 0 metres or more");
   require(
@@ -137,6 +139,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                 step_number_};
   frame.stability = {static_cast<float>(settings_.max_depth),
                      static_cast<float>(settings_.slide_half_life)};
+  frame.repose.angle = settings_.repose;
   frame.dt = dt;
   frame.tile_size = settings_.tile_size;
   take_positions(positions);

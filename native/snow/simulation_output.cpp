@@ -44,6 +44,7 @@ std::string describe(const SimulationSettings& s,
   text += "flutter=" + number(s.flutter) + "\n";
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
+  text += "repose=" + number(s.repose) + "\n";
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
@@ -56,7 +57,12 @@ std::string describe(const SimulationSettings& s,
     if (object->description.receive) {
       hash = digest(topology.corner_uv.data(), topology.corner_uv.size() * 8, hash);
     }
-    const ObjectAlpha& alpha = object->description.alpha;
+    const ObjectDescription& own = object->description;
+    if (own.receive) {
+      hash = digest(own.shading.data(), own.shading.size() * 4, hash);
+      hash = digest(&own.sides, sizeof own.sides, hash);
+    }
+    const ObjectAlpha& alpha = own.alpha;
     if (!alpha.empty()) {
       hash = digest(alpha.corner_uv.data(), alpha.corner_uv.size() * 8, hash);
       hash = digest(alpha.mask.data(), alpha.mask.size() * 4, hash);

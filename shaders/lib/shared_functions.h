@@ -23,6 +23,7 @@ using glm::floor;
 using glm::length;
 using glm::max;
 using glm::min;
+using glm::sqrt;
 using glm::vec3;
 }  // namespace snowbough::shared
 #endif

@@ -14,6 +14,7 @@ OTHER = {
     "flutter": 0.25,
     "max_depth": 0.5,
     "slide_half_life": 1.5,
+    "repose": 0.75,
     "seed": 3,
     "noise_density": 0.5,
     "mapping": "GEOMETRY",

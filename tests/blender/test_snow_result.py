@@ -159,6 +159,32 @@ def test_material_shows_no_snow_before_the_first_file(ground, write_bake):
         assert switch.inputs[1].default_value == value
 
 
+@pytest.mark.parametrize("scale", [(-1, 1, 1), (-1, -1, 1), (2, 2, -2), (-1, -1, -1)])
+def test_a_shell_grows_outwards_from_a_mirrored_receiver(addon, ground, write_bake, scale):
+    ground.folder = str(write_bake())
+    ground.object.scale = scale
+    bpy.context.view_layer.update()
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.context.scene.frame_set(7)
+    (shell,) = addon("result.snow_shell").find(ground)
+    points = snow_points(addon, shell)
+    outside = 1.0 if scale[2] > 0 else -1.0
+    assert np.median(points[:, 2]) * outside == pytest.approx(depth_of(7), abs=2e-3)
+
+
+def test_a_shell_lies_on_the_back_where_heights_are_negative(addon, ground, write_bake):
+    folder = write_bake()
+    native = addon("native").load()
+    for path in folder.glob("height_*.exr"):
+        native.write_exr(str(path), -native.read_exr(str(path))[0])
+    ground.folder = str(folder)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.context.scene.frame_set(7)
+    (shell,) = addon("result.snow_shell").find(ground)
+    points = snow_points(addon, shell)
+    assert np.median(points[:, 2]) == pytest.approx(-depth_of(7), abs=2e-3)
+
+
 def test_uneven_scale_is_refused_by_modifiers_and_gets_a_shell(ground, write_bake):
     ground.folder = str(write_bake())
     ground.object.scale = (1, 2, 1)

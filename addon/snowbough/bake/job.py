@@ -244,7 +244,10 @@ class BakeJob:
             self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
         )
         # Maps for the receivers that this bake writes; all else shelters them.
-        maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
+        maps = {
+            own.key: (own.resolution, request.blur_radius * own.texel, own.spec.sides)
+            for own in self.receivers
+        }
         self._registry = simulation.Registry(self._simulation, maps)
         self._registry.register_changes(added)
 

@@ -27,6 +27,8 @@ MAX_AUTOMATIC_PIXELS = 4096 * 4096
 
 # To rest: 64 half-lives leave 5e-20 of an excess.
 REST_HALF_LIVES = 64
+# Long enough for repose to come to rest, and for walls to shed what stuck to them (seconds).
+REST_SECONDS = 4.0
 
 
 @dataclass(frozen=True)
@@ -99,7 +101,7 @@ def preroll_steps(snowfall, fps, slide_half_life):
         return []
     frame = snowfall.frame_start
     steps = [Step(frame, 0.0, snowfall.preroll / PREROLL_STEPS, 1.0 / fps) for _ in range(PREROLL_STEPS)]
-    return steps + [Step(frame, 0.0, 0.0, REST_HALF_LIVES * slide_half_life)]
+    return steps + [Step(frame, 0.0, 0.0, max(REST_SECONDS, REST_HALF_LIVES * slide_half_life))]
 
 
 def frame_steps(snowfall, frame, fps, substeps=1):

@@ -73,7 +73,10 @@ class Preview:
             simulation.pixel_size(pose, list(texels.values())),
             preferred_engine(),
         )
-        maps = {key: (RESOLUTION, settings.blur_radius * texel) for key, texel in texels.items()}
+        maps = {
+            key: (RESOLUTION, settings.blur_radius * texel, pose.objects[key].receiver.sides)
+            for key, texel in texels.items()
+        }
         self.registry = simulation.Registry(self.simulation, maps)
         self.tracker = SceneTracker()
         self.receivers = {key: pose.objects[key] for key in texels}

@@ -77,6 +77,9 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     estimate.maps += map * (with_owners ? 4 + 8 : 4);
     estimate.seams += levelling_bytes(object->table);
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
+    // At most a point a corner: its corner, where these begin, its normal and what lies there.
+    const bool is_smooth = !object->description.shading.empty();
+    estimate.geometry += is_smooth ? triangles * (16 + 3 * (4 + 4 + 16 + 16)) : 0;
     const int64_t group = shared::kTexelGroup;
     const int64_t texels =
         (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;

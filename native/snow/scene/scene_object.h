@@ -11,6 +11,15 @@
 
 namespace snowbough::snow {
 
+/// Which sides of a receiver take snow.
+enum class Sides {
+  /// Both of what is open, a card or a leaf (snow/texels/open_sheets.h); else the front.
+  kAuto,
+  /// The front, on which triangles run anticlockwise.
+  kFront,
+  kBoth,
+};
+
 /// What add_object gets: a mesh whose topology stays the same until replace_object gives it
 /// another.
 struct ObjectDescription {
@@ -30,6 +39,10 @@ struct ObjectDescription {
   std::vector<glm::vec3> rest;
   /// Sigma in metres of the blur of this object's output; negative: the simulation's.
   double blur_radius = -1.0;
+  /// Three numbers a triangle: corners of one number share a smooth normal, worked out from the
+  /// positions of each step; negative, or no numbers at all: flat.
+  std::vector<int32_t> shading;
+  Sides sides = Sides::kAuto;
 };
 
 /// An object as the simulation holds it.
@@ -39,6 +52,8 @@ struct SceneObject {
   TexelTable table;
   /// See fragment_opacity.h; empty: opaque.
   std::vector<float> fragment_opacity;
+  /// Per triangle, 1 where it takes snow on both sides, by the rest pose; empty: all on the front.
+  std::vector<uint8_t> two_sided;
   /// Current world positions in metres; empty before the first step that names the object.
   std::vector<glm::vec3> positions;
   Bounds bounds;

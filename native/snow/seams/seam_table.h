@@ -38,8 +38,9 @@ struct TexelLines {
   WeightedRows ghosts;
 };
 
-/// Value of a place without surface; heights are never negative.
-inline constexpr float kNothing = -1.0f;
+/// Value of a place without surface; a height is over kSomething, below 0 on a surface's back.
+inline constexpr float kNothing = -1e30f;
+inline constexpr float kSomething = -1e29f;
 
 /// How a map's texels hang together over the surface, across the seams of its layout.
 struct SeamTable {
