@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Kinds of snow set the sliders of all snow there is, and of what is made later."""
 
+import math
+
 import bpy
 import numpy as np
 import pytest
@@ -71,11 +73,8 @@ def test_a_group_of_an_earlier_version_keeps_its_materials(addon):
     assert old.name != "Snowbough Snow"
 
 
-def test_wet_snow_is_steeper_than_powder_where_repose_can_be_set(addon):
-    settings = bpy.context.scene.snowbough
-    if not hasattr(settings, "repose"):
-        pytest.skip("no angle of repose yet")
-    bpy.ops.snowbough.set_kind(kind="POWDER")
-    loose = settings.repose
-    bpy.ops.snowbough.set_kind(kind="WET")
-    assert settings.repose > loose
+@pytest.mark.parametrize("kind, degrees", [("POWDER", 40), ("FRESH", 65), ("WET", 80), ("OLD", 60)])
+def test_a_kind_says_how_steep_snow_lies(kind, degrees):
+    bpy.context.scene.snowbough.repose = 0.5
+    bpy.ops.snowbough.set_kind(kind=kind)
+    assert math.degrees(bpy.context.scene.snowbough.repose) == pytest.approx(degrees)

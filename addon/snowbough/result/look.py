@@ -82,8 +82,7 @@ def apply(scene, kind):
     """Makes all snow of the scene snow of that kind, and what is made later too."""
     settings, look = scene.snowbough, LOOKS[kind]
     settings.kind = kind
-    if hasattr(settings, "repose"):
-        settings.repose = math.radians(look.repose)
+    settings.repose = math.radians(look.repose)
     for obj in scene.objects:
         if obj.library is None and obj.snowbough.is_shell:
             set_shell_relief(obj, look)
