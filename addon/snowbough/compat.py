@@ -2,7 +2,7 @@
 """Every difference between the Blender versions that the add-on runs in (3.4 to 5.x).
 
 The rest of the add-on asks no version questions: it calls the functions below, which look for the
-feature itself wherever that is possible. One section a topic.
+feature itself wherever that is possible. One section a topic; nodes have compat_nodes.
 """
 
 import os
@@ -234,41 +234,7 @@ def unregister_command(handle):
 
 
 # --------------------------------------------------------------------------------------------------
-# Snow materials, displacement and shells
-
-
-def add_group_socket(tree, in_out, kind, name, description="", default=None, least=None, most=None):
-    """Adds an input or output socket to a node group (`tree.interface` from 4.0 on)."""
-    if hasattr(tree, "interface"):
-        socket = tree.interface.new_socket(name, description=description, in_out=in_out, socket_type=kind)
-    else:
-        socket = (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
-        socket.description = description
-    if least is not None:
-        socket.min_value, socket.max_value = least, most
-    if default is not None:
-        socket.default_value = default
-    return socket
-
-
-def noise_value(node):
-    """The scalar output of a noise texture node: `Fac`, renamed `Factor` in 5.x."""
-    return next(output for output in node.outputs if output.enabled and output.type == "VALUE")
-
-
-def set_subsurface(tree, principled, weight, color, radius):
-    """Links the weight of a Principled BSDF's subsurface and sets its radius in metres.
-
-    Before 4.0 subsurface has a colour of its own.
-    """
-    inputs = principled.inputs
-    if "Subsurface Weight" in inputs:
-        tree.links.new(weight, inputs["Subsurface Weight"])
-        inputs["Subsurface Scale"].default_value = 1.0
-    else:
-        tree.links.new(weight, inputs["Subsurface"])
-        tree.links.new(color, inputs["Subsurface Color"])
-    inputs["Subsurface Radius"].default_value = radius
+# Displacement
 
 
 def set_displacement_method(material, method):

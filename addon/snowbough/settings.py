@@ -23,7 +23,7 @@ from bpy.props import (
 )
 
 from . import compat
-from .names import MAX_FALL_ANGLE, MAX_RESOLUTION
+from .names import MAX_FALL_ANGLE, MAX_RESOLUTION, SNOW_KINDS
 
 MAPPINGS = (
     ("COMPUTE", "Compute", "Texels gather what they see of the sky: smooth, and the same bytes every time"),
@@ -238,6 +238,12 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         set=_range_setter("frame_end"),
     )
 
+    kind: EnumProperty(
+        name="Kind of Snow",
+        description="What snow that is put on objects looks like (Set Kind of Snow changes what lies already)",
+        items=SNOW_KINDS,
+        default="FRESH",
+    )
     start_depth: FloatProperty(
         name="Start Depth",
         description="Snow on open level ground at the first frame (metres)",

@@ -4,7 +4,7 @@
 SceneReader makes it of Blender's evaluation; simulations and fingerprints are made of it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -120,6 +120,8 @@ class ScenePose:
     fall_angle: float
     bearing: float
     rate: float
+    refused: dict = field(default_factory=dict)
+    """Receiver's label -> why it cannot carry snow; it only blocks it."""
 
 
 def library_path(id_block):

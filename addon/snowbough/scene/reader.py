@@ -103,19 +103,51 @@ class SceneReader:
         self._switch = ""
         # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
         self._alphas = {}
+        # Receivers that cannot be ones from their first pose on: label -> why.
+        self._refused = {}
+        # Objects that are shown as instances of their own: (name, library) -> who scatters them.
+        self._scattered = {}
 
     def read(self, depsgraph, frame):
         """The pose.ScenePose that depsgraph holds. frame: a number for messages.
 
-        Raises SceneError for receivers without a mesh or without the UV map.
+        A receiver that has no mesh or no UV map when it is first read is refused: it only blocks snow, and the pose
+        says why. Raises SceneError for one that loses them later.
         """
         self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         groups = self._gather(depsgraph)
         objects = {}
         for key in sorted(groups):
-            objects[key] = self._pose(key, groups[key], frame)
+            objects[key] = self._pose_or_refusal(key, groups[key], frame)
+        self._refuse_scattered(objects)
         settings = depsgraph.scene_eval.snowbough
-        return ScenePose(objects, settings.fall_angle, settings.bearing, settings.rate)
+        return ScenePose(objects, settings.fall_angle, settings.bearing, settings.rate, dict(self._refused))
+
+    def _pose_or_refusal(self, key, group, frame):
+        """The pose of a group; of a receiver that cannot be one, as an occluder."""
+        if group.label in self._refused:
+            group.receiver = None
+        if group.receiver is None or not group.receiver.enabled or key in self._known:
+            return self._pose(key, group, frame)
+        try:
+            return self._pose(key, group, frame)
+        except SceneError as error:
+            self._known.pop(key, None)
+            self._refused[group.label] = str(error)
+            group.receiver = None
+            return self._pose(key, group, frame)
+
+    def _refuse_scattered(self, objects):
+        """Says of receivers that are only seen as instances what can be done about it."""
+        seen = {(o.receiver.name, o.receiver.library) for o in objects.values() if o.receiver}
+        for (name, library), scatterer in self._scattered.items():
+            spec = self._receivers.get((name, library))
+            if spec is not None and spec.enabled and (name, library) not in seen:
+                self._refused[name] = (
+                    f"'{name}' is only seen as instances that {_scatterer(name, scatterer)}, which would all share "
+                    "one map: end its geometry nodes with Realize Instances and make it a receiver with a UV map of "
+                    "its own (instances on faces or vertices: Object > Apply > Make Instances Real)"
+                )
 
     def _gather(self, depsgraph):
         """key -> _Group of everything that the render shows."""
@@ -157,6 +189,8 @@ class SceneReader:
         if receiver is not None and parent.instance_type == "COLLECTION":
             key = receiver_key(f"{parent_name}.{name}", (library, parent_library, *order))
             return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, receiver)), order
+        for shown in ((name, library), (parent_name, parent_library)):
+            self._scattered.setdefault(shown, parent_name)
         key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
         return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, None)), order
 
@@ -280,6 +314,10 @@ class SceneReader:
         made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)
         if known.topology is None or not known.topology.is_same(made):
             known.topology = made
+
+
+def _scatterer(name, scatterer):
+    return "it scatters itself" if name == scatterer else f"'{scatterer}' scatters"
 
 
 def _fits_map(uv):

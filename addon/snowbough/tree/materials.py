@@ -10,7 +10,7 @@ from pathlib import Path
 
 import bpy
 
-from .. import compat
+from .. import compat, compat_nodes
 from ..names import BARK_UV, LEAF_UV
 
 GREEN = (0.08, 0.22, 0.04)
@@ -69,7 +69,7 @@ def _procedural_bark(tree, surface, tint):
     bump.location = (-600, -250)
     bump.inputs["Strength"].default_value = 0.5
     bump.inputs["Distance"].default_value = 0.01
-    height = compat.noise_value(noise)
+    height = compat_nodes.noise_value(noise)
     link = tree.links.new
     link(uv.outputs["UV"], mapping.inputs["Vector"])
     link(mapping.outputs["Vector"], noise.inputs["Vector"])

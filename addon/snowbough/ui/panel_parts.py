@@ -105,6 +105,7 @@ def draw_result(layout, context):
     column.operator_menu_enum(
         "snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE"
     )
+    column.operator_menu_enum("snowbough.set_kind", "kind", icon="FREEZE")
     column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
