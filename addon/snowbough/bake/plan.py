@@ -6,14 +6,15 @@ Pure numbers, no ``bpy``. Depths are metres on open level ground, angles radians
 **When snow falls.** Frame f lays ``(end_depth - start_depth) * rate(f) / sum of all rates``, and the map
 of frame f shows the moment after that. ``start_depth`` lies there before the first frame's own snow: it is
 laid on the first frame's pose, in PREROLL_STEPS steps or one for each direction. With substeps, frame f's snow
-is laid on the poses at the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own pose; the
-first frame has no such interval within the shot and takes all its snow on its own pose. The depths are
+is laid on the poses at the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own
+pose; the first frame has no such interval within the shot and takes all its snow on its own pose. The depths are
 differences of a running total that ends at ``end_depth`` itself, so rounding cannot gather.
 
 **From how many directions.** Where flakes flutter, every step falls from another direction, and shadows are
 soft and even only where there are enough of them. A shot gets at least ``directions``, spread over its frames by
 how much falls on each: a still falls from all of them, a shot of 12 frames from a twelfth on each, and one of
-250 frames takes one step a frame, as without. Steps of one pose share its depth and its time alike, and each has
+250 frames takes one step a frame, as without. Steps of one pose share its depth alike; its time, in which snow
+slides and comes to rest, goes to every RUN-th of them and the last, since that costs more than the fall. Each has
 its number in the simulation, which picks the direction: resumed and split bakes count them alike.
 """
 
@@ -24,6 +25,8 @@ from ..names import MAX_FALL_ANGLE
 
 # The steps of the start depth where all flakes fall from one direction.
 PREROLL_STEPS = 32
+# Steps on one pose after which what slides may slide.
+RUN = 6
 
 MIN_AUTOMATIC_RESOLUTION = 256
 MAX_AUTOMATIC_RESOLUTION = 4096
@@ -118,7 +121,7 @@ def preroll_steps(snowfall, fps, slide_half_life, directions=1):
         return []
     frame = snowfall.frame_start
     count = max(PREROLL_STEPS, directions)
-    steps = [Step(frame, 0.0, snowfall.preroll / count, 1.0 / fps) for _ in range(count)]
+    steps = _steps_on_pose((frame, 0.0), snowfall.preroll, count / fps, count)
     return steps + [Step(frame, 0.0, 0.0, max(REST_SECONDS, REST_HALF_LIVES * slide_half_life))]
 
 
@@ -128,13 +131,20 @@ def frame_steps(snowfall, frame, fps, substeps=1, directions=1):
     substeps: poses. directions: of the whole shot, at least; each pose has equally many.
     """
     on_pose = math.ceil(frame_directions(snowfall, frame, directions) / substeps)
-    depth = snowfall.depths[frame - snowfall.frame_start] / (substeps * on_pose)
-    dt = 1.0 / (fps * substeps * on_pose)
+    depth = snowfall.depths[frame - snowfall.frame_start] / substeps
+    dt = 1.0 / (fps * substeps)
     if frame == snowfall.frame_start:
         poses = [(frame, 0.0)] * substeps
     else:
         poses = [(frame - 1, index / substeps) for index in range(1, substeps)] + [(frame, 0.0)]
-    return [Step(*pose, depth, dt) for pose in poses for _ in range(on_pose)]
+    return [step for pose in poses for step in _steps_on_pose(pose, depth, dt, on_pose)]
+
+
+def _steps_on_pose(pose, depth, dt, count):
+    """Steps that share a depth; every RUN-th and the last one share the time."""
+    runs = math.ceil(count / RUN)
+    ends = {math.ceil(count * (run + 1) / runs) for run in range(runs)}
+    return [Step(*pose, depth / count, dt / runs if index in ends else 0.0) for index in range(1, count + 1)]
 
 
 def fall_direction(fall_angle, bearing):

@@ -73,7 +73,17 @@ def test_few_frames_fall_from_as_many_directions_as_many(count, on_frame):
     assert math.fsum(step.depth for steps in frames for step in steps) == pytest.approx(0.12, rel=1e-12)
     for steps in frames:
         assert math.fsum(step.dt for step in steps) == pytest.approx(1 / 24)
-        assert len({(step.depth, step.dt) for step in steps}) == 1
+        assert len({step.depth for step in steps}) == 1
+
+
+@pytest.mark.parametrize("count, timed", [(1, 1), (6, 1), (7, 2), (16, 3), (64, 11)])
+def test_every_sixth_step_of_a_pose_and_the_last_share_its_time(count, timed):
+    steps = steps_of(1, count)[0]
+    assert len(steps) == count
+    assert sum(step.dt > 0 for step in steps) == timed
+    assert steps[-1].dt == pytest.approx(1 / 24 / timed)
+    untimed = "".join(" " if step.dt > 0 else "x" for step in steps)
+    assert max(map(len, untimed.split(" "))) <= 5
 
 
 def test_a_gust_has_the_directions_and_the_calm_frames_none():
