@@ -261,4 +261,11 @@ void Program::draw(GLenum mode, int32_t first, int32_t count) {
   }
 }
 
+void Program::draw_indirect(GLenum mode, const Buffer& arguments, int64_t offset) {
+  require_ready();
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, arguments.id());
+  glDrawArraysIndirect(mode, reinterpret_cast<const void*>(static_cast<intptr_t>(offset)));
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+}
+
 }  // namespace snowbough::gpu
