@@ -47,6 +47,7 @@ PassTimer::Pass PassTimer::measure(std::string name) {
 void PassTimer::end() {
   Measurement& measurement = measurements_[used_];
   glEndQuery(GL_PRIMITIVES_GENERATED);
+  if (waits_) glFinish();
   glQueryCounter(measurement.end.id(), GL_TIMESTAMP);
   measurement.wall_seconds =
       std::chrono::duration<double>(Clock::now() - measurement.started).count();

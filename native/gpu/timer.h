@@ -32,7 +32,7 @@ struct PassTime {
   std::string name;
   /// Seconds between the GPU's own clock before and after the pass.
   double gpu_seconds = 0.0;
-  /// Seconds that the processor took to hand it in; a software renderer may do its work later.
+  /// Seconds that the processor took to hand it in and, where the timer waits, for its end.
   double wall_seconds = 0.0;
   /// Points, lines or triangles that the pass handed to the rasteriser, those that the tessellator
   /// made included.
@@ -58,6 +58,10 @@ class PassTimer {
     PassTimer& timer_;
   };
 
+  /// `waits`: waits for the GPU at the end of each pass. A software renderer puts drawing off until
+  /// it must, so only then is a pass's time its own; elsewhere it would keep the GPU idle.
+  explicit PassTimer(bool waits = false) : waits_(waits) {}
+
   /// Begins a pass. @throws std::logic_error while another is being measured: OpenGL counts
   /// primitives for one at a time.
   [[nodiscard]] Pass measure(std::string name);
@@ -81,6 +85,7 @@ class PassTimer {
   /// The first `used_` are waiting; the others' queries are kept for later passes.
   std::vector<Measurement> measurements_;
   size_t used_ = 0;
+  bool waits_;
   bool running_ = false;
 };
 

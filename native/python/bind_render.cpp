@@ -33,8 +33,7 @@ glm::vec3 to_vec3(const Vec3& v) {
 template <typename Options>
 class OptionsClass {
  public:
-  OptionsClass(py::module_& module, const char* name, const char* doc)
-      : class_(module, name, doc) {
+  OptionsClass(py::module_& module, const char* name, const char* doc) : class_(module, name, doc) {
     class_.def(py::init([](const py::kwargs& values) {
       py::object made = py::cast(Options{});
       for (const auto& [key, value] : values) {
@@ -135,8 +134,8 @@ void set_leaves(Renderer& renderer, const std::string& tree, const InputArray<fl
     throw std::invalid_argument("images must have one entry (or None) for each of colors");
   }
   for (size_t m = 0; m < colors.size(); ++m) {
-    source.materials.push_back({to_vec3(colors[m]), images.empty() ? LeafSource::Image{}
-                                                                   : leaf_image(images[m])});
+    source.materials.push_back(
+        {to_vec3(colors[m]), images.empty() ? LeafSource::Image{} : leaf_image(images[m])});
   }
   const py::gil_scoped_release release;
   renderer.set_leaves(tree, source);
@@ -226,7 +225,9 @@ void bind_options(py::module_& module) {
       .field("height", &Camera::height, "Pixels.");
   OptionsClass<RenderSettings> settings(module, "RenderSettings",
                                         "How a picture is made, its fields set by keyword.");
-  settings.field("max_level", &RenderSettings::max_level, "Most parts of an edge, 1 to 64; 1: all plain.")
+  settings
+      .field("max_level", &RenderSettings::max_level,
+             "Most parts of an edge, 1 to 64; 1: all plain.")
       .field("target_pixels", &RenderSettings::target_pixels,
              "SCREEN: pixels that a part of an edge covers.")
       .field("min_pixels", &RenderSettings::min_pixels,
@@ -264,7 +265,8 @@ void bind_render(py::module_& module) {
   bind_options(module);
   py::class_<Renderer, HeldWithoutGil<Renderer>>(
       module, "Renderer",
-      "Draws trees off-screen in real time: their four-sided base is uploaded once and tessellated\n"
+      "Draws trees off-screen in real time: their four-sided base is uploaded once and "
+      "tessellated\n"
       "on the GPU, patch by patch. Needs OpenGL 4.5; works on software renderers, slowly. Raises\n"
       "RuntimeError where no context can be made, and for every call once it is closed. A context\n"
       "manager: leaving it closes the renderer.\n\n"
@@ -282,15 +284,16 @@ void bind_render(py::module_& module) {
            "share of the limb's radius, 0 to 1; colours are linear.")
       .def("set_pose", &set_pose, "tree"_a, "matrices"_a,
            "Poses a tree: (B, 4, 4), for each bone what takes its rest pose to the pose.")
-      .def("set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
-           "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
-           "images"_a = std::vector<py::object>{},
-           "Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) that "
-           "each\n"
-           "hangs on, texture coordinates uv (T, 3, 2), materials (T,) as indices into colors\n"
-           "(linear) and images ((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). "
-           "What\n"
-           "is less than half there by its alpha is a hole.")
+      .def(
+          "set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
+          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
+          "images"_a = std::vector<py::object>{},
+          "Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) that "
+          "each\n"
+          "hangs on, texture coordinates uv (T, 3, 2), materials (T,) as indices into colors\n"
+          "(linear) and images ((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). "
+          "What\n"
+          "is less than half there by its alpha is a hole.")
       .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
            "color"_a = Vec3{0.5f, 0.5f, 0.5f},
            "Adds a mesh that is drawn as it is: vertices (N, 3), triangles (T, 3), linear colour.")

@@ -107,8 +107,8 @@ MeshBuffers::MeshBuffers(const MeshSource& source)
 }
 
 void DrawablePasses::draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones,
-                                 const gpu::Buffer& view, Kind kind,
-                                 const gpu::Texture& shadow_map, const glm::vec4& wire_color) {
+                                 const gpu::Buffer& view, Kind kind, const gpu::Texture& shadow_map,
+                                 const glm::vec4& wire_color) {
   gpu::Program& program = leaves_.with(defines_of(kind));
   for (LeafBuffers::Part& part : leaves.parts) {
     program.use();

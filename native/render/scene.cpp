@@ -113,18 +113,21 @@ void Scene::remove(const std::string& name) {
 }
 
 Bounds Scene::bounds() const {
-  if (trees_.empty()) return {vec3(0.0f), 10.0f};
+  if (trees_.empty()) return {vec3(0.0f), 10.0f, 10.0f};
   vec3 lowest(std::numeric_limits<float>::max()), highest(-lowest);
   for (const auto& [name, of] : trees_) {
     lowest = glm::min(lowest, of->lowest);
     highest = glm::max(highest, of->highest);
   }
-  return {0.5f * (lowest + highest),
-          std::max(kRoomToMove * 0.5f * glm::distance(lowest, highest), 1e-6f)};
+  const float radius = std::max(kRoomToMove * 0.5f * glm::distance(lowest, highest), 1e-6f);
+  return {0.5f * (lowest + highest), radius, radius};
 }
 
 void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
-  const shared::TreeView base = camera_view(camera, settings, bounds());
+  Bounds around = bounds();
+  // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
+  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
+  const shared::TreeView base = camera_view(camera, settings, around);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
   };
@@ -148,9 +151,8 @@ void Scene::prepare_trees() {
   };
   each("pose", [&](Tree& of) { passes_.pose(of.buffers, of.camera_view); });
   each("edges", [&](Tree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
-  each("classify", [&](Tree& of) {
-    passes_.classify(of.buffers, of.buffers.camera, of.camera_view);
-  });
+  each("classify",
+       [&](Tree& of) { passes_.classify(of.buffers, of.buffers.camera, of.camera_view); });
 }
 
 void Scene::draw_shadows(const RenderSettings& settings) {
@@ -191,16 +193,16 @@ void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bo
   });
   pass("tessellated", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, kind,
-                               shadow_map(), wire_color);
+      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
+                               wire_color);
     }
   });
   glDisable(GL_CULL_FACE);
   pass("leaves", [&] {
     for (const auto& [name, of] : trees_) {
       if (of->leaves) {
-        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, kind,
-                               shadow_map(), wire_color);
+        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, kind, shadow_map(),
+                               wire_color);
       }
     }
   });
@@ -285,6 +287,8 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
   Tree& of = tree(name);
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
+  // Nothing is drawn, yet draws want a framebuffer.
+  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
   write_views(camera, settings);
   passes_.pose(of.buffers, of.camera_view);

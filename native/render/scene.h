@@ -73,8 +73,9 @@ class Scene {
   KeptTarget picture_{true};
   KeptTarget large_{true};
   KeptTarget shadow_{false};
+  KeptTarget nothing_{false};
   const gpu::Texture* shadow_map_ = nullptr;
-  gpu::PassTimer timer_;
+  gpu::PassTimer timer_{gpu::renders_in_software()};
   std::optional<FrameStatistics> statistics_;
 };
 

@@ -21,8 +21,8 @@ size_t patch_groups(size_t patches) {
 gpu::Program& begin(gpu::ProgramVariants& shading, gpu::ProgramVariants& capture,
                     TreePasses::Kind kind, const gpu::Texture& shadow_map,
                     const glm::vec4& wire_color) {
-  gpu::Program& program = (kind == TreePasses::Kind::kCapture ? capture : shading)
-                              .with(defines_of(kind));
+  gpu::Program& program =
+      (kind == TreePasses::Kind::kCapture ? capture : shading).with(defines_of(kind));
   program.use();
   if (kind == TreePasses::Kind::kShaded) program.bind_texture("shadow_map", shadow_map);
   if (kind == TreePasses::Kind::kWire) program.set("wire_color", wire_color);
@@ -80,8 +80,8 @@ TreeBuffers::TreeBuffers(const TreePatches& tree)
       sections(tree.sections),
       edges(tree.edges),
       patches(tree.patches),
-      bones(bone_rows(std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count),
-                                             glm::mat4(1.0f)))),
+      bones(
+          bone_rows(std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
       posed(bytes_of(tree.vertices.size(), sizeof(shared::PosedVertex))),
       edge_levels(bytes_of(tree.edges.size(), sizeof(float))),
       camera(tree.patches.size()),

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
+#include <limits>
 #include <stdexcept>
 #include <string>
 #include <tuple>
@@ -23,6 +24,10 @@ constexpr float kSameUv = 1e-4f;
 /// Points a side at which a patch is looked at for how far it bulges, and what lies between them.
 constexpr int kBulgeSamples = 5;
 constexpr float kBulgeMargin = 1.05f;
+/// Most that bark gains in height per metre from where it has none, and most rounds in which that
+/// spreads from vertex to vertex.
+constexpr float kBarkSlope = 0.25f;
+constexpr int kBarkRounds = 64;
 
 void require(bool right, const std::string& what) {
   if (!right) throw std::invalid_argument("add_tree: " + what);
@@ -53,9 +58,9 @@ void check(const TreeSource& source) {
   }
   for (const auto& bones : source.bone_indices) {
     for (const int32_t bone : bones) {
-      require(bone >= 0 && bone < source.bone_count,
-              "a vertex hangs on bone " + std::to_string(bone) + " of " +
-                  std::to_string(source.bone_count));
+      require(bone >= 0 && bone < source.bone_count, "a vertex hangs on bone " +
+                                                         std::to_string(bone) + " of " +
+                                                         std::to_string(source.bone_count));
     }
   }
 }
@@ -86,6 +91,7 @@ class PatchBuilder {
     add_patches();
     add_normals();
     add_edges();
+    limit_bark();
     bound_patches();
     made_.bone_count = source_.bone_count;
     made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
@@ -152,8 +158,8 @@ class PatchBuilder {
       const auto& quad = source_.quads[f];
       const auto& uv = source_.bark_uv[f];
       shared::TreePatch patch{};
-      const vec3 across = glm::cross(position(quad[2]) - position(quad[0]),
-                                     position(quad[3]) - position(quad[1]));
+      const vec3 across =
+          glm::cross(position(quad[2]) - position(quad[0]), position(quad[3]) - position(quad[1]));
       const int32_t section = section_of(f);
       patch.vertices = {quad[0], quad[1], quad[2], quad[3]};
       patch.place = {section, source_.branch_level[f], source_.branch[f],
@@ -162,8 +168,7 @@ class PatchBuilder {
       patch.bark_uv_23 = vec4(uv[2], uv[3]);
       for (int k = 0; k < 4; ++k) {
         const vec3 p = position(quad[k]);
-        const vec3 round =
-            section >= 0 ? shared::on_limb(made_.sections[section], p) : p;
+        const vec3 round = section >= 0 ? shared::on_limb(made_.sections[section], p) : p;
         patch.rest[k] = vec4(p - round, 0.0f);
       }
       patch.rest[0].w = 0.5f * glm::length(across);
@@ -180,8 +185,7 @@ class PatchBuilder {
     std::vector<vec3> sums(made_.vertices.size(), vec3(0.0f)), caps = sums;
     for (const shared::TreePatch& patch : made_.patches) {
       const glm::ivec4& v = patch.vertices;
-      const vec3 across =
-          glm::cross(position(v.z) - position(v.x), position(v.w) - position(v.y));
+      const vec3 across = glm::cross(position(v.z) - position(v.x), position(v.w) - position(v.y));
       for (int k = 0; k < 4; ++k) {
         (patch.place.x >= 0 ? sums : caps)[v[k]] += across;
       }
@@ -197,8 +201,7 @@ class PatchBuilder {
   struct Side {
     int32_t a, b, quad, corner;
     bool operator<(const Side& other) const {
-      return std::tie(a, b, quad, corner) <
-             std::tie(other.a, other.b, other.quad, other.corner);
+      return std::tie(a, b, quad, corner) < std::tie(other.a, other.b, other.quad, other.corner);
     }
   };
 
@@ -218,6 +221,11 @@ class PatchBuilder {
                                 std::to_string(sides[i].b) + " has more than two quads");
       add_edge(sides[i], end - i == 2 ? sides[i + 1] : sides[i]);
       i = end;
+    }
+    for (size_t f = 0; f < made_.patches.size(); ++f) {
+      shared::TreePatch& patch = made_.patches[f];
+      const bool round_side = made_.edges[patch.edges[0] >> 1].first_rest.w > 0.5f;
+      if (source_.kind[f] == QuadKind::kInset && round_side) patch.place.w = 2;
     }
   }
 
@@ -266,6 +274,38 @@ class PatchBuilder {
     made_.edges.push_back(edge);
   }
 
+  /// Bark that ended beside the rim of a child's hole would be a step there. An inset's outer side
+  /// can be much nearer to the rim than its corners are to one another.
+  void limit_bark() {
+    for (size_t f = 0; f < made_.patches.size(); ++f) {
+      if (source_.kind[f] != QuadKind::kInset) continue;
+      const glm::ivec4& v = made_.patches[f].vertices;
+      const vec3 begin = position(v.x);
+      const vec3 along = position(v.y) - begin;
+      const vec3 unit = along / std::max(glm::length(along), 1e-30f);
+      float gap = std::numeric_limits<float>::max();
+      for (const int32_t rim : {v.z, v.w}) {
+        gap = std::min(gap, glm::length(glm::cross(position(rim) - begin, unit)));
+      }
+      for (const int32_t outer : {v.x, v.y}) {
+        float& bark = made_.vertices[outer].position.w;
+        bark = std::min(bark, kBarkSlope * gap);
+      }
+    }
+    bool changed = true;
+    for (int round = 0; changed && round < kBarkRounds; ++round) {
+      changed = false;
+      for (const shared::TreeEdge& edge : made_.edges) {
+        vec4& a = made_.vertices[edge.ends.x].position;
+        vec4& b = made_.vertices[edge.ends.y].position;
+        const float gain = kBarkSlope * glm::distance(vec3(a), vec3(b));
+        changed = changed || a.w > b.w + gain || b.w > a.w + gain;
+        a.w = std::min(a.w, b.w + gain);
+        b.w = std::min(b.w, a.w + gain);
+      }
+    }
+  }
+
   /// How far points of a patch stand off the sphere around its corners' mean.
   void bound_patches() {
     for (shared::TreePatch& patch : made_.patches) {
@@ -280,8 +320,8 @@ class PatchBuilder {
       for (int k = 0; k < 4; ++k) {
         radius = std::max(radius, glm::distance(centre, corner[k]));
         const shared::TreeEdge& edge = made_.edges[patch.edges[k] >> 1];
-        rest = std::max({rest, glm::length(vec3(patch.rest[k])),
-                         glm::length(vec3(edge.first_rest)), glm::length(vec3(edge.last_rest))});
+        rest = std::max({rest, glm::length(vec3(patch.rest[k])), glm::length(vec3(edge.first_rest)),
+                         glm::length(vec3(edge.last_rest))});
       }
       std::vector<int32_t> sections = {patch.place.x};
       for (int k = 0; k < 4; ++k) {
@@ -292,8 +332,8 @@ class PatchBuilder {
       for (int i = 0; i < kBulgeSamples * kBulgeSamples; ++i) {
         const float u = static_cast<float>(i % kBulgeSamples) / (kBulgeSamples - 1);
         const float v = static_cast<float>(i / kBulgeSamples) / (kBulgeSamples - 1);
-        const vec3 p = glm::mix(glm::mix(corner[0], corner[1], u),
-                                glm::mix(corner[3], corner[2], u), v);
+        const vec3 p =
+            glm::mix(glm::mix(corner[0], corner[1], u), glm::mix(corner[3], corner[2], u), v);
         for (const int32_t section : sections) {
           const vec3 q = section >= 0 ? shared::on_limb(made_.sections[section], p) : p;
           farthest = std::max(farthest, glm::distance(centre, q));

@@ -41,8 +41,8 @@ vec3 any_across(const vec3& direction) {
 
 mat4 sun_matrix(const vec3& to_sun, const Bounds& bounds) {
   const float r = bounds.radius;
-  const mat4 look = glm::lookAt(bounds.centre + 2.0f * r * to_sun, bounds.centre,
-                                any_across(to_sun));
+  const mat4 look =
+      glm::lookAt(bounds.centre + 2.0f * r * to_sun, bounds.centre, any_across(to_sun));
   return glm::ortho(-r, r, -r, r, r, 3.0f * r) * look;
 }
 
@@ -78,9 +78,8 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
   const float to_centre = glm::distance(camera.eye, bounds.centre);
   const float far =
       camera.far > 0.0f ? camera.far : std::max(to_centre + 20.0f * bounds.radius, 1e-3f);
-  const float near = camera.near > 0.0f
-                         ? camera.near
-                         : std::max(to_centre - 1.2f * bounds.radius, 1e-4f * far);
+  const float near =
+      camera.near > 0.0f ? camera.near : std::max(to_centre - 1.2f * bounds.reach, 1e-4f * far);
   const float aspect = static_cast<float>(camera.width) / static_cast<float>(camera.height);
   view.clip_from_world =
       glm::perspective(camera.field_of_view, aspect, std::min(near, 0.5f * far), far) *
@@ -89,10 +88,10 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
   const float pixels =
       static_cast<float>(camera.height) / (2.0f * std::tan(0.5f * camera.field_of_view));
   view.eye = vec4(camera.eye, pixels);
-  view.tessellation = vec4(settings.metric == Metric::kThesis
-                               ? static_cast<float>(shared::kMetricThesis)
-                               : static_cast<float>(shared::kMetricScreen),
-                           settings.max_level, settings.target_pixels, settings.min_pixels);
+  view.tessellation =
+      vec4(settings.metric == Metric::kThesis ? static_cast<float>(shared::kMetricThesis)
+                                              : static_cast<float>(shared::kMetricScreen),
+           settings.max_level, settings.target_pixels, settings.min_pixels);
   view.thesis = vec4(settings.max_distance, settings.max_area, 1.0f,
                      settings.metric == Metric::kThesis ? 1.0f : 0.0f);
   const vec3 to_sun = glm::normalize(settings.sun_direction);

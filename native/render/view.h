@@ -66,10 +66,12 @@ struct RenderSettings {
 /// @throws std::invalid_argument naming the value that is out of range.
 void check(const Camera& camera, const RenderSettings& settings);
 
-/// A sphere around all that casts shadows.
+/// A sphere around the trees: what the sun's picture shows, and how far from its centre there may
+/// be something to draw.
 struct Bounds {
   glm::vec3 centre{0.0f};
   float radius = 1.0f;
+  float reach = 1.0f;
 };
 
 /// What a picture's passes are told; `camera` of the pixels that are drawn.

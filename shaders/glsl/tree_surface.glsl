@@ -93,7 +93,8 @@ vec2 patch_bark_uv(TreePatch of, vec2 at) {
 
 /// A point within a patch.
 SurfacePoint inner_point(TreePatch of, vec2 at) {
-  const vec2 s = vec2(of.place.w != 0 ? chord_share(at.x) : at.x, at.y);
+  const float round_share = of.place.w == 0 ? 0.0 : of.place.w == 1 ? 1.0 : 1.0 - at.y;
+  const vec2 s = vec2(mix(at.x, chord_share(at.x), round_share), at.y);
   const ivec4 v = of.vertices;
   const vec4 p = bilinear(vertices[v.x].position, vertices[v.y].position, vertices[v.z].position,
                           vertices[v.w].position, s);

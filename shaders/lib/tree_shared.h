@@ -73,7 +73,7 @@ struct TreePatch {
   ivec4 vertices;
   /// Twice the edge from corner k to k + 1, plus one where it runs the other way.
   ivec4 edges;
-  /// Section (-1: flat), branch level, branch, 1 where u runs round the limb.
+  /// Section (-1: flat), branch level, branch, 1 where u runs round the limb, 2 where it does at v = 0 alone.
   ivec4 place;
   /// The bark's coordinates of corners 0 and 1, 2 and 3.
   vec4 bark_uv_01;

@@ -16,8 +16,8 @@ std::vector<LimbSection> limb_sections(const Surface& surface) {
   const double to_radius = std::sqrt(2.0 / M_PI);
   for (size_t b = 0; b < surface.limbs.size(); ++b) {
     const LimbSurface& limb = surface.limbs[b];
-    const int32_t name = limb.continues_parent ? limb_of_vertex[limb.rings[0].vertices[0]]
-                                               : static_cast<int32_t>(b);
+    const int32_t name =
+        limb.continues_parent ? limb_of_vertex[limb.rings[0].vertices[0]] : static_cast<int32_t>(b);
     for (size_t row = 0; row + 1 < limb.rings.size(); ++row) {
       const Ring& a = limb.rings[row];
       const Ring& c = limb.rings[row + 1];
