@@ -10,6 +10,7 @@
 #include <tuple>
 #include <utility>
 
+#include "render/patch_bounds.h"
 #include "shaders/lib/limb_section.h"
 
 namespace snowbough::render {
@@ -21,9 +22,6 @@ using glm::vec4;
 
 /// How far bark coordinates may differ and still be the same place, in turns of the limb.
 constexpr float kSameUv = 1e-4f;
-/// Points a side at which a patch is looked at for how far it bulges, and what lies between them.
-constexpr int kBulgeSamples = 5;
-constexpr float kBulgeMargin = 1.05f;
 /// Most that bark gains in height per metre from where it has none, and most rounds in which that
 /// spreads from vertex to vertex.
 constexpr float kBarkSlope = 0.25f;
@@ -92,7 +90,7 @@ class PatchBuilder {
     add_normals();
     add_edges();
     limit_bark();
-    bound_patches();
+    bound_patches(made_);
     made_.bone_count = source_.bone_count;
     made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
     return std::move(made_);
@@ -303,43 +301,6 @@ class PatchBuilder {
         a.w = std::min(a.w, b.w + gain);
         b.w = std::min(b.w, a.w + gain);
       }
-    }
-  }
-
-  /// How far points of a patch stand off the sphere around its corners' mean.
-  void bound_patches() {
-    for (shared::TreePatch& patch : made_.patches) {
-      std::array<vec3, 4> corner;
-      float bark = 0.0f;
-      for (int k = 0; k < 4; ++k) {
-        corner[k] = position(patch.vertices[k]);
-        bark = std::max(bark, made_.vertices[patch.vertices[k]].position.w);
-      }
-      const vec3 centre = 0.25f * (corner[0] + corner[1] + corner[2] + corner[3]);
-      float radius = 0.0f, farthest = 0.0f, rest = 0.0f;
-      for (int k = 0; k < 4; ++k) {
-        radius = std::max(radius, glm::distance(centre, corner[k]));
-        const shared::TreeEdge& edge = made_.edges[patch.edges[k] >> 1];
-        rest = std::max({rest, glm::length(vec3(patch.rest[k])), glm::length(vec3(edge.first_rest)),
-                         glm::length(vec3(edge.last_rest))});
-      }
-      std::vector<int32_t> sections = {patch.place.x};
-      for (int k = 0; k < 4; ++k) {
-        const shared::TreeEdge& edge = made_.edges[patch.edges[k] >> 1];
-        sections.push_back(edge.ends.z);
-        sections.push_back(edge.ends.w);
-      }
-      for (int i = 0; i < kBulgeSamples * kBulgeSamples; ++i) {
-        const float u = static_cast<float>(i % kBulgeSamples) / (kBulgeSamples - 1);
-        const float v = static_cast<float>(i / kBulgeSamples) / (kBulgeSamples - 1);
-        const vec3 p =
-            glm::mix(glm::mix(corner[0], corner[1], u), glm::mix(corner[3], corner[2], u), v);
-        for (const int32_t section : sections) {
-          const vec3 q = section >= 0 ? shared::on_limb(made_.sections[section], p) : p;
-          farthest = std::max(farthest, glm::distance(centre, q));
-        }
-      }
-      patch.rest[1].w = std::max(kBulgeMargin * farthest - radius, 0.0f) + rest + bark;
     }
   }
 
