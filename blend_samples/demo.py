@@ -42,9 +42,8 @@ def import_tree(path):
     """Imports the tree, lets it sway and fits it to the stage. Returns (armature, list of its meshes)."""
     before = set(bpy.data.objects)
     started = time.perf_counter()
-    # Every joint of the export, for the flare at the root, and eight sides, on which snow thins out around
-    # a limb.
-    bpy.ops.import_scene.xfrog_tree(filepath=str(path), simplify="NONE", lod=1)
+    # Every joint of the export, for the flare at the root.
+    bpy.ops.import_scene.xfrog_tree(filepath=str(path), simplify="NONE")
     seconds = time.perf_counter() - started
     new = [candidate for candidate in bpy.data.objects if candidate not in before]
     armature = next(candidate for candidate in new if candidate.type == "ARMATURE")
@@ -73,13 +72,18 @@ def import_tree(path):
     return armature, meshes, seconds
 
 
+def has_textures(mesh):
+    nodes = (node for material in mesh.data.materials for node in material.node_tree.nodes)
+    return any(node.type == "TEX_IMAGE" for node in nodes)
+
+
 def clothe(meshes):
-    """Bark for the wood; leaves keep what the export gave them."""
+    """Bark for wood that came without textures; leaves keep what the export gave them."""
     bark = demo_scene.make_material(
         "bark", (0.15, 0.108, 0.078), 0.92, mottle=0.4, scale=9.0, bump=0.7, stretch=(1.0, 1.0, 0.35)
     )
     for mesh in meshes:
-        if mesh.name.endswith("_bark"):
+        if mesh.name.endswith("_bark") and not has_textures(mesh):
             mesh.data.materials.clear()
             mesh.data.materials.append(bark)
 

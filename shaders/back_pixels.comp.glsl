@@ -1,4 +1,5 @@
-// Counts the pixels in which the sky sees back faces, of every receiver: a hint at flipped normals.
+// Counts the pixels in which the sky sees back faces, of every receiver, where they gather
+// nothing: a hint at flipped normals.
 // LOCAL_SIZE: invocations of a work group; see native/snow/step/gl/driver.h.
 #include "lib/tile_pixel.h"
 #include "glsl/triangle_object.glsl"
@@ -25,10 +26,10 @@ void main() {
   for (int x = begin; x < end; x += LOCAL_SIZE) {
     const uint seen = texelFetch(occlusion, pixel_index(ivec2(x, y))).x;
     const uint object = (seen & kBackFace) == 0u ? 0u : object_of((seen & ~kBackFace) - 1u);
-    if ((object & kReceives) == 0u) {
+    if ((object & (kReceives | kTwoSided)) != kReceives) {
       continue;
     }
-    const uint slot = object & ~kReceives;
+    const uint slot = object & kSlotBits;
     if (slot != current) {
       add(current, count);
       current = slot;

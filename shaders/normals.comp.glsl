@@ -12,11 +12,13 @@ layout(std430) readonly buffer LineU { float line_u[]; };
 layout(std430) readonly buffer LineV { float line_v[]; };
 layout(std430) writeonly buffer Normals { vec4 normals[]; };
 uniform int count;
+/// See kNothing in native/snow/seams/seam_table.h.
+const float kSomething = -1e29;
 
 float difference(float before, float here, float after) {
-  const float span = (before >= 0.0 ? 1.0 : 0.0) + (after >= 0.0 ? 1.0 : 0.0);
-  const float low = before >= 0.0 ? before : here;
-  const float high = after >= 0.0 ? after : here;
+  const float span = (before > kSomething ? 1.0 : 0.0) + (after > kSomething ? 1.0 : 0.0);
+  const float low = before > kSomething ? before : here;
+  const float high = after > kSomething ? after : here;
   return span == 0.0 ? 0.0 : (high - low) / span;
 }
 

@@ -45,7 +45,7 @@ void main() {
     if (stable.height != height) {
       imageStore(height_map, at, vec4(stable.height));
     }
-    highest = max(highest, stable.height);
+    highest = max(highest, abs(stable.height));
     sum += stable.sums;
   }
   partials[group * LOCAL_SIZE + int(gl_LocalInvocationID.x)] = sum;

@@ -1,4 +1,4 @@
-// Area and upward part of texels on the current vertices, in steps without a deposit that finds them.
+// Area and upward parts of texels on the current vertices, in steps without a deposit that finds them.
 #include "glsl/texel_group.glsl"
 #include "lib/texel_surface.h"
 
@@ -10,5 +10,6 @@ void main() {
   const int index = listed_texel();
   const TexelSurface surface =
       surface_of(int(texelFetch(fragment_begin, index).x), int(texelFetch(fragment_begin, index + 1).x));
-  texel_steps[index] = uvec4(0u, floatBitsToUint(surface.area), floatBitsToUint(surface.up), 0u);
+  texel_steps[index] = uvec4(0u, floatBitsToUint(surface.area), floatBitsToUint(surface.up),
+                             floatBitsToUint(surface.back_up));
 }

@@ -20,7 +20,8 @@ void main() {
   }
   const uvec4 triangle = texelFetch(triangles, int(first + index));
   const TriangleSetup setup =
-      set_up_triangle(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z), projection);
+      set_up_triangle(vertex(triangle.x), vertex(triangle.y), vertex(triangle.z),
+                      (triangle.w & kTwoSided) != 0u, projection);
   triangle_corners[3u * index] = setup.corner_a;
   triangle_corners[3u * index + 1u] = setup.corner_b;
   triangle_corners[3u * index + 2u] = setup.corner_c;

@@ -12,7 +12,7 @@ uniform int count;
 /// Whether a row without terms leaves kNothing at its target; else 0.
 uniform int nothing_without_terms;
 
-const float kNothing = -1.0;
+const float kNothing = -1e30;
 
 void main() {
   const int row = item_index();

@@ -7,7 +7,7 @@
 
 tree               the maple as exported, its branches, its rig
 shot               three frames of the demo, as they lie in build/demo
-lod                a piece of it at the four levels of detail
+detail             a piece of it at the four levels of detail
 viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
 scene_properties   the Scene properties there
 panels             the sidebar in all its states, as tests/ui/panel_states.py left it in build/panels
@@ -41,7 +41,7 @@ from panel_states import side_by_side  # noqa: E402
 PREVIEWED_SCENE = """
 import math
 bpy.data.objects.remove(bpy.data.objects["Cube"])
-bpy.ops.import_scene.xfrog_tree(filepath={tree!r}, lod=1)
+bpy.ops.import_scene.xfrog_tree(filepath={tree!r})
 tree = next(obj for obj in bpy.data.objects if obj.name.endswith("_bark"))
 bpy.ops.mesh.primitive_grid_add(x_subdivisions=60, y_subdivisions=60, size=7.0)
 ground = bpy.context.object
@@ -92,7 +92,7 @@ result = True
 
 
 # Where the levels of detail are looked at: the maple's trunk between its fourth and eighth branch.
-LOD_MIDDLE, LOD_REACH = np.array((-0.24, 0.0, 2.12)), np.array((0.36, 0.6, 0.45))
+DETAIL_MIDDLE, DETAIL_REACH = np.array((-0.24, 0.0, 2.12)), np.array((0.36, 0.6, 0.45))
 
 # Its few red pixels are what the flag is known by.
 RARE_COLOURS = {"windy"}
@@ -148,20 +148,22 @@ def shot():
     return side_by_side([Image.open(frame).resize((330, 206), Image.LANCZOS) for frame in chosen])
 
 
-def lod():
+def detail():
     """A piece of the trunk with its first branches, lit from the upper left, every face drawn."""
     skeleton = snowbough_native.read_tree(str(maple()))
     away = np.array((0.0, np.cos(contact_sheet.PITCH), -np.sin(contact_sheet.PITCH)))
     light = np.array((-0.65, -0.55, 0.52))
     plates = []
-    for level in range(4):
-        mesh = snowbough_native.build_tree_mesh(skeleton, lod=level)
+    for level, name in enumerate(("DRAFT", "GAME", "DEFAULT", "FILM")):
+        mesh = snowbough_native.build_tree_mesh(skeleton, detail=name)
         corners = mesh.vertices[mesh.quads]
-        corners = corners[(np.abs(corners.mean(axis=1) - LOD_MIDDLE) < LOD_REACH).all(axis=1)]
+        corners = corners[(np.abs(corners.mean(axis=1) - DETAIL_MIDDLE) < DETAIL_REACH).all(axis=1)]
         normals = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
         normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-12)
         corners, normals = corners[normals @ away < 0], normals[normals @ away < 0]
-        plate = contact_sheet.Plate(244, 330, LOD_MIDDLE + LOD_REACH * np.array([(-1, 0, -1), (1, 0, 1)]))
+        plate = contact_sheet.Plate(
+            244, 330, DETAIL_MIDDLE + DETAIL_REACH * np.array([(-1, 0, -1), (1, 0, 1)])
+        )
         tones = (105 + 140 * np.maximum(normals @ light, 0)).astype(int)
         # Far ones first. The finer the faces, the fainter their edges, or nothing else were to be seen.
         for face in np.argsort(-(corners.mean(axis=1) @ away)):
@@ -244,7 +246,7 @@ def cropped(window, name, area):
 PICTURES = {
     "tree": tree,
     "shot": shot,
-    "lod": lod,
+    "detail": detail,
     "viewport": viewport,
     "scene_properties": scene_properties,
     "panels": panels,

@@ -28,6 +28,7 @@ MODULES = (
     "bake.outcome",
     "bake.preflight",
     "bake.preview",
+    "ui.import_panels",
     "ui.import_operators",
     "ui.sway_operator",
     "ui.receiver_operators",

@@ -2,7 +2,7 @@
 """Every difference between the Blender versions that the add-on runs in (3.4 to 5.x).
 
 The rest of the add-on asks no version questions: it calls the functions below, which look for the
-feature itself wherever that is possible. One section a topic.
+feature itself wherever that is possible. One section a topic; nodes have compat_nodes.
 """
 
 import os
@@ -62,6 +62,16 @@ def assign_bone_level_groups(armature, levels, names):
         layer = min(level, 31)
         bone.layers = [index == layer for index in range(32)]
     armature.layers = [index <= min(max(levels, default=0), 31) for index in range(32)]
+
+
+def hide_bones(armature):
+    """Hides all bones that assign_bone_level_groups has sorted; the armature's object stays as it is."""
+    if hasattr(armature, "collections"):
+        for group in armature.collections:
+            group.is_visible = False
+        return
+    # One layer must be shown: the last, which is empty unless there are more levels than layers.
+    armature.layers = [index == 31 for index in range(32)]
 
 
 # --------------------------------------------------------------------------------------------------
@@ -129,6 +139,12 @@ def set_alpha_clipping(material):
     else:
         material.blend_method = "HASHED"
         material.shadow_method = "HASHED"
+
+
+def specular_input(principled):
+    """The strength of a Principled BSDF's reflection, 0.5 by default (renamed in 4.0)."""
+    inputs = principled.inputs
+    return inputs["Specular IOR Level"] if "Specular IOR Level" in inputs else inputs["Specular"]
 
 
 # --------------------------------------------------------------------------------------------------
@@ -218,41 +234,7 @@ def unregister_command(handle):
 
 
 # --------------------------------------------------------------------------------------------------
-# Snow materials, displacement and shells
-
-
-def add_group_socket(tree, in_out, kind, name, description="", default=None, least=None, most=None):
-    """Adds an input or output socket to a node group (`tree.interface` from 4.0 on)."""
-    if hasattr(tree, "interface"):
-        socket = tree.interface.new_socket(name, description=description, in_out=in_out, socket_type=kind)
-    else:
-        socket = (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
-        socket.description = description
-    if least is not None:
-        socket.min_value, socket.max_value = least, most
-    if default is not None:
-        socket.default_value = default
-    return socket
-
-
-def noise_value(node):
-    """The scalar output of a noise texture node: `Fac`, renamed `Factor` in 5.x."""
-    return next(output for output in node.outputs if output.enabled and output.type == "VALUE")
-
-
-def set_subsurface(tree, principled, weight, color, radius):
-    """Links the weight of a Principled BSDF's subsurface and sets its radius in metres.
-
-    Before 4.0 subsurface has a colour of its own.
-    """
-    inputs = principled.inputs
-    if "Subsurface Weight" in inputs:
-        tree.links.new(weight, inputs["Subsurface Weight"])
-        inputs["Subsurface Scale"].default_value = 1.0
-    else:
-        tree.links.new(weight, inputs["Subsurface"])
-        tree.links.new(color, inputs["Subsurface Color"])
-    inputs["Subsurface Radius"].default_value = radius
+# Displacement
 
 
 def set_displacement_method(material, method):
@@ -322,6 +304,19 @@ def read_uv(layer, corner_count):
     return uv
 
 
+def read_corner_normals(mesh):
+    """The normal that every corner is shaded with, as float32 (L, 3): smooth and flat faces, sharp edges, Auto
+    Smooth and custom normals taken into account."""
+    normals = np.empty((len(mesh.loops), 3), dtype=np.float32)
+    if hasattr(mesh, "corner_normals"):  # 4.1 on
+        mesh.corner_normals.foreach_get("vector", normals.ravel())
+    else:
+        mesh.calc_normals_split()
+        mesh.loops.foreach_get("normal", normals.ravel())
+        mesh.free_normals_split()
+    return normals
+
+
 def ensure_triangles(mesh):
     """Makes mesh.loop_triangles valid; from 4.1 on Blender does so by itself."""
     if hasattr(mesh, "calc_loop_triangles"):
@@ -338,3 +333,17 @@ def draw_progress(layout, fraction, text):
         layout.progress(factor=fraction, text=text)
     else:
         layout.label(text=text, icon="BLANK1")
+
+
+def section(layout, identifier, text):
+    """A part of a dialog under a heading; its layout, or None where the user has closed it.
+
+    Parts that can be closed came in 4.1; before, a box. identifier: what Blender remembers it by.
+    """
+    if hasattr(layout, "panel"):
+        header, body = layout.panel(identifier)
+        header.label(text=text)
+        return body
+    box = layout.box()
+    box.label(text=text)
+    return box.column()

@@ -8,8 +8,9 @@ import hashlib
 import math
 import re
 
-# UV maps: bark tiles, leaves lie where their exporter put them, snow stores every place once.
+# UV maps: bark tiles, original and leaves lie where their exporter put them, snow stores every place once.
 BARK_UV = "bark"
+ORIGINAL_UV = "original"
 LEAF_UV = "leaf"
 SNOW_UV = "snow"
 
@@ -28,6 +29,17 @@ MAX_FALL_ANGLE = math.radians(89.5)
 
 # The node group of all snow materials.
 SNOW_GROUP = "Snowbough Snow"
+
+# Kinds of snow, as Blender lists choices; what they set is in result.look.
+SNOW_KINDS = (
+    ("POWDER", "Powder", "Dry and loose: fine grains, much glitter, lies on gentle slopes only"),
+    ("FRESH", "Fresh", "Fallen a few hours ago: soft relief, some glitter"),
+    ("WET", "Wet", "Heavy and smooth, a little darker, sticks to steep things"),
+    ("OLD", "Old", "Weathered: coarse grains, deeper relief, greyer"),
+)
+
+# On the points of an object that is told to keep it: where they are undeformed. Blender's own name.
+REST_ATTRIBUTE = "rest_position"
 
 # The modifiers that a receiver gets for its displacement.
 SUBDIVISION_MODIFIER = "Snowbough Subdivision"

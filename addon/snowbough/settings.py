@@ -23,7 +23,7 @@ from bpy.props import (
 )
 
 from . import compat
-from .names import MAX_FALL_ANGLE, MAX_RESOLUTION
+from .names import MAX_FALL_ANGLE, MAX_RESOLUTION, SNOW_KINDS
 
 MAPPINGS = (
     ("COMPUTE", "Compute", "Texels gather what they see of the sky: smooth, and the same bytes every time"),
@@ -47,6 +47,17 @@ ENGINES = (
         "All cores of the processor. Needs no graphics driver, so it works in containers, on farm nodes and where "
         "OpenGL is too old, as on macOS",
     ),
+)
+
+
+SIDES = (
+    (
+        "AUTO",
+        "Automatic",
+        "Both sides of parts that have no inside, such as leaves, cards, flags and bowls; the outside of all else",
+    ),
+    ("FRONT", "Front", "Only the front of faces, where their normals point to"),
+    ("BOTH", "Both", "Whichever side faces the sky"),
 )
 
 
@@ -95,6 +106,12 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         description="UV map without overlaps that snow is stored in. "
         "Empty takes the map named 'snow', else the object's active one",
     )
+    sides: EnumProperty(
+        name="Sides",
+        description="Which sides of its faces take snow",
+        items=SIDES,
+        default="AUTO",
+    )
     folder: StringProperty(
         name="Baked Files",
         description="Folder of the newest finished bake of this receiver",
@@ -132,6 +149,15 @@ class SnowProperties:
         default=2.0,
         min=1e-3,
         soft_max=60.0,
+    )
+    repose: FloatProperty(
+        name="Repose",
+        description="Steepest slope of snow's own surface before it moves to what lies lower or falls over an edge: "
+        "wet snow stands steeper than powder. At 90 snow stays where it fell, on walls too (degrees)",
+        subtype="ANGLE",
+        default=math.radians(65.0),
+        min=math.radians(5.0),
+        max=math.radians(90.0),
     )
     seed: IntProperty(
         name="Seed",
@@ -212,6 +238,12 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         set=_range_setter("frame_end"),
     )
 
+    kind: EnumProperty(
+        name="Kind of Snow",
+        description="What snow that is put on objects looks like (Set Kind of Snow changes what lies already)",
+        items=SNOW_KINDS,
+        default="FRESH",
+    )
     start_depth: FloatProperty(
         name="Start Depth",
         description="Snow on open level ground at the first frame (metres)",
@@ -291,6 +323,14 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         default=1,
         min=1,
         max=16,
+    )
+    directions: IntProperty(
+        name="Directions",
+        description="Directions of flutter that a shot's snow falls from at least: few frames are divided into more "
+        "steps, so that a still is as smooth as a long shot (directions a shot)",
+        default=64,
+        min=1,
+        soft_max=256,
     )
     checkpoint_interval: IntProperty(
         name="Checkpoint Every",

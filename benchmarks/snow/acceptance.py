@@ -29,6 +29,7 @@ from meshes import (
 )
 from place import place  # noqa: E402
 from rows import ROWS, row  # noqa: E402
+from snow_meshes import STAYS  # noqa: E402
 from snow_rays import outline_area  # noqa: E402
 
 DOWN = (0.0, 0.0, -1.0)
@@ -44,7 +45,7 @@ def volume(height, area):
 
 def bake(mesh, steps, depth, direction, resolution, dt=1.0 / 24.0, max_depth=1e6, **settings):
     positions, triangles, uv = mesh
-    with native.SnowSimulation(max_depth=max_depth, **settings) as sim:
+    with native.SnowSimulation(repose=STAYS, max_depth=max_depth, **settings) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution)
         for step in range(steps):
             sim.step({"it": positions} if step == 0 else {}, depth / steps, direction, dt)
@@ -189,7 +190,7 @@ def seam_gap(mesh, resolution, sigma_texels, direction=DOWN, steps=12):
     positions, triangles, uv = mesh
     texel = texel_size(mesh, resolution)
     with native.SnowSimulation(
-        pixel_size=texel, max_depth=1.0, flutter=3.0, blur_radius=sigma_texels * texel
+        repose=STAYS, pixel_size=texel, max_depth=1.0, flutter=3.0, blur_radius=sigma_texels * texel
     ) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution)
         for step in range(steps):
@@ -232,7 +233,7 @@ def extreme_wind():
         pixel = 0.004 if angle == 80 else 0.0008
         top = 0.3 if angle == 80 else 0.03
         ground, post = grid(4.0, 4.0), box(0.2, top)
-        with native.SnowSimulation(pixel_size=pixel, max_depth=1e6) as sim:
+        with native.SnowSimulation(repose=STAYS, pixel_size=pixel, max_depth=1e6) as sim:
             sim.add_object("ground", ground[1], ground[2], resolution=1024)
             sim.add_object("post", post[1], post[2], resolution=256)
             shift = np.float32((0.0, -1.0, 0.0))
@@ -276,7 +277,7 @@ def extreme_wind():
 
 def persistence():
     ground, plate = grid(), grid(size_x=0.5, size_y=2.0)
-    with native.SnowSimulation(pixel_size=0.004, max_depth=1e6) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.004, max_depth=1e6) as sim:
         sim.add_object("ground", ground[1], ground[2], resolution=256)
         sim.add_object("plate", plate[1], plate[2], receive=False)
         for step in range(24):
@@ -292,7 +293,7 @@ def persistence():
     )
     # A limb that bends like one with an armature, under falling snow.
     limb = grid(0.4, 2.0, 16)
-    with native.SnowSimulation(pixel_size=0.004, max_depth=1e6) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.004, max_depth=1e6) as sim:
         sim.add_object("limb", limb[1], limb[2], resolution=256)
         sim.step({"limb": limb[0]}, 0.05, DOWN, 0.0)
         before = sim.height("limb")
@@ -313,7 +314,7 @@ def persistence():
         kept and abs(gained / expected - 1) < 0.01,
     )
     thing = box()
-    with native.SnowSimulation(pixel_size=0.005, max_depth=1e6) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.005, max_depth=1e6) as sim:
         sim.add_object("box", thing[1], thing[2], resolution=256)
         for bearing in (0.0, 180.0):
             for _ in range(8):
@@ -332,7 +333,7 @@ def persistence():
 
 def turning(rotate_to=180.0):
     ball = sphere(around=96, rings=48)
-    with native.SnowSimulation(pixel_size=0.005, max_depth=0.3, slide_half_life=0.5) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.005, max_depth=0.3, slide_half_life=0.5) as sim:
         sim.add_object("ball", ball[1], ball[2], resolution=256)
         for _ in range(24):
             sim.step({"ball": ball[0]}, 0.1 / 24.0)
@@ -440,7 +441,7 @@ def thin():
 def many():
     tile = grid(0.1, 0.1)
     started = time.perf_counter()
-    with native.SnowSimulation(pixel_size=0.01, max_depth=1e6) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=1e6) as sim:
         placed = {}
         for i in range(1000):
             sim.add_object(f"{i:04}", tile[1], tile[2], resolution=128)
@@ -461,7 +462,7 @@ def many():
     for resolution in (4096, 8192):
         started = time.perf_counter()
         try:
-            with native.SnowSimulation(pixel_size=0.002, max_depth=1e6) as sim:
+            with native.SnowSimulation(repose=STAYS, pixel_size=0.002, max_depth=1e6) as sim:
                 sim.add_object("big", tile[1], tile[2], resolution=resolution)
                 sim.add_object("small", tile[1], tile[2], resolution=64)
                 print("   ", sim.memory_estimate()["text"])
@@ -475,7 +476,7 @@ def many():
             )
         except RuntimeError as error:
             row(f"10 a map of {resolution} beside one of 64", "1 %", f"RuntimeError: {error}"[:150], False)
-    with native.SnowSimulation(pixel_size=0.002) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.002) as sim:
         try:
             for i in range(24):
                 sim.add_object(f"{i}", tile[1], tile[2], resolution=4096)

@@ -14,6 +14,7 @@ import time
 
 import numpy as np
 import snowbough_native as native
+from snow_meshes import STAYS
 
 QUAD = np.array([[0, 0], [1, 0], [1, 1], [0, 1]], np.float32)
 TRIANGLES = np.array([[0, 1, 2], [0, 2, 3]], np.int32)
@@ -44,7 +45,7 @@ def simulation(mesh, image):
     if image is not None:
         index = np.zeros(len(triangles), np.int32)
         alpha = {"uv": uv, "image": index, "images": [image], "extensions": ["REPEAT"]}
-    sim = native.SnowSimulation(pixel_size=2 / 1024)
+    sim = native.SnowSimulation(repose=STAYS, pixel_size=2 / 1024)
     sim.add_object("ground", TRIANGLES, QUAD[TRIANGLES], resolution=1024)
     sim.add_object("leaves", triangles, np.zeros_like(uv), receive=False, alpha=alpha)
     sim.step({"ground": ground, "leaves": positions}, 0.001)

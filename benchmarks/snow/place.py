@@ -8,6 +8,7 @@ holds parts that the sky sees and parts that it does not, and its one sample poi
 import numpy as np
 from meshes import box, bunny, grid, native, rotated, sphere, spot, texel_size, tree, wind
 from rows import row
+from snow_meshes import STAYS
 from snow_rays import lit_shares, near_any, plane_axes, texel_points
 
 DOWN = (0.0, 0.0, -1.0)
@@ -56,7 +57,7 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
     by area. Beside it, by exact area: which part of the lit surface holds snow, and what lies on texels that
     no ray reaches, near the light and beyond a pixel's footprint."""
     positions, triangles, uv = meshes[receiver]
-    with native.SnowSimulation(pixel_size=pixel_size, max_depth=1e6, flutter=flutter) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6, flutter=flutter) as sim:
         for key, (_, faces, corners) in meshes.items():
             sim.add_object(key, faces, corners, resolution=resolution, receive=key == receiver)
         sim.step({key: mesh[0] for key, mesh in meshes.items()}, 0.001, direction, 0.0)

@@ -14,7 +14,7 @@ import time
 
 import numpy as np
 import snowbough_native as native
-from snow_meshes import sphere
+from snow_meshes import STAYS, sphere
 
 RADIUS = 0.5
 
@@ -25,7 +25,9 @@ def measure(steps, resolution=1024, pixels=1024, objects=1, rings=24, mapping="C
     side = int(np.ceil(np.sqrt(objects)))
     places = [np.float32((1.1 * (i % side), 1.1 * (i // side), 0.0)) for i in range(objects)]
     pixel_size = 1.1 * side / pixels
-    with native.SnowSimulation(pixel_size=pixel_size, mapping=mapping, noise_density=density) as sim:
+    with native.SnowSimulation(
+        repose=STAYS, pixel_size=pixel_size, mapping=mapping, noise_density=density
+    ) as sim:
         for i in range(objects):
             sim.add_object(f"{i:04}", triangles, uv, resolution=resolution)
         walls, cpus = [], []

@@ -30,6 +30,7 @@ import numpy as np
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 from meshes import bunny, grid, native, rotated, texel_size, wind  # noqa: E402
 from place import reached_texels  # noqa: E402
+from snow_meshes import STAYS  # noqa: E402
 from snow_rays import outline_area, plane_axes, texel_points  # noqa: E402
 from speed import line  # noqa: E402
 
@@ -141,7 +142,9 @@ def thesis_steps(mesh, direction, resolution, pixel_size, steps):
 def core_steps(mesh, direction, resolution, pixel_size, steps, mapping):
     """Thickness after the first step and after all, areas of the texels, and a step's median seconds."""
     taken, first = [], None
-    with native.SnowSimulation(pixel_size=pixel_size, max_depth=1e6, mapping=mapping, engine="GL") as sim:
+    with native.SnowSimulation(
+        repose=STAYS, pixel_size=pixel_size, max_depth=1e6, mapping=mapping, engine="GL"
+    ) as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution)
         for _ in range(steps):
             started = time.perf_counter()

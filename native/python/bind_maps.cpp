@@ -74,12 +74,11 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     py::gil_scoped_release unlocked;
     const snow::TexelTable table = snow::build_texel_table(topology);
     const snow::SeamTable seams = snow::build_seam_table(topology, table, points);
-    const snow::SmoothingPlan plan = snow::plan_smoothing(table, seams, blur_radius);
     // Only the surface's own texels count.
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
-    output = snow::CpuFilter(table, seams, plan)
-                 .run(std::move(owned), snow::surface_metrics(topology, points));
+    output = snow::CpuFilter(table, seams, {blur_radius})
+                 .run(std::move(owned), {nullptr, snow::surface_metrics(topology, points)});
   }
   py::dict result;
   result["height"] = to_numpy<float>(std::move(output.height), {resolution, resolution});

@@ -20,8 +20,9 @@ namespace {
 
 using tree::Branch;
 using tree::Foliage;
-using tree::FoliageMaterial;
 using tree::ImportReport;
+using tree::MaterialTexture;
+using tree::ObjMaterial;
 using tree::ReadTreeOptions;
 using tree::Simplify;
 using tree::Skeleton;
@@ -58,12 +59,14 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
 
 Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
                    const std::string& simplify, float tolerance, const py::object& foliage,
-                   const py::object& progress) {
+                   double unit, double height, const py::object& progress) {
   ReadTreeOptions options;
   options.up_axis = up_axis_from(up_axis);
   options.levels = levels;
   options.simplify = simplify_from(simplify);
   options.tolerance = tolerance;
+  options.unit = unit;
+  options.height = height;
   set_foliage(foliage, options);
   // os.fsdecode takes str, bytes and pathlib.Path.
   const auto file = py::module_::import("os").attr("fsdecode")(path).cast<std::string>();
@@ -163,6 +166,10 @@ py::array_t<float> point_array(const glm::vec3& point) {
   return array;
 }
 
+py::tuple pair_of(const glm::vec2& pair) {
+  return py::make_tuple(pair.x, pair.y);
+}
+
 }  // namespace
 
 void bind_skeleton(py::module_& module) {
@@ -178,13 +185,30 @@ void bind_skeleton(py::module_& module) {
       .def_property_readonly("radii", array_view<Branch, float, 1>(&Branch::radii), "(N,)")
       .def_property_readonly("areas", array_view<Branch, float, 1>(&Branch::areas), "(N,) in m2.");
 
-  py::class_<FoliageMaterial>(module, "FoliageMaterial")
-      .def_readonly("name", &FoliageMaterial::name)
+  py::class_<MaterialTexture>(module, "MaterialTexture", "A texture that a material names.")
+      .def_readonly("path", &MaterialTexture::path, "Absolute path of an existing file, or empty.")
       .def_property_readonly(
-          "diffuse", [](const FoliageMaterial& material) { return point_array(material.diffuse); })
-      .def_readonly("opacity", &FoliageMaterial::opacity)
-      .def_readonly("diffuse_texture", &FoliageMaterial::diffuse_texture)
-      .def_readonly("alpha_texture", &FoliageMaterial::alpha_texture);
+          "scale", [](const MaterialTexture& texture) { return pair_of(texture.scale); },
+          "(u, v): the texture is looked up at uv * scale + offset.")
+      .def_property_readonly(
+          "offset", [](const MaterialTexture& texture) { return pair_of(texture.offset); });
+
+  py::class_<ObjMaterial>(module, "ObjMaterial", "A material of the export's MTL file.")
+      .def_readonly("name", &ObjMaterial::name)
+      .def_readonly("defined", &ObjMaterial::defined, "A library describes it.")
+      .def_property_readonly(
+          "diffuse", [](const ObjMaterial& material) { return point_array(material.diffuse); })
+      .def_readonly("opacity", &ObjMaterial::opacity)
+      .def_property_readonly(
+          "transmission",
+          [](const ObjMaterial& material) { return point_array(material.transmission); },
+          "Tf: colour of the light that passes through; white where nothing is said.")
+      .def_readonly("bump_strength", &ObjMaterial::bump_strength)
+      .def_readonly("diffuse_texture", &ObjMaterial::diffuse_texture)
+      .def_readonly("alpha_texture", &ObjMaterial::alpha_texture)
+      .def_readonly("specular_texture", &ObjMaterial::specular_texture)
+      .def_readonly("bump_texture", &ObjMaterial::bump_texture)
+      .def_readonly("normal_texture", &ObjMaterial::normal_texture);
 
   py::class_<Foliage>(module, "Foliage", "Leaves, needles and flowers as they stand in the file.")
       .def_property_readonly("vertices", array_view<Foliage, float, 3>(&Foliage::vertices),
@@ -223,6 +247,10 @@ void bind_skeleton(py::module_& module) {
           "warnings")
       .def_readonly("height", &Skeleton::height, "Extent of the wood along Z in metres.")
       .def_readonly("foliage", &Skeleton::foliage)
+      .def_property_readonly(
+          "wood_materials",
+          [](const Skeleton& skeleton) -> const auto& { return skeleton.wood.materials; },
+          "Materials of the wood's own polygons: see original_uvs.")
       .def_static(
           "from_branches", &skeleton_from_branches, py::arg("branches"),
           "A skeleton from dicts with name, level, parent (index or -1), attach_point (3,), "
@@ -232,11 +260,13 @@ void bind_skeleton(py::module_& module) {
   module.def(
       "read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO", py::arg("levels") = "",
       py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f, py::arg("foliage") = "AUTO",
-      py::arg("progress") = py::none(),
+      py::arg("unit") = 1.0, py::arg("height") = 0.0, py::arg("progress") = py::none(),
       "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
       "foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string "
       "names what is foliage, separated by commas: parts whose group, object or material starts "
       "with one of the names, and no others.\n\n"
+      "unit: metres that one unit of the file is; height: metres that the wood shall be high "
+      "instead, 0 = as unit says.\n\n"
       "progress(share) is called now and then; a return of False (not None) cancels with "
       "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
 }

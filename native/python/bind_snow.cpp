@@ -29,15 +29,17 @@ snow::gl::DepositMapping mapping_from(const std::string& name) {
 
 std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
                                                 double flutter, double max_depth,
-                                                double slide_half_life, double blur_radius,
-                                                int64_t seed, const std::string& mapping,
-                                                int32_t tile_size, const std::string& device,
+                                                double slide_half_life, double repose,
+                                                double blur_radius, int64_t seed,
+                                                const std::string& mapping, int32_t tile_size,
+                                                const std::string& device,
                                                 const std::string& engine, bool wait_for_gpu) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
                                     flutter,
                                     max_depth,
                                     slide_half_life,
+                                    repose,
                                     blur_radius,
                                     static_cast<uint32_t>(seed),
                                     mapping_from(mapping),
@@ -49,11 +51,19 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
   return std::make_unique<SnowSimulation>(settings);
 }
 
+snow::Sides sides_from(const std::string& name, const std::string& object) {
+  if (name == "AUTO") return snow::Sides::kAuto;
+  if (name == "FRONT") return snow::Sides::kFront;
+  if (name == "BOTH") return snow::Sides::kBoth;
+  throw std::invalid_argument("object '" + object + "': sides must be AUTO, FRONT or BOTH, not " +
+                              name);
+}
+
 snow::ObjectDescription describe(const std::string& name, const InputArray<int32_t>& triangles,
                                  const InputArray<float>& uv, int32_t resolution, bool receive,
                                  bool occlude, const py::object& rest,
-                                 const std::optional<double>& blur_radius,
-                                 const py::object& alpha) {
+                                 const std::optional<double>& blur_radius, const py::object& alpha,
+                                 const py::object& shading, const std::string& sides) {
   if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
     throw std::invalid_argument("object '" + name + "': triangles must have shape (T, 3)");
   }
@@ -82,15 +92,25 @@ snow::ObjectDescription describe(const std::string& name, const InputArray<int32
   if (!alpha.is_none()) {
     description.alpha = alpha_from_python(alpha, name, triangles.shape(0));
   }
+  if (!shading.is_none()) {
+    const auto numbers = py::cast<InputArray<int32_t>>(shading);
+    if (numbers.ndim() != 2 || numbers.shape(0) != triangles.shape(0) || numbers.shape(1) != 3) {
+      throw std::invalid_argument("object '" + name + "': shading must have shape (T, 3), T = " +
+                                  std::to_string(triangles.shape(0)));
+    }
+    description.shading.assign(numbers.data(), numbers.data() + numbers.size());
+  }
+  description.sides = sides_from(sides, name);
   return description;
 }
 
 void add_object(SnowSimulation& simulation, const std::string& name,
                 const InputArray<int32_t>& triangles, const InputArray<float>& uv,
                 int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                const std::optional<double>& blur_radius, const py::object& alpha) {
-  snow::ObjectDescription description =
-      describe(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha);
+                const std::optional<double>& blur_radius, const py::object& alpha,
+                const py::object& shading, const std::string& sides) {
+  snow::ObjectDescription description = describe(name, triangles, uv, resolution, receive, occlude,
+                                                 rest, blur_radius, alpha, shading, sides);
   const py::gil_scoped_release release;
   simulation.add_object(std::move(description));
 }
@@ -98,9 +118,10 @@ void add_object(SnowSimulation& simulation, const std::string& name,
 void replace_object(SnowSimulation& simulation, const std::string& name,
                     const InputArray<int32_t>& triangles, const InputArray<float>& uv,
                     int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                    const std::optional<double>& blur_radius, const py::object& alpha) {
-  snow::ObjectDescription description =
-      describe(name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha);
+                    const std::optional<double>& blur_radius, const py::object& alpha,
+                    const py::object& shading, const std::string& sides) {
+  snow::ObjectDescription description = describe(name, triangles, uv, resolution, receive, occlude,
+                                                 rest, blur_radius, alpha, shading, sides);
   const py::gil_scoped_release release;
   simulation.replace_object(std::move(description));
 }
@@ -314,7 +335,11 @@ void bind_snow(py::module_& module) {
       "in\n"
       "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
       "level\n"
-      "ground holds. slide_half_life: seconds. blur_radius: sigma of output's blur in metres.\n"
+      "ground holds. slide_half_life: seconds. repose: radians from level, over 0 to pi / 2, that\n"
+      "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
+      "where\n"
+      "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
+      "fell. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
       "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
       "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 "
@@ -327,17 +352,18 @@ void bind_snow(py::module_& module) {
       "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
-                       double slide_half_life, double blur_radius, int64_t seed,
+                       double slide_half_life, double repose, double blur_radius, int64_t seed,
                        const std::string& mapping, int32_t tile_size, const std::string& device,
                        const std::string& engine, bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
-                                           slide_half_life, blur_radius, seed, mapping, tile_size,
-                                           device, engine, wait_for_gpu)
+                                           slide_half_life, repose, blur_radius, seed, mapping,
+                                           tile_size, device, engine, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
-           "slide_half_life"_a = 2.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+           "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose,
+           "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
+           "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
@@ -350,24 +376,36 @@ void bind_snow(py::module_& module) {
           },
           "What does the passes, waited for: a dict of 'name' (GL or CPU), 'driver' (what decides\n"
           "about last bits) and 'reason' (why this one).")
-      .def("add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
-           "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-           "blur_radius"_a = py::none(), "alpha"_a = py::none(),
-           "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
-           "a\n"
-           "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
-           "3):\n"
-           "the pose in which output measures distances, in metres; by default that of its first "
-           "step.\n"
-           "blur_radius: sigma in metres for this object, by default the simulation's.\n"
-           "alpha: where snow falls through, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index "
-           "into\n"
-           "'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more "
-           "is\n"
-           "there], 'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.")
+      .def(
+          "add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
+          "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+          "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
+          "sides"_a = "AUTO",
+          "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
+          "a\n"
+          "map of resolution x resolution texels, and occludes whatever `occlude` says. rest (N, "
+          "3):\n"
+          "the pose in which output measures distances, in metres; by default that of its first "
+          "step.\n"
+          "blur_radius: sigma in metres for this object, by default the simulation's.\n"
+          "alpha: where snow falls through, a dict: 'uv' (T, 3, 2) any floats, 'image' (T,) index "
+          "into\n"
+          "'images' or -1 for opaque triangles, 'images' [(H, W) uint8, row 0 = v 0; 128 and more "
+          "is\n"
+          "there], 'extensions' [REPEAT, MIRROR, EXTEND or CLIP] for each image.\n"
+          "shading (T, 3) int32: corners of one number share a smooth normal, worked out from the\n"
+          "positions of each step; -1, or None for all: flat. Thickness follows the smooth "
+          "normals, and\n"
+          "the snow on all of the surface stays what falls on its triangles.\n"
+          "sides: which take snow. FRONT, where triangles run anticlockwise; BOTH: the one that "
+          "faces\n"
+          "the sky, heights being negative on the back; AUTO: BOTH for the parts of the mesh that "
+          "have\n"
+          "no inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.")
       .def("replace_object", &replace_object, "name"_a, "triangles"_a, "uv"_a,
            "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-           "blur_radius"_a = py::none(), "alpha"_a = py::none(),
+           "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
+           "sides"_a = "AUTO",
            "Gives an object another mesh, from the next step on, which must name it. A receiver "
            "keeps\n"
            "its map wherever the new mesh has a surface in UV space; the rest goes, and counts as\n"
@@ -375,12 +413,14 @@ void bind_snow(py::module_& module) {
       .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
            "dt"_a = 1.0 / 24.0,
            "Lets snow fall: depth in metres on open level ground, along direction, within dt "
-           "seconds.\n"
+           "seconds\n(0: nothing slides or moves).\n"
            "positions: {name: (N, 3) metres} of the objects that moved; an object's first step "
            "must\n"
            "name it, later ones only when it moved.")
       .def("height", &height, "name"_a,
-           "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0.")
+           "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative "
+           "where it\n"
+           "lies on the back.")
       .def(
           "output", &output, "name"_a, "normal"_a = true,
           "{'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both\n"

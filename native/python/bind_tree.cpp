@@ -15,6 +15,7 @@
 #include "tree/mesh/bones.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
+#include "tree/original/original_uvs.h"
 
 namespace py = pybind11;
 
@@ -196,6 +197,26 @@ void bind_mesh_functions(py::module_& module) {
       },
       py::arg("skeleton"), py::arg("mesh"),
       "(L,) per leaf of skeleton.foliage: the bone of its branch nearest to where it hangs.");
+
+  module.def(
+      "original_uvs",
+      [](const Skeleton& skeleton, const BoundMesh& mesh, int threads, const py::object& progress) {
+        OriginalUvs found = run_cancellable(progress, [&](const base::Progress& asked) {
+          return original_uvs(skeleton, mesh.mesh, {threads, asked});
+        });
+        const py::ssize_t faces = size(found.material.size());
+        py::object uv = py::none();
+        if (!found.uv.empty()) uv = to_numpy<float>(std::move(found.uv), {faces, 4, 2});
+        return py::make_tuple(uv, to_numpy<int32_t>(std::move(found.material), {faces}));
+      },
+      py::arg("skeleton"), py::arg("mesh"), py::arg("threads") = 0,
+      py::arg("progress") = py::none(),
+      "(uv (F, 4, 2) or None, material (F,)): the export's own texture coordinates and materials "
+      "on a\n"
+      "mesh that was built from `skeleton`, looked up on each branch's own polygons. Faces of "
+      "pieces\n"
+      "without coordinates have those of uv_bark; None: no piece has any. material: index into\n"
+      "skeleton.wood_materials, -1 = none.");
 
   module.def(
       "crossing_quads",

@@ -30,6 +30,8 @@ void check_settings(const SimulationSettings& s) {
   require(std::isfinite(s.max_depth) && s.max_depth >= 0.0, "max_depth must be 0 metres or more");
   require(std::isfinite(s.slide_half_life) && s.slide_half_life >= 0.0,
           "slide_half_life must be 0 seconds or more");
+  require(std::isfinite(s.repose) && s.repose > 0.0 && s.repose <= 1.5708,
+          "repose must be over 0 and at most pi / 2 radians");
   require(std::isfinite(s.blur_radius) && s.blur_radius >= 0.0,
           "blur_radius must be 0 metres or more");
   require(
@@ -137,6 +139,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
                 step_number_};
   frame.stability = {static_cast<float>(settings_.max_depth),
                      static_cast<float>(settings_.slide_half_life)};
+  frame.repose.angle = settings_.repose;
   frame.dt = dt;
   frame.tile_size = settings_.tile_size;
   take_positions(positions);
@@ -212,27 +215,12 @@ std::vector<float> SnowSimulation::texel_area(const std::string& name) {
   if (object.positions.empty()) {
     refuse("object '" + name + "' has no positions yet: texel_area is known after its first step");
   }
-  // The same sums as the GPU's texel surface pass, without asking it.
-  const MapTopology& topology = object.description.topology;
-  std::vector<float> triangle_area(static_cast<size_t>(object.triangle_count()));
-  for (size_t t = 0; t < triangle_area.size(); ++t) {
-    const glm::dvec3 a(object.positions[static_cast<size_t>(topology.triangles[3 * t])]);
-    const glm::dvec3 b(object.positions[static_cast<size_t>(topology.triangles[3 * t + 1])]);
-    const glm::dvec3 c(object.positions[static_cast<size_t>(topology.triangles[3 * t + 2])]);
-    triangle_area[t] = static_cast<float>(0.5 * glm::length(glm::cross(b - a, c - a)));
-  }
   const TexelTable& table = object.table;
+  const std::vector<float> owned =
+      texel_areas(object.description.topology, table, object.positions);
   std::vector<float> areas(
       static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution), 0.0f);
-  for (size_t i = 0; i < table.texel.size(); ++i) {
-    float area = 0.0f;
-    for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
-      const auto fragment = static_cast<size_t>(f);
-      area += table.fragment_share[fragment] *
-              triangle_area[static_cast<size_t>(table.fragment_triangle[fragment])];
-    }
-    areas[static_cast<size_t>(table.texel[i])] = area;
-  }
+  for (size_t i = 0; i < owned.size(); ++i) areas[static_cast<size_t>(table.texel[i])] = owned[i];
   return areas;
 }
 

@@ -6,6 +6,7 @@
 #include <map>
 #include <memory>
 #include <mutex>
+#include <numbers>
 #include <span>
 #include <string>
 #include <vector>
@@ -35,6 +36,9 @@ struct SimulationSettings {
   double max_depth = 1.0;
   /// Seconds in which what is too much for a slope halves.
   double slide_half_life = 2.0;
+  /// Radians from level that snow's own surface keeps before it moves to what lies lower, over 0 to
+  /// pi / 2; pi / 2: it stays where it fell, also on walls.
+  double repose = 65.0 / 180.0 * std::numbers::pi;
   /// Sigma in metres of the blur of `output`; the stored map stays sharp.
   double blur_radius = 0.0;
   uint32_t seed = 0;
@@ -77,10 +81,8 @@ class OutputSnapshot {
  private:
   friend class SnowSimulation;
   int32_t resolution_ = 0;
-  /// Stored heights and, where normals are wanted, surface_metrics; or what the GPU made of them.
   std::vector<float> stored_;
-  std::vector<SurfaceMetric> metrics_;
-  MapOutput done_;
+  OutputSurface surface_;
   std::shared_ptr<OutputFilter> filter_;
   std::shared_ptr<MapMemory> memory_;
 };
@@ -108,7 +110,7 @@ class SnowSimulation {
 
   /// Lets snow fall for one step. `positions` names the objects that moved; all must have been
   /// named once. `depth`: metres on open level ground; `direction`: of the fall, any length,
-  /// downwards; `dt`: seconds, only for sliding (0 = nothing slides).
+  /// downwards; `dt`: seconds, only for sliding and repose (0 = nothing moves).
   /// @throws std::invalid_argument with the object's name for an unknown name, a vertex count that
   /// is too small or not that of the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);

@@ -6,6 +6,7 @@
 
 #include "snow/scene/fragment_opacity.h"
 #include "snow/simulation.h"
+#include "snow/texels/open_sheets.h"
 
 namespace snowbough::snow {
 namespace {
@@ -37,6 +38,16 @@ std::vector<float> only_owned(const TexelTable& table, const std::vector<float>&
   return kept;
 }
 
+/// Notes which triangles take snow on both sides; the rest pose is known.
+void find_sides(SceneObject& object) {
+  const ObjectDescription& description = object.description;
+  if (!description.receive || description.sides == Sides::kFront) return;
+  const std::vector<int32_t>& triangles = description.topology.triangles;
+  object.two_sided = description.sides == Sides::kBoth
+                         ? std::vector<uint8_t>(triangles.size() / 3, 1)
+                         : find_open_sheets(triangles, description.rest);
+}
+
 }  // namespace
 
 SceneObject SnowSimulation::make_object(ObjectDescription description) {
@@ -55,6 +66,11 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
            std::to_string(description.rest.size()) + " vertices, a triangle asks for number " +
            std::to_string(highest));
   }
+  if (!description.shading.empty() && description.shading.size() != topology.triangles.size()) {
+    refuse("object '" + description.name + "': shading has " +
+           std::to_string(description.shading.size()) + " numbers, there are " +
+           std::to_string(topology.triangles.size()) + " corners of triangles");
+  }
   SceneObject object;
   try {
     if (!description.alpha.empty()) {
@@ -71,6 +87,7 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
     share(mask, masks_);
   }
   object.description = std::move(description);
+  if (!object.description.rest.empty()) find_sides(object);
   return object;
 }
 
@@ -156,9 +173,11 @@ void SnowSimulation::take_positions(const PositionMap& positions) {
     }
     if (object.description.receive && object.description.rest.empty()) {
       object.description.rest.assign(points.begin(), points.end());
+      find_sides(object);
     }
     object.positions.assign(points.begin(), points.end());
     object.moved = true;
+    object.layers = nullptr;
     // Only vertices in use count: stray ones would widen the grid.
     glm::vec3 low(1e30f);
     glm::vec3 high(-1e30f);

@@ -2,7 +2,6 @@
 #include <array>
 #include <cstdio>
 #include <cstring>
-#include <optional>
 #include <sstream>
 #include <stdexcept>
 
@@ -44,6 +43,7 @@ std::string describe(const SimulationSettings& s,
   text += "flutter=" + number(s.flutter) + "\n";
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
+  text += "repose=" + number(s.repose) + "\n";
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";
@@ -56,7 +56,12 @@ std::string describe(const SimulationSettings& s,
     if (object->description.receive) {
       hash = digest(topology.corner_uv.data(), topology.corner_uv.size() * 8, hash);
     }
-    const ObjectAlpha& alpha = object->description.alpha;
+    const ObjectDescription& own = object->description;
+    if (own.receive) {
+      hash = digest(own.shading.data(), own.shading.size() * 4, hash);
+      hash = digest(&own.sides, sizeof own.sides, hash);
+    }
+    const ObjectAlpha& alpha = own.alpha;
     if (!alpha.empty()) {
       hash = digest(alpha.corner_uv.data(), alpha.corner_uv.size() * 8, hash);
       hash = digest(alpha.mask.data(), alpha.mask.size() * 4, hash);
@@ -123,17 +128,11 @@ void SnowSimulation::prepare_output(const std::string& name) {
     throw std::invalid_argument(
         "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
   }
-  outputs_.begin(object, blur_radius_of(*object), choice_->is_cpu());
+  outputs_.begin(object, blur_radius_of(*object));
 }
 
 MapOutput OutputSnapshot::output() {
-  if (!stored_.empty()) {
-    return filter_->run(std::move(stored_), metrics_);
-  }
-  if (done_.normal.empty()) {
-    filter_->level(done_.height);
-  }
-  return std::move(done_);
+  return filter_->run(std::move(stored_), surface_);
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
@@ -148,26 +147,19 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
     throw std::invalid_argument("object '" + name +
                                 "' has no positions yet: output is known after its first step");
   }
-  Engine& now = engine();
-  const std::shared_ptr<OutputFilter> filter =
-      outputs_.get(object, blur_radius_of(*object), choice_->is_cpu());
   const MapTopology& topology = object->description.topology;
   OutputSnapshot snapshot;
   snapshot.resolution_ = topology.resolution;
-  snapshot.filter_ = filter;
+  snapshot.filter_ = outputs_.get(object, blur_radius_of(*object));
+  if (object->layers == nullptr) {
+    object->layers = std::make_shared<const std::vector<LayerTerms>>(
+        layer_terms(topology.triangles, object->description.shading, object->positions));
+  }
+  snapshot.surface_.layers = object->layers;
   if (with_normals) {
     const std::vector<glm::vec3> positions(object->positions.begin(),
                                            object->positions.begin() + topology.vertex_count);
-    snapshot.metrics_ = surface_metrics(topology, positions);
-  }
-  std::optional<MapOutput> done;
-  if (scene_is_current_) {
-    const size_t at = index_of(name);
-    now.run([&] { done = now.filter_output(at, *filter, snapshot.metrics_); });
-  }
-  if (done) {
-    snapshot.done_ = std::move(*done);
-    return snapshot;
+    snapshot.surface_.metrics = surface_metrics(topology, positions);
   }
   snapshot.stored_ = stored_height(name);
   snapshot.memory_ = map_memory_;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <glm/common.hpp>
 #include <limits>
@@ -20,6 +21,7 @@
 #include "tree/read/part_names.h"
 #include "tree/read/plausible.h"
 #include "tree/read/up_axis.h"
+#include "tree/read/wood.h"
 #include "tree/skeleton/attach.h"
 
 namespace snowbough::tree {
@@ -159,14 +161,16 @@ void turn_upside_up(TracedBranches& traced) {
   }
 }
 
-void gather_leaves(const ObjScene& scene, const Parts& parts, const ClassifiedParts& classified,
-                   const std::string& path, Skeleton& skeleton) {
-  skeleton.foliage = gather_foliage(scene, parts, classified);
-  const std::map<std::string, FoliageMaterial> library =
+/// Fills in what the libraries say of the materials that wood and leaves use.
+void describe_materials(const ObjScene& scene, const std::string& path, Skeleton& skeleton) {
+  if (scene.materials.empty() && scene.material_libraries.empty()) return;
+  const std::map<std::string, ObjMaterial> library =
       read_materials(path, scene.material_libraries, skeleton.report.warnings);
-  for (FoliageMaterial& material : skeleton.foliage.materials) {
-    const auto found = library.find(material.name);
-    if (found != library.end()) material = found->second;
+  for (std::vector<ObjMaterial>* used : {&skeleton.wood.materials, &skeleton.foliage.materials}) {
+    for (ObjMaterial& material : *used) {
+      const auto found = library.find(material.name);
+      if (found != library.end()) material = found->second;
+    }
   }
 }
 
@@ -252,12 +256,14 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
                  std::any_of(labels.meaning.begin(), labels.meaning.end(),
                              [](NameMeaning m) { return m != NameMeaning::kSilent; });
   assign_levels(traced, labels, classified.form, options.levels, report.warnings);
+  skeleton.wood = gather_wood(scene, parts, classified, traced.branches);
   if (options.foliage) {
-    gather_leaves(scene, parts, classified, path, skeleton);
+    skeleton.foliage = gather_foliage(scene, parts, classified);
   } else if (classified.foliage_count > 0) {
     report.skipped_parts.emplace_back(
         "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
   }
+  describe_materials(scene, path, skeleton);
   return traced;
 }
 
@@ -269,6 +275,20 @@ void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   if (!y_up) return;
   turn_y_up_to_z_up(traced.branches);
   for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
+  for (glm::vec3& p : skeleton.wood.vertices) p = y_up_to_z_up(p);
+}
+
+/// Makes the tree as large as the options say.
+void scale_tree(const ReadTreeOptions& options, Skeleton& skeleton) {
+  double factor = options.unit;
+  if (options.height > 0.0) {
+    if (!(skeleton.height > 0.0f)) {
+      throw std::invalid_argument("the tree has no height of its own that could be made " +
+                                  std::to_string(options.height) + " metres");
+    }
+    factor = options.height / static_cast<double>(skeleton.height);
+  }
+  scale_skeleton(skeleton, factor);
 }
 
 /// Whether branches have no names of their own in a file of this form.
@@ -288,6 +308,10 @@ void report_extra_roots(Skeleton& skeleton) {
 
 Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   check_tolerance(options.tolerance);
+  if (!(options.unit > 0.0) || !std::isfinite(options.unit) || !(options.height >= 0.0) ||
+      !std::isfinite(options.height)) {
+    throw std::invalid_argument("unit must be above zero metres, height zero or above");
+  }
   const base::Execution whole{options.threads, options.progress};
   Skeleton skeleton;
   TracedBranches traced = read_parts(path, options, skeleton);
@@ -304,6 +328,12 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   complete_skeleton(skeleton);
   report_extra_roots(skeleton);
   attach_leaves(skeleton.branches, skeleton.foliage, whole.part(0.85f, 0.98f));
+  scale_tree(options, skeleton);
+  if (!skeleton.wood.triangles.empty()) {
+    for (const Branch& branch : skeleton.branches) {
+      skeleton.wood.centrelines.push_back(branch.points);
+    }
+  }
   simplify_skeleton(skeleton, options.simplify, options.tolerance);
   base::report_progress(options.progress, 1.0f);
   return skeleton;

@@ -24,6 +24,10 @@ struct ReadTreeOptions {
   /// Names separated by commas: parts whose group, object or material starts with one of them are
   /// foliage and no others. Empty: told by the names' words and by shape.
   std::string foliage_names = {};
+  /// Metres that one unit of the file is.
+  double unit = 1.0;
+  /// Metres that the wood shall be high, whatever its unit; 0 = as high as its unit says.
+  double height = 0.0;
   /// Bytes of the file read at a time.
   size_t buffer_size = size_t{4} << 20;
   /// Threads that may share the work, the calling one included; 0 = one a core. The skeleton does
@@ -33,8 +37,8 @@ struct ReadTreeOptions {
 };
 
 /// Reads a tree that Xfrog or a similar modeller exported as Wavefront OBJ: finds out which of the
-/// forms it has, traces the branches, connects them and gathers the foliage. Lengths are the
-/// file's own units, taken as metres; the result is Z up.
+/// forms it has, traces the branches, connects them and gathers the foliage. The result is Z
+/// up, in metres; `wood` has the tubes' own polygons.
 ///
 /// @throws std::invalid_argument with file and line for malformed content; with the file and what
 ///   to do for one that holds no branches or is no tree, such as a bench.

@@ -13,6 +13,15 @@ KERNEL_CONSTANT float kEdgeOn = 1e-5f;
 /// `facing`: cosine between the triangle's normal and the way to the sky.
 SNOWBOUGH_SHARED_FUNCTION bool may_face_the_fall(float facing) { return facing > -kEdgeOn; }
 
+/// A triangle that is shaded smooth and faces the fall by less than this has less of what its smooth points hold,
+/// the less it does: what is edge-on but for rounding is to count as nothing.
+KERNEL_CONSTANT float kFullFacing = 0.05f;
+
+/// Which part of what its smooth points hold a triangle has, 0 to 1.
+SNOWBOUGH_SHARED_FUNCTION float front_part(float facing) {
+  return clamp(facing * (1.0f / kFullFacing), 0.0f, 1.0f);
+}
+
 #ifndef SNOWBOUGH_GLSL
 }  // namespace snowbough::shared
 #endif

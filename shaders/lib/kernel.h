@@ -11,6 +11,7 @@
 #define KERNEL_MAKE2(type, a, b) type(a, b)
 #define KERNEL_MAKE3(type, a, b, c) type(a, b, c)
 #define KERNEL_MAKE4(type, a, b, c, d) type(a, b, c, d)
+#define KERNEL_MAKE5(type, a, b, c, d, e) type(a, b, c, d, e)
 /// What was found last, by two numbers, for a kernel that asks for it again: neighbouring texels lie in the
 /// same triangle.
 #define KERNEL_MEMO(type, name)
@@ -22,17 +23,19 @@
 #define KERNEL_UNIFORM_BLOCK(block, type, name) layout(std140) uniform block { type name; }
 #define KERNEL_BLOCK(block, type, name) layout(std430) buffer block { type name[]; }
 #define KERNEL_BLOCK_WRITEONLY(block, type, name) layout(std430) writeonly buffer block { type name[]; }
-/// A buffer texture of one, two or four numbers an element; OpenGL 4.1 has no storage blocks.
+/// A buffer texture of one to four numbers an element; OpenGL 4.1 has no storage blocks.
 #define KERNEL_VIEW_R32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RG32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_RGBA32UI(name) uniform usamplerBuffer name
 #define KERNEL_VIEW_R32F(name) uniform samplerBuffer name
+#define KERNEL_VIEW_RGB32F(name) uniform samplerBuffer name
 #define KERNEL_VIEW_RGBA32F(name) uniform samplerBuffer name
 #else
 #define KERNEL_CONSTANT static constexpr
 #define KERNEL_MAKE2(type, a, b) type{a, b}
 #define KERNEL_MAKE3(type, a, b, c) type{a, b, c}
 #define KERNEL_MAKE4(type, a, b, c, d) type{a, b, c, d}
+#define KERNEL_MAKE5(type, a, b, c, d, e) type{a, b, c, d, e}
 #define KERNEL_MEMO(type, name) kernel::Memo<type> name;
 #define KERNEL_CONST_REF(type) const type&
 #define KERNEL_MEMOIZED(name, key, found) (name).get(key, [&] { return found; })
@@ -45,5 +48,6 @@
 #define KERNEL_VIEW_RG32UI(name) const uvec2* name
 #define KERNEL_VIEW_RGBA32UI(name) const uvec4* name
 #define KERNEL_VIEW_R32F(name) const shared::Number* name
+#define KERNEL_VIEW_RGB32F(name) const vec3* name
 #define KERNEL_VIEW_RGBA32F(name) const vec4* name
 #endif

@@ -9,7 +9,7 @@ namespace snowbough::shared {
 #endif
 
 /// A triangle of the scene: its vertices in the scene's position buffer, and its object's slot with
-/// kReceives set when that object gathers snow.
+/// kReceives set when that object gathers snow and kTwoSided when the triangle does so on both sides.
 struct SceneTriangle {
   uint a;
   uint b;
@@ -66,13 +66,15 @@ SNOWBOUGH_SHARED_SIZE(Fragment, 16)
 struct TexelStep {
   /// What falls on it, in units of the step's thickness perpendicular to the fall / kGainUnits: a texel
   /// that faces the fall and is seen as a whole gains kGainUnits. Integers, so that the sum over tiles does
-  /// not depend on how they were cut.
+  /// not depend on how they were cut. With kBackSide where it falls on the back; with kMixedSides what falls on
+  /// front and back lies in kMixedBits each, in units of 1 / kMixedUnits.
   uint gain;
   /// Covered area in m2.
   float area;
   /// Upward part of the normal, 1 on level ground.
   float up;
-  uint unused_row_end;
+  /// The same of the back's normal, of what is two-sided; 0 where nothing is.
+  float back_up;
 };
 SNOWBOUGH_SHARED_SIZE(TexelStep, 16)
 
@@ -182,6 +184,15 @@ struct ObjectSums {
 SNOWBOUGH_SHARED_SIZE(ObjectSums, 128)
 
 const uint kReceives = 0x80000000u;
+const uint kTwoSided = 0x40000000u;
+/// What is left of a SceneTriangle's `object` without them: the slot.
+const uint kSlotBits = 0x3FFFFFFFu;
+/// In a TexelStep's gain, which is less than these: no texel gains more than 3 * kGainUnits.
+const uint kBackSide = 0x80000000u;
+const uint kMixedSides = 0x40000000u;
+const uint kMixedBits = 15u;
+const uint kMixedMask = (1u << kMixedBits) - 1u;
+const float kMixedUnits = 4096.0f;
 const uint kNowhere = 0xFFFFFFFFu;
 /// How an alpha image goes on beyond 0 to 1.
 const uint kAlphaRepeat = 0u;

@@ -3,6 +3,7 @@
 // The deposit for one texel, gathered: every fragment that faces the fall gains what falls on it, times the
 // part of it that sees the sky. Nothing is shared out among texels and nothing is added up per pixel, so that
 // an evenly lit surface is evenly covered whatever the sizes of its texels and of the pixels.
+#include "facing.h"
 #include "projection_frame.h"
 #include "kernel.h"
 #include "texel_surface.h"
@@ -38,6 +39,7 @@ struct GainTriangle {
   vec2 gradient;
   float hair;
   float pixel_depth;
+  float side;
   /// Texels that it covers.
   float texels;
 };
@@ -63,6 +65,7 @@ GainTriangle gain_triangle(int triangle, int map_triangle) {
   found.gradient = vec2(a.w, b.w);
   found.hair = hair_of(found.gradient);
   found.pixel_depth = pixel_depth_of(c.w);
+  found.side = texelFetch(triangle_surface, triangle).w;
   found.texels = 0.5f * abs(twice);
   return found;
 }
@@ -139,6 +142,7 @@ uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights,
   point.gradient = own.gradient;
   point.hair = own.hair;
   point.pixel_depth = own.pixel_depth;
+  point.side = own.side;
   point.triangle = triangle;
   const ivec2 pixel = ivec2(floor(vec2(point.at))) - tile_origin;
   return is_in_tile(pixel) ? uint(most * seen_part(point, windows) + 0.5f) : 0u;
@@ -160,13 +164,28 @@ uint fragment_gain(uvec4 fragment, KERNEL_CONST_REF(GainTriangle) own, float mos
   return gain;
 }
 
-/// What texel `index` finds out in this tile: a TexelStep. `map_offset`: from a scene triangle's index to its
-/// index among map_triangles.
+/// What falls on a fragment where it sees all of the sky, as part of what lies across the fall; `surface`: its
+/// triangle's. Where that is shaded smooth, its smooth points say so (smooth_points.h).
+float falling_on(uvec4 fragment, vec4 surface) {
+#ifdef WITH_SHADING
+  if (is_smooth(fragment.x)) {
+    const vec4 there = smooth_at(fragment);
+    return front_part(surface.x) * (surface.w < 0.0f ? there.y : there.x);
+  }
+#endif
+  return surface.x;
+}
+
+/// What texel `index` finds out in this tile: a TexelStep. All that falls on a texel is to lie on one side of it; at
+/// a fold, where both face the fall, that is found when all tiles have been looked at. `map_offset`: from a scene
+/// triangle's index to its index among map_triangles.
 void gather_texel(int index, int map_offset) {
   const int begin = int(texelFetch(fragment_begin, index).x);
   const int end = int(texelFetch(fragment_begin, index + 1).x);
   const TexelSurface surface = surface_of(begin, end);
-  uint gain = goes_on != 0 ? texel_steps[index].x : 0u;
+  const bool mixed = surface.faces_front && surface.faces_back;
+  const float units = mixed ? kMixedUnits : kGainUnits;
+  uint gain = goes_on != 0 ? texel_steps[index].x & ~(kBackSide | kMixedSides) : 0u;
   for (int i = begin; i < end; ++i) {
     const uvec4 fragment = uvec4(texelFetch(fragments, i));
     const vec4 of_triangle = texelFetch(triangle_surface, int(fragment.x));
@@ -178,8 +197,11 @@ void gather_texel(int index, int map_offset) {
       KERNEL_CONST_REF(GainTriangle) own =
           KERNEL_MEMOIZED(last_triangle, uvec2(fragment.x, 0u),
                       gain_triangle(int(fragment.x), int(fragment.x) + map_offset));
-      gain += fragment_gain(fragment, own, of_triangle.x * (area / surface.area) * kGainUnits);
+      const float falls = falling_on(fragment, of_triangle) * (area / surface.area);
+      gain += fragment_gain(fragment, own, falls * units) << (mixed && of_triangle.w < 0.0f ? kMixedBits : 0u);
     }
   }
-  texel_steps[index] = uvec4(gain, floatBitsToUint(surface.area), floatBitsToUint(surface.up), 0u);
+  const uint side = mixed ? kMixedSides : surface.faces_back ? kBackSide : 0u;
+  texel_steps[index] = uvec4(gain | side, floatBitsToUint(surface.area), floatBitsToUint(surface.up),
+                             floatBitsToUint(surface.back_up));
 }

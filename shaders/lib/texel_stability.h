@@ -1,10 +1,11 @@
 #pragma once
 
-// Adds a texel's deposit of the step to its height and lets slide what the slope cannot hold: equation 4.2.2
+// Adds a texel's deposit of the step to its height, on the side on which it falls, and lets slide what the slope cannot hold: equation 4.2.2
 // of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved in closed form, so
 // that the result does not depend on the length of a step.
 #include "kernel.h"
 #include "snow_shared.h"
+#include "texel_repose.h"
 
 /// A TexelStep each.
 KERNEL_VIEW_RGBA32UI(texel_steps);
@@ -14,10 +15,12 @@ KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
 KERNEL_UNIFORM(float, half_life);
+/// Not 0: walls hold nothing, and what sticks there is gone within a second.
+KERNEL_UNIFORM(int, walls_are_bare);
 
 /// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
-float staying_part(float t) {
-  const float x = 0.69314718f * t / half_life;
+float staying_part(float t, float halving) {
+  const float x = 0.69314718f * t / halving;
   return x < 1e-2f ? 1.0f - x * (0.5f - x * (1.0f / 6.0f - x / 24.0f)) : (1.0f - exp(-x)) / x;
 }
 
@@ -27,7 +30,16 @@ struct WholeStep {
   float stays;
 };
 
-WholeStep whole_step() { return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt)); }
+WholeStep whole_step() {
+  return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt, half_life));
+}
+
+/// What is left on a wall. A wall is faced by snow from the side only: it holds what flies at it for a moment.
+float height_on_wall(float height, float deposit) {
+  const float left =
+      height * exp2(-dt / kWallHalfLife) + deposit * staying_part(dt, kWallHalfLife);
+  return left < kWallLeast && dt > 0.0f ? 0.0f : left;
+}
 
 float stable_height(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
@@ -39,31 +51,58 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
     return height + deposit;
   }
   const float after_crossing = 1.0f - (capacity - height) / deposit;
-  return capacity + deposit * after_crossing * staying_part(dt * after_crossing);
+  return capacity + deposit * after_crossing * staying_part(dt * after_crossing, half_life);
 }
 
 /// A texel that gains less than this of what it would across the fall and under open sky gains nothing: the
 /// veil that steep faces would get from pixels at their edge.
 KERNEL_CONSTANT float kLeastGain = 0.005f;
 
-/// Thickness in metres that a step brings.
+/// Thickness in metres that a step brings, negative on the back. Where it falls on both sides, all of it lies on the
+/// one that gets more.
 float deposit_of(uvec4 step) {
-  const float gain = float(step.x) * (1.0f / kGainUnits);
-  return gain < kLeastGain ? 0.0f : gain * full_gain;
+  float gain = float(step.x & ~(kBackSide | kMixedSides)) * (1.0f / kGainUnits);
+  bool is_back = (step.x & kBackSide) != 0u;
+  if ((step.x & kMixedSides) != 0u) {
+    const uint front = step.x & kMixedMask;
+    const uint back = (step.x >> kMixedBits) & kMixedMask;
+    gain = float(front + back) * (1.0f / kMixedUnits);
+    is_back = back > front;
+  }
+  return gain < kLeastGain ? 0.0f : is_back ? -gain * full_gain : gain * full_gain;
 }
 
 /// What a step does to a texel.
 struct StableTexel {
+  /// Negative on the back.
   float height;
   /// What it adds to the step's sums: deposited, slid and held volume in m3, visible area in m2.
   vec4 sums;
 };
 
+/// The side that snow lies on, 1 = front, -1 = back.
+float side_of(float height) { return height < 0.0f ? -1.0f : 1.0f; }
+
+/// Upward part of the normal on a side of the texel.
+float up_on(float side, uvec4 step) { return uintBitsToFloat(side < 0.0f ? step.w : step.z); }
+
+/// `height` and `deposit` are negative on the back. A texel holds snow on one side: where it falls on the other side
+/// than it lies on, that side keeps what it has or gets which faces up, and what belongs to the other one slides off.
 StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
   const float area = uintBitsToFloat(step.y);
-  const float stable = stable_height(height, deposit, max_depth * uintBitsToFloat(step.z), whole);
-  const float visible = full_gain > 0.0f ? deposit / full_gain : 0.0f;
+  const float lies = abs(height);
+  const float comes = abs(deposit);
+  const bool meet = lies > 0.0f && comes > 0.0f && side_of(height) != side_of(deposit);
+  const bool stays = lies > 0.0f && (!meet || up_on(side_of(height), step) > 0.0f);
+  const float side = side_of(stays ? height : deposit);
+  const float up = up_on(side, step);
+  const float staying = stays ? lies : 0.0f;
+  const float coming = stays && meet ? 0.0f : comes;
+  const float stable = walls_are_bare != 0 && is_wall(up)
+                           ? height_on_wall(staying, coming)
+                           : stable_height(staying, coming, max_depth * up, whole);
+  const float visible = full_gain > 0.0f ? comes / full_gain : 0.0f;
   const vec4 sums =
-      vec4(deposit * area, (height + deposit - stable) * area, stable * area, visible * area);
-  return KERNEL_MAKE2(StableTexel, stable, sums);
+      vec4(comes * area, (lies + comes - stable) * area, stable * area, visible * area);
+  return KERNEL_MAKE2(StableTexel, stable > 0.0f ? side * stable : 0.0f, sums);
 }

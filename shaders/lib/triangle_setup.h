@@ -15,8 +15,9 @@ struct TriangleSetup {
   vec4 corner_a;
   vec4 corner_b;
   vec4 corner_c;
-  /// x: cosine between the normal and the way to the sky ("facing"), y: area in m2, z: upward part of the
-  /// normal. All are 0 for a triangle without area.
+  /// x: cosine between the normal and the way to the sky ("facing"; of a two-sided triangle that of the side
+  /// that faces the sky), y: area in m2, z: upward part of the front's normal, w: of a two-sided triangle the
+  /// side that faces the sky, 1 = front, -1 = back; else 0. All are 0 for a triangle without area.
   vec4 surface;
 };
 SNOWBOUGH_SHARED_SIZE(TriangleSetup, 64)
@@ -32,8 +33,8 @@ SNOWBOUGH_SHARED_FUNCTION vec3 projected(vec3 position, KERNEL_CONST_REF(Project
               dot(offset, vec3(frame.direction)));
 }
 
-/// The triangle a, b, c, corners in metres.
-SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c,
+/// The triangle a, b, c, corners in metres. `two_sided`: it gathers on its back as on its front.
+SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c, bool two_sided,
                                                         KERNEL_CONST_REF(ProjectionFrame) frame) {
   const vec3 ab = b - a;
   const vec3 ac = c - a;
@@ -43,13 +44,19 @@ SNOWBOUGH_SHARED_FUNCTION TriangleSetup set_up_triangle(vec3 a, vec3 b, vec3 c,
   vec3 normal = scale > 0.0f ? cross(ab / scale, ac / scale) : vec3(0.0f);
   const float size = length(normal);
   normal = size > 0.0f ? normal / size : vec3(0.0f);
+  const float up = normal.z;
+  float side = two_sided && size > 0.0f ? 1.0f : 0.0f;
+  if (two_sided && dot(normal, vec3(frame.direction)) > 0.0f) {
+    normal = -normal;
+    side = -side;
+  }
   const float facing = -dot(normal, vec3(frame.direction));
   const float metres_a_pixel = pixel_size(frame);
   const vec2 gradient = vec2(dot(normal, vec3(frame.grid_x)), dot(normal, vec3(frame.grid_y))) *
                         (metres_a_pixel * metres_a_pixel / max(facing, kLeastFacing));
   return KERNEL_MAKE4(TriangleSetup, vec4(projected(a, frame), gradient.x),
                       vec4(projected(b, frame), gradient.y), vec4(projected(c, frame), facing),
-                      vec4(facing, 0.5f * size * scale * scale, normal.z, 0.0f));
+                      vec4(facing, 0.5f * size * scale * scale, up, side));
 }
 
 #ifndef SNOWBOUGH_GLSL

@@ -42,6 +42,8 @@ struct PlanePoint {
   float hair;
   /// Depth of a pixel's width at right angles to the plane, in metres.
   float pixel_depth;
+  /// On a two-sided surface the side of it that faces the sky, 1 = front, -1 = back; else 0.
+  float side;
   /// The triangle that it lies on.
   uint triangle;
 };
@@ -59,6 +61,10 @@ float pixel_depth_of(float facing) { return pixel_size(projection) / max(facing,
 bool is_own_surface(ivec2 pixel, uvec2 shown, float plane_depth, PlanePoint point) {
   const float depth = uintBitsToFloat(shown.y);
   if (depth < min(plane_depth, point.at.z) - point.hair - kBend * point.pixel_depth) {
+    return false;
+  }
+  // What shows its other side is another layer of the sheet: the upper half of an open tube over its lower one.
+  if (point.side != 0.0f && ((shown.x & kBackFace) != 0u) != (point.side < 0.0f)) {
     return false;
   }
   const int other = int((shown.x & ~kBackFace) - 1u);

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small scenes for tests of the bake, and their maps read back."""
 
+import math
 from pathlib import Path
 
 import bpy
@@ -55,6 +56,7 @@ def settings(folder, frames=(1, 4), **values):
     own.pixel_size = 0.02
     own.flutter = 0.0
     own.blur_radius = 0.0
+    own.repose = math.pi / 2  # snow stays where it fell, at rims too
     own.end_depth = 0.1
     for name, value in values.items():
         setattr(own, name, value)
@@ -87,7 +89,7 @@ def files_of(root):
 
 
 def moving_scene(folder, frames=(1, 12), **values):
-    """A ground, a cart that drives over it, a flag that an armature bends: all three receive."""
+    """A ground, a cart that drives over it, a flag, shaded smooth, that an armature bends: all three receive."""
     ground = square("Ground", 4.0)
     cart = square("Cart", 1.0, z=1.0)
     key(cart, "location", (frames[0], (-1.0, 0.0, 0.0)), (frames[1], (1.0, 0.0, 0.0)))
@@ -97,6 +99,7 @@ def moving_scene(folder, frames=(1, 12), **values):
     uv = [p for i in range(cells) for p in
           ((i / cells, 0), ((i + 1) / cells, 0), ((i + 1) / cells, 1), (i / cells, 1))]  # fmt: skip
     flag = mesh_object("Flag", points, faces, uv)
+    flag.data.polygons.foreach_set("use_smooth", [True] * cells)
     bone = bpy.data.objects.new("Bone", bpy.data.armatures.new("Bone"))
     bpy.context.scene.collection.objects.link(bone)
     bpy.context.view_layer.objects.active = bone
@@ -115,7 +118,7 @@ def moving_scene(folder, frames=(1, 12), **values):
         pose.rotation_euler = (0, -angle, 0)
         pose.keyframe_insert("rotation_euler", frame=frame)
     receive(ground, cart, flag)
-    settings(folder, frames, checkpoint_interval=4, **values)
+    settings(folder, frames, **{"checkpoint_interval": 4, "repose": math.radians(65.0), **values})
     return ground, cart, flag
 
 

@@ -94,7 +94,7 @@ def build_synthetic(addon, bones=None):
     bpy.context.scene.collection.children.link(collection)
     rig = armature.create_armature(bpy.context, "tree", arrays, collection)
     material = bpy.data.materials.new("bark")
-    bark = objects.create_bark("tree_bark", synthetic_mesh(bones), names, material)
+    bark = objects.create_bark("tree_bark", synthetic_mesh(bones), names, [material])
     collection.objects.link(bark)
     objects.bind(bark, rig)
     return rig, bark

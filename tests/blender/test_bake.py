@@ -376,7 +376,7 @@ def test_only_disabled_receivers_say_what_to_do(tmp_path):
 
 def test_a_receiver_that_the_render_does_not_show_is_named(tmp_path):
     ground = s.square("Ground")
-    s.receive(ground, s.square("Other"))
+    s.receive(ground)
     ground.hide_render = True
     s.settings(tmp_path)
     refused("'Ground' is on the list of receivers, but the render does not show it")

@@ -2,6 +2,7 @@
 """What computes the snow: the engine that is chosen, what a bake says of it, and bakes without EGL or OpenGL."""
 
 import json
+import math
 import os
 import signal
 import subprocess
@@ -245,7 +246,7 @@ def test_a_fallback_does_not_continue_what_opengl_began(addon, native, monkeypat
 
 @pytest.mark.parametrize("flutter", [0.0, 0.05])
 def test_the_engines_bake_the_same_snow(native, engine, needs_gl, tmp_path, flutter):
-    s.moving_scene(tmp_path / "GL", flutter=flutter)
+    s.moving_scene(tmp_path / "GL", flutter=flutter, repose=math.pi / 2)
     for name in ("GL", "CPU"):
         engine(name)
         bpy.context.scene.snowbough.cache_directory = str(tmp_path / name)

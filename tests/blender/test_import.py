@@ -49,7 +49,9 @@ def test_collection_armature_and_bark_have_the_files_name():
     rig, bark = bpy.data.objects["small_maple"], bpy.data.objects["small_maple_bark"]
     assert rig.type == "ARMATURE" and bark.parent == rig
     assert [(m.type, m.object) for m in bark.modifiers] == [("ARMATURE", rig)]
-    assert bpy.context.view_layer.objects.active == rig
+    assert bpy.context.view_layer.objects.active == bark
+    # Whoever moves what is selected moves the armature with its meshes.
+    assert set(bpy.context.selected_objects) == {rig, bark}
 
 
 def test_bark_has_its_uv_maps_in_order_and_the_branch_levels():
@@ -261,7 +263,8 @@ def test_bad_input_gets_one_message_and_leaves_nothing(tmp_path):
     )
     (tmp_path / "leaves.obj").write_text(leaves_only)
     assert "not found" in _refused(tmp_path / "missing.obj")
-    assert "folder" in _refused(tmp_path)
+    (tmp_path / "empty").mkdir()
+    assert "folder without OBJ files" in _refused(tmp_path / "empty")
     assert "empty.obj" in _refused(tmp_path / "empty.obj")
     assert "text.obj" in _refused(tmp_path / "text.obj")
     assert "broken.obj:1" in _refused(tmp_path / "broken.obj")
@@ -314,7 +317,7 @@ def test_presets_set_only_what_the_operator_has():
         values = {key[3:]: eval(value) for key, value in (line.split(" = ") for line in lines)}
         assert len(values) >= 5
         if path.stem == "Film_close-up":
-            values["lod"] = 1  # keeps this test quick
+            values["detail"] = "GAME"  # keeps this test quick
         bpy.ops.wm.read_homefile(use_empty=True)
         _import(**values)
 

@@ -104,11 +104,17 @@ def test_an_imported_map_d_cuts_leaves_out(native, tmp_path):
     assert is_ring(s.height(native, tmp_path / "cache", "Ground", 2))
 
 
-def test_our_own_leaves_cut_by_their_texture(addon, native, tmp_path):
+@pytest.mark.parametrize(
+    "transmission", [(1.0, 1.0, 1.0), (0.4, 0.8, 0.2)], ids=["opaque", "lets light through"]
+)
+def test_our_own_leaves_cut_by_their_texture(addon, native, tmp_path, transmission):
     image(path=tmp_path / "leaf.png")
+    texture = SimpleNamespace(path=str(tmp_path / "leaf.png"), scale=(1.0, 1.0), offset=(0.0, 0.0))
+    none = SimpleNamespace(path="", scale=(1.0, 1.0), offset=(0.0, 0.0))
     source = SimpleNamespace(
-        name="Birch", diffuse=(0.1, 0.4, 0.1), opacity=1.0, alpha_texture=str(tmp_path / "leaf.png"),
-        diffuse_texture=str(tmp_path / "leaf.png"),
+        name="Birch", defined=True, diffuse=(0.1, 0.4, 0.1), opacity=1.0, transmission=transmission,
+        bump_strength=1.0, diffuse_texture=texture, alpha_texture=texture, specular_texture=none,
+        bump_texture=none, normal_texture=none,
     )  # fmt: skip
     leaf_material = addon("tree.materials").leaf_material(source)
     _, leaf = leaf_over_ground(tmp_path / "cache", leaf_material)

@@ -72,19 +72,20 @@ def test_adding_snow_sets_the_object_up_and_a_bake_shows_its_files(addon, tmp_pa
     bpy.ops.snowbough.add_receivers()
     own.receivers[0].resolution = 64
     displacement = addon("result.displacement")
-    assert displacement.mode_of(own.receivers[0]) == "MODIFIER"
-    assert [m.name for m in ground.modifiers] == [addon("names").SUBDIVISION_MODIFIER]
+    assert displacement.mode_of(own.receivers[0]) == "SHELL"
+    assert "Ground snow" not in bpy.data.objects
     for version in ("v001", "v002"):
         s.bake()
-        image = ground.modifiers[addon("names").DISPLACE_MODIFIER].texture.image
-        assert version in image.filepath and "height_0001.exr" in image.filepath
-        shown = [n.image for n in ground.material_slots[0].material.node_tree.nodes if n.type == "TEX_IMAGE"]
+        shell = bpy.data.objects["Ground snow"]
+        nodes = shell.modifiers[0].node_group.nodes
+        shown = [n.inputs["Image"].default_value for n in nodes if n.type == "IMAGE_TEXTURE"]
         assert shown and all(version in image.filepath for image in shown)
     bpy.context.scene.frame_set(4)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    highest = max(v.co.z for v in ground.evaluated_get(depsgraph).data.vertices)
+    highest = max(v.co.z for v in shell.evaluated_get(depsgraph).data.vertices)
     assert highest == pytest.approx(0.1, abs=0.02)
     bpy.ops.snowbough.remove()
+    assert "Ground snow" not in bpy.data.objects
     assert len(ground.modifiers) == 0 and not ground.material_slots
 
 

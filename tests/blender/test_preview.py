@@ -77,6 +77,44 @@ def test_nothing_is_left_when_it_ends(ground):
     assert everything() == before
 
 
+def test_the_outliner_gets_one_collection_and_snow_is_white(ground):
+    before = [obj.name for obj in bpy.context.scene.collection.objects]
+    bpy.ops.snowbough.toggle_preview()
+    assert [obj.name for obj in bpy.context.scene.collection.objects] == before
+    (collection,) = bpy.context.scene.collection.children
+    assert collection.hide_render and collection.hide_select
+    (shell,) = collection.objects
+    assert tuple(shell.material_slots[0].material.diffuse_color) == (1.0, 1.0, 1.0, 1.0)
+    bpy.ops.snowbough.toggle_preview()
+    assert not bpy.context.scene.collection.children and not bpy.data.collections
+
+
+def test_baked_snow_is_out_of_sight_meanwhile(ground, tmp_path):
+    bpy.context.scene.snowbough.cache_directory = str(tmp_path)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.ops.snowbough.bake()
+    baked = bpy.data.objects["Ground snow"]
+    bpy.ops.snowbough.toggle_preview()
+    assert baked.hide_viewport
+    bpy.ops.snowbough.toggle_preview()
+    assert not baked.hide_viewport
+
+
+def test_bare_ground_shows_no_preview_snow(ground):
+    """Faces without snow are cut, so nothing flickers through the surface."""
+    bpy.context.scene.frame_set(1)
+    bpy.ops.snowbough.toggle_preview()
+    bpy.context.scene.snowbough.receivers[0].object.rotation_euler.x = 3.0
+    play(2, 3)
+    shell = bpy.data.objects["Ground snow preview"]
+    bpy.context.scene.frame_set(1)
+    bpy.data.images["Ground snow preview"].pixels.foreach_set(np.zeros(256 * 256 * 4, dtype=np.float32))
+    bpy.data.images["Ground snow preview"].update()
+    shell.update_tag()
+    mesh = shell.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    assert len(mesh.polygons) == 0
+
+
 def test_a_saved_file_holds_nothing_of_the_preview(ground, tmp_path):
     bpy.ops.snowbough.toggle_preview()
     path = str(tmp_path / "shot.blend")

@@ -20,7 +20,9 @@ KILLS = int(os.environ.get("SNOWBOUGH_TEST_KILLS", 3))
 @pytest.fixture
 def undisturbed(addon, tmp_path):
     """The moving scene, saved, and the bytes of its whole bake. In the scene the cache is tmp/cache."""
-    s.moving_scene(tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0)
+    s.moving_scene(
+        tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0, flutter=0.05, directions=48
+    )
     s.bake()
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))

@@ -14,6 +14,7 @@ OTHER = {
     "flutter": 0.25,
     "max_depth": 0.5,
     "slide_half_life": 1.5,
+    "repose": 0.75,
     "seed": 3,
     "noise_density": 0.5,
     "mapping": "GEOMETRY",
@@ -118,7 +119,13 @@ def test_the_command_line_has_every_option_with_its_default(addon):
         (["--up-axis", "Z"], "up_axis", "Z"),
         (["--levels", "Trunk,Branch"], "levels", "Trunk,Branch"),
         (["--tolerance", "1.5"], "tolerance", 1.5),
+        (["--detail", "FILM"], "detail", "FILM"),
         (["--lod", "3"], "lod", 3),
+        (["--unit", "FEET"], "unit", "FEET"),
+        (["--height", "12.5"], "height", 12.5),
+        (["--show-bones"], "show_bones", True),
+        (["--wind-attributes"], "wind_attributes", True),
+        (["--mark-asset"], "mark_asset", True),
         (["--lod-chain"], "lod_chain", True),
         (["--max-bone-level", "-1"], "max_bone_level", -1),
         (["--no-foliage"], "foliage", False),
@@ -137,6 +144,15 @@ def test_options_of_the_command_line_arrive(addon, arguments, name, value):
 def test_what_a_property_would_not_take_is_a_wrong_command_line(addon, arguments, capsys):
     assert addon("cli").run(["import", "tree.obj", *arguments]) == 2
     assert arguments[0] in capsys.readouterr().err
+
+
+def test_every_option_but_that_of_scripts_stands_under_one_heading(addon):
+    options = addon("tree.import_options")
+    shown = [name for _identifier, _text, names in options.SECTIONS for name in names]
+    assert len(shown) == len(set(shown))
+    assert set(options.DEFAULTS) - set(shown) == {"lod"}
+    panels = [cls.names for cls in addon("ui.import_panels").CLASSES]
+    assert [name for names in panels for name in names] == shown
 
 
 def test_every_preset_sets_every_option_but_those_of_the_file(addon):

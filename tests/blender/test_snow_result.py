@@ -57,6 +57,15 @@ def evaluated_points(obj):
     return points.reshape(-1, 3)
 
 
+def snow_points(addon, shell):
+    """The points of a shell without relief, away from its border."""
+    assert addon("compat_nodes").set_modifier_input(shell.modifiers[0], "Relief", 0.0)
+    shell.update_tag()
+    points = evaluated_points(shell)
+    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
+    return points[((points[:, :2] > low + 0.1) & (points[:, :2] < high - 0.1)).all(axis=1)]
+
+
 def image_nodes(material):
     return [node for node in material.node_tree.nodes if node.type == "TEX_IMAGE"]
 
@@ -126,14 +135,18 @@ def test_modifiers_raise_the_surface_by_the_height_in_metres(ground, write_bake,
     assert points[:, 2] * scale * unit == pytest.approx(depth_of(7), abs=1e-5)
 
 
-@pytest.mark.parametrize("mode, name", [("MODIFIER", "Ground"), ("SHELL", "Ground snow")])
+@pytest.mark.parametrize("mode", ["MODIFIER", "SHELL"])
 @pytest.mark.parametrize("frame, depth", [(1, 0.0), (FIRST - 1, 0.0), (FIRST, 0.1), (50, 0.4)])
-def test_no_snow_before_the_bake_and_the_last_depth_after_it(ground, write_bake, mode, name, frame, depth):
+def test_no_snow_before_the_bake_and_the_last_depth_after_it(addon, ground, write_bake, mode, frame, depth):
     ground.folder = str(write_bake())
     bpy.ops.snowbough.setup_displacement(mode=mode)
     bpy.context.scene.frame_set(frame)
-    sunk = 0.002 if mode == "SHELL" and depth == 0.0 else 0.0
-    assert evaluated_points(bpy.data.objects[name])[:, 2] == pytest.approx(depth - sunk, abs=1e-5)
+    sunk = 0.0004 if mode == "SHELL" and depth == 0.0 else 0.0
+    if mode == "SHELL":
+        points = snow_points(addon, bpy.data.objects["Ground snow"])
+    else:
+        points = evaluated_points(ground.object)
+    assert len(points) and points[:, 2] == pytest.approx(depth - sunk, abs=1e-5)
 
 
 def test_material_shows_no_snow_before_the_first_file(ground, write_bake):
@@ -144,6 +157,32 @@ def test_material_shows_no_snow_before_the_first_file(ground, write_bake):
     for frame, value in ((1, 0.0), (FIRST - 1, 0.0), (FIRST, 1.0), (50, 1.0)):
         bpy.context.scene.frame_set(frame)
         assert switch.inputs[1].default_value == value
+
+
+@pytest.mark.parametrize("scale", [(-1, 1, 1), (-1, -1, 1), (2, 2, -2), (-1, -1, -1)])
+def test_a_shell_grows_outwards_from_a_mirrored_receiver(addon, ground, write_bake, scale):
+    ground.folder = str(write_bake())
+    ground.object.scale = scale
+    bpy.context.view_layer.update()
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.context.scene.frame_set(7)
+    (shell,) = addon("result.snow_shell").find(ground)
+    points = snow_points(addon, shell)
+    outside = 1.0 if scale[2] > 0 else -1.0
+    assert np.median(points[:, 2]) * outside == pytest.approx(depth_of(7), abs=2e-3)
+
+
+def test_a_shell_lies_on_the_back_where_heights_are_negative(addon, ground, write_bake):
+    folder = write_bake()
+    native = addon("native").load()
+    for path in folder.glob("height_*.exr"):
+        native.write_exr(str(path), -native.read_exr(str(path))[0])
+    ground.folder = str(folder)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.context.scene.frame_set(7)
+    (shell,) = addon("result.snow_shell").find(ground)
+    points = snow_points(addon, shell)
+    assert np.median(points[:, 2]) == pytest.approx(-depth_of(7), abs=2e-3)
 
 
 def test_uneven_scale_is_refused_by_modifiers_and_gets_a_shell(ground, write_bake):
@@ -157,14 +196,14 @@ def test_uneven_scale_is_refused_by_modifiers_and_gets_a_shell(ground, write_bak
     assert bpy.data.objects["Ground snow"].snowbough.is_shell
 
 
-def test_shell_lies_at_the_height_and_only_where_snow_ever_lay(ground, write_bake):
+def test_shell_lies_at_the_height_and_only_where_snow_ever_lay(addon, ground, write_bake):
     ground.object.location = (3, 0, 1)
     ground.folder = str(write_bake(covered=0.5))
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     shell = bpy.data.objects["Ground snow"]
     bpy.context.scene.frame_set(6)
+    assert snow_points(addon, shell)[:, 2] == pytest.approx(1.0 + depth_of(6), abs=1e-5)
     points = evaluated_points(shell)
-    assert points[:, 2] == pytest.approx(1.0 + depth_of(6), abs=1e-5)
     assert points[:, 0].min() == pytest.approx(2.0)
     assert points[:, 0].max() == pytest.approx(3.0, abs=2 * 2.0 / SIZE)
 
@@ -188,13 +227,17 @@ def test_linked_meshes_get_a_shell_and_are_not_changed(ground, write_bake):
     assert "Ground snow" in bpy.data.objects
 
 
-def test_apply_at_frame_makes_plain_geometry(ground, write_bake):
+def test_apply_at_frame_makes_plain_geometry(addon, ground, write_bake):
     ground.folder = str(write_bake())
     bpy.context.scene.frame_set(7)
     bpy.ops.snowbough.apply_at_frame()
     frozen = bpy.data.objects["Ground snow 0007"]
     assert not frozen.modifiers
-    assert evaluated_points(frozen)[:, 2] == pytest.approx(depth_of(7), abs=1e-5)
+    # With the relief that snow of that depth has at most.
+    inner = np.abs(evaluated_points(frozen)[:, :2]).max(axis=1) < 0.9
+    assert evaluated_points(frozen)[inner, 2] == pytest.approx(
+        depth_of(7), abs=addon("result.relief_nodes").highest(depth_of(7))
+    )
     assert "Ground snow" not in bpy.data.objects
 
 

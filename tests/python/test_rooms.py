@@ -24,8 +24,8 @@ FLOORS = {
 # can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
 # need only be free of circles.
 ROOMS = {
-    "native/snow": "state texels seams scene output step",
-    "native/tree": "skeleton obj rings read surface crossings mesh detail uv leaves",
+    "native/snow": "state texels seams scene repose output step",
+    "native/tree": "skeleton obj rings read surface crossings mesh detail uv leaves original",
 }
 
 

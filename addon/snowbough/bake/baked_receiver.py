@@ -38,7 +38,12 @@ class BakedReceiver:
 
     def settings(self, shot):
         """What its maps depend on: the shot's settings (a dict) and its own."""
-        own = {"resolution": self.resolution, "uv_map": self.uv_map, "name": self.label}
+        own = {
+            "resolution": self.resolution,
+            "uv_map": self.uv_map,
+            "name": self.label,
+            "sides": self.spec.sides,
+        }
         return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
     def compare_settings(self, shot):
@@ -62,14 +67,14 @@ class BakedReceiver:
 
     def write_maps(self, native, output, noted):
         """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
-        frame, a dict with its number as ``frame``; the greatest height is added."""
+        frame, a dict with its number as ``frame``; the greatest height, on either side, is added."""
         frame, height = noted["frame"], output["height"]
         native.write_exr(str(self.folder / frame_file("height", frame)), height)
         if "normal" in output:
             path = self.folder / frame_file("normal", frame)
             native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
         self.covered.add(height)
-        self.frames.append({**noted, "highest": float(height.max())})
+        self.frames.append({**noted, "highest": float(max(height.max(), -height.min()))})
 
     def write_manifest(self, shot, complete):
         own = self.settings(shot)

@@ -20,6 +20,7 @@ from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
 from ..scene.uv_maps import choose_uv_map
+from ..settings import SIDES
 from . import plan
 from .from_scene import make_request
 
@@ -95,6 +96,10 @@ def _receiver_changes(entry, before):
     obj = entry.object
     if entry.resolution and entry.resolution != before["resolution"]:
         yield f"{obj.name}: resolution {entry.resolution}, was {before['resolution']}"
+    sides = before.get("sides", entry.sides)
+    if entry.sides != sides:
+        names = {name: label for name, label, _ in SIDES}
+        yield f"{obj.name}: sides {names[entry.sides]}, was {names.get(sides, sides)}"
     if obj.type == "MESH":
         names = [layer.name for layer in obj.data.uv_layers]
         active = obj.data.uv_layers.active

@@ -13,12 +13,13 @@ maps, whichever engine computes them) and ``files`` (packing and writing) run be
 or AUTO (GL on a graphics card, else CPU). Without it the add-on's preference counts, and AUTO where there is none.
 
 What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
-standard error, what went wrong after as ``SNOWBOUGH error="..." code=N``.
+standard error, each receiver that is left out as ``SNOWBOUGH refused="..."``, what went wrong after as
+``SNOWBOUGH error="..." code=N``.
 
 Exit codes, also in the JSON report:
 
 ===  ==================================================================================================
-0    everything asked for is baked (or was already)
+0    everything asked for is baked (or was already), but for receivers that cannot be, which are listed
 1    the scene or its settings cannot be baked, or something unforeseen happened; nothing was begun
 2    the command line is wrong
 3    no checkpoint to start from
@@ -68,6 +69,12 @@ def add_arguments(parser):
         help="resume although the checkpoint is another engine's or driver's",
     )
     parser.add_argument(
+        "--strict",
+        action="store_true",
+        help="end with code 1, before anything is baked, where a receiver cannot be: hidden, without a UV map, "
+        "scattered as instances (default: list it and bake the others)",
+    )
+    parser.add_argument(
         "--engine",
         choices=[name for name, *_ in ENGINES],
         help="what computes the snow (default: the add-on's preference, else AUTO)",
@@ -101,7 +108,7 @@ def run(args):
     """Bakes as the command line says and returns the exit code.
 
     args: namespace with frames ("1-48" or None), cache (folder or None), json (file or None), resume
-    (bool), objects ("A,B" or None), engine (AUTO, GL, CPU or None).
+    (bool), objects ("A,B" or None), engine (AUTO, GL, CPU or None), strict (bool).
     """
     scene = bpy.context.scene
     report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
@@ -121,6 +128,7 @@ def run(args):
             directory=args.cache,
             allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
             engine=args.engine,
+            strict=bool(getattr(args, "strict", False)),
         )
         code, message = _bake(request, report)
     except (ValueError, RuntimeError, OSError) as error:
@@ -165,6 +173,9 @@ def _bake(request, report):
     job = running.job
     report["version"] = str(job.version) if job.version else ""
     report["pixel_size"] = job.pixel_size
+    report["refused"] = job.refused
+    for reason in job.refused.values():
+        print(f"SNOWBOUGH refused={json.dumps(reason)}", file=sys.stderr, flush=True)
     report["receivers"] = {label: str(folder) for label, folder in sorted(job.folders.items())}
     report["settings"] = {"frame_start": request.frame_start, "frame_end": request.frame_end,
                           "first": request.first, "last": request.last}  # fmt: skip

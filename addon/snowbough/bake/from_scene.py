@@ -68,10 +68,11 @@ def constant_rates(scene, frame_start, frame_end):
 
 
 def make_request(scene, resume=False, first=None, last=None, objects=(), directory=None,
-                 allow_other_driver=False, engine=None):  # fmt: skip
+                 allow_other_driver=False, engine=None, strict=False):  # fmt: skip
     """Everything a bake of the scene needs to know, without references into it. Raises ValueError.
 
-    engine: AUTO, GL or CPU; None takes what the preferences say."""
+    engine: AUTO, GL or CPU; None takes what the preferences say. strict: a receiver that cannot be baked stops
+    the others."""
     if bpy.app.autoexec_fail:
         raise ValueError(
             f"Blender has disabled scripts in this file ({bpy.app.autoexec_fail_message or 'drivers'}), so it "
@@ -90,6 +91,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         receivers=tuple(receiver_specs(scene)),
         objects=tuple(objects),
         resume=resume,
+        strict=strict,
         allow_other_driver=allow_other_driver,
         engine=preferred_engine() if engine is None else engine,
         **{name: getattr(settings, name) for name in _OWN_SETTINGS},

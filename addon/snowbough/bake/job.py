@@ -26,7 +26,8 @@ from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.manifest import read_inputs, read_manifest
 from ..scene.inputs import SceneInputs
 from ..scene.tracker import SceneTracker
-from . import baked_receiver, plan, simulation
+from . import plan, simulation
+from .choice import choose_receivers
 from .log import open_log
 from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled, FrameResult, NoGpu
@@ -43,6 +44,8 @@ class BakeJob:
         self.receivers = []
         self.baked = []
         """The receivers asked for, also those that were finished before."""
+        self.refused = {}
+        """Label -> why snow is not baked on it, once the first pose is read."""
         self.pixel_size = 0.0
         self.results = []
         self.folders = {}
@@ -94,6 +97,8 @@ class BakeJob:
             log = stack.enter_context(open_log(self.root))
             log(f"engine {self._driver}: {engine['reason']}")
             log(f"{self.version.name}; {', '.join(r.label for r in self.receivers)}")
+            for reason in self.refused.values():
+                log(f"left out: {reason}")
             self._registry.prepare()
             if rest is None:
                 for receiver in self.receivers:
@@ -115,33 +120,9 @@ class BakeJob:
 
     def _identify(self, pose):
         """Finds the receivers in the shot's first pose and fixes resolutions and the grid."""
-        request = self.request
-        seen = {(o.receiver.name, o.receiver.library) for o in pose.objects.values() if o.receiver}
-        for spec in request.receivers:
-            if spec.enabled and (spec.name, spec.library) not in seen:
-                raise ValueError(
-                    f"'{spec.name}' is on the list of receivers, but the render does not show it at frame "
-                    f"{request.frame_start}: make it renderable, or take it off the list"
-                )
-        enabled = [o for o in pose.objects.values() if o.receiver and o.receiver.enabled]
-        if not enabled:
-            raise ValueError(
-                "There is nothing for snow to lie on: select objects and use 'Add Snow to Selected'"
-            )
-        texels, wanted = [], set(request.objects)
-        for obj in enabled:
-            receiver = baked_receiver.measure(obj, request.texel_size)
-            texels.append(receiver.texel)
-            names = {obj.receiver.name, obj.label, obj.key}
-            if not request.objects or names & set(request.objects):
-                self.receivers.append(receiver)
-            wanted -= names
-        if wanted:
-            raise ValueError(
-                f"No enabled receiver is named {', '.join(sorted(wanted))}; there are: "
-                f"{', '.join(sorted({o.receiver.name for o in enabled}))}"
-            )
-        self.pixel_size = simulation.pixel_size(pose, texels, request.pixel_size)
+        choice = choose_receivers(pose, self.request)
+        self.receivers, self.refused = choice.receivers, choice.refused
+        self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
 
     # -- settings, version, checkpoint -----------------------------------------------------------------
 
@@ -263,16 +244,21 @@ class BakeJob:
             self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
         )
         # Maps for the receivers that this bake writes; all else shelters them.
-        maps = {own.key: (own.resolution, request.blur_radius * own.texel) for own in self.receivers}
+        maps = {
+            own.key: (own.resolution, request.blur_radius * own.texel, own.spec.sides)
+            for own in self.receivers
+        }
         self._registry = simulation.Registry(self._simulation, maps)
         self._registry.register_changes(added)
 
     def _poses(self, snowfall, frame):
         """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""
         request = self.request
-        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps)
+        directions = request.directions if request.snow["flutter"] > 0 else 1
+        steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps, directions)
         if frame == request.frame_start:
-            steps = plan.preroll_steps(snowfall, request.fps, request.snow["slide_half_life"]) + steps
+            half_life = request.snow["slide_half_life"]
+            steps = plan.preroll_steps(snowfall, request.fps, half_life, directions) + steps
         poses = []
         for step in steps:
             at = (step.frame, step.subframe)

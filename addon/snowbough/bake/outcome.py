@@ -17,11 +17,15 @@ def describe(running):
         return "ERROR", one_line(running.error)
     if running.cancelled:
         return "WARNING", "The bake was stopped. What was baked is kept: Resume goes on from there"
-    results = running.job.results
-    if not results:
-        return "INFO", "Everything was baked already, from the scene as it is now"
-    seconds = sum(result.seconds["total"] for result in results)
-    return "INFO", f"Baked {len(results)} frames in {seconds:.1f} s"
+    results, refused = running.job.results, running.job.refused
+    if results:
+        seconds = sum(result.seconds["total"] for result in results)
+        text = f"Baked {len(results)} frames in {seconds:.1f} s"
+    else:
+        text = "Everything was baked already, from the scene as it is now"
+    if not refused:
+        return "INFO", text
+    return "WARNING", one_line(f"{text}, without {len(refused)} receivers: {'; '.join(refused.values())}")
 
 
 def one_line(error):

@@ -5,10 +5,16 @@ Pure numbers, no ``bpy``. Depths are metres on open level ground, angles radians
 
 **When snow falls.** Frame f lays ``(end_depth - start_depth) * rate(f) / sum of all rates``, and the map
 of frame f shows the moment after that. ``start_depth`` lies there before the first frame's own snow: it is
-laid in PREROLL_STEPS steps on the first frame's pose. With substeps, frame f's snow is laid on the poses at
-the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own pose; the first
-frame has no such interval within the shot and takes all its snow on its own pose. The depths are
+laid on the first frame's pose, in PREROLL_STEPS steps or one for each direction. With substeps, frame f's snow
+is laid on the poses at the ends of equal parts of the interval from f - 1 to f, the last of them frame f's own pose; the
+first frame has no such interval within the shot and takes all its snow on its own pose. The depths are
 differences of a running total that ends at ``end_depth`` itself, so rounding cannot gather.
+
+**From how many directions.** Where flakes flutter, every step falls from another direction, and shadows are
+soft and even only where there are enough of them. A shot gets at least ``directions``, spread over its frames by
+how much falls on each: a still falls from all of them, a shot of 12 frames from a twelfth on each, and one of
+250 frames takes one step a frame, as without. Steps of one pose share its depth and its time alike, and each has
+its number in the simulation, which picks the direction: resumed and split bakes count them alike.
 """
 
 import math
@@ -16,6 +22,7 @@ from dataclasses import dataclass
 
 from ..names import MAX_FALL_ANGLE
 
+# The steps of the start depth where all flakes fall from one direction.
 PREROLL_STEPS = 32
 
 MIN_AUTOMATIC_RESOLUTION = 256
@@ -27,6 +34,8 @@ MAX_AUTOMATIC_PIXELS = 4096 * 4096
 
 # To rest: 64 half-lives leave 5e-20 of an excess.
 REST_HALF_LIVES = 64
+# Long enough for repose to come to rest, and for walls to shed what stuck to them (seconds).
+REST_SECONDS = 4.0
 
 
 @dataclass(frozen=True)
@@ -92,24 +101,40 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates):
     return Snowfall(frame_start, frame_end, start_depth, tuple(depths), tuple(totals))
 
 
-def preroll_steps(snowfall, fps, slide_half_life):
-    """The steps before the first frame's own snow: PREROLL_STEPS, then one without snow until nothing
-    slides any more. Empty when nothing lies there."""
+def frame_directions(snowfall, frame, directions):
+    """The number of directions from which the snow of ``frame`` falls, where the shot has at least ``directions``:
+    its share of the depth, 1 at least."""
+    falling = snowfall.totals[-1] - snowfall.preroll
+    if falling <= 0:
+        return 1
+    share = snowfall.depths[frame - snowfall.frame_start] / falling
+    return max(1, math.ceil(directions * share - 1e-6))
+
+
+def preroll_steps(snowfall, fps, slide_half_life, directions=1):
+    """The steps before the first frame's own snow: PREROLL_STEPS or one for each of ``directions``, then one without
+    snow until nothing slides any more. Empty when nothing lies there."""
     if snowfall.preroll <= 0:
         return []
     frame = snowfall.frame_start
-    steps = [Step(frame, 0.0, snowfall.preroll / PREROLL_STEPS, 1.0 / fps) for _ in range(PREROLL_STEPS)]
-    return steps + [Step(frame, 0.0, 0.0, REST_HALF_LIVES * slide_half_life)]
+    count = max(PREROLL_STEPS, directions)
+    steps = [Step(frame, 0.0, snowfall.preroll / count, 1.0 / fps) for _ in range(count)]
+    return steps + [Step(frame, 0.0, 0.0, max(REST_SECONDS, REST_HALF_LIVES * slide_half_life))]
 
 
-def frame_steps(snowfall, frame, fps, substeps=1):
-    """The steps that lay the snow of ``frame``, in order; the last one is on its own pose."""
-    depth = snowfall.depths[frame - snowfall.frame_start] / substeps
-    dt = 1.0 / (fps * substeps)
+def frame_steps(snowfall, frame, fps, substeps=1, directions=1):
+    """The steps that lay the snow of ``frame``, in order; the last one is on its own pose.
+
+    substeps: poses. directions: of the whole shot, at least; each pose has equally many.
+    """
+    on_pose = math.ceil(frame_directions(snowfall, frame, directions) / substeps)
+    depth = snowfall.depths[frame - snowfall.frame_start] / (substeps * on_pose)
+    dt = 1.0 / (fps * substeps * on_pose)
     if frame == snowfall.frame_start:
-        return [Step(frame, 0.0, depth, dt)] * substeps
-    between = [Step(frame - 1, index / substeps, depth, dt) for index in range(1, substeps)]
-    return between + [Step(frame, 0.0, depth, dt)]
+        poses = [(frame, 0.0)] * substeps
+    else:
+        poses = [(frame - 1, index / substeps) for index in range(1, substeps)] + [(frame, 0.0)]
+    return [Step(*pose, depth, dt) for pose in poses for _ in range(on_pose)]
 
 
 def fall_direction(fall_angle, bearing):

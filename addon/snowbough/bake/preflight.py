@@ -30,7 +30,7 @@ PACKED_SHARE = 0.5
 @dataclass(frozen=True)
 class Issue:
     severity: str
-    """ERROR (a bake would be refused), WARNING (it would not look right) or INFO."""
+    """ERROR (a bake would be refused, or would leave this receiver out), WARNING (it would not look right) or INFO."""
     text: str
     object_name: str = ""
     fix: str = ""
@@ -164,7 +164,9 @@ def _receiver(scene, entry, depsgraph):
     evaluated = obj.evaluated_get(depsgraph)
     mesh = evaluated.data
     if not len(mesh.polygons):
-        return [*issues, Issue("ERROR", f"'{name}' has no faces", name)], None
+        scatters = any(modifier.type == "NODES" for modifier in obj.modifiers)
+        hint = ": if it scatters instances, end its geometry nodes with Realize Instances" if scatters else ""
+        return [*issues, Issue("ERROR", f"'{name}' has no faces{hint}", name)], None
     layers = [layer.name for layer in mesh.uv_layers]
     active = mesh.uv_layers.active.name if mesh.uv_layers.active else ""
     uv_map = uv_maps.choose_uv_map(entry.uv_map, layers, active)

@@ -10,7 +10,7 @@ import bpy
 import numpy as np
 
 from .. import native, session
-from ..result import displacement, snow_shell
+from ..result import displacement, shell_nodes, snow_shell
 from ..scene.pose import TopologyChanged, library_path, metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
@@ -21,6 +21,7 @@ from .from_scene import constant_rates
 
 RESOLUTION = 256
 SUFFIX = "snow preview"
+COLLECTION = "Snowbough Preview"
 # Frames that playback may drop and the preview still makes up for in one step.
 MAX_SKIPPED = 8
 
@@ -47,6 +48,8 @@ class Preview:
         self.images = {}
         self.simulation = None
         self.muted = displacement.Muted(scene, "show_viewport")
+        # Shells of bakes are out of sight meanwhile: name -> whether they were before.
+        self.hidden = {}
 
     # -- simulation --------------------------------------------------------------------------------
 
@@ -70,7 +73,10 @@ class Preview:
             simulation.pixel_size(pose, list(texels.values())),
             preferred_engine(),
         )
-        maps = {key: (RESOLUTION, settings.blur_radius * texel) for key, texel in texels.items()}
+        maps = {
+            key: (RESOLUTION, settings.blur_radius * texel, pose.objects[key].receiver.sides)
+            for key, texel in texels.items()
+        }
         self.registry = simulation.Registry(self.simulation, maps)
         self.tracker = SceneTracker()
         self.receivers = {key: pose.objects[key] for key in texels}
@@ -114,9 +120,24 @@ class Preview:
             image.update()
             shell.update_tag()
 
+    def _collection(self, scene):
+        """The one collection that all shells are in: closed in the outliner, out of renders and selections."""
+        collection = bpy.data.collections.get(COLLECTION)
+        if collection is None:
+            collection = bpy.data.collections.new(COLLECTION)
+            collection.hide_render = True
+            collection.hide_select = True
+        if COLLECTION not in scene.collection.children:
+            scene.collection.children.link(collection)
+        return collection
+
     def make_shells(self, scene):
         """One shell a receiver that is a mesh of its own; instanced collections show in bakes only."""
         self.muted.__enter__()
+        for entry in scene.snowbough.receivers:
+            for shell in snow_shell.find(entry):
+                self.hidden[shell.name] = shell.hide_viewport
+                shell.hide_viewport = True
         for key, pose in self.receivers.items():
             obj = next(
                 (
@@ -132,21 +153,10 @@ class Preview:
                 continue
             name = f"{obj.name} {SUFFIX}"
             image = bpy.data.images.new(name, RESOLUTION, RESOLUTION, float_buffer=True, is_data=True)
-            material = snow_shell.make_material(name)
-            tree = snow_shell.build_tree(
-                f"{snow_shell.TREE_PREFIX} {name}",
-                obj,
-                pose.uv_map,
-                image,
-                None,
-                None,
-                snow_shell.subdivision_levels(obj, RESOLUTION),
-                1.0 / metres_per_unit(scene),
-                material,
-            )
-            shell = snow_shell.make_object(scene, obj, name, tree, material)
-            shell.hide_render = True
-            shell.hide_select = True
+            material = snow_shell.make_material(scene, name)
+            source = snow_shell.source_of(scene, obj, pose.uv_map, image, RESOLUTION, material, relief=False)
+            tree = shell_nodes.build_tree(f"{snow_shell.TREE_PREFIX} {name}", source)
+            shell = snow_shell.make_object(scene, name, tree, material, self._collection(scene))
             self.shells[key], self.images[key] = shell.name, image.name
 
     def _close(self):
@@ -164,6 +174,12 @@ class Preview:
             image = bpy.data.images.get(name)
             if image is not None:
                 bpy.data.images.remove(image)
+        for name, was_hidden in self.hidden.items():
+            if name in bpy.data.objects:
+                bpy.data.objects[name].hide_viewport = was_hidden
+        collection = bpy.data.collections.get(COLLECTION)
+        if collection is not None and not collection.all_objects:
+            bpy.data.collections.remove(collection)
         self.muted.__exit__()
 
 

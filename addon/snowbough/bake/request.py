@@ -46,6 +46,8 @@ class BakeRequest:
     blur_radius: float = _for_all_maps()
     """Texels."""
     substeps: int = _for_all_maps()
+    directions: int = _for_all_maps()
+    """Of flutter, over the shot, at least."""
     checkpoint_interval: int = _for_all_maps()
     write_normals: bool = _for_all_maps()
     receivers: tuple
@@ -53,6 +55,8 @@ class BakeRequest:
     objects: tuple = ()
     """Names of the receivers to bake; empty: all that are enabled."""
     resume: bool = False
+    strict: bool = False
+    """A receiver that cannot be baked stops the others."""
     allow_other_driver: bool = False
     engine: str = "AUTO"
     """AUTO, GL or CPU, as the native SnowSimulation takes it. No part of the shot: what ran is noted in checkpoints."""

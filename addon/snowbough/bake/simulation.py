@@ -36,8 +36,8 @@ def make_simulation(native, snow, pixel_size, engine="AUTO", wait_for_gpu=True):
 class Registry:
     """The objects that a native SnowSimulation has.
 
-    maps: {key: (resolution, sigma of the blur in metres)} of the receivers that it keeps a map of; all else
-    only shelters them.
+    maps: {key: (resolution, sigma of the blur in metres, sides)} of the receivers that it keeps a map of; all
+    else only shelters them.
     """
 
     def __init__(self, simulation, maps):
@@ -54,7 +54,7 @@ class Registry:
         """
         for key, registration in added.items():
             topology = registration.topology
-            resolution, blur_radius = self._maps.get(key, (MIN_RESOLUTION, None))
+            resolution, blur_radius, sides = self._maps.get(key, (MIN_RESOLUTION, None, "FRONT"))
             receives = key in self._maps
             arguments = (
                 key,
@@ -67,6 +67,8 @@ class Registry:
                 "rest": registration.positions if receives else None,
                 "blur_radius": blur_radius,
                 "alpha": topology.alpha.argument() if topology.alpha else None,
+                "shading": topology.shading if receives else None,
+                "sides": sides,
             }
             if key not in self._known:
                 self._simulation.add_object(*arguments, **options)

@@ -20,8 +20,8 @@ class Coverage:
         self._shows = np.empty_like(self.mask)
 
     def add(self, height):
-        """Marks the texels where a height map (H, W) in metres shows snow."""
-        np.greater(height, 0, out=self._shows)
+        """Marks the texels where a height map (H, W) in metres, negative on the back, shows snow."""
+        np.not_equal(height, 0, out=self._shows)
         np.logical_or(self.mask, self._shows, out=self.mask)
 
     def pack(self):

@@ -14,6 +14,7 @@ from pathlib import Path
 import bpy
 
 from ..cache.files import EVER_COVERED
+from ..cache.manifest import read_manifest
 
 HEADER_BYTES = 4096
 # Name, type and size of the attribute that holds the first and last pixels (OpenEXR File Layout).
@@ -101,3 +102,20 @@ def load_ever_covered(folder):
         return None
     path = Path(bpy.path.abspath(folder)) / EVER_COVERED
     return _load(path, f"{path.parent.name} ever covered") if path.is_file() else None
+
+
+def baked_uv_map(folder):
+    """The UV map that the maps in `folder` were baked in; empty where the folder does not say."""
+    manifest = read_manifest(Path(bpy.path.abspath(folder))) if folder else None
+    return manifest["settings"]["receiver"]["uv_map"] if manifest else ""
+
+
+def folders_of_members(folder, instancer):
+    """{(object, library): folder} of all that the empty `instancer` instances. folder: that of any one of them,
+    baked beside the others."""
+    found = {}
+    for beside in sorted(Path(bpy.path.abspath(folder)).parent.iterdir()) if folder else ():
+        manifest = read_manifest(beside) if beside.is_dir() else None
+        if manifest and manifest["label"].startswith(f"{instancer} / "):
+            found[manifest["object"], manifest["library"]] = str(beside)
+    return found

@@ -7,6 +7,8 @@ SHELL     a separate snow object (see snow_shell): the receiver itself is not to
 NONE      the material only.
 """
 
+import math
+
 import bpy
 
 from .. import compat
@@ -15,6 +17,7 @@ from ..scene.pose import metres_per_unit
 from . import baked_images, original_state, snow_material, snow_shell
 
 SCALE_TOLERANCE = 1e-3
+MAX_FACES = 500_000
 
 MODES = (
     (
@@ -46,9 +49,13 @@ def uniform_scale(obj):
 
 def default_mode(obj):
     """What suits an object when the artist has not chosen."""
-    if snow_material.is_shared(obj) or uniform_scale(obj) is None:
-        return "SHELL"
-    return "MODIFIER"
+    return "SHELL"
+
+
+def _subdivision_levels(obj, size):
+    """Simple subdivisions that bring the object to about a face per four texels of a map `size` wide."""
+    wanted = min(size * size / 4.0, MAX_FACES) / max(len(obj.data.polygons), 1)
+    return min(snow_shell.MAX_LEVEL, math.floor(math.log(max(wanted, 1.0), 4.0) + 0.5))
 
 
 def _texture(obj, sequence):
@@ -72,7 +79,7 @@ def _add_modifiers(scene, receiver):
     subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
     subdivision.subdivision_type = "SIMPLE"
     if sequence is not None:
-        subdivision.render_levels = snow_shell.subdivision_levels(obj, sequence.size)
+        subdivision.render_levels = _subdivision_levels(obj, sequence.size)
     else:  # not baked yet: nothing to displace
         subdivision.render_levels = 0
     subdivision.levels = max(0, subdivision.render_levels - 1)

@@ -9,9 +9,9 @@ original material nor the mesh's own slots are changed, and other users of both 
 import bpy
 
 from .. import compat
-from ..names import SNOW_UV
+from ..names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.pose import metres_per_unit
-from . import baked_images, original_state, snow_nodes
+from . import baked_images, look, original_state, rest_position, snow_nodes
 
 FRAME_LABEL = "Snowbough"
 
@@ -108,11 +108,28 @@ def _output_node(tree):
     return node or tree.nodes.new("ShaderNodeOutputMaterial")
 
 
-def add_snow_nodes(material, height, normal, uv_map, displacement_scale):
+def _position(builder, scale, rest):
+    """The place on the object in metres, undeformed where the object keeps that."""
+    if rest:
+        node = builder.node("ShaderNodeAttribute", (-700, -620))
+        node.attribute_name = REST_ATTRIBUTE
+        place = node.outputs["Vector"]
+    else:
+        place = builder.node("ShaderNodeTexCoord", (-700, -620)).outputs["Object"]
+    metres = builder.node("ShaderNodeVectorMath", (-420, -620))
+    metres.operation = "MULTIPLY"
+    metres.inputs[1].default_value = scale
+    builder.link(place, metres.inputs[0])
+    return metres.outputs[0]
+
+
+def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres, rest):
     """Mixes snow over what the material shows.
 
     height, normal: BakedSequence or None. displacement_scale: Blender units per metre when the
-    material moves the surface (Cycles displacement), or None when geometry does.
+    material moves the surface (Cycles displacement), or None when geometry does. metres: of a unit of the
+    object's own space, along its three axes. rest: whether the object keeps its undeformed positions.
+    Returns the node of the group.
     """
     tree = material.node_tree
     output = _output_node(tree)
@@ -127,6 +144,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale):
     height_output = _height(builder, height, uv_map)
     builder.link(height_output, group.inputs["Height"])
     builder.link(_normal(builder, normal, uv_map), group.inputs["Normal"])
+    builder.link(_position(builder, metres, rest), group.inputs["Position"])
     if surface is not None:
         builder.link(surface, group.inputs["Shader"])
     builder.link(group.outputs["Shader"], output.inputs["Surface"])
@@ -136,7 +154,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale):
         node.space = "WORLD"
         node.inputs["Midlevel"].default_value = 0.0
         node.inputs["Scale"].default_value = displacement_scale
-        builder.link(height_output, node.inputs["Height"])
+        builder.link(group.outputs["Thickness"], node.inputs["Height"])
         result = node.outputs[0]
         if displaced is not None:
             both = builder.node("ShaderNodeVectorMath", (60, -420))
@@ -148,6 +166,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale):
         compat.set_displacement_method(material, "BOTH")
     builder.frame.location = (output.location.x - 200, output.location.y + 260)
     output.location.x += 420
+    return group
 
 
 # --------------------------------------------------------------------------------------------------
@@ -240,14 +259,17 @@ def add(scene, receiver, displace):
     height = baked_images.load_sequence(receiver.folder, "height")
     normal = baked_images.load_sequence(receiver.folder, "normal")
     scale = 1.0 / metres_per_unit(scene) if displace else None
+    metres = [abs(axis) * metres_per_unit(scene) for axis in obj.matrix_world.to_scale()]
 
     record = original_state.read(receiver)
     _note_slots(obj, record)
     _drop_copies(obj, record)
+    rest = rest_position.keep(obj, record)
     record["copies"] = []
     for slot, entry in zip(obj.material_slots, record["slots"]):
         material = _snowy_copy(obj, _find_material(entry) if entry["material"] else None)
-        add_snow_nodes(material, height, normal, uv_map, scale)
+        group = add_snow_nodes(material, height, normal, uv_map, scale, metres, rest)
+        look.set_group_inputs(group, look.of(scene))
         slot.link = "OBJECT"
         slot.material = material
         record["copies"].append(material.name)
@@ -270,6 +292,7 @@ def remove(receiver):
             slot.material = original
         if original is not None and entry["fake_user"]:
             original.use_fake_user = False
+    rest_position.release(record)
     if record.pop("added_slot"):
         obj.data.materials.clear()  # the one slot is ours; pop() would leave it on the object
     original_state.write(receiver, record)

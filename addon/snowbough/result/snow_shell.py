@@ -1,153 +1,165 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A snow shell: an object of its own whose geometry nodes lay the baked height over a receiver.
+"""A snow shell: an object of its own whose geometry nodes lay the baked height over a receiver (shell_nodes).
 
-The height is sampled on face corners, where UVs are unambiguous (on points 6 % of the vertices, those
-on seams, would read the wrong place), and the mesh is cut by `ever_covered`, so that its topology is
-the same in every frame of the shot and motion blur and caches work.
+It stands at the world's origin, whatever the receiver does, and reads the receiver's mesh as the frame has it. An
+instanced collection gets one shell for each mesh in it that has a map of its own.
 """
 
 import math
+from dataclasses import dataclass
 
 import bpy
+import numpy as np
 
 from .. import compat
 from ..scene.pose import metres_per_unit
-from . import baked_images, original_state, snow_material, snow_nodes
+from . import baked_images, look, original_state, rest_position, shell_nodes, snow_material, snow_nodes
+from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
 MODIFIER_NAME = "Snowbough Shell"
-HEIGHT_ATTRIBUTE = "snow_height"
-COVERED_ATTRIBUTE = "snow_covered"
-TEXELS_PER_FACE = 4.0
-MAX_FACES = 500_000
-# Where no snow lies the shell dips below the surface, so that it does not flicker through it (metres).
-SINK = 0.002
-BARE = 1e-5
+
+# Faces are about as large as two texels of the map, but fine enough for relief (metres).
+TEXELS_PER_FACE = 2.0
+FINEST_RELIEF = 0.006
+# Long faces are cut until their longer side is no more than so many times that.
+LONGEST_SIDE = 3.0
+# A layout fills about this share of its map.
+FILLED_SHARE = 0.6
+MAX_LEVEL = 11
+MAX_FACES_RENDER = 1_000_000
+MAX_FACES_VIEWPORT = 120_000
+# Edges at which split normals that cannot be read are taken for sharp (radians).
+USUAL_SHARP_ANGLE = math.radians(30.0)
 
 
-class _Tree:
-    """A geometry node tree with shorthand for nodes and links, laid out from left to right."""
-
-    def __init__(self, name):
-        self.tree = bpy.data.node_groups.new(name, "GeometryNodeTree")
-        self._column = 0
-
-    def node(self, kind, **properties):
-        node = self.tree.nodes.new(kind)
-        node.location = (190 * self._column, -180 * (self._column % 2))
-        self._column += 1
-        for name, value in properties.items():
-            setattr(node, name, value)
-        return node
-
-    def link(self, output, socket):
-        self.tree.links.new(output, socket)
-
-    def feed(self, node, **inputs):
-        """Links outputs to, or sets values of, the enabled input sockets of those names."""
-        for name, value in inputs.items():
-            socket = next(s for s in node.inputs if s.enabled and s.name == name.replace("_", " "))
-            if isinstance(value, bpy.types.NodeSocket):
-                self.link(value, socket)
-            else:
-                socket.default_value = value
-
-    def math(self, operation, a, b):
-        node = self.node("ShaderNodeMath", operation=operation)
-        for socket, value in zip(node.inputs, (a, b)):
-            if isinstance(value, bpy.types.NodeSocket):
-                self.link(value, socket)
-            else:
-                socket.default_value = value
-        return node.outputs[0]
-
-    def attribute(self, name, data_type, kind):
-        node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
-        node.inputs["Name"].default_value = name
-        return next(s for s in node.outputs if s.enabled and s.type == kind)
+# In the Solid view, where all else is greyer.
+SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
 
 
-def _frame(tree, now, sequence):
-    """The file of the scene frame `now`, held before the first and after the last one."""
-    return tree.math("MINIMUM", tree.math("MAXIMUM", now, float(sequence.first)), float(sequence.last))
+@dataclass
+class _Member:
+    """A mesh that carries snow: the receiver itself, or one of the collection that it instances."""
+
+    obj: bpy.types.Object
+    folder: str
+    instancer: bpy.types.Object = None
 
 
-def _store(tree, geometry, name, image, uv, frame=None, factor=None):
-    """Samples an image on the corners and keeps it, times `factor`, as an attribute of that name."""
-    sample = tree.node("GeometryNodeImageTexture", interpolation="Linear", extension="EXTEND")
-    tree.feed(sample, Image=image, Vector=uv)
-    if frame is not None:
-        tree.feed(sample, Frame=frame)
-    store = tree.node("GeometryNodeStoreNamedAttribute", data_type="FLOAT", domain="CORNER")
-    value = sample.outputs["Color"]
-    if factor is not None:
-        value = tree.math("MULTIPLY", value, factor)
-    tree.feed(store, Geometry=geometry, Name=name, Value=value)
-    return store.outputs["Geometry"]
+# --------------------------------------------------------------------------------------------------
+# What the nodes need to know of a mesh
 
 
-def build_tree(name, obj, uv_map, image, frames, covered, levels, units_per_metre, material):
-    """The node tree: receiver -> subdivide -> sample -> raise along the normal -> cut -> material.
+def _evaluated_mesh(obj):
+    evaluated = obj.evaluated_get(bpy.context.evaluated_depsgraph_get())
+    return evaluated.data if evaluated.type == "MESH" else obj.data
 
-    image: heights in metres; frames: its BakedSequence, or None for a still image. covered: image of where
-    snow ever lies, or None. Returns the new node group.
+
+def _area(mesh, scale):
+    areas = np.empty(len(mesh.polygons), dtype=np.float32)
+    mesh.polygons.foreach_get("area", areas)
+    return float(areas.sum(dtype=np.float64)) * scale * scale
+
+
+def _long_side(mesh, scale):
+    """The longer side of the mesh's faces in metres, on average over its surface."""
+    ends = np.empty((len(mesh.edges), 2), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", ends.ravel())
+    positions = compat.read_positions(mesh)
+    lengths = np.linalg.norm(positions[ends[:, 0]] - positions[ends[:, 1]], axis=1)
+    of_corner = np.empty(len(mesh.loops), dtype=np.int32)
+    mesh.loops.foreach_get("edge_index", of_corner)
+    starts = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_start", starts)
+    areas = np.empty(len(mesh.polygons), dtype=np.float32)
+    mesh.polygons.foreach_get("area", areas)
+    longest = np.maximum.reduceat(lengths[of_corner], starts)
+    return float(np.average(longest, weights=areas + 1e-20)) * scale
+
+
+def face_levels(corners, area, long_side, wanted):
+    """((levels in the viewport, in renders), size of a face in renders in metres) of a mesh.
+
+    area: m2; long_side: of its faces, wanted: size of a face, metres. The first subdivision gives a face for every
+    corner, each further one four for one.
     """
-    tree = _Tree(name)
-    compat.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
-    receiver = tree.node("GeometryNodeObjectInfo", transform_space="RELATIVE")
-    receiver.inputs["Object"].default_value = obj
-    realized = tree.node("GeometryNodeRealizeInstances")
-    tree.link(receiver.outputs["Geometry"], realized.inputs["Geometry"])
-    subdivided = tree.node("GeometryNodeSubdivideMesh")
-    tree.feed(subdivided, Mesh=realized.outputs["Geometry"], Level=levels)
-    geometry = subdivided.outputs["Mesh"]
+    by_area = 1.5 + math.log(max(area / (wanted * wanted * max(corners, 1)), 1e-9), 4.0)
+    by_side = 0.5 + math.log(max(long_side / (LONGEST_SIDE * wanted), 1e-9), 2.0)
 
-    uv = tree.attribute(uv_map, "FLOAT_VECTOR", "VECTOR")
-    frame = begun = None
-    if frames is not None:
-        now = tree.node("GeometryNodeInputSceneTime").outputs["Frame"]
-        begun = tree.math("GREATER_THAN", now, frames.first - 0.5)
-        frame = _frame(tree, now, frames)
-    geometry = _store(tree, geometry, HEIGHT_ATTRIBUTE, image, uv, frame, begun)
-    if covered is not None:
-        geometry = _store(tree, geometry, COVERED_ATTRIBUTE, covered, uv)
+    def level(most):
+        affordable = 1 + int(math.log(max(most / max(corners, 1), 0.25), 4.0))
+        return max(0, min(math.floor(max(by_area, by_side)), MAX_LEVEL, affordable))
 
-    depth = tree.attribute(HEIGHT_ATTRIBUTE, "FLOAT", "VALUE")
-    bare = tree.math("LESS_THAN", depth, BARE)
-    raised = tree.math("SUBTRACT", depth, tree.math("MULTIPLY", bare, SINK))
-    offset = tree.node("ShaderNodeVectorMath", operation="SCALE")
-    tree.link(tree.node("GeometryNodeInputNormal").outputs["Normal"], offset.inputs[0])
-    tree.link(tree.math("MULTIPLY", raised, units_per_metre), offset.inputs["Scale"])
-    moved = tree.node("GeometryNodeSetPosition")
-    tree.feed(moved, Geometry=geometry, Offset=offset.outputs[0])
-    geometry = moved.outputs["Geometry"]
-
-    if covered is not None:
-        cut = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
-        ever = tree.attribute(COVERED_ATTRIBUTE, "FLOAT", "VALUE")
-        tree.feed(cut, Geometry=geometry, Selection=tree.math("LESS_THAN", ever, 1e-6))
-        geometry = cut.outputs["Geometry"]
-    smooth = tree.node("GeometryNodeSetShadeSmooth")
-    tree.link(geometry, smooth.inputs["Geometry"])
-    painted = tree.node("GeometryNodeSetMaterial")
-    tree.feed(painted, Geometry=smooth.outputs["Geometry"], Material=material)
-    output = tree.node("NodeGroupOutput")
-    tree.link(painted.outputs["Geometry"], output.inputs["Geometry"])
-    return tree.tree
+    render = level(MAX_FACES_RENDER)
+    size = math.sqrt(area / (max(corners, 1) * 4.0 ** (render - 1)))
+    return (min(level(MAX_FACES_VIEWPORT), render), render), max(size, long_side / 2.0**render / 2.0)
 
 
-def make_material(name):
-    """Snow that fades to nothing at its rim: its depth comes with the shell as an attribute."""
+def _sharp_angle(mesh):
+    """The angle over which an edge is sharp; more than pi where only marks count."""
+    if not getattr(mesh, "use_auto_smooth", False):  # from 4.1 on marks are all there is, and nodes read them
+        return 4.0
+    if mesh.has_custom_normals or any(edge.use_edge_sharp for edge in mesh.edges):
+        return min(mesh.auto_smooth_angle, USUAL_SHARP_ANGLE)
+    return mesh.auto_smooth_angle
+
+
+def _has_split_points(mesh):
+    """Whether faces that meet have points of their own there, so that snow would tear."""
+    positions = compat.read_positions(mesh)
+    if not len(positions):
+        return False
+    grid = np.round(positions / max(1e-7, float(np.abs(positions).max()) * 1e-6)).astype(np.int64)
+    return len(np.unique(grid, axis=0)) < len(grid)
+
+
+def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
+    """The ShellSource of an object with an image of `size` texels. relief: with faces that are fine enough for it."""
+    mesh = _evaluated_mesh(obj)
+    scale = metres_per_unit(scene)
+    average = abs(obj.matrix_world.determinant()) ** (1.0 / 3.0)
+    area = _area(mesh, average * scale)
+    texel = math.sqrt(area / FILLED_SHARE) / size if size else FINEST_RELIEF
+    wanted = min(TEXELS_PER_FACE * texel, FINEST_RELIEF) if relief else texel
+    levels, face_size = face_levels(len(mesh.loops), area, _long_side(mesh, average * scale), wanted)
+    return ShellSource(
+        obj=obj,
+        uv_map=uv_map,
+        image=image,
+        material=material,
+        levels=levels,
+        face_size=face_size if relief else math.inf,
+        metres_per_unit=scale,
+        sharp_angle=_sharp_angle(mesh),
+        weld=_has_split_points(mesh),
+        **more,
+    )
+
+
+# --------------------------------------------------------------------------------------------------
+# The objects
+
+
+def make_material(scene, name):
+    """Snow of the scene's kind that thins out to nothing: its depth and its place come with the shell as
+    attributes."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
+    material.diffuse_color = SOLID_COLOR
+    material.roughness = snow_nodes.ROUGH
     nodes, links = material.node_tree.nodes, material.node_tree.links
     nodes.clear()
     output = nodes.new("ShaderNodeOutputMaterial")
     group = nodes.new("ShaderNodeGroup")
     group.node_tree = snow_nodes.ensure_group()
-    depth = nodes.new("ShaderNodeAttribute")
-    depth.attribute_name = HEIGHT_ATTRIBUTE
-    links.new(depth.outputs["Fac"], group.inputs["Height"])
+    look.set_group_inputs(group, look.of(scene))
+    for attribute, socket, result in (
+        (HEIGHT_ATTRIBUTE, "Height", "Fac"),
+        (POSITION_ATTRIBUTE, "Position", "Vector"),
+    ):
+        node = nodes.new("ShaderNodeAttribute")
+        node.attribute_name = attribute
+        links.new(node.outputs[result], group.inputs[socket])
     links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], group.inputs["Shader"])
     links.new(nodes.new("ShaderNodeNewGeometry").outputs["Normal"], group.inputs["Normal"])
     links.new(group.outputs["Shader"], output.inputs["Surface"])
@@ -157,29 +169,16 @@ def make_material(name):
     return material
 
 
-def _face_count(obj):
-    """Faces of the receiver, or of all meshes in the collection that it instances."""
-    if obj.type == "MESH":
-        return len(obj.data.polygons)
-    members = obj.instance_collection.all_objects if obj.instance_collection else ()
-    return sum(len(member.data.polygons) for member in members if member.type == "MESH")
-
-
-def subdivision_levels(obj, size):
-    """Simple subdivisions that bring the object to about a face per four texels of a map `size` wide."""
-    wanted = max(min(size * size / TEXELS_PER_FACE, MAX_FACES) / max(_face_count(obj), 1), 1.0)
-    return min(11, math.floor(math.log(wanted, 4.0) + 0.5))
-
-
-def make_object(scene, obj, name, tree, material):
-    """An object with that node tree as its modifier, linked beside `obj`; bakes leave it out."""
+def make_object(scene, name, tree, material, collection):
+    """An object with that node tree as its modifier, in that collection; bakes leave it out."""
     shell = bpy.data.objects.new(name, bpy.data.meshes.new(name))
     shell.snowbough.is_shell = True
     shell.snowbough.occlude = False
+    shell.lock_location = shell.lock_rotation = shell.lock_scale = (True,) * 3  # the nodes count on it
     shell.data.materials.append(material)
     shell.modifiers.new(MODIFIER_NAME, "NODES").node_group = tree
-    homes = [collection for collection in obj.users_collection if collection.library is None]
-    (homes[0] if homes else scene.collection).objects.link(shell)
+    look.set_shell_relief(shell, look.of(scene))
+    collection.objects.link(shell)
     return shell
 
 
@@ -198,74 +197,99 @@ def delete_object(shell):
             bpy.data.materials.remove(material)
 
 
-def make(scene, receiver):
-    """Makes the receiver's shell from its baked files and links it beside the receiver.
+def _home(scene, obj):
+    homes = [collection for collection in obj.users_collection if collection.library is None]
+    return homes[0] if homes else scene.collection
 
-    Returns the shell, or None where nothing is baked yet. Raises ValueError without a UV map.
-    """
+
+def _members(receiver):
+    """The _Members of a receiver that have baked maps."""
     obj = receiver.object
-    height = baked_images.load_sequence(receiver.folder, "height")
+    if obj.type == "MESH":
+        return [_Member(obj, receiver.folder)]
+    folders = baked_images.folders_of_members(receiver.folder, obj.name)
+    found = []
+    for member in obj.instance_collection.all_objects if obj.instance_collection else ():
+        folder = folders.get((member.name, member.library.filepath if member.library else ""))
+        if member.type == "MESH" and folder is not None:
+            found.append(_Member(member, folder, obj))
+    return found
+
+
+def _make_one(scene, receiver, member, record):
+    """The shell of one member, or None where nothing is baked."""
+    height = baked_images.load_sequence(member.folder, "height")
     if height is None:
         return None
-    uv_map = snow_material.uv_map_name(receiver)
+    uv_map = baked_images.baked_uv_map(member.folder) or snow_material.uv_map_name(receiver)
     if not uv_map:
-        raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")
-    covered = baked_images.load_ever_covered(receiver.folder)
-    name = f"{obj.name} snow"
-    material = make_material(name)
-    units_per_metre = 1.0 / metres_per_unit(scene)
-    tree = build_tree(
-        f"{TREE_PREFIX} {obj.name}",
-        obj,
-        uv_map,
-        height.image,
-        height,
-        covered,
-        subdivision_levels(obj, height.size),
-        units_per_metre,
-        material,
-    )
-    shell = make_object(scene, obj, name, tree, material)
+        raise ValueError(
+            f"{member.obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it"
+        )
+    name = f"{member.obj.name} snow"
+    material = make_material(scene, name)
+    source = source_of(
+        scene, member.obj, uv_map, height.image, height.size, material,
+        rest=rest_position.keep(member.obj, record), frames=height,
+        covered=baked_images.load_ever_covered(member.folder), instancer=member.instancer,
+    )  # fmt: skip
+    tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
+    return make_object(scene, name, tree, material, _home(scene, receiver.object))
+
+
+def make(scene, receiver):
+    """Makes the receiver's shells from its baked files and links them beside the receiver.
+
+    Returns them, none where nothing is baked yet. Raises ValueError without a UV map.
+    """
     record = original_state.read(receiver)
-    record["shell"] = shell.name
+    shells = [_make_one(scene, receiver, member, record) for member in _members(receiver)]
+    shells = [shell for shell in shells if shell is not None]
+    record["shells"] = [shell.name for shell in shells]
     original_state.write(receiver, record)
-    return shell
+    return shells
 
 
 def find(receiver):
-    """The receiver's shell, or None."""
-    return bpy.data.objects.get(original_state.read(receiver).get("shell", ""))
+    """The receiver's shells that are still there."""
+    record = original_state.read(receiver)
+    # The first versions knew one shell a receiver.
+    names = [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
+    return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
 
 
 def remove(receiver):
-    """Deletes the receiver's shell with its mesh, nodes and material."""
+    """Deletes the receiver's shells with their meshes, nodes and materials."""
+    shells = find(receiver)
     record = original_state.read(receiver)
-    shell = bpy.data.objects.get(record.pop("shell", ""))
+    for key in ("shell", "shells"):
+        record.pop(key, None)
+    rest_position.release(record)
     original_state.write(receiver, record)
-    if shell is not None:
+    for shell in shells:
         delete_object(shell)
 
 
 def freeze(scene, receiver, depsgraph):
-    """The snow of the receiver as it is in the evaluated frame, as a plain mesh object of its own.
+    """The snow of the receiver as it is in the evaluated frame, as plain mesh objects.
 
     Works from whatever displacement the receiver has; a receiver without a shell gets one for the
-    moment. Returns the new object, linked beside the receiver; None where nothing is baked.
+    moment. Returns the new objects, linked beside the receiver; none where nothing is baked.
     """
-    shell = find(receiver)
-    temporary = shell is None
-    shell = shell or make(scene, receiver)
-    if shell is None:
-        return None
+    shells = find(receiver)
+    temporary = not shells
+    shells = shells or make(scene, receiver)
     depsgraph.update()
-    evaluated = shell.evaluated_get(depsgraph)
-    name = f"{receiver.object.name} snow {scene.frame_current:04d}"
-    mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
-    mesh.name = name
-    frozen = bpy.data.objects.new(name, mesh)
-    frozen.matrix_world = shell.matrix_world
-    for collection in shell.users_collection:
-        collection.objects.link(frozen)
+    frozen = []
+    for shell in shells:
+        evaluated = shell.evaluated_get(depsgraph)
+        name = f"{shell.name} {scene.frame_current:04d}"
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh.name = name
+        plain = bpy.data.objects.new(name, mesh)
+        for collection in shell.users_collection:
+            collection.objects.link(plain)
+        frozen.append(plain)
     if temporary:
         remove(receiver)
     return frozen

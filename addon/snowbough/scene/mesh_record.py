@@ -1,5 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is read of one evaluated mesh: positions, triangles, UV maps, and where its materials have holes.
+"""What is read of one evaluated mesh: positions, triangles, UV maps, how it is shaded, and where its materials have
+holes.
+
+Shading. Corners of a vertex that Blender shades with one normal share a number, corners of flat faces have none.
+That carries smooth faces, sharp edges, Auto Smooth and the seams that custom normals make; which way the normals of a
+number point follows from the mesh's shape at each moment, as it bends, and not from custom normals. Which corners go
+together is found when the mesh is taken over, and stays while it deforms.
 
 A MeshRecord reads from the mesh what it is asked for, and only once; detach() reads all of it, so that the
 record outlives the mesh.
@@ -47,6 +53,27 @@ def join_alphas(alphas):
     return TopologyAlpha(np.concatenate(uvs), np.concatenate(indices), tuple(images))
 
 
+def join_shadings(shadings, corner_counts):
+    """One (T, 3) int32 of what MeshRecord.shading gave for each instance, or None where all are flat."""
+    if all(own is None for own, _ in shadings):
+        return None
+    joined, offset = [], 0
+    for (own, count), corners in zip(shadings, corner_counts):
+        flat = np.full((count, 3), -1, dtype=np.int32)
+        joined.append(flat if own is None else np.where(own < 0, -1, own + np.int32(offset)))
+        offset += corners
+    return np.ascontiguousarray(np.concatenate(joined), dtype=np.int32)
+
+
+def number_corners(vertices, normals):
+    """(L,) int32: of corners of one vertex that have one normal (within a five-hundredth), the first one's index."""
+    key = vertices.astype(np.int64)
+    for axis in range(3):
+        key = key * 2048 + np.clip(np.rint(normals[:, axis] * 512.0), -1023, 1023).astype(np.int64) + 1023
+    _, first, group = np.unique(key, return_index=True, return_inverse=True)
+    return first[group.reshape(-1)].astype(np.int32)
+
+
 def _rendered_uv_map(mesh):
     """The UV map that image textures show without a UV Map node; empty without any."""
     return next((layer.name for layer in mesh.uv_layers if layer.active_render), "")
@@ -64,11 +91,12 @@ class MeshRecord:
         self._corners = None
         self._triangle_corners = None
         self._triangle_materials = None
+        self._shading = None
         self._uv = None
         self._active = self._rendered = ""
 
-    def detach(self):
-        """Reads everything, so that the mesh may go."""
+    def detach(self, with_shading):
+        """Reads everything, so that the mesh may go; with_shading: shading() will be asked for."""
         self.corners()
         self.triangle_corners()
         mesh, self._uv = self._mesh, {}
@@ -78,6 +106,8 @@ class MeshRecord:
         self._rendered = _rendered_uv_map(mesh)
         if any(self._alphas):
             self.triangle_materials()
+        if with_shading:
+            self.shading(self.triangle_corners())
         self._mesh = None
 
     def corners(self):
@@ -101,6 +131,23 @@ class MeshRecord:
             self._mesh.loop_triangles.foreach_get("material_index", indices)
             self._triangle_materials = np.clip(indices, 0, max(0, len(self._alphas) - 1))
         return self._triangle_materials
+
+    def shading(self, corner_triangles):
+        """((T, 3) int32 of the triangles, or None where all are flat; T). Corners of one number share a smooth
+        normal; -1 is flat."""
+        if self._shading is None:
+            smooth = np.empty(self.counts[2], dtype=bool)
+            self._mesh.polygons.foreach_get("use_smooth", smooth)
+            self._shading = (smooth, None)
+            if smooth.any():
+                polygons = np.empty(len(self.triangle_corners()), dtype=np.int32)
+                self._mesh.loop_triangles.foreach_get("polygon_index", polygons)
+                normals = compat.read_corner_normals(self._mesh)
+                self._shading = (smooth[polygons], number_corners(self.corners(), normals))
+        smooth, numbers = self._shading
+        if numbers is None:
+            return None, len(corner_triangles)
+        return np.where(smooth[:, None], numbers[corner_triangles], np.int32(-1)), len(corner_triangles)
 
     def alpha(self, corner_triangles):
         """(uv (T, 3, 2), image (T,), images) of the triangles, or (None, T, ()) where all are opaque."""

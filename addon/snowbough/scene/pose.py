@@ -4,7 +4,7 @@
 SceneReader makes it of Blender's evaluation; simulations and fingerprints are made of it.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 import numpy as np
 
@@ -56,6 +56,8 @@ class ReceiverSpec:
     """Empty: the map named ``snow``, else the active one."""
     resolution: int = 0
     enabled: bool = True
+    sides: str = "AUTO"
+    """Which take snow: AUTO, FRONT or BOTH, as the native add_object takes it."""
 
 
 @dataclass(frozen=True)
@@ -70,6 +72,8 @@ class Topology:
     print: str
     alpha: TopologyAlpha = None
     """None where all of it is opaque."""
+    shading: np.ndarray = None
+    """(T, 3) int32: corners of one number share a smooth normal, -1 is flat; None for flat ones and occluders."""
 
     def is_same(self, other):
         """Whether a mesh with the one topology can go on with the other's positions."""
@@ -116,6 +120,8 @@ class ScenePose:
     fall_angle: float
     bearing: float
     rate: float
+    refused: dict = field(default_factory=dict)
+    """Receiver's label -> why it cannot carry snow; it only blocks it."""
 
 
 def library_path(id_block):

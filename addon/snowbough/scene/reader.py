@@ -14,6 +14,7 @@ holds numpy arrays and texts only, nothing that Blender could free.
 - Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
 - An object that stands still is not read again; topology is read once and again when it changes. A
   receiver keeps the UV map of its first pose: one that has lost it is refused.
+- Receivers say which corners of theirs share a smooth normal (mesh_record).
 - Where materials have alpha from an image, triangles carry the image and the UVs in it (material_alpha).
 """
 
@@ -24,7 +25,7 @@ import numpy as np
 from ..names import OWN_MODIFIERS, UV_TOLERANCE, receiver_key
 from . import material_alpha
 from .inputs import fingerprint
-from .mesh_record import MeshRecord, join_alphas, materials_of
+from .mesh_record import MeshRecord, join_alphas, join_shadings, materials_of
 from .pose import ObjectPose, ReceiverSpec, SceneError, ScenePose, Topology, library_path, world_positions
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
@@ -102,19 +103,51 @@ class SceneReader:
         self._switch = ""
         # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
         self._alphas = {}
+        # Receivers that cannot be ones from their first pose on: label -> why.
+        self._refused = {}
+        # Objects that are shown as instances of their own: (name, library) -> who scatters them.
+        self._scattered = {}
 
     def read(self, depsgraph, frame):
         """The pose.ScenePose that depsgraph holds. frame: a number for messages.
 
-        Raises SceneError for receivers without a mesh or without the UV map.
+        A receiver that has no mesh or no UV map when it is first read is refused: it only blocks snow, and the pose
+        says why. Raises SceneError for one that loses them later.
         """
         self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         groups = self._gather(depsgraph)
         objects = {}
         for key in sorted(groups):
-            objects[key] = self._pose(key, groups[key], frame)
+            objects[key] = self._pose_or_refusal(key, groups[key], frame)
+        self._refuse_scattered(objects)
         settings = depsgraph.scene_eval.snowbough
-        return ScenePose(objects, settings.fall_angle, settings.bearing, settings.rate)
+        return ScenePose(objects, settings.fall_angle, settings.bearing, settings.rate, dict(self._refused))
+
+    def _pose_or_refusal(self, key, group, frame):
+        """The pose of a group; of a receiver that cannot be one, as an occluder."""
+        if group.label in self._refused:
+            group.receiver = None
+        if group.receiver is None or not group.receiver.enabled or key in self._known:
+            return self._pose(key, group, frame)
+        try:
+            return self._pose(key, group, frame)
+        except SceneError as error:
+            self._known.pop(key, None)
+            self._refused[group.label] = str(error)
+            group.receiver = None
+            return self._pose(key, group, frame)
+
+    def _refuse_scattered(self, objects):
+        """Says of receivers that are only seen as instances what can be done about it."""
+        seen = {(o.receiver.name, o.receiver.library) for o in objects.values() if o.receiver}
+        for (name, library), scatterer in self._scattered.items():
+            spec = self._receivers.get((name, library))
+            if spec is not None and spec.enabled and (name, library) not in seen:
+                self._refused[name] = (
+                    f"'{name}' is only seen as instances that {_scatterer(name, scatterer)}, which would all share "
+                    "one map: end its geometry nodes with Realize Instances and make it a receiver with a UV map of "
+                    "its own (instances on faces or vertices: Object > Apply > Make Instances Real)"
+                )
 
     def _gather(self, depsgraph):
         """key -> _Group of everything that the render shows."""
@@ -133,7 +166,7 @@ class SceneReader:
             if group is None:
                 continue
             matrix = np.array(instance.matrix_world, dtype=np.float64)
-            local, mesh = self._local_mesh(obj, shared)
+            local, mesh = self._local_mesh(obj, shared, group.receiver is not None)
             if local is None:
                 continue
             group.instances.append((order, matrix, local, mesh))
@@ -156,16 +189,19 @@ class SceneReader:
         if receiver is not None and parent.instance_type == "COLLECTION":
             key = receiver_key(f"{parent_name}.{name}", (library, parent_library, *order))
             return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, receiver)), order
+        for shown in ((name, library), (parent_name, parent_library)):
+            self._scattered.setdefault(shown, parent_name)
         key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
         return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, None)), order
 
-    def _local_mesh(self, obj, shared):
+    def _local_mesh(self, obj, shared, receives):
         """(positions in the object's space, a record of its mesh). Both are shared between the instances
-        of one evaluated mesh within a pose, and between poses while nothing can deform the object."""
-        pointer = (obj.original.as_pointer(), obj.data.as_pointer() if obj.data else 0)
+        of one evaluated mesh within a pose, and between poses while nothing can deform the object.
+        receives: its shading matters."""
+        pointer = (obj.original.as_pointer(), obj.data.as_pointer() if obj.data else 0, receives)
         if pointer in shared:
             return shared[pointer]
-        rigid_key = (obj.original.name, library_path(obj.original))
+        rigid_key = (obj.original.name, library_path(obj.original), receives)
         if rigid_key in self._rigid:
             shared[pointer] = self._rigid[rigid_key]
             return shared[pointer]
@@ -179,13 +215,13 @@ class SceneReader:
                 mesh, temporary or not _is_deforming_only(obj.original), self._alphas_of(obj, mesh)
             )
             if temporary:
-                record.detach()
+                record.detach(receives)
             found = (record.positions, record)
         finally:
             if temporary:
                 obj.to_mesh_clear()
         if not temporary and _is_rigid(obj, self._switch):
-            record.detach()
+            record.detach(receives)
             self._rigid[rigid_key] = found
         shared[pointer] = found
         return found
@@ -249,7 +285,7 @@ class SceneReader:
             if _same_arrays(known.corners, corners):
                 return
         receiver = group.receiver is not None
-        triangles, uvs, alphas, offset = [], [], [], 0
+        triangles, uvs, alphas, shadings, offset = [], [], [], [], 0
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
@@ -258,6 +294,7 @@ class SceneReader:
             if receiver:
                 known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.label, frame)
                 uvs.append(uv[corner_triangles])
+                shadings.append(record.shading(corner_triangles))
             alphas.append(record.alpha(corner_triangles))
             offset += record.counts[0]
         triangles = np.ascontiguousarray(np.concatenate(triangles), dtype=np.int32)
@@ -271,10 +308,16 @@ class SceneReader:
         known.counts, known.flips = counts, flips
         known.corners = [record.corners() for record in records]
         alpha = join_alphas(alphas)
-        printed = fingerprint(triangles, uv, *((alpha.uv, alpha.image) if alpha else ()))
-        made = Topology(triangles, uv, offset, printed, alpha)
+        shading = join_shadings(shadings, [record.counts[1] for record in records])
+        parts = [] if shading is None else [shading]
+        parts += [alpha.uv, alpha.image] if alpha else []
+        made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)
         if known.topology is None or not known.topology.is_same(made):
             known.topology = made
+
+
+def _scatterer(name, scatterer):
+    return "it scatters itself" if name == scatterer else f"'{scatterer}' scatters"
 
 
 def _fits_map(uv):

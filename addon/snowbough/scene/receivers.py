@@ -53,7 +53,14 @@ def receiver_specs(scene):
         library = library_path(entry.object)
         specs.setdefault(
             (entry.object.name, library),
-            ReceiverSpec(entry.object.name, library, entry.uv_map, receiver_resolution(entry), entry.enabled),
+            ReceiverSpec(
+                entry.object.name,
+                library,
+                entry.uv_map,
+                receiver_resolution(entry),
+                entry.enabled,
+                entry.sides,
+            ),
         )
     return list(specs.values())
 

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``cli.py import``: imports a tree into the loaded file, saves a .blend and a JSON report.
+"""``cli.py import``: imports trees into the loaded file, saves a .blend and a JSON report.
 
-Exit codes: 0 done; 1 the file is no tree, or something could not be written; 6 no native module;
-130 stopped. A file appears under its name only when it is complete.
+Exit codes: 0 done; 1 a file is no tree, or something could not be written; 6 no native module;
+130 stopped. Of several files those that are trees come in all the same. A file appears under its name
+only when it is complete.
 """
 
 import argparse
@@ -59,7 +60,9 @@ def _add_option(parser, name, kind, keywords):
 
 def add_arguments(parser):
     """What ``import`` takes; options as tree.import_options declares them."""
-    parser.add_argument("file", metavar="FILE.obj")
+    parser.add_argument(
+        "files", metavar="FILE.obj", nargs="+", help="trees, or folders with trees, side by side in one scene"
+    )
     parser.add_argument(
         "--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved"
     )
@@ -99,28 +102,54 @@ def _checked_target(name, suffix):
     return path
 
 
+def _import(args, options):
+    """([(collection, report), ...], [Failure, ...]) of the files that the command line names."""
+    paths = import_tree.chosen_files("", "", [str(Path(name).absolute()) for name in args.files])
+    metre = import_tree.metre_of(bpy.context.scene)
+    # A callback is what lets Ctrl-C reach the native part.
+    trees, failures = import_tree.read_files(paths, options, lambda _share: True, metre)
+    if trees and not bpy.data.filepath:
+        # No .blend was given: the startup file's cube, lamp and camera are nobody's scene.
+        bpy.data.batch_remove(list(bpy.context.scene.objects))
+    collections = import_tree.create_trees(bpy.context, trees, options)
+    return list(zip(collections, (tree.report for _path, tree in trees))), failures
+
+
+def _json(reports, failures, several):
+    """What goes into the report file: of one file its report, of several a list of them."""
+    if not several:
+        return reports[0]
+    refused = [
+        {"file": str(failure.path), "error": import_tree.message(failure.error)} for failure in failures
+    ]
+    return {"trees": reports, "failures": refused}
+
+
 def run(args):
     """Imports as the command line says; returns the exit code. args: see add_arguments."""
     try:
         blend, report_file = _checked_target(args.out, ".blend"), _checked_target(args.json, "")
-        options = options_of(args)
-        # A callback is what lets Ctrl-C reach the native part.
-        tree = import_tree.read_native(Path(args.file).absolute(), options, progress=lambda _share: True)
-        if not bpy.data.filepath:
-            # No .blend was given: the startup file's cube, lamp and camera are nobody's scene.
-            bpy.data.batch_remove(list(bpy.context.scene.objects))
-        import_tree.create_tree(bpy.context, Path(args.file).stem, tree, options)
-        if blend:
+        made, failures = _import(args, options_of(args))
+        reports = [report for _collection, report in made]
+        several = len(reports) + len(failures) > 1
+        for failure in failures:
+            print(f"Snowbough: {failure.text()}", file=sys.stderr)
+        if blend and made:
             _save_blend(blend)
-        if report_file:
-            _write_json(report_file, tree.report)
+        if report_file and (made or several):
+            _write_json(report_file, _json(reports, failures, several))
     except native.NativeModuleMissing as error:
         print(f"Snowbough: {error}", file=sys.stderr)
         return EXIT_NO_NATIVE
     except (ValueError, RuntimeError, OSError, MemoryError) as error:
         print(f"Snowbough: {import_tree.message(error)}", file=sys.stderr)
         return EXIT_FAILED
-    for text in tree.report["warnings"]:
-        print(f"Snowbough: warning: {text}")
-    print(f"Snowbough: {import_tree.summary(tree.report)}")
-    return EXIT_OK
+    for report in reports:
+        named = f"{report['file']}: " if several else ""
+        for text in report["warnings"]:
+            print(f"Snowbough: warning: {named}{text}")
+    if several:
+        print(f"Snowbough: {import_tree.summary_of_all(reports, failures)}")
+    elif made:
+        print(f"Snowbough: {import_tree.summary(reports[0])}")
+    return EXIT_FAILED if failures else EXIT_OK

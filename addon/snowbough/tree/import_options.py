@@ -10,6 +10,18 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, St
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 
 LOD_COUNT = 4
+# The option `lod` where `detail` says how fine the surface is.
+BY_DETAIL = -1
+
+# Metres that a unit of the file is; None: as many of Blender's units as the file has.
+METRES_OF_UNIT = {
+    "FILE": None,
+    "MILLIMETRES": 0.001,
+    "CENTIMETRES": 0.01,
+    "METRES": 1.0,
+    "INCHES": 0.0254,
+    "FEET": 0.3048,
+}
 
 
 class ImportProperties:
@@ -24,6 +36,26 @@ class ImportProperties:
             ("Z", "Z", "The file's Z axis points up"),
         ),
         default="AUTO",
+    )
+    unit: EnumProperty(
+        name="Units",
+        description="What one unit of the file is",
+        items=(
+            ("FILE", "As in the File", "One unit of the file is one of Blender's"),
+            ("MILLIMETRES", "Millimetres", "The file counts in millimetres"),
+            ("CENTIMETRES", "Centimetres", "The file counts in centimetres"),
+            ("METRES", "Metres", "The file counts in metres"),
+            ("INCHES", "Inches", "The file counts in inches"),
+            ("FEET", "Feet", "The file counts in feet"),
+        ),
+        default="FILE",
+    )
+    height: FloatProperty(
+        name="Height",
+        description="How high the wood shall be, whatever the file's units; 0: as they say (metres)",
+        default=0.0,
+        min=0.0,
+        soft_max=40.0,
     )
     levels: StringProperty(
         name="Level Names",
@@ -64,12 +96,25 @@ class ImportProperties:
         ),
         default="BROADLEAF",
     )
+    detail: EnumProperty(
+        name="Detail",
+        description="How fine the surface is: sides by thickness, limbs that curve, forks that flow",
+        items=(
+            ("DRAFT", "Draft", "For looking at: trunks of up to 8 sides, as few faces as bends need"),
+            ("GAME", "Game", "For engines that draw many trees"),
+            ("DEFAULT", "Default", "Trunks of up to 16 sides, limbs without visible kinks"),
+            ("FILM", "Film", "For close-ups: trunks of up to 32 sides"),
+        ),
+        default="DEFAULT",
+    )
     lod: IntProperty(
         name="Level of Detail",
-        description="0: four-sided limbs; each level doubles the sides and rounds them (levels)",
-        default=0,
-        min=0,
+        description="For scripts, instead of Detail: 0 has four-sided limbs, each level doubles the sides; "
+        "-1: as Detail says (levels)",
+        default=BY_DETAIL,
+        min=BY_DETAIL,
         max=LOD_COUNT - 1,
+        options={"HIDDEN"},
     )
     lod_chain: BoolProperty(
         name="Import LOD Chain",
@@ -88,6 +133,11 @@ class ImportProperties:
         default=-1,
         min=-1,
     )
+    show_bones: BoolProperty(
+        name="Show Bones",
+        description="Show the bones; off, they are hidden by their levels and move the tree all the same",
+        default=False,
+    )
     foliage: BoolProperty(
         name="Foliage", description="Keep leaves, needles and flowers as a second object", default=True
     )
@@ -102,6 +152,14 @@ class ImportProperties:
         default=1024,
         min=MIN_RESOLUTION,
         max=MAX_RESOLUTION,
+    )
+    wind_attributes: BoolProperty(
+        name="Wind Attributes",
+        description="For cheap wind in engines: each point's branch as attributes _PIVOT, _AXIS, _LENGTH and _PHASE",
+        default=False,
+    )
+    mark_asset: BoolProperty(
+        name="Mark as Asset", description="Show the tree in the Asset Browser, with a picture", default=False
     )
 
 
@@ -127,3 +185,13 @@ ImportOptions.__doc__ = "What the properties of the same names say."
 def options_of(source):
     """The ImportOptions that an operator, or another object with all options as attributes, holds."""
     return ImportOptions(**{name: getattr(source, name) for name in DEFAULTS})
+
+
+# Headings of the options in dialogs, and what stands under each. `lod` is for scripts.
+SECTIONS = (
+    ("file", "File", ("up_axis", "unit", "height", "levels")),
+    ("surface", "Surface", ("detail", "lod_chain", "simplify", "tolerance", "width", "species")),
+    ("bones", "Bones", ("max_bones", "max_bone_level", "show_bones")),
+    ("foliage", "Foliage", ("foliage", "foliage_names")),
+    ("extras", "Maps and Extras", ("snow_resolution", "wind_attributes", "mark_asset")),
+)

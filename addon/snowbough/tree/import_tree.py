@@ -1,164 +1,97 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an OBJ file to one rigged, weighted, unwrapped mesh in the scene.
+"""From OBJ files to rigged, weighted, unwrapped meshes in the scene, one collection a file.
 
-First everything native is computed (:func:`read_native`; it can run on another thread and be stopped),
-only then Blender's data-blocks are made (:func:`create_tree`): bad input or Esc leaves Blender as it was.
+First everything native is computed (:mod:`native_tree`; it can run on another thread and be stopped),
+only then Blender's data-blocks are made (:func:`create_trees`): bad input or Esc leaves Blender as it was.
 """
 
 import json
-import threading
 import time
-from concurrent.futures import ThreadPoolExecutor, as_completed
-from dataclasses import dataclass
 from pathlib import Path
+from typing import NamedTuple
 
 import bpy
+import numpy as np
 
-from .. import native
-from ..names import SNOW_RESOLUTION_PROPERTY
-from . import armature, materials, objects
-from .import_options import LOD_COUNT
+from .. import compat, native
+from ..names import BARK_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
+from . import armature, materials, objects, thumbnail, wind_attributes
+from .import_options import BY_DETAIL, LOD_COUNT
+from .native_tree import read_native
 
 REPORT_PROPERTY = "snowbough_report"
 LOD_PROPERTY = "snowbough_lod"
-
-
-@dataclass
-class NativeTree:
-    """Everything an import needs, before Blender hears of it. Meshes share their bones."""
-
-    skeleton: object
-    meshes: list  # (level of detail, native mesh with reduced bones)
-    leaf_bones: object
-    leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
-    report: dict
-
-
-def _build_meshes(module, skeleton, options, progress):
-    """(the first mesh with all bones, [(lod, mesh with reduced bones), ...]).
-
-    progress(share 0..1) -> False stops: KeyboardInterrupt. The native module works outside Python's
-    lock: the finest level of a chain takes as long as all others together, which a second thread makes
-    meanwhile.
-    """
-    lods = list(range(LOD_COUNT)) if options.lod_chain else [options.lod]
-    shares = dict.fromkeys(lods, 0.0)
-    stopped = threading.Event()
-
-    def build(lod):
-        def step(share):
-            shares[lod] = share
-            return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
-
-        whole = module.build_tree_mesh(
-            skeleton,
-            options.width,
-            options.species,
-            lod=lod,
-            snow_resolution=options.snow_resolution,
-            progress=step,
-        )
-        reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
-        return (whole if lod == lods[0] else None), (lod, reduced)
-
-    if len(lods) == 1:
-        whole, mesh = build(lods[0])
-        return whole, [mesh]
-    built = {}
-    with ThreadPoolExecutor(2, "snowbough-lod") as workers:
-        futures = {workers.submit(build, lod): lod for lod in reversed(lods)}
-        try:
-            for future in as_completed(futures):
-                built[futures[future]] = future.result()
-        except BaseException:
-            stopped.set()
-            workers.shutdown(wait=True, cancel_futures=True)
-            raise
-    return built[lods[0]][0], [built[lod][1] for lod in lods]
-
-
-def _lay_out_leaves(module, skeleton, options, stopped):
-    """The leaves' UV map `snow`; None without leaves. stopped: an event that ends it."""
-    if not len(skeleton.foliage.vertices):
-        return None
-
-    def go_on(_share):
-        return not stopped.is_set()
-
-    return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=go_on)
-
-
-def read_native(path, options, progress=None):
-    """Reads `path` and computes the tree. Touches no Blender data; raises ValueError for bad input.
-
-    progress(share 0..1) -> False stops: KeyboardInterrupt.
-    """
-    path = Path(path)
-    if not path.name or path.is_dir():
-        raise ValueError(f"{path} is a folder: choose an OBJ file")
-    if not path.is_file():
-        raise ValueError(f"{path} was not found")
-    module = native.load()
-    started = time.perf_counter()
-
-    def part(begin, end):
-        """Reports the shares of a stage as those of the whole."""
-        return lambda share: progress is None or progress(begin + (end - begin) * share)
-
-    skeleton = module.read_tree(
-        str(path),
-        up_axis=options.up_axis,
-        levels=options.levels,
-        simplify=options.simplify,
-        tolerance=options.tolerance,
-        foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
-        progress=part(0.0, 0.4),
-    )
-    if not skeleton.branches:
-        raise ValueError(f"{path} holds no branches: there is no tree to import")
-    # The leaves' charts need the skeleton alone: a second thread lays them out beside the mesh.
-    stopped = threading.Event()
-    with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
-        try:
-            leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options, stopped)
-            whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
-            leaf_layout = leaf_charts.result()
-        except BaseException:
-            stopped.set()
-            raise
-    warnings = list(whole.warnings)
-    leaf_bones = None
-    if leaf_layout is not None:
-        bone_map = meshes[0][1].bone_map
-        leaf_bones = module.leaf_bones(skeleton, whole)
-        leaf_bones = leaf_bones if bone_map is None else bone_map[leaf_bones]
-        if leaf_layout["resolution"] > options.snow_resolution:
-            warnings.append(
-                f"the leaves' snow UV map needs a resolution of {leaf_layout['resolution']}, "
-                f"not {options.snow_resolution}"
-            )
-    if part(0.95, 1.0)(1.0) is False:
-        raise KeyboardInterrupt("cancelled")
-
-    report = dict(skeleton.report)
-    report["file"] = path.name
-    report["height"] = float(skeleton.height)
-    report["branches"] = len(skeleton.branches)
-    report["bones_found"] = len(whole.bone_parents)
-    report["bones"] = len(meshes[0][1].bone_parents)
-    report["meshes"] = [
-        {"lod": lod, "vertices": len(mesh.vertices), "faces": len(mesh.quads)} for lod, mesh in meshes
-    ]
-    report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)
-    report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
-    report["warnings"] = list(report["warnings"]) + warnings
-    report["native_seconds"] = round(time.perf_counter() - started, 4)
-    return NativeTree(skeleton, meshes, leaf_bones, leaf_layout, report)
+# Several trees of one import stand in a row, this share of their widths apart.
+ROW_GAP = 0.1
 
 
 def _lod_suffix(lod, chain):
     # Game engines call the finest level LOD0; ours counts up from the four-sided base.
     return f"_LOD{LOD_COUNT - 1 - lod}" if chain else ""
+
+
+def _used(sources, chosen, make):
+    """Materials for `sources` and, last, for faces without (-1): None where no face has it.
+
+    chosen: arrays of indices into sources; make(source or None) -> material.
+    """
+    used = set(np.unique(np.concatenate([np.asarray(c).reshape(-1) for c in chosen])).tolist())
+    made = [make(source) if index in used else None for index, source in enumerate(sources)]
+    return [*made, make(None) if -1 in used else None]
+
+
+def _create_bark(name, tree, options, bone_names):
+    """The bark objects, the finest first."""
+    meshes = tree.meshes
+    uv_map = ORIGINAL_UV if meshes[0].original_uv is not None else BARK_UV
+    slots = _used(
+        tree.skeleton.wood_materials,
+        [made.face_material for made in meshes],
+        lambda source: materials.bark_material(f"{name}_bark", source, uv_map),
+    )
+    barks = []
+    for made in reversed(meshes):
+        lod = made.fineness.lod
+        bark = objects.create_bark(
+            f"{name}_bark{_lod_suffix(lod, options.lod_chain)}",
+            made.native,
+            bone_names,
+            slots,
+            made.face_material,
+            made.original_uv,
+        )
+        if lod != BY_DETAIL:
+            bark[LOD_PROPERTY] = lod
+        bark[SNOW_RESOLUTION_PROPERTY] = options.snow_resolution
+        if options.wind_attributes:
+            wind_attributes.add_to_bark(bark.data, tree.skeleton, made.native)
+        barks.append(bark)
+    return barks
+
+
+def _create_leaves(name, tree, options, bone_names):
+    foliage = tree.skeleton.foliage
+    slots = _used(
+        foliage.materials,
+        [foliage.face_material],
+        lambda source: materials.leaf_material(source, f"{name}_leaf"),
+    )
+    leaves = objects.create_leaves(
+        f"{name}_leaves", foliage, tree.leaf_layout["uv"], tree.leaf_bones, bone_names, slots
+    )
+    leaves[SNOW_RESOLUTION_PROPERTY] = int(tree.leaf_layout["resolution"])
+    if options.wind_attributes:
+        wind_attributes.add_to_leaves(leaves.data, tree.skeleton)
+    return leaves
+
+
+def _select(context, rig, barks, leaves):
+    """The finest bark is active; with it are selected the leaves, and the armature, which moves them all."""
+    for other in context.view_layer.objects.selected:
+        other.select_set(False)
+    for obj in (rig, barks[0], *leaves):
+        obj.select_set(True)
+    context.view_layer.objects.active = barks[0]
 
 
 def create_tree(context, title, tree, options):
@@ -171,55 +104,124 @@ def create_tree(context, title, tree, options):
         # The scene's own collection cannot be hidden or excluded: the armature needs edit mode there.
         context.scene.collection.children.link(collection)
 
-        bones = armature.bone_arrays(tree.meshes[0][1])
+        bones = armature.bone_arrays(tree.meshes[0].native)
         rig = armature.create_armature(context, name, bones, collection)
-        made = [rig]
-        bark_material = materials.bark_material(f"{name}_bark")
-        for lod, mesh in reversed(tree.meshes):
-            bark_name = f"{name}_bark{_lod_suffix(lod, options.lod_chain)}"
-            bark = objects.create_bark(bark_name, mesh, bones.names, bark_material)
-            bark[LOD_PROPERTY] = lod
-            bark[SNOW_RESOLUTION_PROPERTY] = options.snow_resolution
-            made.append(bark)
-        if tree.leaf_bones is not None:
-            foliage = tree.skeleton.foliage
-            leaf_materials = [materials.leaf_material(source) for source in foliage.materials]
-            leaf_materials.append(materials.leaf_material(name=f"{name}_leaf"))
-            leaves = objects.create_leaves(
-                f"{name}_leaves",
-                foliage,
-                tree.leaf_layout["uv"],
-                tree.leaf_bones,
-                bones.names,
-                leaf_materials,
-            )
-            leaves[SNOW_RESOLUTION_PROPERTY] = int(tree.leaf_layout["resolution"])
-            made.append(leaves)
-        for obj in made[1:]:
+        barks = _create_bark(name, tree, options, bones.names)
+        leaves = [_create_leaves(name, tree, options, bones.names)] if tree.leaf_bones is not None else []
+        for obj in (*barks, *leaves):
             collection.objects.link(obj)
             objects.bind(obj, rig)
-            # Of a chain only the finest is shown: the others lie in the same place.
-            if options.lod_chain and obj.get(LOD_PROPERTY, LOD_COUNT - 1) != LOD_COUNT - 1:
-                obj.hide_render = True
-                obj.hide_set(True)
+        # Of a chain only the finest is shown: the others lie in the same place.
+        for bark in barks[1:]:
+            bark.hide_render = True
+            bark.hide_set(True)
         collection[REPORT_PROPERTY] = json.dumps(tree.report)
-        for other in context.view_layer.objects.selected:
-            other.select_set(False)
-        for obj in made:
-            if not obj.hide_get():
-                obj.select_set(True)
-        context.view_layer.objects.active = rig
+        _select(context, rig, barks, leaves)
+        if not options.show_bones:
+            compat.hide_bones(rig.data)
+        if options.mark_asset:
+            thumbnail.mark_asset(collection, summary(tree.report))
         return collection
+
+
+def _reach(tree):
+    """(least, largest) x of a native tree."""
+    x = [made.native.vertices[:, 0] for made in tree.meshes]
+    if tree.leaf_bones is not None:
+        x.append(tree.skeleton.foliage.vertices[:, 0])
+    x = np.concatenate(x)
+    return float(x.min()), float(x.max())
+
+
+def create_trees(context, trees, options):
+    """Makes the trees of `trees`, [(path, NativeTree), ...], in a row along X, the first where its file has it;
+    returns their collections. On an error none stays."""
+    collections, made, end = [], [], None
+    with objects.Ledger():
+        for path, tree in trees:
+            collections.append(create_tree(context, Path(path).stem, tree, options))
+            made += context.view_layer.objects.selected
+            low, high = _reach(tree)
+            shift = 0.0 if end is None else end + ROW_GAP * (high - low) - low
+            end = shift + high + ROW_GAP * (high - low)
+            rig = next(obj for obj in collections[-1].objects if obj.type == "ARMATURE")
+            rig.location.x = shift
+        for obj in made:
+            obj.select_set(True)
+    return collections
+
+
+def metre_of(scene):
+    """What a metre is in the scene's units."""
+    return 1.0 / scene.unit_settings.scale_length
+
+
+class Failure(NamedTuple):
+    path: Path
+    error: Exception
+
+    def text(self):
+        """What is told of it, with the file's name."""
+        told = message(self.error)
+        return told if self.path.name in told else f"{self.path.name}: {told}"
+
+
+FAILURES = (ValueError, RuntimeError, OSError, MemoryError)
+
+
+def read_files(paths, options, progress=None, metre=1.0):
+    """([(path, NativeTree), ...], [Failure, ...]) of several files; see read_native."""
+    native.load()  # what is missing for all is told once
+    trees, failures = [], []
+    for number, path in enumerate(paths):
+
+        def step(share, before=number):
+            return progress is None or progress((before + share) / len(paths))
+
+        try:
+            trees.append((Path(path), read_native(path, options, step, metre)))
+        except FAILURES as error:
+            failures.append(Failure(Path(path), error))
+    return trees, failures
+
+
+def import_files(context, paths, options, progress=None):
+    """Imports `paths`; returns ([(collection, report), ...], [Failure, ...]). What is no tree keeps none of the
+    others out."""
+    started = time.perf_counter()
+    trees, failures = read_files(paths, options, progress, metre_of(context.scene))
+    collections = create_trees(context, trees, options)
+    seconds = round(time.perf_counter() - started, 4)
+    made = []
+    for collection, (_path, tree) in zip(collections, trees):
+        tree.report["seconds"] = seconds
+        collection[REPORT_PROPERTY] = json.dumps(tree.report)
+        made.append((collection, tree.report))
+    return made, failures
 
 
 def import_file(context, path, options, progress=None):
     """Imports `path` into the scene; returns (collection, report). ValueError for bad input."""
-    started = time.perf_counter()
-    tree = read_native(path, options, progress)
-    collection = create_tree(context, Path(path).stem, tree, options)
-    tree.report["seconds"] = round(time.perf_counter() - started, 4)
-    collection[REPORT_PROPERTY] = json.dumps(tree.report)
-    return collection, tree.report
+    made, failures = import_files(context, [path], options, progress)
+    if failures:
+        raise failures[0].error
+    return made[0]
+
+
+def chosen_files(filepath, directory="", names=()):
+    """The OBJ files that a user chose, each once: `names` in `directory`, or else `filepath`. A folder stands for
+    the OBJ files in it."""
+    given = [Path(directory) / name for name in names if name] or [Path(filepath)]
+    files = []
+    for path in given:
+        if path.is_dir() and path.name:
+            inside = sorted(entry for entry in path.iterdir() if entry.suffix.lower() == ".obj")
+            if not inside and len(given) == 1:
+                raise ValueError(f"{path} is a folder without OBJ files")
+            files += [entry for entry in inside if entry.is_file()]
+        else:
+            files.append(path)
+    return list(dict.fromkeys(files))
 
 
 def summary(report):
@@ -239,8 +241,22 @@ def summary(report):
     return text
 
 
+def summary_of_all(reports, failures):
+    """Several trees in one line."""
+    faces = sum(report["meshes"][-1]["faces"] for report in reports)
+    names = ", ".join(report["file"] for report in reports[:5])
+    names += f" and {len(reports) - 5} more" if len(reports) > 5 else ""
+    text = (
+        f"{len(reports)} trees: {names}; {sum(r['branches'] for r in reports)} branches, {faces} faces, "
+        f"{sum(r['leaves'] for r in reports)} leaves"
+    )
+    warnings = sum(len(report["warnings"]) for report in reports)
+    text += f", {warnings} warnings" if warnings else ""
+    return text + (f"; {len(failures)} files were no trees" if failures else "")
+
+
 def message(error):
     """What is told of an error; a MemoryError says nothing of its own."""
     if isinstance(error, MemoryError):
-        return "The tree does not fit into memory: choose a lower level of detail, or simplify it"
+        return "The tree does not fit into memory: choose a lower detail, or simplify it"
     return str(error)

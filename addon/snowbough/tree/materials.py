@@ -1,16 +1,29 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials of an imported tree: bark by its `bark` UV map, leaves from the export's MTL."""
+"""Materials of an imported tree: those of the export's MTL as Principled materials, and what stands in for them.
+
+A source is a native ObjMaterial. Its textures lie on the UV map that the caller names: on wood `original`, the
+export's own coordinates, on leaves `leaf`. Textures that could not be found are empty in it; the import's report has
+named them.
+"""
 
 from pathlib import Path
 
 import bpy
 
-from .. import compat
+from .. import compat, compat_nodes
 from ..names import BARK_UV, LEAF_UV
+
+GREEN = (0.08, 0.22, 0.04)
+# Ends of the procedural bark's colour ramp.
+FURROW, RIDGE = (0.028, 0.019, 0.013), (0.17, 0.125, 0.09)
+# Colours whose components differ by less say nothing: exporters write greys where nobody chose one.
+COLOURLESS = 0.04
+# Share of the light that a leaf with a filter (Tf) lets through.
+TRANSLUCENCY = 0.5
 
 
 def _fresh(name):
-    """(material, node tree, Principled BSDF) of a new material with nothing else in it."""
+    """(material, node tree, Principled BSDF, output) of a new material with nothing else in it."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
     tree = material.node_tree
@@ -19,7 +32,7 @@ def _fresh(name):
     surface = tree.nodes.new("ShaderNodeBsdfPrincipled")
     surface.location = (-300, 0)
     tree.links.new(surface.outputs["BSDF"], output.inputs["Surface"])
-    return material, tree, surface
+    return material, tree, surface, output
 
 
 def _uv_node(tree, uv_map):
@@ -29,9 +42,14 @@ def _uv_node(tree, uv_map):
     return node
 
 
-def bark_material(name):
+def _chosen(colour):
+    """The colour if it is one that somebody chose."""
+    colour = tuple(map(float, colour))
+    return colour if max(colour) - min(colour) > COLOURLESS else None
+
+
+def _procedural_bark(tree, surface, tint):
     """Furrowed bark along the limb: noise stretched along `bark`'s V, as colour and as bump."""
-    material, tree, surface = _fresh(name)
     uv = _uv_node(tree, BARK_UV)
     mapping = tree.nodes.new("ShaderNodeMapping")
     mapping.location = (-1100, 0)
@@ -43,13 +61,15 @@ def bark_material(name):
     noise.inputs["Detail"].default_value = 8.0
     ramp = tree.nodes.new("ShaderNodeValToRGB")
     ramp.location = (-650, 100)
-    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.3, (0.028, 0.019, 0.013, 1)
-    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.75, (0.17, 0.125, 0.09, 1)
+    ridge = tint or RIDGE
+    furrow = tuple(c * f / r for c, f, r in zip(ridge, FURROW, RIDGE))
+    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.3, (*furrow, 1)
+    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.75, (*ridge, 1)
     bump = tree.nodes.new("ShaderNodeBump")
     bump.location = (-600, -250)
     bump.inputs["Strength"].default_value = 0.5
     bump.inputs["Distance"].default_value = 0.01
-    height = compat.noise_value(noise)
+    height = compat_nodes.noise_value(noise)
     link = tree.links.new
     link(uv.outputs["UV"], mapping.inputs["Vector"])
     link(mapping.outputs["Vector"], noise.inputs["Vector"])
@@ -57,47 +77,197 @@ def bark_material(name):
     link(height, bump.inputs["Height"])
     link(ramp.outputs["Color"], surface.inputs["Base Color"])
     link(bump.outputs["Normal"], surface.inputs["Normal"])
+
+
+class _Textures:
+    """Image nodes of one material, all on the same UV map."""
+
+    def __init__(self, tree, uv_map):
+        self._tree, self._uv_map, self._uv, self._nodes = tree, uv_map, None, {}
+
+    def node(self, texture, color_space, height=0):
+        """The image texture node of a native MaterialTexture; None without a file."""
+        if not texture.path:
+            return None
+        key = (texture.path, texture.scale, texture.offset, color_space)
+        if key not in self._nodes:
+            self._nodes[key] = self._new(texture, color_space, height)
+        return self._nodes[key]
+
+    def _new(self, texture, color_space, height):
+        nodes, link = self._tree.nodes, self._tree.links.new
+        if self._uv is None:
+            self._uv = _uv_node(self._tree, self._uv_map)
+        place = self._uv.outputs["UV"]
+        if texture.scale != (1.0, 1.0) or texture.offset != (0.0, 0.0):
+            mapping = nodes.new("ShaderNodeMapping")
+            mapping.location = (-1100, height)
+            mapping.inputs["Scale"].default_value = (*texture.scale, 1.0)
+            mapping.inputs["Location"].default_value = (*texture.offset, 0.0)
+            link(place, mapping.inputs["Vector"])
+            place = mapping.outputs["Vector"]
+        node = nodes.new("ShaderNodeTexImage")
+        node.image = _image(texture.path, color_space)
+        node.location = (-900, height)
+        link(place, node.inputs["Vector"])
+        return node
+
+
+def _image(path, color_space):
+    """The image, once a colour space: a file may be both a colour and a mask."""
+    path = str(Path(path))
+    for image in bpy.data.images:
+        if bpy.path.abspath(image.filepath) == path and image.colorspace_settings.name == color_space:
+            return image
+    image = bpy.data.images.load(path)
+    image.colorspace_settings.name = color_space
+    return image
+
+
+def _relief(tree, surface, source, textures, uv_map):
+    """Normals from the normal map, the bump map, or both."""
+    normal = None
+    image = textures.node(source.normal_texture, "Non-Color", -900)
+    if image is not None:
+        node = tree.nodes.new("ShaderNodeNormalMap")
+        node.uv_map = uv_map
+        node.location = (-600, -700)
+        tree.links.new(image.outputs["Color"], node.inputs["Color"])
+        normal = node.outputs["Normal"]
+    image = textures.node(source.bump_texture, "Non-Color", -620)
+    if image is not None:
+        node = tree.nodes.new("ShaderNodeBump")
+        node.location = (-600, -450)
+        strength = max(float(source.bump_strength), 0.0)
+        node.inputs["Strength"].default_value = min(strength, 1.0)
+        node.inputs["Distance"].default_value = 0.01 * max(strength, 1.0)
+        tree.links.new(image.outputs["Color"], node.inputs["Height"])
+        if normal is not None:
+            tree.links.new(normal, node.inputs["Normal"])
+        normal = node.outputs["Normal"]
+    if normal is not None:
+        tree.links.new(normal, surface.inputs["Normal"])
+
+
+def _gloss(tree, surface, source, textures):
+    image = textures.node(source.specular_texture, "Non-Color", -1180)
+    if image is None:
+        return
+    half = tree.nodes.new("ShaderNodeMath")  # Principled's 0.5 is what most things have
+    half.operation = "MULTIPLY"
+    half.location = (-600, -950)
+    half.inputs[1].default_value = 0.5
+    tree.links.new(image.outputs["Color"], half.inputs[0])
+    tree.links.new(half.outputs[0], compat.specular_input(surface))
+
+
+def _mask(source, textures, colour_node, own_alpha):
+    """The output that says where the material is opaque; None where it is so everywhere.
+
+    own_alpha: a colour texture's own alpha counts too, where there is no mask.
+    """
+    mask = source.alpha_texture
+    if mask.path and mask.path == source.diffuse_texture.path:
+        return colour_node.outputs["Alpha"]
+    if mask.path:
+        return textures.node(mask, "Non-Color", -320).outputs["Color"]
+    if own_alpha and colour_node is not None and colour_node.image.channels == 4:
+        return colour_node.outputs["Alpha"]
+    return None
+
+
+def _filter(source):
+    """The colour of light that the material lets through; None for an opaque one.
+
+    Exporters write Tf as white, or black, where it means nothing.
+    """
+    colour = tuple(min(max(float(c), 0.0), 1.0) for c in source.transmission)
+    return colour if max(colour) > 0.01 and min(colour) < 0.99 else None
+
+
+def _let_light_through(tree, surface, output, colour, mask, opacity):
+    """Light from behind, filtered by `colour`, and the mask cutting all of it."""
+    nodes, link = tree.nodes, tree.links.new
+    surface.location, output.location = (-500, 0), (500, 0)
+    back = nodes.new("ShaderNodeBsdfTranslucent")
+    back.location = (-150, -200)
+    back.inputs["Color"].default_value = (*colour, 1.0)
+    base = surface.inputs["Base Color"]
+    if base.is_linked:
+        tinted = nodes.new("ShaderNodeVectorMath")
+        tinted.operation = "MULTIPLY"
+        tinted.location = (-300, -200)
+        tinted.inputs[1].default_value = colour
+        link(base.links[0].from_socket, tinted.inputs[0])
+        link(tinted.outputs[0], back.inputs["Color"])
+    both = nodes.new("ShaderNodeMixShader")
+    both.location = (50, 0)
+    both.inputs[0].default_value = TRANSLUCENCY * max(colour)
+    link(surface.outputs["BSDF"], both.inputs[1])
+    link(back.outputs[0], both.inputs[2])
+    result = both.outputs[0]
+    if mask is not None or opacity < 1.0:
+        nothing = nodes.new("ShaderNodeBsdfTransparent")
+        nothing.location = (50, 150)
+        cut = nodes.new("ShaderNodeMixShader")
+        cut.location = (280, 0)
+        cut.inputs[0].default_value = opacity
+        if mask is not None:
+            link(mask, cut.inputs[0])
+        link(nothing.outputs[0], cut.inputs[1])
+        link(result, cut.inputs[2])
+        result = cut.outputs[0]
+    link(result, output.inputs["Surface"])
+
+
+def _wear(parts, source, uv_map, opacity, own_alpha):
+    """Puts the source's textures onto a fresh material."""
+    material, tree, surface, output = parts
+    textures = _Textures(tree, uv_map)
+    colour = textures.node(source.diffuse_texture, "sRGB")
+    if colour is not None:
+        tree.links.new(colour.outputs["Color"], surface.inputs["Base Color"])
+    _relief(tree, surface, source, textures, uv_map)
+    _gloss(tree, surface, source, textures)
+    mask = _mask(source, textures, colour, own_alpha)
+    through = _filter(source)
+    if through is not None:
+        _let_light_through(tree, surface, output, through, mask, opacity)
+    elif mask is not None:
+        tree.links.new(mask, surface.inputs["Alpha"])
+    else:
+        surface.inputs["Alpha"].default_value = opacity
+    if mask is not None or opacity < 1.0:
+        compat.set_alpha_clipping(material)
+
+
+def bark_material(name, source=None, uv_map=BARK_UV):
+    """Wood as its maker meant it: the source's textures on `uv_map`, or procedural bark where it has no colour
+    texture, in the source's colour if that is one.
+
+    name: of a material without a source.
+    """
+    parts = _fresh(source.name if source and source.name else name)
+    material, tree, surface, _output = parts
     surface.inputs["Roughness"].default_value = 0.9
+    if source is None or not source.diffuse_texture.path:
+        _procedural_bark(tree, surface, _chosen(source.diffuse) if source and source.defined else None)
+    if source is not None:
+        _wear(parts, source, uv_map, 1.0, own_alpha=False)
     return material
 
 
-def _image_node(tree, uv, path, color_space):
-    node = tree.nodes.new("ShaderNodeTexImage")
-    node.image = bpy.data.images.load(str(Path(path)), check_existing=True)
-    node.image.colorspace_settings.name = color_space
-    node.location = (-900, 0)
-    tree.links.new(uv.outputs["UV"], node.inputs["Vector"])
-    return node
-
-
 def leaf_material(source=None, name="leaf"):
-    """A leaf's material from the MTL's (native FoliageMaterial), or plain green without one.
-
-    Textures that could not be found are empty in `source`; the import's report has named them.
-    """
-    material, tree, surface = _fresh(source.name if source and source.name else name)
+    """A leaf's material from its source, or plain green where that has neither a texture nor a colour."""
+    parts = _fresh(source.name if source and source.name else name)
+    material, _tree, surface, _output = parts
     surface.inputs["Roughness"].default_value = 0.6
-    color = tuple(source.diffuse) if source else (0.08, 0.22, 0.04)
-    surface.inputs["Base Color"].default_value = (*map(float, color), 1.0)
-    surface.inputs["Alpha"].default_value = float(source.opacity) if source else 1.0
-    cut = source is not None and source.opacity < 1.0
-    if source is not None and (source.diffuse_texture or source.alpha_texture):
-        uv = _uv_node(tree, LEAF_UV)
-        image = None
-        if source.diffuse_texture:
-            image = _image_node(tree, uv, source.diffuse_texture, "sRGB")
-            tree.links.new(image.outputs["Color"], surface.inputs["Base Color"])
-        if source.alpha_texture and source.alpha_texture == source.diffuse_texture:
-            tree.links.new(image.outputs["Alpha"], surface.inputs["Alpha"])
-            cut = True
-        elif source.alpha_texture:
-            mask = _image_node(tree, uv, source.alpha_texture, "Non-Color")
-            mask.location = (-900, -320)
-            tree.links.new(mask.outputs["Color"], surface.inputs["Alpha"])
-            cut = True
-        elif image.image.channels == 4:
-            tree.links.new(image.outputs["Alpha"], surface.inputs["Alpha"])
-            cut = True
-    if cut:
-        compat.set_alpha_clipping(material)
+    colour = GREEN
+    if source is not None and source.defined:
+        white = min(source.diffuse) >= 0.5 and _chosen(source.diffuse) is None
+        # White stands for a texture: the leaf shows it through its own colour.
+        colour = GREEN if white else tuple(map(float, source.diffuse))
+    surface.inputs["Base Color"].default_value = (*colour, 1.0)
+    if source is not None:
+        _wear(parts, source, LEAF_UV, float(source.opacity), own_alpha=True)
     return material

@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from .. import compat
-from ..names import BARK_UV, LEAF_UV, SNOW_UV
+from ..names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
 from . import armature
 from .bone_names import NAME_BYTES, clip_utf8
 
@@ -95,15 +95,31 @@ def point_levels(quads, face_level, vertex_count):
     return levels
 
 
-def create_bark(name, tree, bone_names, material):
-    """The bark object: UV maps `bark` and `snow` (in this order), branch levels, weights, one material.
+def _fill_slots(mesh, materials, chosen):
+    """Gives the mesh the materials that its faces use, in their order, and each face its slot.
+
+    chosen int (F,): index into materials.
+    """
+    used, slots = np.unique(np.asarray(chosen, dtype=np.int32), return_inverse=True)
+    for index in used.tolist():
+        mesh.materials.append(materials[index])
+    mesh.polygons.foreach_set("material_index", slots.astype(np.int32).reshape(-1))
+
+
+def create_bark(name, tree, bone_names, materials, face_material=None, original_uv=None):
+    """The bark object: UV maps `bark`, `snow` and, if the export has any, `original` (in this order), branch
+    levels, weights, the materials that it uses.
 
     tree: the native mesh (vertices, quads, uv_bark, uv_snow, branch_level, bone_indices,
-    bone_weights); bone_names: the armature's, one a native bone.
+    bone_weights); bone_names: the armature's, one a native bone. materials: of the export, then the one for
+    faces without; face_material int (F,): index into them, -1 for none; without it all faces have none.
+    original_uv float32 (F, 4, 2) or None.
     """
     quads = np.asarray(tree.quads, dtype=np.int32)
     vertices = np.asarray(tree.vertices, dtype=np.float32)
     uvs = [(BARK_UV, tree.uv_bark), (SNOW_UV, tree.uv_snow)]
+    if original_uv is not None:
+        uvs.append((ORIGINAL_UV, original_uv))
     mesh = create_mesh(
         name,
         vertices,
@@ -119,7 +135,9 @@ def create_bark(name, tree, bone_names, material):
     # Float: glTF has no 32-bit integer attributes.
     at_points = point_levels(quads, levels, len(vertices)).astype(np.float32)
     mesh.attributes.new(POINT_LEVEL_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", at_points)
-    mesh.materials.append(material)
+    if face_material is None:
+        face_material = np.full(len(quads), -1)
+    _fill_slots(mesh, materials, face_material % len(materials))
     return create_object(name, mesh, bone_names)
 
 
@@ -127,7 +145,7 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
     """The leaves' object: UV maps `leaf` (the export's) and `snow`, each leaf weighted 1 to its bone.
 
     foliage: the native arrays. snow_uv float32 (C, 2). leaf_bones int32 (leaves,) into bone_names.
-    materials: one a native material, then the one for faces without.
+    materials: one a native material, then the one for faces without; slots hold those in use.
     """
     corner_vertex, face_begin = np.asarray(foliage.corner_vertex), np.asarray(foliage.face_begin)
     uvs = [(LEAF_UV, foliage.corner_uv), (SNOW_UV, snow_uv)]
@@ -144,11 +162,8 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
         bones=bones,
         weights=np.ones(bones.shape, dtype=np.float32),
     )
-    for material in materials:
-        mesh.materials.append(material)
-    # -1, no material, is the last slot.
-    slots = np.asarray(foliage.face_material) % len(materials)
-    mesh.polygons.foreach_set("material_index", slots.astype(np.int32))
+    # -1, no material, is the last one.
+    _fill_slots(mesh, materials, np.asarray(foliage.face_material) % len(materials))
     return create_object(name, mesh, bone_names)
 
 

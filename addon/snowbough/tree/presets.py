@@ -15,13 +15,28 @@ from .import_options import DEFAULTS
 OPERATOR = "import_scene.xfrog_tree"
 
 # Options that no preset sets.
-OF_THE_FILE = {"up_axis", "levels", "foliage_names", "snow_resolution"}
+OF_THE_FILE = {
+    "up_axis",
+    "unit",
+    "height",
+    "levels",
+    "foliage_names",
+    "snow_resolution",
+    "show_bones",
+    "mark_asset",
+}
 
 PRESETS = {
-    "Broad-leaf": {"lod": 1},
-    "Evergreen": {"width": "INVERSE", "species": "EVERGREEN", "lod": 1},
-    "Game_engine": {"tolerance": 1.0, "lod_chain": True, "max_bones": 250, "max_bone_level": 2},
-    "Film_close-up": {"simplify": "NONE", "lod": 3, "max_bones": 0},
+    "Broad-leaf": {},
+    "Evergreen": {"width": "INVERSE", "species": "EVERGREEN"},
+    "Game_engine": {
+        "tolerance": 1.0,
+        "detail": "GAME",
+        "lod_chain": True,
+        "max_bones": 250,
+        "max_bone_level": 2,
+    },
+    "Film_close-up": {"simplify": "NONE", "detail": "FILM", "max_bones": 0},
 }
 
 _registered = []

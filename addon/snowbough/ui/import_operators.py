@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator ``import_scene.xfrog_tree``: an OBJ tree as one rigged, weighted, unwrapped mesh (tree.import_tree).
+"""Operator ``import_scene.xfrog_tree``: OBJ trees as rigged, weighted, unwrapped meshes (tree.import_tree).
 
 In a window a second operator does the work, on a thread of its own, so that the window stays alive and Esc stops it.
 """
@@ -9,31 +9,46 @@ from dataclasses import asdict
 from pathlib import Path
 
 import bpy
-from bpy.props import StringProperty
+from bpy.props import CollectionProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from .. import compat, native
 from ..tree import import_tree
 from ..tree.import_options import ImportProperties, options_of
+from ..tree.import_tree import REPORT_PROPERTY
+from .import_panels import draw_sections
 
 
-def _tell(operator, report):
-    for text in report["warnings"][:5]:
+def _tell(operator, reports, failures):
+    """Reports what came in: of one tree all that it has to say, of several one summary."""
+    texts = [failure.text() for failure in failures]
+    several = len(reports) + len(failures) > 1
+    for report in reports:
+        texts += [f"{report['file']}: {text}" if several else text for text in report["warnings"]]
+    for text in texts[:5]:
         operator.report({"WARNING"}, text)
-    if len(report["warnings"]) > 5:
+    if len(texts) > 5:
         operator.report(
-            {"WARNING"}, f"and {len(report['warnings']) - 5} more: see the collection's custom property"
+            {"WARNING"}, f"and {len(texts) - 5} more: see the collections' custom property {REPORT_PROPERTY}"
         )
-    operator.report({"INFO"}, import_tree.summary(report))
+    what = import_tree.summary_of_all(reports, failures) if several else import_tree.summary(reports[0])
+    operator.report({"INFO"}, what)
+
+
+def _refuse(operator, failures):
+    """Reports that nothing came in."""
+    for failure in failures:
+        operator.report({"ERROR"}, failure.text())
+    return {"CANCELLED"}
 
 
 class _Job:
-    """read_native on a thread of its own: it gets plain values and gives back native data only."""
+    """read_files on a thread of its own: it gets plain values and gives back native data only."""
 
-    def __init__(self, path, options):
-        self.share, self.tree, self.error = 0.0, None, None
+    def __init__(self, paths, options, metre):
+        self.share, self.trees, self.failures, self.error = 0.0, [], [], None
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, args=(path, options), daemon=True)
+        self._thread = threading.Thread(target=self._run, args=(paths, options, metre), daemon=True)
         native.load()  # on the main thread: a missing module is told at once
         self._thread.start()
 
@@ -41,10 +56,10 @@ class _Job:
         self.share = share
         return not self._stop.is_set()
 
-    def _run(self, path, options):
+    def _run(self, paths, options, metre):
         try:
-            self.tree = import_tree.read_native(path, options, self._progress)
-        except (ValueError, RuntimeError, OSError, MemoryError, KeyboardInterrupt) as error:
+            self.trees, self.failures = import_tree.read_files(paths, options, self._progress, metre)
+        except KeyboardInterrupt as error:
             self.error = error
 
     def running(self):
@@ -55,63 +70,106 @@ class _Job:
         self._thread.join()
 
 
-class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, bpy.types.Operator, ImportHelper):
+class _Files:
+    """Mix-in: the files that an import is for, as Blender's file browser gives them."""
+
+    directory: StringProperty(
+        name="Folder", description="Where Files are", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
+    )
+    files: CollectionProperty(
+        name="Files",
+        description="Names of several files in Folder, instead of one path",
+        type=bpy.types.OperatorFileListElement,
+        options={"HIDDEN", "SKIP_SAVE"},
+    )
+
+    def chosen(self):
+        """The paths; ValueError where there are none."""
+        return import_tree.chosen_files(self.filepath, self.directory, [file.name for file in self.files])
+
+    def import_now(self, context):
+        try:
+            made, failures = import_tree.import_files(context, self.chosen(), options_of(self))
+        except KeyboardInterrupt:
+            self.report({"WARNING"}, "The import was stopped; nothing was changed")
+            return {"CANCELLED"}
+        except import_tree.FAILURES as error:
+            self.report({"ERROR"}, import_tree.message(error))
+            return {"CANCELLED"}
+        if not made:
+            return _refuse(self, failures)
+        _tell(self, [report for _collection, report in made], failures)
+        return {"FINISHED"}
+
+
+class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, _Files, bpy.types.Operator, ImportHelper):
     """Import a tree that Xfrog or a similar modeller exported, as one continuous, rigged mesh"""
 
     bl_idname = "import_scene.xfrog_tree"
     bl_label = "Import Xfrog Tree"
-    bl_options = {"PRESET", "UNDO"}
+    # In a window the job leaves the step to undo; a script's caller does otherwise.
+    bl_options = {"PRESET"}
 
     filename_ext = ".obj"
     filter_glob: StringProperty(
         name="File Names", description="Files that the browser shows", default="*.obj", options={"HIDDEN"}
     )
 
+    def draw(self, context):
+        # Beside the file browser stand panels of their own (ui.import_panels).
+        if context.space_data is None or context.space_data.type != "FILE_BROWSER":
+            draw_sections(self.layout, self)
+
     def invoke(self, context, event):
-        # A file dropped onto the window comes with its path: only the options are asked for.
+        # Files dropped onto the window come with their paths: only the options are asked for.
         self._in_window = True
-        if self.properties.is_property_set("filepath") and Path(self.filepath).is_file():
+        dropped = self.properties.is_property_set("filepath") and Path(self.filepath).is_file()
+        if dropped or any(file.name for file in self.files):
             return context.window_manager.invoke_props_dialog(self)
         return ImportHelper.invoke(self, context, event)
 
     def execute(self, context):
         if getattr(self, "_in_window", False) and context.window is not None and not bpy.app.background:
-            # A job of its own keeps the window alive and listens to Esc.
-            values = asdict(options_of(self))
-            bpy.ops.snowbough.import_tree_job("INVOKE_DEFAULT", filepath=self.filepath, **values)
+            # A job of its own keeps the window alive, listens to Esc, and can be adjusted afterwards.
+            try:
+                files = [{"name": str(path)} for path in self.chosen()]
+            except (ValueError, OSError) as error:
+                self.report({"ERROR"}, str(error))
+                return {"CANCELLED"}
+            bpy.ops.snowbough.import_tree_job("INVOKE_DEFAULT", files=files, **asdict(options_of(self)))
             return {"FINISHED"}
-        try:
-            _collection, report = import_tree.import_file(context, self.filepath, options_of(self))
-        except KeyboardInterrupt:
-            self.report({"WARNING"}, "The import was stopped; nothing was changed")
-            return {"CANCELLED"}
-        except (ValueError, RuntimeError, OSError, MemoryError) as error:
-            self.report({"ERROR"}, import_tree.message(error))
-            return {"CANCELLED"}
-        _tell(self, report)
-        return {"FINISHED"}
+        return self.import_now(context)
 
 
-class SNOWBOUGH_OT_import_tree_job(ImportProperties, bpy.types.Operator):
-    """Read a tree while the window stays alive; Esc stops it and leaves everything as it was"""
+class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator):
+    """Read trees while the window stays alive; Esc stops it and leaves everything as it was"""
 
     bl_idname = "snowbough.import_tree_job"
-    bl_label = "Import Xfrog Tree"
-    bl_options = {"INTERNAL", "UNDO"}
+    bl_label = "Import Tree"
+    bl_options = {"INTERNAL", "REGISTER", "UNDO"}
 
     filepath: StringProperty(options={"SKIP_SAVE"})
+
+    def draw(self, _context):
+        draw_sections(self.layout, self)
+
+    def execute(self, context):
+        # Adjusted after it is done: Blender has undone it and calls this with the new options.
+        return self.import_now(context)
 
     def invoke(self, context, _event):
         self._options = options_of(self)
         try:
-            self._job = _Job(self.filepath, self._options)
-        except RuntimeError as error:
+            paths = self.chosen()
+            self._job = _Job(paths, self._options, import_tree.metre_of(context.scene))
+        except (ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         manager = context.window_manager
         self._timer = manager.event_timer_add(0.05, window=context.window)
         manager.progress_begin(0, 100)
-        context.workspace.status_text_set(f"Reading {Path(self.filepath).name} (Esc: stop)")
+        what = paths[0].name if len(paths) == 1 else f"{len(paths)} trees"
+        context.workspace.status_text_set(f"Reading {what} (Esc: stop)")
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -126,15 +184,16 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, bpy.types.Operator):
         if self._job.running():
             return {"RUNNING_MODAL"}
         self._end(context)
-        if self._job.error is not None:
-            self.report({"ERROR"}, import_tree.message(self._job.error))
-            return {"CANCELLED"}
+        job = self._job
+        if job.error is not None or not job.trees:
+            return _refuse(self, job.failures)
         try:
-            import_tree.create_tree(context, Path(self.filepath).stem, self._job.tree, self._options)
-        except (ValueError, RuntimeError, OSError, MemoryError) as error:
+            import_tree.create_trees(context, job.trees, self._options)
+        except import_tree.FAILURES as error:
             self.report({"ERROR"}, import_tree.message(error))
             return {"CANCELLED"}
-        _tell(self, self._job.tree.report)
+        _tell(self, [tree.report for _path, tree in job.trees], job.failures)
+        self._job = None
         return {"FINISHED"}
 
     def cancel(self, context):

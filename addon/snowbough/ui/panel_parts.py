@@ -105,6 +105,7 @@ def draw_result(layout, context):
     column.operator_menu_enum(
         "snowbough.setup_displacement", "mode", text="Displacement", icon="MOD_DISPLACE"
     )
+    column.operator_menu_enum("snowbough.set_kind", "kind", icon="FREEZE")
     column.operator("snowbough.apply_at_frame", icon="MESH_DATA")
     layout.operator("snowbough.remove", icon="X")
     if not column.enabled:
@@ -120,6 +121,7 @@ def draw_receiver(layout, entry):
     column.use_property_split = True
     column.use_property_decorate = False
     column.prop(entry, "resolution")
+    column.prop(entry, "sides")
     if entry.object is not None and entry.object.type == "MESH":
         column.prop_search(entry, "uv_map", entry.object.data, "uv_layers", icon="GROUP_UVS")
         mode = displacement.mode_of(entry)

@@ -4,7 +4,8 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
-from ..result import baked_images, displacement, snow_material, snow_shell
+from ..names import SNOW_KINDS
+from ..result import baked_images, displacement, look, snow_material, snow_shell
 from .editing_lock import NotWhileBaking
 
 
@@ -75,8 +76,7 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
     mode: EnumProperty(
         name="Displacement",
         description="How snow gets its thickness",
-        items=(("AUTO", "Automatic", "Modifiers; a shell for linked, instanced or unevenly scaled objects"),)
-        + displacement.MODES,
+        items=(("AUTO", "Automatic", "A snow shell, which suits all objects"),) + displacement.MODES,
         default="AUTO",
     )
 
@@ -109,7 +109,24 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
         displacement.remove(context.scene, receiver)
 
 
+class SNOWBOUGH_OT_set_kind(NotWhileBaking, bpy.types.Operator):
+    """Makes all snow of the scene powder, fresh, wet or old: its looks at once, its slopes with the next bake"""
+
+    bl_idname = "snowbough.set_kind"
+    bl_label = "Set Kind of Snow"
+    bl_options = {"REGISTER", "UNDO"}
+
+    kind: EnumProperty(
+        name="Kind of Snow", description="What the snow is like", items=SNOW_KINDS, default="FRESH"
+    )
+
+    def execute(self, context):
+        look.apply(context.scene, self.kind)
+        return {"FINISHED"}
+
+
 CLASSES = (
+    SNOWBOUGH_OT_set_kind,
     SNOWBOUGH_OT_setup_material,
     SNOWBOUGH_OT_setup_displacement,
     SNOWBOUGH_OT_apply_at_frame,

@@ -15,8 +15,8 @@ std::vector<float> differences(const TexelLines& lines, const std::vector<float>
   std::vector<float> result(height.size());
   for (size_t i = 0; i < height.size(); ++i) {
     const float* at = line.data() + lines.place[i];
-    const bool before = at[-1] >= 0.0f;
-    const bool after = at[1] >= 0.0f;
+    const bool before = at[-1] > kSomething;
+    const bool after = at[1] > kSomething;
     const float span = (before ? 1.0f : 0.0f) + (after ? 1.0f : 0.0f);
     result[i] = span == 0.0f ? 0.0f : ((after ? at[1] : at[0]) - (before ? at[-1] : at[0])) / span;
   }

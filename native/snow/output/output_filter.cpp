@@ -5,9 +5,8 @@
 
 namespace snowbough::snow {
 
-OutputFilter::OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius,
-                           bool on_processor)
-    : receiver_(std::move(receiver)), blur_radius_(blur_radius), on_processor_(on_processor) {}
+OutputFilter::OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius)
+    : receiver_(std::move(receiver)), blur_radius_(blur_radius) {}
 
 void OutputFilter::build() {
   std::call_once(built_, [this] {
@@ -15,52 +14,14 @@ void OutputFilter::build() {
     const std::vector<glm::vec3>& rest = receiver_->description.rest;
     seams_ = build_seam_table(topology, receiver_->table,
                               {rest.begin(), rest.begin() + topology.vertex_count});
-    plan_ = plan_smoothing(receiver_->table, seams_, static_cast<float>(blur_radius_));
-    if (on_processor_) {
-      make_cpu_filter();
-    } else {
-      make_leveller();
-    }
+    cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_,
+                                              SmoothingSettings{static_cast<float>(blur_radius_)});
   });
 }
 
-void OutputFilter::make_cpu_filter() {
-  cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_, plan_);
-}
-
-void OutputFilter::make_leveller() {
-  const bool is_smoothed = plan_.closing_passes > 0;
-  leveller_ = std::make_unique<SeamLeveller>(is_smoothed ? seams_.levelling : SeamLevelling());
-}
-
-const SeamTable& OutputFilter::seams() {
+MapOutput OutputFilter::run(std::vector<float> stored, const OutputSurface& surface) {
   build();
-  return seams_;
-}
-
-const SmoothingPlan& OutputFilter::plan() {
-  build();
-  return plan_;
-}
-
-MapOutput OutputFilter::run(std::vector<float> stored, const std::vector<SurfaceMetric>& metrics) {
-  build();
-  {
-    const std::scoped_lock lock(making_);
-    if (cpu_filter_ == nullptr) {
-      make_cpu_filter();
-    }
-  }
-  return cpu_filter_->run(std::move(stored), metrics);
-}
-
-void OutputFilter::level(std::vector<float>& map) {
-  build();
-  const std::scoped_lock lock(making_);
-  if (leveller_ == nullptr) {
-    make_leveller();
-  }
-  leveller_->run(map);
+  return cpu_filter_->run(std::move(stored), surface);
 }
 
 OutputFilterCache::~OutputFilterCache() {
@@ -76,23 +37,23 @@ OutputFilterCache::~OutputFilterCache() {
 }
 
 std::shared_ptr<OutputFilter> OutputFilterCache::get(
-    const std::shared_ptr<const SceneObject>& receiver, double blur_radius, bool on_processor) {
+    const std::shared_ptr<const SceneObject>& receiver, double blur_radius) {
   std::shared_ptr<OutputFilter>& known = filters_[receiver->description.name];
   if (known == nullptr) {
-    known = std::make_shared<OutputFilter>(receiver, blur_radius, on_processor);
+    known = std::make_shared<OutputFilter>(receiver, blur_radius);
   }
   return known;
 }
 
 void OutputFilterCache::begin(const std::shared_ptr<const SceneObject>& receiver,
-                              double blur_radius, bool on_processor) {
+                              double blur_radius) {
   if (filters_.contains(receiver->description.name)) {
     return;
   }
   const size_t most_workers = std::max(std::thread::hardware_concurrency(), 1u);
   {
     const std::scoped_lock lock(mutex_);
-    waiting_.push_back(get(receiver, blur_radius, on_processor));
+    waiting_.push_back(get(receiver, blur_radius));
     if (idle_ < waiting_.size() && workers_.size() < most_workers) {
       workers_.emplace_back([this] { work(); });
     }

@@ -1,148 +1,376 @@
 #include "snow/output/smoothing.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <mutex>
 #include <stdexcept>
+#include <utility>
+
+#include "base/parallel_for.h"
+#include "snow/output/smoothing_kernels.h"
 
 namespace snowbough::snow {
 namespace {
 
-constexpr int32_t kMostPasses = 64;
+constexpr ptrdiff_t kMargin = 32;
+/// Cells of a row that are passed over together where they are bare.
+constexpr int32_t kBlock = 32;
+/// Stages of a level on the way up and on the way down.
+constexpr int32_t kStagesUp = 1;
+constexpr int32_t kStagesDown = 3;
+constexpr auto kStages = static_cast<float>(kStagesUp + kStagesDown);
+/// Levels of at most this size are not worth a second thread.
+constexpr int32_t kSmallLevel = 128;
 
-/// Weights with the taps at `scale` times their offsets, each shared by the two texels beside it.
-std::array<double, kFilterReach + 1> scaled_weights(double scale) {
-  std::array<double, kFilterReach + 1> weights{};
-  double sum = 0.0;
-  for (int tap = 0; tap < 3; ++tap) {
-    const double offset = kTapOffset[tap] * scale;
-    const auto lower = static_cast<size_t>(offset);
-    const double part = offset - static_cast<double>(lower);
-    // Taps left and right that fall on the texel itself count twice there.
-    const double sides = tap == 0 ? 1.0 : 2.0;
-    sum += sides * kTapWeight[tap];
-    weights[lower] += kTapWeight[tap] * (1.0 - part) * (lower == 0 ? sides : 1.0);
-    if (part > 0.0) weights[lower + 1] += kTapWeight[tap] * part;
-  }
-  for (double& weight : weights) weight /= sum;
-  return weights;
+/// Half the variance that it adds to take a block's cells for one, in cells^2.
+constexpr float kBlockSpread = 0.25f;
+
+/// What of half a link's variance over distance^2 the levels below `level` see to.
+float done_below(size_t level) {
+  return (kStages * kStageShare + kBlockSpread) / 3.0f *
+         (1.0f - std::pow(0.25f, static_cast<float>(level)));
 }
 
-double variance_of(const std::array<double, kFilterReach + 1>& weights) {
-  double variance = 0.0;
-  for (int32_t k = 1; k <= kFilterReach; ++k) variance += 2.0 * k * k * weights[k];
-  return variance;
-}
-
-struct FilterLevelTable {
-  std::array<FilterWeights, kFilterLevels> weights{};
-  std::array<uint16_t, kFilterLevels> scale{};
-};
-
-FilterLevelTable make_levels() {
-  FilterLevelTable levels;
-  const double full = std::sqrt(variance_of(scaled_weights(1.0)));
-  for (int32_t level = 0; level < kFilterLevels; ++level) {
-    const double sigma = full * level / (kFilterLevels - 1);
-    // The variance grows with the scale, in straight pieces: bisection finds it exactly enough.
-    double low = 0.0;
-    double high = 1.0;
-    for (int step = 0; step < 50; ++step) {
-      const double middle = 0.5 * (low + high);
-      (variance_of(scaled_weights(middle)) < sigma * sigma ? low : high) = middle;
-    }
-    const double scale = level == 0 ? 0.0 : (level == kFilterLevels - 1 ? 1.0 : high);
-    levels.scale[level] = static_cast<uint16_t>(std::lround(scale / double{kFilterScaleStep}));
-    const auto weights = scaled_weights(levels.scale[level] * double{kFilterScaleStep});
-    for (int32_t k = 0; k <= kFilterReach; ++k) {
-      levels.weights[level][k] = static_cast<float>(weights[k]);
-    }
-  }
-  return levels;
-}
-
-const FilterLevelTable& level_table() {
-  static const FilterLevelTable levels = make_levels();
-  return levels;
-}
-
-/// Positive numbers into few boxes, the boxes in the numbers' order.
-uint32_t box_of(float size) {
-  return std::bit_cast<uint32_t>(size) >> 16;
-}
-
-/// The texel length that a tenth of the covered texels fall short of.
-double fine_texel_size(const TexelTable& table, const SeamTable& seams) {
-  // Sorting millions of texels would take longer than a frame: only a box of them is sorted.
-  std::vector<double> boxes(size_t{1} << 15, 0.0);
-  double total = 0.0;
-  const auto for_each = [&](const auto& visit) {
-    for (size_t i = 0; i < table.texel.size(); ++i) {
-      for (const float size : {seams.texel_size[i].x, seams.texel_size[i].y}) {
-        if (size > 0.0f) visit(size, table.coverage[i]);
-      }
-    }
-  };
-  for_each([&](float size, float coverage) {
-    boxes[box_of(size)] += coverage;
-    total += coverage;
-  });
-  double below = 0.0;
-  uint32_t box = 0;
-  while (box + 1 < boxes.size() && below + boxes[box] < 0.1 * total) below += boxes[box++];
-  std::vector<std::pair<float, float>> sizes;
-  for_each([&](float size, float coverage) {
-    if (box_of(size) == box) sizes.emplace_back(size, coverage);
-  });
-  std::sort(sizes.begin(), sizes.end());
-  for (const auto& [size, coverage] : sizes) {
-    below += coverage;
-    if (below >= 0.1 * total) return size;
-  }
-  return sizes.empty() ? 0.0 : sizes.back().first;
+BlockRows block_rows(const SmoothingLevel& grid, const float* inverse, int32_t first) {
+  return {{inverse + first, inverse + first + grid.size},
+          {grid.joins.data() + first, grid.joins.data() + first + grid.size}};
 }
 
 }  // namespace
 
-const std::array<FilterWeights, kFilterLevels>& filter_levels() {
-  return level_table().weights;
-}
-
-uint16_t filter_scale(int32_t level) {
-  return level_table().scale[level];
-}
-
-double full_filter_sigma() {
-  return std::sqrt(variance_of(scaled_weights(1.0)));
-}
-
-SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, float blur_radius) {
-  if (!(blur_radius >= 0.0f) || !std::isfinite(blur_radius)) {
+void check_smoothing(const SmoothingSettings& settings) {
+  if (!(settings.blur_radius >= 0.0f) || !std::isfinite(settings.blur_radius)) {
     throw std::invalid_argument("blur_radius must be 0 or more metres");
   }
-  SmoothingPlan plan;
-  const double size = fine_texel_size(table, seams);
-  if (blur_radius == 0.0f || size == 0.0) return plan;
-  // In variances of a full pass, which add up; a closing pass brings half of one.
-  const double wanted = std::pow(blur_radius / (full_filter_sigma() * size), 2.0);
-  plan.closing_passes = wanted > 1.0 ? 2 : 1;
-  const double closing = 0.5 * plan.closing_passes;
-  plan.passes =
-      static_cast<int32_t>(std::clamp(std::ceil(wanted - closing), 0.0, double{kMostPasses}));
-  const double pass_radius = blur_radius / std::sqrt(plan.passes + closing);
-  const double full_size = pass_radius / full_filter_sigma();
-  const auto level = [&](float texel_size) {
-    if (texel_size <= 0.0f) return uint8_t{0};
-    return static_cast<uint8_t>(
-        std::lround(std::min(full_size / texel_size, 1.0) * (kFilterLevels - 1)));
-  };
-  plan.level_u.reserve(seams.texel_size.size());
-  plan.level_v.reserve(seams.texel_size.size());
-  for (const glm::vec2 texel_size : seams.texel_size) {
-    plan.level_u.push_back(level(texel_size.x));
-    plan.level_v.push_back(level(texel_size.y));
+}
+
+Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings, int32_t threads)
+    : grid_(grid),
+      least_variance_(settings.blur_radius * settings.blur_radius),
+      threads_(std::max(1, threads)) {
+  check_smoothing(settings);
+  for (size_t level = 0; level < grid.levels.size(); ++level) {
+    done_below_.push_back(done_below(level));
   }
-  return plan;
+}
+
+/// Arrays of maps that are done with, for the next ones of their size: to fill new memory for the
+/// first time costs more than a pass over a map. For any thread.
+class Smoother::Works {
+ public:
+  static Works& shared() {
+    static Works works;
+    return works;
+  }
+
+  /// Levels for a map of `size` texels a side; none where none are there.
+  std::vector<Level> take(int32_t size) {
+    const std::scoped_lock lock(mutex_);
+    const auto found = std::find_if(kept_.begin(), kept_.end(),
+                                    [size](const auto& work) { return work.first == size; });
+    if (found == kept_.end()) return {};
+    std::vector<Level> levels = std::move(found->second);
+    kept_.erase(found);
+    return levels;
+  }
+
+  void give(int32_t size, std::vector<Level>&& levels) {
+    std::vector<Level> oldest;  // released behind the lock
+    const std::scoped_lock lock(mutex_);
+    if (kept_.size() == kMostKept) {
+      oldest = std::move(kept_.front().second);
+      kept_.erase(kept_.begin());
+    }
+    kept_.emplace_back(size, std::move(levels));
+  }
+
+ private:
+  /// As many as are made at a time.
+  static constexpr size_t kMostKept = 2;
+  std::mutex mutex_;
+  std::vector<std::pair<int32_t, std::vector<Level>>> kept_;
+};
+
+/// Makes a level's arrays unless they are there, all 0.
+void Smoother::make_level(size_t number) {
+  const auto fit = [&](Level& level) {
+    level.loose.resize(grid_.levels[number].link_other.size());
+    level.stray_joins.resize(grid_.levels[number].strays.size());
+  };
+  if (number < levels_.size()) {
+    fit(levels_[number]);
+    return;
+  }
+  Level& level = levels_.emplace_back();
+  fit(level);
+  const auto size = static_cast<ptrdiff_t>(grid_.levels[number].size);
+  level.margin = size + kMargin;
+  const auto count = static_cast<size_t>(size * size + 2 * level.margin);
+  for (std::vector<float>* values :
+       {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
+    values->assign(count, 0.0f);
+  }
+  if (number > 0) level.before.assign(count, 0.0f);
+  level.run_row.assign(static_cast<size_t>(size) + 1, 0);
+}
+
+void Smoother::for_each_row_band(
+    const SmoothingLevel& grid,
+    const std::function<void(int32_t first, int32_t last)>& work) const {
+  const int32_t threads = grid.size <= kSmallLevel ? 1 : threads_;
+  base::parallel_for(threads, [&](size_t part, size_t parts) {
+    const auto rows = static_cast<size_t>(grid.size);
+    work(static_cast<int32_t>(rows * part / parts),
+         static_cast<int32_t>(rows * (part + 1) / parts));
+  });
+}
+
+void Smoother::for_each_run(size_t number,
+                            const std::function<void(int32_t row, Run run)>& work) const {
+  const Level& level = levels_[number];
+  for_each_row_band(grid_.levels[number], [&](int32_t first, int32_t last) {
+    for (int32_t y = first; y < last; ++y) {
+      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
+    }
+  });
+}
+
+/// Leaves no trace of the map before.
+void Smoother::clear_runs(size_t number) {
+  Level& level = levels_[number];
+  for (const Run& run : level.runs) {
+    for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
+      std::fill(level.at(*values) + run.begin, level.at(*values) + run.end, 0.0f);
+    }
+  }
+  level.runs.clear();
+}
+
+/// `is_filled(cell, count)`: whether some of the cells hold snow.
+template <typename IsFilled, typename Runs>
+static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
+                            std::vector<int32_t>& run_row) {
+  for (int32_t y = 0; y < size; ++y) {
+    bool goes_on = false;
+    for (int32_t x = 0; x < size; x += kBlock) {
+      const int32_t count = std::min(kBlock, size - x);
+      const int32_t cell = y * size + x;
+      const bool filled = is_filled(cell, count);
+      if (filled && goes_on) runs.back().end = cell + count;
+      if (filled && !goes_on) runs.push_back({cell, cell + count});
+      goes_on = filled;
+    }
+    run_row[static_cast<size_t>(y) + 1] = static_cast<int32_t>(runs.size());
+  }
+}
+
+void Smoother::find_runs(const std::vector<float>& map) {
+  find_level_runs(
+      grid_.levels[0].size,
+      [&](int32_t cell, int32_t count) { return holds_anything(map.data() + cell, count); },
+      levels_[0].runs, levels_[0].run_row);
+}
+
+void Smoother::load(const std::vector<float>& map) {
+  Level& level = levels_[0];
+  for_each_run(0, [&](int32_t, Run run) {
+    load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
+             level.at(level.inverse_weight), run.begin, run.end);
+  });
+}
+
+float Smoother::conduct(size_t number) {
+  Level& level = levels_[number];
+  const SmoothingLevel& grid = grid_.levels[number];
+  const ConductanceTerms terms{least_variance_, done_below_[number], kStages};
+  const float* const height = level.at(level.height);
+  const float* const inverse = level.at(level.inverse_weight);
+  std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
+  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for (int32_t y = first; y < last; ++y) {
+      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
+        const Run run = level.runs[r];
+        largest[y] = std::max(
+            largest[y],
+            conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
+                        level.at(level.right), level.at(level.above), terms, run.begin, run.end));
+      }
+      for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
+        const int32_t cell = grid.link_cell[k];
+        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+          const int32_t other = grid.link_other[t];
+          const LinkConductance link = conductance(height[cell], height[other], inverse[cell],
+                                                   inverse[other], grid.link_closeness[t], terms);
+          level.loose[t] = grid.link_weight[t] * link.conductance;
+          largest[y] = std::max(largest[y], link.wanted);
+        }
+      }
+    }
+  });
+  return *std::max_element(largest.begin(), largest.end());
+}
+
+void Smoother::stages(size_t number, int32_t count) {
+  Level& level = levels_[number];
+  const SmoothingLevel& grid = grid_.levels[number];
+  for (int32_t stage = 0; stage < count; ++stage) {
+    const float* const from = level.at(level.height);
+    float* const to = level.at(level.next);
+    const float* const inverse = level.at(level.inverse_weight);
+    for_each_row_band(grid, [&](int32_t first, int32_t last) {
+      for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+        stage_run(from, to, level.at(level.right), level.at(level.above), inverse, grid.size,
+                  level.runs[r].begin, level.runs[r].end);
+      }
+      for (int32_t k = grid.link_row[first]; k < grid.link_row[last]; ++k) {
+        const int32_t cell = grid.link_cell[k];
+        if (from[cell] == 0.0f) continue;
+        float flux = 0.0f;
+        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+          flux += level.loose[t] * (from[grid.link_other[t]] - from[cell]);
+        }
+        to[cell] += inverse[cell] * flux;
+      }
+    });
+    std::swap(level.height, level.next);
+  }
+}
+
+/// Fills the next level with the mean heights of its blocks.
+void Smoother::restrict_to(size_t number) {
+  const Level& fine = levels_[number - 1];
+  const SmoothingLevel& fine_grid = grid_.levels[number - 1];
+  const SmoothingLevel& grid = grid_.levels[number];
+  Level& level = levels_[number];
+  const float* const height = fine.height.data() + fine.margin;
+  const float* const inverse = fine.inverse_weight.data() + fine.margin;
+
+  // Which blocks of cells hold anything: those above the runs, and those that strays join.
+  const int32_t blocks = (grid.size + kBlock - 1) / kBlock;
+  std::vector<uint8_t> filled(static_cast<size_t>(blocks) * grid.size, 0);
+  const auto mark = [&](int32_t cell) {
+    filled[static_cast<size_t>(cell / grid.size * blocks + cell % grid.size / kBlock)] = 1;
+  };
+  for (const Run& run : fine.runs) {
+    const int32_t y = run.begin / fine_grid.size / 2;
+    if (y >= grid.size) continue;
+    const int32_t last = std::min((run.end - 1) % fine_grid.size / 2, grid.size - 1);
+    for (int32_t x = run.begin % fine_grid.size / 2; x <= last; x += kBlock / 2) {
+      mark(y * grid.size + x);
+    }
+    mark(y * grid.size + last);
+  }
+  for (const SmoothingLevel::Stray& stray : fine_grid.strays) {
+    if (height[stray.cell] != 0.0f) mark(stray.parent);
+  }
+  find_level_runs(
+      grid.size,
+      [&](int32_t cell, int32_t) {
+        return filled[static_cast<size_t>(cell / grid.size * blocks + cell % grid.size / kBlock)] !=
+               0;
+      },
+      level.runs, level.run_row);
+
+  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      const Run run = level.runs[r];
+      const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
+      restrict_run(height + child, height + child + fine_grid.size,
+                   block_rows(fine_grid, inverse, child), level.at(level.height) + run.begin,
+                   level.at(level.inverse_weight) + run.begin, run.end - run.begin);
+    }
+  });
+  for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
+    const auto [cell, parent] = fine_grid.strays[s];
+    float& mean = level.at(level.height)[parent];
+    float& weight = level.at(level.inverse_weight)[parent];
+    const bool joins = height[cell] != 0.0f && (weight == 0.0f || is_open(height[cell], mean));
+    levels_[number - 1].stray_joins[s] = joins ? 1 : 0;
+    if (!joins) continue;
+    const float own = 1.0f / inverse[cell];
+    const float others = weight == 0.0f ? 0.0f : 1.0f / weight;
+    mean = (mean * others + height[cell] * own) / (others + own);
+    weight = 1.0f / (others + own);
+  }
+  for (const Run& run : level.runs) {
+    std::copy(level.at(level.height) + run.begin, level.at(level.height) + run.end,
+              level.at(level.before) + run.begin);
+  }
+}
+
+/// Hands the change of each block's mean on to its cells, in proportion, so that none falls below
+/// 0.
+void Smoother::prolong_from(size_t number) {
+  Level& fine = levels_[number - 1];
+  const SmoothingLevel& fine_grid = grid_.levels[number - 1];
+  const SmoothingLevel& grid = grid_.levels[number];
+  Level& level = levels_[number];
+  float* const height = fine.at(fine.height);
+  const float* const now = level.at(level.height);
+  const float* const before = level.at(level.before);
+  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      const Run run = level.runs[r];
+      const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
+      prolong_run(height + child, height + child + fine_grid.size,
+                  block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
+                  now + run.begin,
+                  {grid.to_right() + run.begin, grid.upwards() + run.begin, least_variance_,
+                   done_below_[number]},
+                  run.end - run.begin);
+    }
+  });
+  for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
+    if (fine.stray_joins[s] == 0) continue;
+    const auto [cell, parent] = fine_grid.strays[s];
+    const float closeness = from_half(std::max(grid.to_right()[parent], grid.upwards()[parent]));
+    height[cell] =
+        changed(height[cell], before[parent], now[parent],
+                kept_part(before[parent], closeness, least_variance_, done_below_[number]));
+  }
+}
+
+void Smoother::cycle(size_t number, float variance) {
+  const size_t next = number + 1;
+  const float left = variance * std::pow(0.25f, static_cast<float>(next));
+  if (next >= grid_.levels.size() || left <= done_below_[next]) {
+    stages(number, kStagesUp + kStagesDown);
+    return;
+  }
+  stages(number, kStagesUp);
+  make_level(next);
+  restrict_to(next);
+  conduct(next);
+  cycle(next, variance);
+  prolong_from(next);
+  stages(number, kStagesDown);
+}
+
+void Smoother::store(std::vector<float>& map) {
+  Level& level = levels_[0];
+  for_each_run(0, [&](int32_t, Run run) {
+    store_run(level.at(level.height), grid_.inverse_area.data(), level.at(level.inverse_weight),
+              map.data(), run.begin, run.end);
+  });
+}
+
+void Smoother::run(std::vector<float>& map) {
+  if (least_variance_ == 0.0f) return;
+  const int32_t size = grid_.levels[0].size;
+  levels_ = Works::shared().take(size);
+  make_level(0);
+  for (size_t number = 0; number < levels_.size(); ++number) clear_runs(number);
+  find_runs(map);
+  if (!levels_[0].runs.empty()) {
+    load(map);
+    const bool has_edges = shape_edges();
+    const float variance = conduct(0);
+    if (has_edges) divide_by_profile();
+    cycle(0, variance);
+    store(map);
+  }
+  Works::shared().give(size, std::move(levels_));
+  levels_.clear();
 }
 
 }  // namespace snowbough::snow

@@ -1,61 +1,113 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
+#include <functional>
 #include <vector>
 
-#include "snow/seams/seam_table.h"
-#include "snow/texels/texel_table.h"
+#include "snow/output/smoothing_grid.h"
 
 namespace snowbough::snow {
 
-/// The thesis's taps, on one side: offsets in texels and weights, whose sum over both sides is
-/// divided out.
-inline constexpr std::array<double, 3> kTapOffset{0.0, 1.3846, 3.2307};
-inline constexpr std::array<double, 3> kTapWeight{0.2270, 0.3162, 0.0702};
-inline constexpr double kTapSum = kTapWeight[0] + 2.0 * (kTapWeight[1] + kTapWeight[2]);
+struct EdgeArrays;
 
-/// The separable 5-tap Gaussian of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and
-/// Snow, 2014, section 4.2: taps at 0, +-1.3846 and +-3.2307 texels, each between two texels and
-/// interpolated, with the weights 0.2270, 0.3162 and 0.0702. One pass at full scale has a standard
-/// deviation of 1.69 texels. A scaled pass moves the taps inwards.
-
-/// Weights of a texel and of its first to fourth neighbours on either side:
-/// w[0] + 2 (w[1] + .. + w[4]) = 1.
-using FilterWeights = std::array<float, kFilterReach + 1>;
-
-/// Scales of the filter that texels choose from: 0 (nothing) to 255 (standard deviation 1.69).
-inline constexpr int32_t kFilterLevels = 256;
-
-/// The weights of each level; the standard deviation grows evenly from level to level.
-const std::array<FilterWeights, kFilterLevels>& filter_levels();
-
-/// By what a level scales the taps' offsets, 0 to 1, in steps of this.
-uint16_t filter_scale(int32_t level);
-inline constexpr float kFilterScaleStep = 1.0f / 32768.0f;
-
-/// Standard deviation of level 255 in texels.
-double full_filter_sigma();
-
-/// How a map is to be smoothed: `passes` times along u, then along v; then `closing_passes` times
-/// by the mean of both. Where a seam turns the layout, one side's u is the other's v, so that the
-/// sides filter in different order and end a little apart. A closing pass filters both ways at once
-/// from one input, which is the same seen from either side, and closes the gap.
-struct SmoothingPlan {
-  /// Both 0 where nothing is smoothed: the map is passed on as it is.
-  int32_t passes = 0;
-  int32_t closing_passes = 0;
-  /// Per owned texel: level of the filter along u and along v. A texel that is longer than others
-  /// takes a smaller level, so that the radius is the same in metres everywhere.
-  std::vector<uint8_t> level_u;
-  std::vector<uint8_t> level_v;
+/// How far a map is smoothed: a standard deviation of the larger of `blur_radius` and a third of
+/// the local depth, metres. 0: the map is passed on as it is.
+struct SmoothingSettings {
+  float blur_radius = 0.0f;
 };
 
-/// Plans a Gaussian of the standard deviation `blur_radius` (metres, on the surface; 0 = none).
-/// There are as many passes as the map's fine texels need (the finest tenth of its surface
-/// excepted), 64 at most: a radius over 13.5 of those texels comes out smaller. Texels far longer
-/// than the radius are hardly smoothed at all, as it should be.
 /// @throws std::invalid_argument for a negative or not finite radius.
-SmoothingPlan plan_smoothing(const TexelTable& table, const SeamTable& seams, float blur_radius);
+void check_smoothing(const SmoothingSettings& settings);
+
+/// Rounds a map's snow: a diffusion in flux form, so that what one texel loses its neighbour gains
+/// and the volume stays what it is to rounding.
+///
+/// - The conductivity of a link follows from the snow at both of its ends: sigma = blur_radius or a
+///   third of the depth, whichever is more.
+/// - Nothing flows onto bare texels, nor onto such that hold less than a fiftieth of their
+///   neighbour, nor between front (positive heights) and back (negative ones).
+/// - Where snow ends so, it ends rounded: not the height is evened out but the height over a
+///   shoulder's profile, a parabola that rises from 0 at the edge to 1 within a sigma. What tapers
+///   off by itself goes on doing so, up to half as steep again at its foot; where the surface
+///   itself ends nothing is rounded.
+///
+/// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
+/// within those that there were before. Far away snow travels over blocks of 2 x 2, 4 x 4, ..
+/// texels: a stage on each level on the way up and three on the way down (a V cycle), at the cost
+/// of about five passes over the map for any sigma up to a hundred texels.
+///
+/// P. Perona, J. Malik, Scale-Space and Edge Detection Using Anisotropic Diffusion, 1990 (fluxes
+/// between texels); W. Briggs, V. Henson, S. McCormick, A Multigrid Tutorial, 2000 (V cycle).
+class Smoother {
+ public:
+  /// `grid` must outlive it. The result does not depend on `threads`.
+  Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings, int32_t threads);
+
+  /// `map`: a grid's heights in metres; changed in place. One call at a time.
+  void run(std::vector<float>& map);
+
+ private:
+  /// Half-open range of cells of one row that may hold snow.
+  struct Run {
+    int32_t begin;
+    int32_t end;
+  };
+  /// What a level works on. Arrays have a margin of kMargin cells and a row before the first cell.
+  struct Level {
+    ptrdiff_t margin = 0;
+    /// Height over profile, in metres, before and after a stage.
+    std::vector<float> height;
+    std::vector<float> next;
+    /// Conductance of the links to the right and above, m2 a stage. 0 beyond the runs.
+    std::vector<float> right;
+    std::vector<float> above;
+    /// 1 / (area * profile), 0 where bare.
+    std::vector<float> inverse_weight;
+    /// The height before the level's stages.
+    std::vector<float> before;
+    /// Per end of a link of SmoothingLevel::link_other.
+    std::vector<float> loose;
+    std::vector<Run> runs;
+    /// Per row, where its runs begin.
+    std::vector<int32_t> run_row;
+    std::vector<uint8_t> stray_joins;
+
+    float* at(std::vector<float>& values) const { return values.data() + margin; }
+  };
+
+  /// Working arrays are lent for a run only: receivers are many, and maps under way few.
+  class Works;
+
+  void make_level(size_t number);
+  void for_each_row_band(const SmoothingLevel& grid,
+                         const std::function<void(int32_t first, int32_t last)>& work) const;
+  void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
+  void find_runs(const std::vector<float>& map);
+  void clear_runs(size_t number);
+  void load(const std::vector<float>& map);
+  bool open_links(const EdgeArrays& edges);
+  float find_edges(const EdgeArrays& edges);
+  void spread_distance(EdgeArrays& edges);
+  /// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
+  /// as many rounds as the widest shoulder has texels. Returns whether there is an edge.
+  bool shape_edges();
+  /// Heights to heights over profile.
+  void divide_by_profile();
+  /// Returns the largest variance over distance^2 of a link.
+  float conduct(size_t number);
+  void stages(size_t number, int32_t count);
+  void restrict_to(size_t number);
+  void prolong_from(size_t number);
+  void cycle(size_t number, float variance);
+  void store(std::vector<float>& map);
+
+  const SmoothingGrid& grid_;
+  float least_variance_;
+  int32_t threads_;
+  /// Per level: half the variance over distance^2 that those below see to.
+  std::vector<float> done_below_;
+  /// During a run.
+  std::vector<Level> levels_;
+};
 
 }  // namespace snowbough::snow

@@ -77,6 +77,9 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
     estimate.maps += map * (with_owners ? 4 + 8 : 4);
     estimate.seams += levelling_bytes(object->table);
     estimate.geometry += triangles * static_cast<int64_t>(sizeof(shared::MapTriangle));
+    // At most a point a corner: its corner, where these begin, its normal and what lies there.
+    const bool is_smooth = !object->description.shading.empty();
+    estimate.geometry += is_smooth ? triangles * (16 + 3 * (4 + 4 + 16 + 16)) : 0;
     const int64_t group = shared::kTexelGroup;
     const int64_t texels =
         (static_cast<int64_t>(object->table.texel.size()) + group - 1) / group * group;
@@ -87,8 +90,8 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   // What is seen, drawn and copied; the depth test's own.
   estimate.tile =
       int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
-  // Three heights, a normal and its tables.
-  estimate.output = largest_map * (4 + 4 + 4 + 16 + 8);
+  // Two works of seven arrays, a third more for the coarse levels; the map, a normal, tables.
+  estimate.output = largest_map * (2 * 28 + 4 + 12 + 12);
   return estimate;
 }
 

@@ -19,7 +19,7 @@ struct MemoryEstimate {
   int64_t geometry = 0;
   /// The occlusion tile.
   int64_t tile = 0;
-  /// Smoothing's own targets, for one receiver at a time.
+  /// What making output works on, for two maps at a time, in main memory.
   int64_t output = 0;
   /// What levelling keeps of the receivers' seams: in main memory always, but counted here, since
   /// it is little.

@@ -16,9 +16,11 @@ void add_triangles(const SceneObject& object, uint32_t slot, uint32_t& first_she
   const auto base = static_cast<uint32_t>(layout.vertex_count);
   const uint32_t owner = slot | (object.description.receive ? shared::kReceives : 0u);
   for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
+    const bool two_sided = !object.two_sided.empty() && object.two_sided[t / 3] != 0;
     layout.triangles.push_back({base + static_cast<uint32_t>(topology.triangles[t]),
                                 base + static_cast<uint32_t>(topology.triangles[t + 1]),
-                                base + static_cast<uint32_t>(topology.triangles[t + 2]), owner});
+                                base + static_cast<uint32_t>(topology.triangles[t + 2]),
+                                owner | (two_sided ? shared::kTwoSided : 0u)});
   }
   layout.vertex_count += static_cast<int32_t>(object.positions.size());
   const Sheets sheets = find_sheets(topology.triangles, topology.vertex_count);
@@ -88,6 +90,7 @@ SceneLayout lay_out_scene(const std::vector<const SceneObject*>& objects, int32_
     }
   }
   add_alpha(objects, layout);
+  layout.smooth_points = find_smooth_points(objects);
   return layout;
 }
 

@@ -5,6 +5,7 @@
 
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/map_plan.h"
+#include "snow/scene/smooth_points.h"
 
 namespace snowbough::snow {
 
@@ -30,6 +31,7 @@ struct SceneLayout {
   std::vector<shared::AlphaTriangle> alpha_triangles;
   std::vector<shared::AlphaMaskPlace> alpha_places;
   std::vector<uint32_t> alpha_bits;
+  SmoothPoints smooth_points;
 };
 
 /// `objects` are sorted by name and have positions. `max_layers`: of a texture array.

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -10,6 +11,15 @@
 #include "snow/texels/texel_table.h"
 
 namespace snowbough::snow {
+
+/// Which sides of a receiver take snow.
+enum class Sides {
+  /// Both of what is open, a card or a leaf (snow/texels/open_sheets.h); else the front.
+  kAuto,
+  /// The front, on which triangles run anticlockwise.
+  kFront,
+  kBoth,
+};
 
 /// What add_object gets: a mesh whose topology stays the same until replace_object gives it
 /// another.
@@ -30,6 +40,10 @@ struct ObjectDescription {
   std::vector<glm::vec3> rest;
   /// Sigma in metres of the blur of this object's output; negative: the simulation's.
   double blur_radius = -1.0;
+  /// Three numbers a triangle: corners of one number share a smooth normal, worked out from the
+  /// positions of each step; negative, or no numbers at all: flat.
+  std::vector<int32_t> shading;
+  Sides sides = Sides::kAuto;
 };
 
 /// An object as the simulation holds it.
@@ -39,11 +53,15 @@ struct SceneObject {
   TexelTable table;
   /// See fragment_opacity.h; empty: opaque.
   std::vector<float> fragment_opacity;
+  /// Per triangle, 1 where it takes snow on both sides, by the rest pose; empty: all on the front.
+  std::vector<uint8_t> two_sided;
   /// Current world positions in metres; empty before the first step that names the object.
   std::vector<glm::vec3> positions;
   Bounds bounds;
   /// Positions changed since the last step.
   bool moved = true;
+  /// Receivers only: see layer_terms, of the current positions; null: not worked out yet.
+  std::shared_ptr<const std::vector<glm::vec3>> layers;
 
   int32_t triangle_count() const {
     return static_cast<int32_t>(description.topology.triangles.size() / 3);

@@ -58,6 +58,7 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
       points_(levelling.points),
       heights_(texel_.size() + 1, 0.0f),
       limits_(texel_.size() + 1, 0.0f),
+      lower_limits_(texel_.size() + 1, 0.0f),
       marks_(texel_.size() + 1, 0.0f),
       fine_number_(texel_.size(), -1) {
   std::vector<int32_t> number(texel_.size() + 1);
@@ -107,6 +108,7 @@ inline SeamLeveller::SeamResidual SeamLeveller::residual_at(int32_t point) const
 void SeamLeveller::level_all() {
   values_.assign(heights_.size(), 0.0f);
   std::fill(limits_.begin(), limits_.end(), 0.0f);
+  std::fill(lower_limits_.begin(), lower_limits_.end(), 0.0f);
   for (const SeamResidual& residual : residuals_) residual_of_[residual.point] = -1;
   residuals_.clear();
   foreign_residuals_.clear();
@@ -119,10 +121,15 @@ void SeamLeveller::level_all() {
     residual_of_[p] = at;
     if (reads_foreign(point)) foreign_residuals_.push_back(at);
     float limit = 0.0f;
-    for (const int32_t texel : point.source) limit = std::max(limit, heights_[texel]);
+    float lower_limit = 0.0f;
+    for (const int32_t texel : point.source) {
+      limit = std::max(limit, heights_[texel]);
+      lower_limit = std::min(lower_limit, heights_[texel]);
+    }
     for (int32_t t = 0; t < kSeamTerms; ++t) {
       values_[point.source[t]] += point.weight[t] * residual.gap;
       limits_[point.source[t]] = std::max(limits_[point.source[t]], limit);
+      lower_limits_[point.source[t]] = std::min(lower_limits_[point.source[t]], lower_limit);
     }
   }
   values_.resize(static_cast<size_t>(unknowns_));
@@ -132,7 +139,7 @@ void SeamLeveller::level_all() {
     solve_by_gradients(points_, static_cast<int32_t>(heights_.size()), kDamping, kRounds, values_);
   }
   for (int32_t i = 0; i < unknowns_; ++i) {
-    heights_[i] = std::clamp(heights_[i] - values_[i], 0.0f, limits_[i]);
+    heights_[i] = std::clamp(heights_[i] - values_[i], lower_limits_[i], limits_[i]);
   }
 }
 
@@ -205,7 +212,7 @@ inline bool SeamLeveller::reads_foreign(const SeamRow& point) const {
 
 /// By how much one unit of the second problem changes a texel's height.
 inline float SeamLeveller::fine_reach(int32_t texel) const {
-  return marks_[texel] * (heights_[texel] + least_height_);
+  return marks_[texel] * (std::fabs(heights_[texel]) + least_height_);
 }
 
 /// Writes down the second problem for the texels that have a mark.
@@ -251,7 +258,7 @@ bool SeamLeveller::solve_fine() {
 inline std::pair<float, float> SeamLeveller::fine_height(size_t k) const {
   const int32_t i = fine_texels_[k];
   const float height = heights_[i] - fine_reach(i) * values_[k];
-  return {height, std::clamp(height, 0.0f, limits_[i])};
+  return {height, std::clamp(height, lower_limits_[i], limits_[i])};
 }
 
 /// Takes over the heights that hang together with none beyond its limits; those that are beyond
@@ -310,7 +317,7 @@ int64_t SeamLeveller::bytes() const {
   return of(texel_) + of(points_) + of(heights_) + of(values_) + of(residuals_) + of(marks_) +
          of(fine_number_) + of(marked_) + of(sample_begin_) + of(samples_) + of(residual_of_) +
          of(foreign_residuals_) + of(changed_) + of(active_) + of(foreign_) + of(fine_texels_) +
-         of(fine_points_) + of(fine_rows_) + of(limits_) +
+         of(fine_points_) + of(fine_rows_) + of(limits_) + of(lower_limits_) +
          8 * (factor_.entries() + fine_factor_.entries());
 }
 

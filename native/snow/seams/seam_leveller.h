@@ -86,8 +86,10 @@ class SeamLeveller {
   SeamFactor factor_;
 
   std::vector<float> heights_;
-  /// What a texel may rise to: the highest that the points that look at it see.
+  /// What a texel may rise and fall to: the highest and the lowest that the points that look at it
+  /// see, or bare ground.
   std::vector<float> limits_;
+  std::vector<float> lower_limits_;
   /// What a solution is asked for, then what it is.
   std::vector<float> values_;
   std::vector<SeamResidual> residuals_;

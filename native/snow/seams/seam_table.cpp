@@ -33,6 +33,7 @@ class SeamTableBuilder {
       const SurfaceMetric& metric = metrics[triangle];
       seams_.texel_size.emplace_back(std::sqrt(metric.uu), std::sqrt(metric.vv));
     }
+    seams_.texel_area = texel_areas(topology, table, positions);
   }
 
   SeamTable build() {

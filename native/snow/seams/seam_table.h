@@ -38,8 +38,9 @@ struct TexelLines {
   WeightedRows ghosts;
 };
 
-/// Value of a place without surface; heights are never negative.
-inline constexpr float kNothing = -1.0f;
+/// Value of a place without surface; a height is over kSomething, below 0 on a surface's back.
+inline constexpr float kNothing = -1e30f;
+inline constexpr float kSomething = -1e29f;
 
 /// How a map's texels hang together over the surface, across the seams of its layout.
 struct SeamTable {
@@ -56,6 +57,8 @@ struct SeamTable {
   SeamLevelling levelling;
   /// Per owned texel: how long a step of one texel along u and along v is on the surface, metres.
   std::vector<glm::vec2> texel_size;
+  /// Per owned texel: the area that it covers, m2.
+  std::vector<float> texel_area;
 };
 
 /// Builds the table for a layout in the pose `positions` (vertex_count points, metres). Built once;

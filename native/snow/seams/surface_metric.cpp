@@ -28,4 +28,24 @@ std::vector<SurfaceMetric> surface_metrics(const MapTopology& topology,
   return metrics;
 }
 
+std::vector<float> texel_areas(const MapTopology& topology, const TexelTable& table,
+                               const std::vector<glm::vec3>& positions) {
+  std::vector<float> triangle_area(topology.triangles.size() / 3);
+  for (size_t t = 0; t < triangle_area.size(); ++t) {
+    const glm::dvec3 a(positions[static_cast<size_t>(topology.triangles[3 * t])]);
+    const glm::dvec3 b(positions[static_cast<size_t>(topology.triangles[3 * t + 1])]);
+    const glm::dvec3 c(positions[static_cast<size_t>(topology.triangles[3 * t + 2])]);
+    triangle_area[t] = static_cast<float>(0.5 * glm::length(glm::cross(b - a, c - a)));
+  }
+  std::vector<float> areas(table.texel.size(), 0.0f);
+  for (size_t i = 0; i < areas.size(); ++i) {
+    for (int32_t f = table.fragment_begin[i]; f < table.fragment_begin[i + 1]; ++f) {
+      const auto fragment = static_cast<size_t>(f);
+      areas[i] += table.fragment_share[fragment] *
+                  triangle_area[static_cast<size_t>(table.fragment_triangle[fragment])];
+    }
+  }
+  return areas;
+}
+
 }  // namespace snowbough::snow

@@ -20,4 +20,8 @@ struct SurfaceMetric {
 std::vector<SurfaceMetric> surface_metrics(const MapTopology& topology,
                                            const std::vector<glm::vec3>& positions);
 
+/// The area that each owned texel covers at these positions, m2: the same sums as the steps'.
+std::vector<float> texel_areas(const MapTopology& topology, const TexelTable& table,
+                               const std::vector<glm::vec3>& positions);
+
 }  // namespace snowbough::snow

@@ -2,13 +2,11 @@
 
 #include <functional>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 
 #include "shaders/lib/snow_shared.h"
-#include "snow/output/map_output.h"
-#include "snow/output/output_filter.h"
+#include "snow/repose/repose.h"
 #include "snow/scene/projection.h"
 #include "snow/scene/scene_layout.h"
 #include "snow/scene/triangle_range.h"
@@ -21,6 +19,8 @@ struct StabilitySettings {
   float max_depth = 1.0f;
   /// Seconds in which what is too much halves.
   float half_life = 2.0f;
+  /// Whether walls hold nothing, as where snow has an angle of repose.
+  bool walls_are_bare = false;
 
   /// The half-life that is reckoned with: so short a one is as good as none.
   float reckoned_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
@@ -46,7 +46,8 @@ class Engine {
   /// Calls `work` on the thread on which all of what follows is called. Throws what it throws.
   virtual void run(const std::function<void()>& work) = 0;
 
-  /// Lays a scene out, maps bare and positions unknown. `objects` are sorted by name.
+  /// Lays a scene out, maps bare and positions unknown. `objects` are sorted by name and must live
+  /// until the next call.
   virtual void build_scene(const std::vector<const SceneObject*>& objects) = 0;
   virtual void set_positions(size_t object, const std::vector<glm::vec3>& positions) = 0;
 
@@ -67,6 +68,9 @@ class Engine {
   /// Adds the deposit to the heights and lets slide what slopes cannot hold. `full_gain`: thickness
   /// in metres of a texel that faces the fall and is seen as a whole; `dt` in seconds.
   virtual void apply_stability(const StabilitySettings& settings, float full_gain, float dt) = 0;
+  /// Moves snow that is steeper than its angle of repose to lower neighbours, and counts what falls
+  /// over rims as slid (snow/repose/repose.h). `dt` in seconds; 0: nothing moves.
+  virtual void apply_repose(const ReposeSettings& settings, float dt) = 0;
   /// Brings sums and totals up to date. `pixel_area` in m2.
   virtual void close_statistics(float pixel_area) = 0;
 
@@ -76,11 +80,6 @@ class Engine {
   /// A receiver's balance.
   virtual shared::ObjectSums read_sums(size_t object) = 0;
   virtual void write_sums(size_t object, const shared::ObjectSums& sums) = 0;
-
-  /// A receiver's output where the engine can make it from heights that it holds itself; where
-  /// `metrics` are empty its seams are not level yet. Nothing: the caller filters read_height's.
-  virtual std::optional<MapOutput> filter_output(size_t object, OutputFilter& filter,
-                                                 const std::vector<SurfaceMetric>& metrics) = 0;
 
   /// Of the scene that was laid out last.
   virtual const SceneLayout& layout() const = 0;

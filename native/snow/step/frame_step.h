@@ -13,6 +13,7 @@ namespace snowbough::snow {
 struct FrameStep {
   FallSettings fall;
   StabilitySettings stability;
+  ReposeSettings repose;
   /// Seconds.
   double dt = 0.0;
   /// Largest edge of a tile in pixels; it changes no result.

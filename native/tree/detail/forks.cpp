@@ -15,12 +15,16 @@ namespace snowbough::tree {
 namespace {
 
 /// Rounds of moving as the neighbours have moved and back to the surface, the share of the way that
-/// a vertex goes, and steps back to the surface in each.
-constexpr int kRounds = 10;
+/// a vertex goes, and steps back to the surface in each. Most vertices rest after a few; those in
+/// acute crotches, which have far to go, would leave a notch there.
+constexpr int kRounds = 40;
 constexpr double kRelaxation = 0.5;
 constexpr int kSteps = 2;
 /// A step is no longer than this many of the child's radii.
 constexpr double kLongestStep = 0.5;
+/// A vertex rests while it and its neighbours go less than this share of the longest step in a
+/// round.
+constexpr double kRest = 0.02;
 /// A way on which a face would turn its back is halved so often before it is given up; a face shows
 /// its back when less than this share of it is seen from outside.
 constexpr int kHalvings = 3;
@@ -87,29 +91,49 @@ class ForkBlender {
         first_points_(points),
         chains_(chains),
         forks_(forks),
-        neighbours_(fine.quads, fine.vertices.size()) {
+        neighbours_(fine.quads, fine.vertices.size()),
+        mover_of_(points.size(), -1) {
     find_movers();
   }
 
   void blend(const base::Execution& execution) {
     std::vector<glm::dvec3> moved(movers_.size());
-    for (int round = 0; round < kRounds; ++round) {
+    std::vector<int32_t> active(movers_.size());
+    std::iota(active.begin(), active.end(), 0);
+    for (int round = 0; round < kRounds && !active.empty(); ++round) {
       const float from = kBlended * static_cast<float>(round) / kRounds;
       const float to = kBlended * static_cast<float>(round + 1) / kRounds;
-      base::parallel_for(movers_.size(), kBlock, execution.part(from, to),
+      base::parallel_for(active.size(), kBlock, execution.part(from, to),
                          [&](size_t begin, size_t end) {
                            for (size_t i = begin; i < end; ++i) {
-                             moved[i] = move(movers_[i]);
+                             moved[active[i]] = move(movers_[active[i]]);
                            }
                          });
-      for (size_t i = 0; i < movers_.size(); ++i) {
-        points_[movers_[i].vertex] = moved[i];
-      }
+      take_ways(moved, active);
     }
     take_back_crossings(execution);
   }
 
  private:
+  /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.
+  void take_ways(const std::vector<glm::dvec3>& moved, std::vector<int32_t>& active) {
+    std::vector<uint8_t> awake(movers_.size(), 0);
+    for (const int32_t i : active) {
+      const int32_t v = movers_[i].vertex;
+      if (glm::distance(points_[v], moved[i]) > kRest * movers_[i].longest_step) {
+        awake[i] = 1;
+        for (const int32_t neighbour : neighbours_.of(v)) {
+          if (mover_of_[neighbour] >= 0) awake[mover_of_[neighbour]] = 1;
+        }
+      }
+      points_[v] = moved[i];
+    }
+    active.clear();
+    for (size_t i = 0; i < movers_.size(); ++i) {
+      if (awake[i] != 0) active.push_back(static_cast<int32_t>(i));
+    }
+  }
+
   /// Caps stay flat, and the rings around them where they are.
   std::vector<uint8_t> capped() const {
     std::vector<uint8_t> cap(points_.size(), 0);
@@ -166,22 +190,20 @@ class ForkBlender {
       }
       mover.last_fork = static_cast<int32_t>(at_.size());
       // One on a limb that only begins further out keeps to that limb's own surface.
-      if (known) movers_.push_back(mover);
+      if (!known) continue;
+      mover_of_[mover.vertex] = static_cast<int32_t>(movers_.size());
+      movers_.push_back(mover);
     }
   }
 
   /// Per fork: the faces that have vertices in it that move.
   std::vector<std::vector<int32_t>> fork_faces() const {
-    std::vector<int32_t> mover_of(points_.size(), -1);
-    for (size_t i = 0; i < movers_.size(); ++i) {
-      mover_of[movers_[i].vertex] = static_cast<int32_t>(i);
-    }
     std::vector<std::vector<int32_t>> faces(forks_.size());
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
       const auto face = static_cast<int32_t>(f);
       for (const int32_t v : fine_.quads[f]) {
-        if (mover_of[v] < 0) continue;
-        for (const int32_t fork : forks_of(movers_[mover_of[v]])) {
+        if (mover_of_[v] < 0) continue;
+        for (const int32_t fork : forks_of(movers_[mover_of_[v]])) {
           if (faces[fork].empty() || faces[fork].back() != face) faces[fork].push_back(face);
         }
       }
@@ -317,6 +339,8 @@ class ForkBlender {
   const std::vector<Fork>& forks_;
   Neighbours neighbours_;
   std::vector<Mover> movers_;
+  /// Per vertex: its mover, or -1.
+  std::vector<int32_t> mover_of_;
   /// The forks of all movers, in their order.
   std::vector<int32_t> at_;
 };

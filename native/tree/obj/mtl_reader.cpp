@@ -46,27 +46,56 @@ std::optional<float> as_number(std::string_view token) {
   return value;
 }
 
-/// The file's name behind the options of a texture statement (-s 1 1 1, -clamp on ...).
-std::string texture_name(std::string_view rest) {
+/// A texture statement: the file's name behind its options (-s 1 1 1, -clamp on ...).
+struct TextureStatement {
+  std::string name;
+  glm::vec2 scale{1.0f}, offset{0.0f};
+  std::optional<float> bump;
+};
+
+TextureStatement read_texture_statement(std::string_view rest) {
+  TextureStatement statement;
   rest = trim(rest);
   while (rest.starts_with('-')) {
     const std::string option = lower_case(next_token(rest));
     if (option == "-o" || option == "-s" || option == "-t") {
-      // One to three numbers.
+      // One to three numbers, of which the textures of surfaces have the first two.
       for (int i = 0; i < 3; ++i) {
         std::string_view after = rest;
-        if (!as_number(next_token(after))) break;
+        const std::optional<float> value = as_number(next_token(after));
+        if (!value) break;
         rest = after;
+        if (i < 2 && option == "-o") statement.offset[i] = *value;
+        if (i < 2 && option == "-s") statement.scale[i] = *value;
       }
     } else {
-      next_token(rest);
+      const std::optional<float> value = as_number(next_token(rest));
+      if (option == "-bm") statement.bump = value;
       if (option == "-mm") next_token(rest);
     }
     rest = trim(rest);
   }
-  std::string name(rest);
-  std::replace(name.begin(), name.end(), '\\', '/');
-  return name;
+  statement.name = rest;
+  std::replace(statement.name.begin(), statement.name.end(), '\\', '/');
+  return statement;
+}
+
+/// Whether one of the words of a file's name says that it is a map of normals.
+bool is_normal_map(const std::string& path) {
+  const std::string stem = lower_case(fs::path(path).stem().string()) + ".";
+  std::string word;
+  for (const char c : stem) {
+    if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
+      word += c;
+      continue;
+    }
+    if (word == "normal" || word == "normals" || word == "nrm" || word == "nor" || word == "norm" ||
+        word == "normalmap") {
+      return true;
+    }
+    word.clear();
+  }
+  return false;
 }
 
 /// The file in `folder` with this relative path, whatever its case; empty if there is none.
@@ -91,22 +120,34 @@ fs::path find_below(const fs::path& folder, const fs::path& relative) {
   return fs::is_regular_file(at, error) ? at : fs::path();
 }
 
-std::string find_texture(const fs::path& folder, const std::string& name) {
+/// The texture's absolute path; empty if it is in none of the folders or those for textures beside
+/// and above them.
+std::string find_texture(const std::vector<fs::path>& folders, const std::string& name) {
   const fs::path path(name);
-  fs::path found =
-      path.is_absolute() ? find_below("/", path.relative_path()) : find_below(folder, path);
-  for (const char* subfolder : {"", "textures", "texture", "maps", "tex", "images"}) {
-    if (!found.empty()) break;
-    found = find_below(folder, fs::path(subfolder) / path.filename());
+  fs::path found = path.is_absolute() ? find_below("/", path.relative_path()) : fs::path();
+  const auto look = [&](const fs::path& folder, const fs::path& relative) {
+    if (found.empty()) found = find_below(folder, relative);
+  };
+  for (const fs::path& folder : folders) {
+    look(folder, path.relative_path());
+    for (const char* beside : {"", "textures", "texture", "maps", "tex", "images"}) {
+      look(folder, fs::path(beside) / path.filename());
+    }
+  }
+  for (const fs::path& folder : folders) {
+    for (const char* above : {"textures", "texture", "maps", "tex", "images"}) {
+      look(fs::absolute(folder).parent_path(), fs::path(above) / path.filename());
+    }
   }
   return found.empty() ? std::string() : fs::absolute(found).lexically_normal().string();
 }
 
 class MaterialReader {
  public:
-  MaterialReader(std::map<std::string, FoliageMaterial>& materials,
+  /// @param obj_folder where the OBJ file is.
+  MaterialReader(fs::path obj_folder, std::map<std::string, ObjMaterial>& materials,
                  std::vector<std::string>& warnings)
-      : materials_(materials), warnings_(warnings) {}
+      : obj_folder_(std::move(obj_folder)), materials_(materials), warnings_(warnings) {}
 
   void read(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -129,22 +170,17 @@ class MaterialReader {
   void start_material(const std::string& name) {
     const auto [found, added] = materials_.try_emplace(name);
     found->second.name = name;
+    found->second.defined = true;
     current_ = added ? &found->second : nullptr;
   }
 
   void read_statement(const std::string& keyword, std::string_view rest, const fs::path& folder) {
     if (keyword == "kd") {
-      glm::vec3 colour(0.0f);
-      const std::optional<float> red = as_number(next_token(rest));
-      if (!red) return malformed("Kd");
-      colour = glm::vec3(*red);
-      // Green and blue may be left out; they are then as red.
-      for (int i = 1; i < 3 && !trim(rest).empty(); ++i) {
-        const std::optional<float> value = as_number(next_token(rest));
-        if (!value) return malformed("Kd");
-        colour[i] = *value;
-      }
-      current_->diffuse = colour;
+      read_colour("Kd", rest, current_->diffuse);
+    } else if (keyword == "tf") {
+      // `Tf spectral` and `Tf xyz` are other ways to say a colour, which nobody writes.
+      if (as_number(std::string_view(rest.substr(0, rest.find_first_of(" \t")))))
+        read_colour("Tf", rest, current_->transmission);
     } else if (keyword == "d" || keyword == "tr") {
       std::string_view token = next_token(rest);
       if (token == "-halo") token = next_token(rest);
@@ -155,15 +191,42 @@ class MaterialReader {
       current_->diffuse_texture = texture(rest, folder);
     } else if (keyword == "map_d" || keyword == "map_opacity") {
       current_->alpha_texture = texture(rest, folder);
+    } else if (keyword == "map_ks") {
+      current_->specular_texture = texture(rest, folder);
+    } else if (keyword == "norm" || keyword == "map_kn") {
+      current_->normal_texture = texture(rest, folder);
+    } else if (keyword == "map_bump" || keyword == "bump") {
+      const MaterialTexture found = texture(rest, folder);
+      (is_normal_map(found.path) ? current_->normal_texture : current_->bump_texture) = found;
+      current_->bump_strength = read_texture_statement(rest).bump.value_or(1.0f);
     }
   }
 
-  std::string texture(std::string_view rest, const fs::path& folder) {
-    const std::string name = texture_name(rest);
-    if (name.empty()) return {};
-    std::string found = find_texture(folder, name);
-    if (found.empty() && missing_.insert(name).second) {
-      warnings_.push_back("texture '" + name + "' of material '" + current_->name + "' is missing");
+  /// Green and blue may be left out; they are then as red.
+  void read_colour(const std::string& what, std::string_view rest, glm::vec3& colour) {
+    glm::vec3 values(0.0f);
+    for (int i = 0; i < 3; ++i) {
+      if (i > 0 && trim(rest).empty()) {
+        values[i] = values[0];
+        continue;
+      }
+      const std::optional<float> value = as_number(next_token(rest));
+      if (!value) return malformed(what);
+      values[i] = *value;
+    }
+    colour = values;
+  }
+
+  MaterialTexture texture(std::string_view rest, const fs::path& folder) {
+    const TextureStatement statement = read_texture_statement(rest);
+    if (statement.name.empty()) return {};
+    MaterialTexture found{find_texture({folder, obj_folder_}, statement.name), statement.scale,
+                          statement.offset};
+    // Under whatever path and case a file is named, it is missing but once.
+    const std::string key = lower_case(fs::path(statement.name).filename().string());
+    if (found.path.empty() && missing_.insert(key).second) {
+      warnings_.push_back("texture '" + statement.name + "' of material '" + current_->name +
+                          "' is missing");
     }
     return found;
   }
@@ -172,45 +235,59 @@ class MaterialReader {
     warnings_.push_back(place_ + "malformed " + what + " is ignored");
   }
 
-  std::map<std::string, FoliageMaterial>& materials_;
+  fs::path obj_folder_;
+  std::map<std::string, ObjMaterial>& materials_;
   std::vector<std::string>& warnings_;
-  FoliageMaterial* current_ = nullptr;
+  ObjMaterial* current_ = nullptr;
   std::string place_;
   std::set<std::string> missing_;
 };
 
+/// The files that a statement `mtllib` names: one may name several, and names may hold blanks.
+std::vector<fs::path> find_libraries(const fs::path& folder, const std::string& statement) {
+  std::string name = statement;
+  std::replace(name.begin(), name.end(), '\\', '/');
+  fs::path file = find_below(folder, fs::path(name).relative_path());
+  if (file.empty()) file = find_below(folder, fs::path(name).filename());
+  if (!file.empty()) return {file};
+  std::vector<fs::path> files;
+  std::string_view rest(statement);
+  while (!trim(rest).empty()) {
+    const std::string_view token = next_token(rest);
+    file = token.empty() ? fs::path() : find_below(folder, fs::path(token));
+    if (!file.empty()) files.push_back(file);
+  }
+  return files;
+}
+
 }  // namespace
 
-std::map<std::string, FoliageMaterial> read_materials(const std::string& obj_path,
-                                                      const std::vector<std::string>& libraries,
-                                                      std::vector<std::string>& warnings) {
-  std::map<std::string, FoliageMaterial> materials;
-  MaterialReader reader(materials, warnings);
+std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
+                                                  const std::vector<std::string>& libraries,
+                                                  std::vector<std::string>& warnings) {
+  std::map<std::string, ObjMaterial> materials;
   fs::path folder = fs::path(obj_path).parent_path();
   if (folder.empty()) folder = ".";
+  MaterialReader reader(folder, materials, warnings);
   std::set<std::string> done;
+  std::vector<std::string> missing;
+  bool any = false;
   for (const std::string& library : libraries) {
     if (!done.insert(library).second) continue;
-    std::string name = library;
-    std::replace(name.begin(), name.end(), '\\', '/');
-    fs::path file = find_below(folder, fs::path(name).relative_path());
-    if (file.empty()) file = find_below(folder, fs::path(name).filename());
-    if (!file.empty()) {
-      reader.read(file);
-      continue;
-    }
-    // One statement may name several libraries; names may hold blanks.
-    std::string_view rest(library);
-    bool any = false;
-    while (!trim(rest).empty()) {
-      const std::string_view token = next_token(rest);
-      const fs::path part = token.empty() ? fs::path() : find_below(folder, fs::path(token));
-      if (!part.empty()) {
-        reader.read(part);
-        any = true;
-      }
-    }
-    if (!any) warnings.push_back("material library '" + library + "' is missing");
+    const std::vector<fs::path> files = find_libraries(folder, library);
+    for (const fs::path& file : files) reader.read(file);
+    any = any || !files.empty();
+    if (files.empty()) missing.push_back(library);
+  }
+  // The OBJ was renamed, or its maker forgot to name the library.
+  fs::path own;
+  if (!any) own = find_below(folder, fs::path(obj_path).stem().concat(".mtl"));
+  if (!own.empty()) {
+    reader.read(own);
+    return materials;
+  }
+  for (const std::string& library : missing) {
+    warnings.push_back("material library '" + library + "' is missing");
   }
   return materials;
 }

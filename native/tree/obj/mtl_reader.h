@@ -8,12 +8,15 @@
 
 namespace snowbough::tree {
 
-/// Reads the material libraries of an OBJ file that stand beside it.
+/// Reads the material libraries of an OBJ file that stand beside it; where it names none, or none
+/// of those it names is there, the one that has its own name.
 ///
-/// Takes `Kd`, `d`, `Tr`, `map_Kd` and `map_d`, with texture options and names with blanks.
-/// Textures are looked for at the path given, below the library's folder, and by their bare name
-/// beside the library and in its folders named textures, texture, maps, tex or images; upper and
-/// lower case are the same.
+/// Takes `Kd`, `d`, `Tr`, `Tf`, `map_Kd`, `map_d`, `map_Ks`, `map_bump` (also `bump`) and `norm`
+/// (also `map_Kn`), with the texture options -s, -o and -bm and names with blanks. A `map_bump`
+/// whose file is called a normal map (normal, nrm, nor, norm between its words) is one. Textures
+/// are looked for at the path given, below the folders of the library and of the OBJ, and by their
+/// bare name beside both and in the folders named textures, texture, maps, tex or images beside or
+/// above them; upper and lower case are the same.
 ///
 /// @param obj_path the OBJ file.
 /// @param libraries as the OBJ names them.
@@ -22,8 +25,8 @@ namespace snowbough::tree {
 /// @return materials by name; of a name that comes twice, the first.
 ///
 /// Format: Wavefront, "MTL material format (Lightwave, OBJ)", 1995.
-std::map<std::string, FoliageMaterial> read_materials(const std::string& obj_path,
-                                                      const std::vector<std::string>& libraries,
-                                                      std::vector<std::string>& warnings);
+std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
+                                                  const std::vector<std::string>& libraries,
+                                                  std::vector<std::string>& warnings);
 
 }  // namespace snowbough::tree

@@ -230,7 +230,7 @@ Foliage gather_foliage(const ObjScene& scene, const Parts& parts,
       if (material >= 0) {
         if (material_number[material] < 0) {
           material_number[material] = static_cast<int32_t>(foliage.materials.size());
-          FoliageMaterial named;
+          ObjMaterial named;
           named.name = scene.materials[material];
           foliage.materials.push_back(std::move(named));
         }

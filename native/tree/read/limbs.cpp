@@ -12,9 +12,11 @@
 namespace snowbough::tree {
 namespace {
 
-void add_limb(Limb&& limb, int32_t label, TracedBranches& traced) {
+/// @param part  of the file, or the first of the planes that the limb is.
+void add_limb(Limb&& limb, int32_t label, int32_t part, TracedBranches& traced) {
   Branch branch;
   branch.level = -1;
+  branch.piece = part;
   branch.points = std::move(limb.points);
   branch.radii = std::move(limb.radii);
   branch.areas = std::move(limb.areas);
@@ -23,10 +25,10 @@ void add_limb(Limb&& limb, int32_t label, TracedBranches& traced) {
   traced.label.push_back(label);
 }
 
-void add_welded(WeldedTree&& tree, int32_t label, TracedBranches& traced) {
+void add_welded(WeldedTree&& tree, int32_t label, int32_t part, TracedBranches& traced) {
   const auto first = static_cast<int32_t>(traced.branches.size());
   for (size_t i = 0; i < tree.limbs.size(); ++i) {
-    add_limb(std::move(tree.limbs[i]), label, traced);
+    add_limb(std::move(tree.limbs[i]), label, part, traced);
     if (tree.parent[i] < 0) continue;
     traced.branches.back().parent = first + tree.parent[i];
     traced.branches.back().attach_point = tree.attach_point[i];
@@ -61,7 +63,7 @@ void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t
       Limb limb = limb_from_cross_sections(ordered);
       limb.reversible = std::min(limb.radii.front(), limb.radii.back()) >=
                         kAlike * std::max(limb.radii.front(), limb.radii.back());
-      add_limb(std::move(limb), label, traced);
+      add_limb(std::move(limb), label, group.front(), traced);
     }
     return;
   }
@@ -69,7 +71,7 @@ void add_rows(const ObjScene& scene, const Parts& parts, std::span<const int32_t
   rows.push_back(sections.size());
   for (size_t r = 0; r + 1 < rows.size(); ++r) {
     const std::span<const CrossSection> row(sections.data() + rows[r], rows[r + 1] - rows[r]);
-    add_limb(limb_from_cross_sections(row), label, traced);
+    add_limb(limb_from_cross_sections(row), label, group.front(), traced);
   }
 }
 
@@ -97,12 +99,12 @@ TracedBranches trace_branches(const ObjScene& scene, const Parts& parts, const P
   }
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (classified.role[p] == PartRole::kTube) {
-      add_limb(std::move(classified.limbs[classified.limb[p]]), labels.label[p], traced);
+      add_limb(std::move(classified.limbs[classified.limb[p]]), labels.label[p], p, traced);
     } else if (classified.role[p] == PartRole::kWelded) {
       const auto welded =
           std::lower_bound(classified.welded.begin(), classified.welded.end(), p,
                            [](const auto& entry, int32_t part) { return entry.first < part; });
-      add_welded(std::move(welded->second), labels.label[p], traced);
+      add_welded(std::move(welded->second), labels.label[p], p, traced);
     } else if (classified.role[p] == PartRole::kCrossSection) {
       const std::vector<int32_t>& group = rows[labels.label[p]];
       if (group.front() != p) continue;

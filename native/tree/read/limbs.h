@@ -14,7 +14,8 @@ namespace snowbough::tree {
 
 /// The wood of a file as branches that know no parent yet.
 struct TracedBranches {
-  /// Name, level (-1 where no names tell it), points, radii and areas are filled.
+  /// Name, level (-1 where no names tell it), points, radii and areas are filled; `piece` is the
+  /// part of the file (gather_wood makes it a piece).
   std::vector<Branch> branches;
   /// Per branch: either end may be its root.
   std::vector<char> reversible;

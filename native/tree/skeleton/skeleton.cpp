@@ -81,4 +81,35 @@ void complete_skeleton(Skeleton& skeleton) {
   skeleton.height = high - low;
 }
 
+void scale_skeleton(Skeleton& skeleton, double factor) {
+  const double height = factor * static_cast<double>(skeleton.height);
+  // A tree that lies has no height; the factor alone is looked at then.
+  const double size = skeleton.height > 0.0f ? height : factor;
+  if (!(factor > 0.0) || !(size > 1e-9) || !(size < 1e9)) {
+    throw std::invalid_argument("the scale " + std::to_string(factor) +
+                                " must be above zero and make no tree beyond 1e-9 to 1e9 metres");
+  }
+  if (factor == 1.0) return;
+  const auto grow = [factor](glm::vec3& p) { p = glm::vec3(glm::dvec3(p) * factor); };
+  const auto lengthen = [factor](float& length) {
+    length = static_cast<float>(static_cast<double>(length) * factor);
+  };
+  for (Branch& branch : skeleton.branches) {
+    grow(branch.attach_point);
+    std::for_each(branch.points.begin(), branch.points.end(), grow);
+    std::for_each(branch.radii.begin(), branch.radii.end(), lengthen);
+    for (float& area : branch.areas) {
+      area = static_cast<float>(static_cast<double>(area) * factor * factor);
+    }
+  }
+  std::for_each(skeleton.foliage.vertices.begin(), skeleton.foliage.vertices.end(), grow);
+  std::for_each(skeleton.foliage.leaf_attach_point.begin(),
+                skeleton.foliage.leaf_attach_point.end(), grow);
+  std::for_each(skeleton.wood.vertices.begin(), skeleton.wood.vertices.end(), grow);
+  for (std::vector<glm::vec3>& points : skeleton.wood.centrelines) {
+    std::for_each(points.begin(), points.end(), grow);
+  }
+  lengthen(skeleton.height);
+}
+
 }  // namespace snowbough::tree

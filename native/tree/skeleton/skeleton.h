@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
@@ -25,6 +26,8 @@ struct Branch {
   std::vector<float> radii;
   /// Area of each ring's polygon in m2: carries the limb's volume.
   std::vector<float> areas;
+  /// Index into OriginalWood's pieces, -1 for a branch that comes from no file.
+  int32_t piece = -1;
 };
 
 /// What the import found, for the operator's report, --json and the collection's custom property.
@@ -45,14 +48,32 @@ struct ImportReport {
   std::vector<std::string> warnings;
 };
 
+/// A texture that a material names, and how it lies on the UVs.
+struct MaterialTexture {
+  /// Absolute path of an existing file, or empty.
+  std::string path;
+  /// It is looked up at uv * scale + offset: the statement's -s and -o.
+  glm::vec2 scale{1.0f};
+  glm::vec2 offset{0.0f};
+};
+
 /// A material of the export's MTL file.
-struct FoliageMaterial {
+struct ObjMaterial {
   std::string name;
+  /// A library describes it; otherwise the OBJ has but its name.
+  bool defined = false;
+  /// Kd, d and Tf: the colour of the light that passes through, white where nothing is said.
   glm::vec3 diffuse{0.8f};
   float opacity = 1.0f;
-  /// Absolute paths of existing files, or empty.
-  std::string diffuse_texture;
-  std::string alpha_texture;
+  glm::vec3 transmission{1.0f};
+  /// -bm of map_bump.
+  float bump_strength = 1.0f;
+  /// map_Kd, map_d, map_Ks, map_bump (a height), norm (a tangent-space normal).
+  MaterialTexture diffuse_texture;
+  MaterialTexture alpha_texture;
+  MaterialTexture specular_texture;
+  MaterialTexture bump_texture;
+  MaterialTexture normal_texture;
 };
 
 /// Leaves, needles and flowers as they stand in the file (Z up, metres).
@@ -69,13 +90,34 @@ struct Foliage {
   /// Per leaf: the branch it hangs on (index into Skeleton::branches) and the point where it does.
   std::vector<int32_t> leaf_branch;
   std::vector<glm::vec3> leaf_attach_point;
-  std::vector<FoliageMaterial> materials;
+  std::vector<ObjMaterial> materials;
+};
+
+/// The wood's own polygons, for their texture coordinates and materials (Z up, metres). A piece is
+/// an index-connected component: a limb's tube, or a surface that forks, which several limbs share.
+struct OriginalWood {
+  /// Each place once a piece.
+  std::vector<glm::vec3> vertices;
+  /// Piece p owns triangles [piece_begin[p], piece_begin[p + 1]). It has none where every piece is
+  /// of one material and the file has no texture coordinates, and where it is a row of planes.
+  std::vector<std::array<int32_t, 3>> triangles;
+  std::vector<int32_t> piece_begin{0};
+  /// Per triangle: texture coordinates of its corners, and index into materials (-1 = none).
+  std::vector<std::array<glm::vec2, 3>> uvs;
+  std::vector<int32_t> triangle_material;
+  /// Per piece: 1 where all its corners have texture coordinates, and its first face's material.
+  std::vector<uint8_t> piece_textured;
+  std::vector<int32_t> piece_material;
+  std::vector<ObjMaterial> materials;
+  /// Per branch: its points before any were left out; empty where there are no triangles.
+  std::vector<std::vector<glm::vec3>> centrelines;
 };
 
 /// A whole tree: branches sorted so that a parent comes before its children.
 struct Skeleton {
   std::vector<Branch> branches;
   Foliage foliage;
+  OriginalWood wood;
   /// Extent of the wood along Z in metres: every tolerance is relative to it.
   float height = 0.0f;
   ImportReport report;
@@ -87,5 +129,10 @@ struct Skeleton {
 ///   different length, non-finite values, negative radii or areas, a parent that does not come
 ///   before it.
 void complete_skeleton(Skeleton& skeleton);
+
+/// Makes everything `factor` times as large, leaves and the wood's own polygons included.
+/// @throws std::invalid_argument for a factor that is not finite and above zero, or too large or
+///   small for this tree.
+void scale_skeleton(Skeleton& skeleton, double factor);
 
 }  // namespace snowbough::tree

@@ -21,6 +21,7 @@ ROOMS = (
     "native",
     "session",
     "compat",
+    "compat_nodes",
     "settings",
     "cache",
     "scene",

@@ -61,6 +61,44 @@ def test_the_first_frame_needs_no_pose_from_before_the_shot():
     assert sum(s.depth for s in steps) == pytest.approx(0.4)
 
 
+def steps_of(count, directions, substeps=1, rates=None):
+    snowfall = plan.plan_snowfall(1, count, 0.0, 0.12, rates or [1] * count)
+    return [plan.frame_steps(snowfall, frame, 24, substeps, directions) for frame in range(1, count + 1)]
+
+
+@pytest.mark.parametrize("count, on_frame", [(1, 64), (12, 6), (24, 3), (64, 1), (100, 1), (250, 1)])
+def test_few_frames_fall_from_as_many_directions_as_many(count, on_frame):
+    frames = steps_of(count, 64)
+    assert [len(steps) for steps in frames] == [on_frame] * count
+    assert math.fsum(step.depth for steps in frames for step in steps) == pytest.approx(0.12, rel=1e-12)
+    for steps in frames:
+        assert math.fsum(step.dt for step in steps) == pytest.approx(1 / 24)
+        assert len({(step.depth, step.dt) for step in steps}) == 1
+
+
+def test_a_gust_has_the_directions_and_the_calm_frames_none():
+    assert [len(steps) for steps in steps_of(4, 64, rates=[0, 3, 1, 0])] == [1, 48, 16, 1]
+
+
+def test_directions_are_shared_among_the_poses_of_substeps():
+    steps = steps_of(4, 64, substeps=3)[1]  # 16 directions on 3 poses
+    assert [(step.frame, round(step.subframe, 3)) for step in steps] == (
+        [(1, 0.333)] * 6 + [(1, 0.667)] * 6 + [(2, 0.0)] * 6
+    )
+
+
+def test_the_start_depth_falls_from_all_directions_too():
+    snowfall = plan.plan_snowfall(5, 6, 0.32, 0.5, [1, 1])
+    steps = plan.preroll_steps(snowfall, 24, 2.0, directions=64)
+    assert [step.depth for step in steps[:-1]] == pytest.approx([0.005] * 64)
+    assert steps[-1].depth == 0
+
+
+def test_nothing_that_falls_needs_no_directions():
+    snowfall = plan.plan_snowfall(1, 2, 0.1, 0.1, [0, 0])
+    assert len(plan.frame_steps(snowfall, 2, 24, 1, 64)) == 1
+
+
 def test_a_shot_of_one_frame_gets_the_end_depth():
     assert plan.plan_snowfall(7, 7, 0.1, 0.3, [1]).totals == (0.3,)
 

@@ -9,6 +9,8 @@ ON_BOTH_ENGINES = {
     "test_snow_persistence",
     "test_snow_place",
     "test_snow_replace",
+    "test_snow_shading",
+    "test_snow_sides",
     "test_snow_state",
 }
 

@@ -3,6 +3,9 @@
 
 import numpy as np
 
+# The angle of repose at which snow stays where it fell, for tests of the deposit alone.
+STAYS = np.pi / 2
+
 
 def grid(size_x=1.0, size_y=1.0, cells=1, margin=0.02):
     """A level rectangle around the origin, facing up, its UVs filling the map but for a margin."""
@@ -35,6 +38,18 @@ def sphere(radius=0.5, around=48, rings=24):
                 triangles.append((a, c + 1, c))
     triangles = np.array(triangles, np.int32)
     return positions.astype(np.float32), triangles, uv[triangles].astype(np.float32)
+
+
+def turned_over(mesh):
+    """The mesh with its triangles the other way round, so that its back is where its front was."""
+    positions, triangles, uv = mesh
+    return positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()
+
+
+def smooth(positions, triangles):
+    """Shading numbers (T, 3) that join the corners in one place: a mesh without sharp edges."""
+    places = np.unique(np.round(positions, 5), axis=0, return_inverse=True)[1]
+    return places.reshape(-1)[triangles].astype(np.int32)
 
 
 def box(size=1.0, height=1.0):

@@ -6,20 +6,22 @@ import gc
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import box, chart_of_box, grid, rotated, sphere, wind
+from snow_meshes import STAYS, box, chart_of_box, grid, rotated, sphere, wind
 
 DOWN = (0.0, 0.0, -1.0)
 
 
-def simulation(pixel_size=0.02, max_depth=100.0, **settings):
-    return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, **settings)
+def simulation(pixel_size=0.02, max_depth=100.0, repose=STAYS, **settings):
+    return native.SnowSimulation(pixel_size=pixel_size, max_depth=max_depth, repose=repose, **settings)
 
 
-def snow_on(mesh, steps=8, depth=0.08, direction=DOWN, resolution=64, dt=1.0 / 24.0, **settings):
+def snow_on(
+    mesh, steps=8, depth=0.08, direction=DOWN, resolution=64, dt=1.0 / 24.0, sides="AUTO", **settings
+):
     """Height, texel area and statistics after `depth` fell on one mesh in `steps` steps."""
     positions, triangles, uv = mesh
     with simulation(**settings) as sim:
-        sim.add_object("it", triangles, uv, resolution=resolution)
+        sim.add_object("it", triangles, uv, resolution=resolution, sides=sides)
         for _ in range(steps):
             sim.step({"it": positions}, depth / steps, direction, dt)
         return sim.height("it"), sim.texel_area("it"), sim.statistics()
@@ -216,7 +218,7 @@ def test_a_shadow_is_sharp_and_clean(angle, pixel_size):
 
 def test_back_faces_occlude_receive_nothing_and_are_reported():
     positions, triangles, uv = grid()
-    height, _, statistics = snow_on((positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()))
+    height, _, statistics = snow_on((positions, triangles[:, ::-1].copy(), uv[:, ::-1].copy()), sides="FRONT")
     assert height.max() == 0.0
     assert statistics["back_face_share"] == 1.0
 

@@ -4,7 +4,7 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import grid
+from snow_meshes import STAYS, grid
 
 
 def card(z, size=1.0):
@@ -36,7 +36,7 @@ RING = np.pad(np.zeros((2, 2)), 1, constant_values=255)
 def snow(leaf_alpha, leaf_receives=False, steps=4, **settings):
     """Maps of the ground and, where it has one, of the leaf 0.5 m above it; and the statistics."""
     ground, leaf = card(0.0, 2.0), card(0.5)
-    with native.SnowSimulation(pixel_size=0.01, max_depth=100.0, **settings) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=100.0, **settings) as sim:
         sim.add_object("ground", ground[1], ground[2], resolution=128)
         sim.add_object("leaf", leaf[1], leaf[2], resolution=128, receive=leaf_receives, alpha=leaf_alpha)
         for _ in range(steps):
@@ -91,7 +91,7 @@ def test_a_checkpoint_belongs_to_its_alpha(tmp_path):
     mesh = card(0.0)
 
     def begun(image):
-        sim = native.SnowSimulation(pixel_size=0.01)
+        sim = native.SnowSimulation(repose=STAYS, pixel_size=0.01)
         sim.add_object("leaf", mesh[1], mesh[2], resolution=64, alpha=alpha_of(mesh, image))
         sim.step({"leaf": mesh[0]}, 0.01)
         return sim
@@ -110,7 +110,7 @@ def test_memory_counts_an_image_that_many_objects_show_once():
     image = np.zeros((1024, 1024), np.uint8)
 
     def taken(alphas):
-        with native.SnowSimulation() as sim:
+        with native.SnowSimulation(repose=STAYS) as sim:
             for number, alpha in enumerate(alphas):
                 sim.add_object(f"leaf{number}", mesh[1], mesh[2], receive=False, alpha=alpha)
             return sim.memory_estimate()["total"]
@@ -137,7 +137,10 @@ def test_memory_counts_an_image_that_many_objects_show_once():
 )
 def test_what_does_not_fit_is_named(change, message):
     mesh = card(0.0)
-    with native.SnowSimulation() as sim, pytest.raises(ValueError, match=f"object 'leaf': .*{message}"):
+    with (
+        native.SnowSimulation(repose=STAYS) as sim,
+        pytest.raises(ValueError, match=f"object 'leaf': .*{message}"),
+    ):
         sim.add_object("leaf", mesh[1], mesh[2], alpha={**alpha_of(mesh, RING), **change})
 
 
@@ -145,5 +148,8 @@ def test_alpha_must_be_whole():
     mesh = card(0.0)
     alpha = alpha_of(mesh, RING)
     del alpha["images"]
-    with native.SnowSimulation() as sim, pytest.raises(ValueError, match="must have an entry 'images'"):
+    with (
+        native.SnowSimulation(repose=STAYS) as sim,
+        pytest.raises(ValueError, match="must have an entry 'images'"),
+    ):
         sim.add_object("leaf", mesh[1], mesh[2], alpha=alpha)

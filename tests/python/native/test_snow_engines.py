@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import grid, rotated, sphere, wind
+from snow_meshes import STAYS, grid, rotated, sphere, wind
 
 
 def baked(engine, density=1.0):
@@ -17,7 +17,13 @@ def baked(engine, density=1.0):
     ball, ground = sphere(), grid(4.0, 4.0)
     below = ground[0] - np.float32([2.0, 2.0, 1.2])
     with native.SnowSimulation(
-        pixel_size=0.02, max_depth=0.02, noise_density=density, tile_size=64, flutter=2.0, engine=engine
+        repose=STAYS,
+        pixel_size=0.02,
+        max_depth=0.02,
+        noise_density=density,
+        tile_size=64,
+        flutter=2.0,
+        engine=engine,
     ) as sim:
         sim.add_object("ball", *ball[1:], resolution=128)
         sim.add_object("ground", *ground[1:], resolution=256)
@@ -45,10 +51,10 @@ def test_engines_agree(density):
 
 
 def test_the_engine_tells_its_name_driver_and_reason():
-    with native.SnowSimulation(engine="CPU") as sim:
+    with native.SnowSimulation(repose=STAYS, engine="CPU") as sim:
         assert sim.engine["name"] == "CPU" and sim.engine["driver"].startswith("processor")
         assert sim.engine["reason"] == "asked for"
-    with native.SnowSimulation(engine="GL") as sim:
+    with native.SnowSimulation(repose=STAYS, engine="GL") as sim:
         assert sim.engine["name"] == "GL" and "4." in sim.engine["driver"]
     with native.Engine("AUTO") as engine:
         software = "llvmpipe" in native.gpu_info()["renderer"]
@@ -58,19 +64,19 @@ def test_the_engine_tells_its_name_driver_and_reason():
 
 def test_bad_wishes_say_what_to_do():
     with pytest.raises(ValueError, match="AUTO, GL or CPU, not VULKAN"):
-        native.SnowSimulation(engine="VULKAN")
+        native.SnowSimulation(repose=STAYS, engine="VULKAN")
     with pytest.raises(ValueError, match="GEOMETRY is drawn by OpenGL: use engine GL"):
-        native.SnowSimulation(engine="CPU", mapping="GEOMETRY")
+        native.SnowSimulation(repose=STAYS, engine="CPU", mapping="GEOMETRY")
 
 
 def test_a_checkpoint_of_one_engine_is_not_continued_by_the_other_unless_that_is_allowed(tmp_path):
     positions, triangles, uv = grid()
     path = str(tmp_path / "state")
-    with native.SnowSimulation(engine="CPU") as sim:
+    with native.SnowSimulation(repose=STAYS, engine="CPU") as sim:
         sim.add_object("it", triangles, uv, resolution=64)
         sim.step({"it": positions}, 0.01)
         sim.save(path)
-    with native.SnowSimulation(engine="GL") as sim:
+    with native.SnowSimulation(repose=STAYS, engine="GL") as sim:
         sim.add_object("it", triangles, uv, resolution=64)
         with pytest.raises(ValueError, match="what differs: driver"):
             sim.restore(path)
@@ -125,7 +131,7 @@ def test_the_wind_reaches_a_wall_on_both_engines():
     positions, triangles, uv = grid()
     wall = rotated(positions, "x", 90.0)
     for engine in ("CPU", "GL"):
-        with native.SnowSimulation(pixel_size=0.01, max_depth=1e6, engine=engine) as sim:
+        with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=1e6, engine=engine) as sim:
             sim.add_object("wall", triangles, uv, resolution=64)
             sim.step({"wall": wall}, 0.01, wind(45.0), 0.0)
             height = sim.height("wall")

@@ -4,11 +4,11 @@
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import grid
+from snow_meshes import STAYS, grid
 
 
 def simulation(**settings):
-    return native.SnowSimulation(pixel_size=0.01, max_depth=100.0, **settings)
+    return native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=100.0, **settings)
 
 
 def mean(heights):

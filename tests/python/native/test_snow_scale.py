@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import grid, rotated, wind
+from snow_meshes import STAYS, grid, rotated, wind
 
 
 def test_a_thousand_receivers_in_one_scene():
@@ -14,7 +14,7 @@ def test_a_thousand_receivers_in_one_scene():
     placed = {
         f"{i:04}": positions + np.float32((0.15 * (i % 40), 0.15 * (i // 40), 0.0)) for i in range(1000)
     }
-    with native.SnowSimulation(pixel_size=0.02, max_depth=1e6) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.02, max_depth=1e6) as sim:
         for name in placed:
             sim.add_object(name, triangles, uv, resolution=128)
         estimate = sim.memory_estimate()
@@ -32,7 +32,7 @@ def test_one_frame_in_ten_parts_ends_where_one_in_a_piece_does(tilt):
     positions, triangles, uv = grid()
     held = []
     for parts in (1, 10):
-        with native.SnowSimulation(pixel_size=0.01, max_depth=0.05, slide_half_life=0.3) as sim:
+        with native.SnowSimulation(repose=STAYS, pixel_size=0.01, max_depth=0.05, slide_half_life=0.3) as sim:
             sim.add_object("it", triangles, uv, resolution=64)
             for step in range(8 * parts):
                 sim.step(
@@ -50,7 +50,7 @@ def test_a_scene_that_does_not_fit_is_refused_with_the_figure_and_a_hint():
     positions, triangles, uv = grid()
     machine = os.sysconf("SC_PAGE_SIZE") * os.sysconf("SC_PHYS_PAGES")
     free = machine // 2**20
-    with native.SnowSimulation(pixel_size=0.01) as sim:
+    with native.SnowSimulation(repose=STAYS, pixel_size=0.01) as sim:
         # One map owned, and as many more as the machine's memory cannot hold.
         sim.add_object("0", triangles, (uv * 0.01).astype(np.float32), resolution=8192)
         each = sim.memory_estimate()["maps"] // 2**20

@@ -1,7 +1,5 @@
 #include "snow/output/gl/output_buffers.h"
 
-#include <algorithm>
-
 namespace snowbough::snow {
 namespace {
 
@@ -30,31 +28,11 @@ OutputBuffers::Lines upload_lines(const TexelLines& lines) {
 
 }  // namespace
 
-int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams) {
-  const int64_t texels = int64_t{table.resolution} * table.resolution;
-  const auto terms = [](const WeightedRows& rows) {
-    return static_cast<int64_t>(rows.source.size());
-  };
-  return std::max({4 * texels, 4 * int64_t{seams.u.length}, 4 * int64_t{seams.v.length},
-                   16 * static_cast<int64_t>(table.texel.size()), 4 * terms(seams.u.ghosts),
-                   4 * terms(seams.v.ghosts)});
-}
-
-OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
-                                  const SmoothingPlan& plan) {
+OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams) {
   OutputBuffers buffers;
   buffers.texel_count = static_cast<int32_t>(table.texel.size());
   buffers.resolution = table.resolution;
-  buffers.passes = plan.passes;
-  buffers.closing_passes = plan.closing_passes;
   buffers.texel = gpu::Buffer(table.texel);
-  std::vector<uint32_t> level(table.texel.size(), 0);
-  for (size_t i = 0; i < plan.level_u.size(); ++i) {
-    level[i] = plan.level_u[i] | static_cast<uint32_t>(plan.level_v[i]) << 8;
-  }
-  buffers.level = gpu::Buffer(level);
-  buffers.filter_levels =
-      gpu::Buffer(static_cast<int64_t>(sizeof(filter_levels())), filter_levels().data());
   buffers.u = upload_lines(seams.u);
   buffers.v = upload_lines(seams.v);
   buffers.dilation = upload_rows(seams.dilated_rows, seams.dilated, table.texel);

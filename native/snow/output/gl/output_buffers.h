@@ -5,7 +5,6 @@
 
 #include "gpu/program.h"
 #include "gpu/resources.h"
-#include "snow/output/smoothing.h"
 #include "snow/seams/seam_table.h"
 #include "snow/texels/texel_table.h"
 
@@ -13,9 +12,6 @@ namespace snowbough::snow {
 
 /// Invocations of a work group of the passes that make output.
 inline constexpr int32_t kOutputGroup = 64;
-
-/// Bytes of the largest storage buffer that output on the GPU would need for this map.
-int64_t largest_output_buffer(const TexelTable& table, const SeamTable& seams);
 
 /// WeightedRows on the GPU, with the place that each row's sum goes to.
 struct RowBuffers {
@@ -38,11 +34,7 @@ struct OutputBuffers {
   };
   int32_t texel_count = 0;
   int32_t resolution = 0;
-  int32_t passes = 0;
-  int32_t closing_passes = 0;
   gpu::Buffer texel;
-  gpu::Buffer level;
-  gpu::Buffer filter_levels;
   Lines u;
   Lines v;
   RowBuffers dilation;
@@ -53,8 +45,7 @@ struct OutputBuffers {
 };
 
 /// Uploads a receiver's tables. GPU thread.
-OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams,
-                                  const SmoothingPlan& plan);
+OutputBuffers make_output_buffers(const TexelTable& table, const SeamTable& seams);
 
 /// Binds both axes' places and the arrays that hold the heights now: PlaceU, PlaceV, LineU, LineV.
 void bind_lines(gpu::Program& program, const OutputBuffers& buffers);

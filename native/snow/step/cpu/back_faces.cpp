@@ -25,10 +25,10 @@ void count_back_faces(Scene& scene, const Tile& tile) {
       if ((row[x].triangle & shared::kBackFace) == 0) continue;
       const uint32_t triangle = (row[x].triangle & ~shared::kBackFace) - 1;
       const uint32_t object = scene.layout.triangles[triangle].object;
-      if ((object & shared::kReceives) == 0) continue;
-      if ((object & ~shared::kReceives) != slot) {
+      if ((object & (shared::kReceives | shared::kTwoSided)) != shared::kReceives) continue;
+      if ((object & shared::kSlotBits) != slot) {
         add(scene.back_pixels, slot, count);
-        slot = object & ~shared::kReceives;
+        slot = object & shared::kSlotBits;
         count = 0;
       }
       ++count;

@@ -7,6 +7,7 @@ namespace kernel {
 namespace {
 
 #define WITH_OPACITY
+#define WITH_SHADING
 struct Gain {
 #include "shaders/lib/texel_gain.h"
 };
@@ -23,6 +24,10 @@ void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   gain.projection = scene.frame;
   gain.triangle_corners = scene.corners.data();
   gain.triangle_surface = scene.surface.data();
+  if (scene.layout.smooth_points.count() > 0) {
+    gain.triangle_points = scene.layout.smooth_points.of_triangle.data();
+    gain.smooth_points = scene.smooth_points.data();
+  }
   gain.triangle_sheets = kernel::words(scene.layout.triangle_sheets);
   gain.map_triangles = kernel::rows<glm::vec4>(scene.layout.map_triangles);
   gain.occlusion = kernel::rows<glm::uvec2>(scene.seen);

@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "shaders/lib/object_sums.h"
+#include "snow/repose/pass.h"
 #include "snow/scene/memory_estimate.h"
 #include "snow/step/cpu/occlusion.h"
 #include "snow/step/cpu/passes.h"
@@ -31,16 +32,20 @@ class CpuEngine final : public Engine {
   void build_scene(const std::vector<const SceneObject*>& objects) override {
     scene_ = Scene{};
     scene_ = cpu::build_scene(objects);
+    repose_.lay_out(objects);
   }
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     std::copy(positions.begin(), positions.end(),
               scene_.positions.begin() + scene_.layout.first_vertex[object]);
+    scene_.normals_are_current = false;
+    repose_.forget_pose(object);
   }
 
   void set_up_triangles(const shared::ProjectionFrame& frame) override {
     scene_.frame = frame;
     cpu::set_up_triangles(scene_.positions, scene_.layout.triangles, frame, scene_.corners,
                           scene_.surface);
+    cpu::set_up_smooth_points(scene_);
   }
   void choose_texels() override { cpu::choose_texels(scene_); }
   void open_statistics() override {
@@ -64,6 +69,21 @@ class CpuEngine final : public Engine {
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
     cpu::apply_stability(scene_, settings, full_gain, dt);
   }
+  void apply_repose(const ReposeSettings& settings, float dt) override {
+    std::vector<ReposePass::Map> maps;
+    for (Receiver& receiver : scene_.receivers) {
+      maps.push_back({receiver.object, &receiver.height});
+    }
+    repose_.run(settings, dt, maps);
+    for (size_t slot = 0; slot < maps.size(); ++slot) {
+      if (!maps[slot].has_changed) continue;
+      Receiver& receiver = scene_.receivers[slot];
+      receiver.sums.slid += maps[slot].slid;
+      receiver.sums.held -= maps[slot].slid;
+      // Snow may have come to any of them.
+      std::fill(receiver.holds_snow.begin(), receiver.holds_snow.end(), uint8_t{1});
+    }
+  }
   void close_statistics(float pixel_area) override {
     for (Receiver& receiver : scene_.receivers) {
       receiver.sums = shared::closed(receiver.sums, scene_.back_pixels[receiver.slot], pixel_area);
@@ -82,10 +102,6 @@ class CpuEngine final : public Engine {
   void write_sums(size_t object, const shared::ObjectSums& sums) override {
     receiver_of(object).sums = sums;
   }
-  std::optional<MapOutput> filter_output(size_t, OutputFilter&,
-                                         const std::vector<SurfaceMetric>&) override {
-    return std::nullopt;
-  }
   const SceneLayout& layout() const override { return scene_.layout; }
 
  private:
@@ -95,6 +111,7 @@ class CpuEngine final : public Engine {
 
   Scene scene_;
   OcclusionPass occlusion_;
+  ReposePass repose_;
 };
 
 }  // namespace

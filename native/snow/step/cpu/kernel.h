@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/simd.h"
+#include "shaders/lib/facing.h"
 #include "shaders/lib/kernel.h"
 #include "shaders/lib/snow_shared.h"
 
@@ -72,6 +73,9 @@ inline uvec2 texelFetch(const uvec2* view, int index) {
 }
 inline uvec4 texelFetch(const uvec4* view, int index) {
   return {view[index].x, view[index].y, view[index].z, view[index].w};
+}
+inline vec3 texelFetch(const vec3* view, int index) {
+  return {view[index].x, view[index].y, view[index].z};
 }
 inline vec4 texelFetch(const vec4* view, int index) {
   return {view[index].x, view[index].y, view[index].z, view[index].w};

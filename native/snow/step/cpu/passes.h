@@ -23,21 +23,26 @@ void set_up_triangles(std::span<const glm::vec3> positions,
                       const shared::ProjectionFrame& frame, std::span<glm::vec4> corners,
                       std::span<glm::vec4> surface);
 
+/// Finds what lies at the points of surfaces that are shaded smooth, by the triangles of this step
+/// (shaders/lib/smooth_points.h).
+void set_up_smooth_points(Scene& scene);
+
 /// Chooses the groups of texels that have anything to do in this step: those on which snow lies or
 /// which have a triangle that faces the fall. The passes would change nothing on the others.
 void choose_texels(Scene& scene);
 
-/// Evaluates area and upward part of the chosen texels on the current triangles, in steps in which
+/// Evaluates area and upward parts of the chosen texels on the current triangles, in steps in which
 /// nothing falls; sets what they gain to 0.
 void evaluate_texels(Scene& scene);
 
-/// Counts the tile's own pixels in which the sky sees back faces of receivers, which gather
-/// nothing: many of them hint at flipped normals.
+/// Counts the tile's own pixels in which the sky sees back faces of receivers that gather nothing
+/// there: many of them hint at flipped normals.
 void count_back_faces(Scene& scene, const Tile& tile);
 
 /// The deposit of a tile, gathered by the chosen texels (shaders/lib/texel_gain.h, where the method
 /// stands): adds what they gain to `gain` of their steps, or sets it where this is the step's first
-/// tile, and fills in their `area` and `up`. The scene's `seen` shows the tile and its margin.
+/// tile, and fills in their `area`, `up` and `back_up`. The scene's `seen` shows the tile and its
+/// margin.
 void gather_deposit(Scene& scene, const Tile& tile, bool is_first);
 
 /// Adds the chosen texels' deposit to their heights and lets slide what the slope cannot hold, in

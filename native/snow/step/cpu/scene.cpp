@@ -56,6 +56,8 @@ Scene build_scene(const std::vector<const SceneObject*>& objects) {
   scene.positions.resize(static_cast<size_t>(scene.layout.vertex_count));
   scene.corners.resize(3 * scene.layout.triangles.size());
   scene.surface.resize(scene.layout.triangles.size());
+  scene.point_normals.resize(scene.layout.smooth_points.count());
+  scene.smooth_points.resize(scene.layout.smooth_points.count());
   scene.back_pixels.assign(objects.size(), 0);
   const std::vector<size_t> by_slot = objects_by_slot(scene.layout.plan);
   const auto receivers = static_cast<size_t>(std::count_if(

@@ -53,6 +53,11 @@ struct Scene {
   /// Of the triangle set-up: three corners and one surface a triangle.
   std::vector<glm::vec4> corners;
   std::vector<glm::vec4> surface;
+  /// Per smooth point of the layout: its normal, and what lies there (shaders/lib/smooth_points.h).
+  std::vector<glm::vec4> point_normals;
+  std::vector<glm::vec4> smooth_points;
+  /// Whether the normals are those of `positions`.
+  bool normals_are_current = false;
   shared::ProjectionFrame frame{};
   /// By slot.
   std::vector<Receiver> receivers;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "base/parallel_for.h"
+#include "shaders/lib/texel_repose.h"
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/passes.h"
 
@@ -9,7 +10,7 @@ namespace kernel {
 namespace {
 
 /// Texels whose sums are added up as floats.
-constexpr size_t kRun = 128;
+constexpr size_t kRun = 16;
 
 struct Stability {
 #include "shaders/lib/texel_stability.h"
@@ -37,7 +38,7 @@ SNOWBOUGH_KERNEL vec4 stabilise_run(Stability stability, size_t begin, size_t en
     const Stability::StableTexel stable =
         stability.stabilise_texel(height, stability.deposit_of(step), step, whole);
     if (stable.height != height) height = stable.height;
-    highest = max(highest, stable.height);
+    highest = max(highest, abs(stable.height));
     sums += stable.sums;
   }
   holds_snow = holds_snow || highest > 0.0f;
@@ -58,6 +59,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.full_gain = full_gain;
     stability.max_depth = settings.max_depth;
     stability.dt = dt;
+    stability.walls_are_bare = settings.walls_are_bare ? 1 : 0;
     stability.half_life = settings.reckoned_half_life();
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {

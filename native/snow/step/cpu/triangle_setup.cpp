@@ -9,19 +9,46 @@
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/passes.h"
 
-namespace snowbough::snow::cpu {
+namespace snowbough::snow {
+namespace kernel {
+namespace {
+
+struct Smooth {
+#include "shaders/lib/smooth_points.h"
+};
+
+SNOWBOUGH_KERNEL void find_normals(Smooth smooth, size_t begin, size_t end, glm::vec4* normals) {
+  for (size_t i = begin; i < end; ++i) normals[i] = smooth.smooth_normal(static_cast<int>(i));
+}
+
+SNOWBOUGH_KERNEL void find_points(Smooth smooth, size_t begin, size_t end, glm::vec4* points) {
+  for (size_t i = begin; i < end; ++i) points[i] = smooth.smooth_point(static_cast<int>(i));
+}
+
+}  // namespace
+}  // namespace kernel
+
+namespace cpu {
 namespace {
 
 /// Triangles that a thread takes at a time.
 constexpr size_t kRun = 1024;
+
+/// Calls `work` with runs of `count` items, on all cores.
+template <typename Work>
+void for_each_run(size_t count, const Work& work) {
+  base::for_each_item((count + kRun - 1) / kRun, 1,
+                      [&](size_t run) { work(run * kRun, std::min((run + 1) * kRun, count)); });
+}
 
 SNOWBOUGH_KERNEL void set_up_run(const glm::vec3* positions, const shared::SceneTriangle* triangles,
                                  const shared::ProjectionFrame& frame, size_t count,
                                  glm::vec4* corners, glm::vec4* surface) {
   for (size_t i = 0; i < count; ++i) {
     const shared::SceneTriangle& triangle = triangles[i];
-    const shared::TriangleSetup setup = shared::set_up_triangle(
-        positions[triangle.a], positions[triangle.b], positions[triangle.c], frame);
+    const shared::TriangleSetup setup =
+        shared::set_up_triangle(positions[triangle.a], positions[triangle.b], positions[triangle.c],
+                                (triangle.object & shared::kTwoSided) != 0, frame);
     corners[3 * i] = setup.corner_a;
     corners[3 * i + 1] = setup.corner_b;
     corners[3 * i + 2] = setup.corner_c;
@@ -41,13 +68,33 @@ void set_up_triangles(std::span<const glm::vec3> positions,
                                 " surfaces, there are " + std::to_string(triangles.size()) +
                                 " triangles: give three corners and one surface a triangle");
   }
-  const size_t runs = (triangles.size() + kRun - 1) / kRun;
-  base::for_each_item(runs, 1, [&](size_t run) {
-    const size_t first = run * kRun;
-    const size_t count = std::min(kRun, triangles.size() - first);
-    set_up_run(positions.data(), triangles.data() + first, frame, count, corners.data() + 3 * first,
-               surface.data() + first);
+  for_each_run(triangles.size(), [&](size_t first, size_t end) {
+    set_up_run(positions.data(), triangles.data() + first, frame, end - first,
+               corners.data() + 3 * first, surface.data() + first);
   });
 }
 
-}  // namespace snowbough::snow::cpu
+void set_up_smooth_points(Scene& scene) {
+  const SmoothPoints& points = scene.layout.smooth_points;
+  kernel::Smooth smooth{};
+  smooth.projection = scene.frame;
+  smooth.positions = scene.positions.data();
+  smooth.triangles = kernel::rows<glm::uvec4>(scene.layout.triangles);
+  smooth.triangle_points = points.of_triangle.data();
+  smooth.point_begin = kernel::words(points.begin);
+  smooth.point_corners = kernel::words(points.corners);
+  smooth.triangle_surface = scene.surface.data();
+  smooth.point_normals = scene.point_normals.data();
+  if (!scene.normals_are_current) {
+    for_each_run(points.count(), [&](size_t begin, size_t end) {
+      kernel::find_normals(smooth, begin, end, scene.point_normals.data());
+    });
+    scene.normals_are_current = true;
+  }
+  for_each_run(points.count(), [&](size_t begin, size_t end) {
+    kernel::find_points(smooth, begin, end, scene.smooth_points.data());
+  });
+}
+
+}  // namespace cpu
+}  // namespace snowbough::snow

@@ -10,6 +10,8 @@ void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& projection, const 
     std::vector<std::string> defines;
     if (!has_noise) defines.emplace_back("WITHOUT_NOISE");
     if (has_opacity) defines.emplace_back("WITH_OPACITY");
+    const bool has_shading = scene.smooth_point_count > 0;
+    if (has_shading) defines.emplace_back("WITH_SHADING");
     gpu::Program& program = programs_.with(defines);
     program.use();
     program.bind("Projection", projection);
@@ -23,6 +25,10 @@ void DepositPass::run(SceneBuffers& scene, const gpu::Buffer& projection, const 
     program.bind_texture("fragment_begin", batch.views.fragment_begin);
     program.bind_texture("fragments", batch.views.fragments);
     if (has_opacity) program.bind_texture("fragment_opacity", batch.views.fragment_opacity);
+    if (has_shading) {
+      program.bind_texture("triangle_points", scene.views.triangle_points);
+      program.bind_texture("smooth_points", scene.views.smooth_points);
+    }
     program.bind_texture("occlusion", occlusion.views.visible);
     program.bind("TexelSteps", batch.steps);
     program.set("tile_origin", shown.low);

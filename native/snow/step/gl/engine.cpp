@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "snow/output/gl/gpu_filter.h"
+#include "snow/repose/pass.h"
 #include "snow/step/gl/driver.h"
 #include "snow/step/gl/occlusion.h"
 #include "snow/step/gl/passes.h"
@@ -51,10 +51,13 @@ class GlEngine final : public Engine {
     if (passes_ == nullptr) passes_ = std::make_unique<Passes>();
     passes_->scene = SceneBuffers{};
     passes_->scene = build_scene_buffers(objects, thread_->info(), by_geometry_);
+    repose_.lay_out(objects);
   }
   void set_positions(size_t object, const std::vector<glm::vec3>& positions) override {
     passes_->scene.positions.write(int64_t{12} * layout().first_vertex[object],
                                    static_cast<int64_t>(positions.size()) * 12, positions.data());
+    passes_->scene.normals_are_current = false;
+    repose_.forget_pose(object);
   }
 
   void set_up_triangles(const shared::ProjectionFrame& frame) override {
@@ -89,6 +92,30 @@ class GlEngine final : public Engine {
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
     passes_->stability.run(passes_->scene, settings, full_gain, dt, by_geometry_);
   }
+  void apply_repose(const ReposeSettings& settings, float dt) override {
+    if (!settings.is_on() || !(dt > 0.0f)) return;
+    std::vector<size_t> receivers;
+    for (size_t i = 0; i < layout().plan.slot.size(); ++i) {
+      if (layout().plan.group[i] >= 0) receivers.push_back(i);
+    }
+    std::vector<std::vector<float>> heights(receivers.size());
+    std::vector<ReposePass::Map> maps;
+    for (size_t i = 0; i < receivers.size(); ++i) {
+      const auto side = static_cast<size_t>(group_of(receivers[i]).resolution);
+      heights[i].resize(side * side);
+      read_height(receivers[i], heights[i]);
+      maps.push_back({receivers[i], &heights[i]});
+    }
+    repose_.run(settings, dt, maps);
+    for (const ReposePass::Map& map : maps) {
+      if (!map.has_changed) continue;
+      write_height(map.object, *map.height);
+      shared::ObjectSums sums = read_sums(map.object);
+      sums.slid += map.slid;
+      sums.held -= map.slid;
+      write_sums(map.object, sums);
+    }
+  }
   void close_statistics(float pixel_area) override {
     passes_->statistics.close(passes_->scene, pixel_area);
   }
@@ -109,15 +136,6 @@ class GlEngine final : public Engine {
     passes_->scene.sums.write(sums_offset(object), sizeof sums, &sums);
   }
 
-  std::optional<MapOutput> filter_output(size_t object, OutputFilter& filter,
-                                         const std::vector<SurfaceMetric>& metrics) override {
-    if (largest_output_buffer(filter.receiver().table, filter.seams()) >
-        thread_->info().max_storage_buffer_bytes) {
-      return std::nullopt;
-    }
-    return filter_on_gpu(thread_->resource<OutputPasses>(), filter, group_of(object).height,
-                         layer_of(object), metrics);
-  }
   const SceneLayout& layout() const override { return passes_->scene.layout; }
 
  private:
@@ -140,6 +158,7 @@ class GlEngine final : public Engine {
   std::shared_ptr<gpu::GpuThread> thread_;
   bool by_geometry_;
   std::unique_ptr<Passes> passes_;
+  ReposePass repose_;
 };
 
 }  // namespace

@@ -16,16 +16,19 @@
 namespace snowbough::snow {
 
 /// Evaluates every triangle on the current vertices as the fall of this step meets it: corners in
-/// pixels of the grid and depth, slopes, area. First pass of a step; all others build on it instead
-/// of on vertices.
+/// pixels of the grid and depth, slopes, area; then what lies at smooth points. First pass of a
+/// step; all others build on it instead of on vertices.
 class TriangleSetupPass {
  public:
-  /// Fills the scene's `triangle_corners` and `triangle_surface` (shaders/lib/triangle_setup.h).
-  /// `projection` holds the ProjectionFrame. GPU thread.
+  /// Fills the scene's `triangle_corners` and `triangle_surface` (shaders/lib/triangle_setup.h) and
+  /// its `smooth_points`. `projection` holds the ProjectionFrame. GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& projection);
 
  private:
+  void find_smooth_points(SceneBuffers& scene, const gpu::Buffer& projection);
+
   gpu::Program program_{{"triangle_setup.comp.glsl"}};
+  gpu::ProgramVariants points_{{"smooth_points.comp.glsl"}};
 };
 
 /// Where a list of groups holds the arguments of a dispatch: an invocation a texel, in blocks of
@@ -49,18 +52,19 @@ class TexelGroupsPass {
   gpu::Program groups_{{"texel_groups.comp.glsl"}};
 };
 
-/// Evaluates texels on the current triangles: covered area and upward part. Only for steps without
-/// DepositComputePass, which does so on its way.
+/// Evaluates texels on the current triangles: covered area and upward parts. Only for steps without
+/// DepositPass, which does so on its way.
 class TexelSurfacePass {
  public:
-  /// Fills in `area` and `up` of the batches' `steps`, in their `active_groups`. GPU thread.
+  /// Fills in `area`, `up` and `back_up` of the batches' `steps`, in their `active_groups`. GPU
+  /// thread.
   void run(SceneBuffers& scene);
 
  private:
-  gpu::Program program_{{"texel_surface.comp.glsl"}};
+  gpu::ProgramVariants programs_{{"texel_surface.comp.glsl"}};
 };
 
-/// Counts the pixels in which the sky sees back faces of every receiver, which gather nothing: many
+/// Counts the pixels in which the sky sees back faces of every receiver that gather nothing: many
 /// of them hint at flipped normals.
 class BackPixelsPass {
  public:
@@ -87,8 +91,8 @@ class BackPixelsPass {
 class DepositPass {
  public:
   /// Adds what the texels gain in the tile to `gain` of the batches' `steps`, or sets it where this
-  /// is the step's first tile, and fills in their `area` and `up`. `occlusion` shows the tile.
-  /// GPU thread.
+  /// is the step's first tile, and fills in their `area`, `up` and `back_up`. `occlusion` shows the
+  /// tile. GPU thread.
   void run(SceneBuffers& scene, const gpu::Buffer& projection, const Tile& tile,
            const OcclusionTarget& occlusion, bool has_noise, bool is_first);
 

@@ -155,6 +155,23 @@ void add_triangles(const SceneLayout& layout, const gpu::GpuInfo& info, SceneBuf
   scene.views.triangle_sheets = gpu::BufferTexture(scene.triangle_sheets, GL_R32UI);
 }
 
+/// Uploads the smooth points, if there are any, and makes room for what a step finds there.
+void add_smooth_points(const SmoothPoints& points, const gpu::GpuInfo& info, SceneBuffers& scene) {
+  scene.smooth_point_count = static_cast<int64_t>(points.count());
+  if (points.count() == 0) return;
+  require_room(int64_t{16} * scene.smooth_point_count, info, "smooth points");
+  scene.triangle_points = gpu::Buffer(points.of_triangle);
+  scene.point_begin = gpu::Buffer(points.begin);
+  scene.point_corners = gpu::Buffer(points.corners);
+  scene.point_normals = gpu::Buffer(int64_t{16} * scene.smooth_point_count);
+  scene.smooth_points = gpu::Buffer(int64_t{16} * scene.smooth_point_count);
+  scene.views.triangle_points = gpu::BufferTexture(scene.triangle_points, GL_RGBA32UI);
+  scene.views.point_begin = gpu::BufferTexture(scene.point_begin, GL_R32UI);
+  scene.views.point_corners = gpu::BufferTexture(scene.point_corners, GL_R32UI);
+  scene.views.point_normals = gpu::BufferTexture(scene.point_normals, GL_RGBA32F);
+  scene.views.smooth_points = gpu::BufferTexture(scene.smooth_points, GL_RGBA32F);
+}
+
 }  // namespace
 
 SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
@@ -164,9 +181,11 @@ SceneBuffers build_scene_buffers(const std::vector<const SceneObject*>& objects,
   SceneLayout layout = lay_out_scene(objects, info.max_array_layers);
   add_triangles(layout, info, scene);
   add_alpha(layout, info, scene);
+  add_smooth_points(layout.smooth_points, info, scene);
   std::vector<shared::MapTriangle> map_triangles = std::move(layout.map_triangles);
   for (auto* done : {&layout.triangle_sheets, &layout.alpha_bits}) *done = {};
   layout.triangles = {};
+  layout.smooth_points = {};
   layout.alpha_triangles = {};
   scene.layout = std::move(layout);
 

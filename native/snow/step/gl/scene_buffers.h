@@ -89,7 +89,7 @@ struct TexelBatch {
 struct SceneBuffers {
   /// Whether the groups have `owners` and map triangles a home, for DepositGeometryPass.
   bool has_owners = false;
-  /// Without its arrays of triangles and alpha, which lie in the buffers.
+  /// Without its arrays of triangles, smooth points and alpha, which lie in the buffers.
   SceneLayout layout;
   int32_t triangle_count = 0;
 
@@ -100,6 +100,16 @@ struct SceneBuffers {
   gpu::Buffer triangle_surface;
   /// Per triangle: its sheet (snow/texels/sheets.h), numbered through all objects.
   gpu::Buffer triangle_sheets;
+  /// See snow/scene/smooth_points.h; empty where everything is shaded flat. The last two by point:
+  /// its normal, and what lies there (shaders/lib/smooth_points.h).
+  gpu::Buffer triangle_points;
+  gpu::Buffer point_begin;
+  gpu::Buffer point_corners;
+  gpu::Buffer point_normals;
+  gpu::Buffer smooth_points;
+  int64_t smooth_point_count = 0;
+  /// Whether `point_normals` are those of `positions`.
+  bool normals_are_current = false;
   gpu::Buffer map_triangles;
   gpu::Buffer map_offsets;
   /// Of the objects with alpha only: shared::AlphaTriangle, shared::AlphaMaskPlace and the masks'
@@ -120,6 +130,11 @@ struct SceneBuffers {
     gpu::BufferTexture triangle_corners;
     gpu::BufferTexture triangle_surface;
     gpu::BufferTexture triangle_sheets;
+    gpu::BufferTexture triangle_points;
+    gpu::BufferTexture point_begin;
+    gpu::BufferTexture point_corners;
+    gpu::BufferTexture point_normals;
+    gpu::BufferTexture smooth_points;
     gpu::BufferTexture map_triangles;
     gpu::BufferTexture map_offsets;
     gpu::BufferTexture alpha_triangles;

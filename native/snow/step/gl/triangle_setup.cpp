@@ -29,6 +29,33 @@ void TriangleSetupPass::run(SceneBuffers& scene, const gpu::Buffer& projection) 
     program_.dispatch(gpu::group_count(count, 64));
   }
   glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  if (scene.smooth_point_count > 0) find_smooth_points(scene, projection);
+}
+
+void TriangleSetupPass::find_smooth_points(SceneBuffers& scene, const gpu::Buffer& projection) {
+  const auto run = [&](gpu::Program& program, const gpu::Buffer& points) {
+    program.bind("Projection", projection);
+    program.bind_texture("point_begin", scene.views.point_begin);
+    program.bind_texture("point_corners", scene.views.point_corners);
+    program.bind("Points", points);
+    program.set("count", static_cast<int32_t>(scene.smooth_point_count));
+    program.dispatch_items(scene.smooth_point_count, 64);
+    glMemoryBarrier(GL_TEXTURE_FETCH_BARRIER_BIT);
+  };
+  if (!scene.normals_are_current) {
+    gpu::Program& normals = points_.with({"NORMALS"});
+    normals.use();
+    normals.bind_texture("positions", scene.views.positions);
+    normals.bind_texture("triangles", scene.views.triangles);
+    run(normals, scene.point_normals);
+    scene.normals_are_current = true;
+  }
+  gpu::Program& gains = points_.with({});
+  gains.use();
+  gains.bind_texture("triangle_points", scene.views.triangle_points);
+  gains.bind_texture("triangle_surface", scene.views.triangle_surface);
+  gains.bind_texture("point_normals", scene.views.point_normals);
+  run(gains, scene.smooth_points);
 }
 
 }  // namespace snowbough::snow

@@ -117,7 +117,7 @@ TEST(Normals, onTheGpuAgreeWithTheProcessor) {
     map[texel] = height.back();
   }
   const auto normals = gpu::GpuThread::shared()->run([&] {
-    OutputBuffers buffers = make_output_buffers(table, seams, plan_smoothing(table, seams, 0.05f));
+    OutputBuffers buffers = make_output_buffers(table, seams);
     buffers.map.write(0, buffers.map.bytes(), map.data());
     NormalsPass().run(buffers, table, metrics);
     return buffers.normals.read_all<glm::vec4>();

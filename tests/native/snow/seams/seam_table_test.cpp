@@ -124,10 +124,10 @@ void expect_even_seams(const LaidOutMesh& mesh, const char* name, float shadow_t
   const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
   const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - start;
   const float size = mean_texel_size(seams);
-  const SmoothingPlan plan = plan_smoothing(table, seams, 3.0f * size);
+  const float radius = 3.0f * size;
   const auto height = fallen_snow(mesh, table, shadow_texels * size, 3);
   const auto smooth_start = std::chrono::steady_clock::now();
-  const auto smooth = smooth_reference(seams, plan, height);
+  const auto smooth = smoothed(table, seams, radius, height);
   const std::chrono::duration<double> smooth_taken =
       std::chrono::steady_clock::now() - smooth_start;
   auto map = dilated(table, seams, smooth);
@@ -135,11 +135,11 @@ void expect_even_seams(const LaidOutMesh& mesh, const char* name, float shadow_t
   const auto differences = seam_differences(mesh, map);
   ASSERT_GT(differences.size(), 100u);
   std::printf(
-      "%s: %d charts, %zu texels, %zu ghosts, %d passes %.1f ms, table %.0f ms; seam p50 %.4f p99 "
+      "%s: %d charts, %zu texels, %zu ghosts, %.1f ms, table %.0f ms; seam p50 %.4f p99 "
       "%.4f max %.4f\n",
       name, table.chart_count, table.texel.size(),
-      seams.u.ghost_place.size() + seams.v.ghost_place.size(), plan.passes,
-      1e3 * smooth_taken.count(), 1e3 * taken.count(), differences[differences.size() / 2],
+      seams.u.ghost_place.size() + seams.v.ghost_place.size(), 1e3 * smooth_taken.count(),
+      1e3 * taken.count(), differences[differences.size() / 2],
       differences[differences.size() * 99 / 100], differences.back());
   EXPECT_LT(differences[differences.size() * 99 / 100], 0.01f);
 }
@@ -182,8 +182,8 @@ TEST(Seams, bothSidesCarryTheSameHeightWhereSnowThinsOut) {
   LaidOutMesh mesh = cube(256);
   const TexelTable table = build_texel_table(mesh.topology);
   const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
-  const SmoothingPlan plan = plan_smoothing(table, seams, 3.0f * mean_texel_size(seams));
-  auto map = dilated(table, seams, smooth_reference(seams, plan, half_shaded(mesh, table)));
+  const float radius = 3.0f * mean_texel_size(seams);
+  auto map = dilated(table, seams, smoothed(table, seams, radius, half_shaded(mesh, table)));
   const auto p99 = [&](const std::vector<float>& of) {
     const auto differences = seam_differences(mesh, of, 0.01f);
     return differences[differences.size() * 99 / 100];
@@ -209,9 +209,9 @@ TEST(Seams, aLayoutOfTinyChartsIsLevelledInSeconds) {
   lay_out_apart(mesh, 512);
   const TexelTable table = build_texel_table(mesh.topology);
   const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
-  const SmoothingPlan plan = plan_smoothing(table, seams, 3.0f * mean_texel_size(seams));
+  const float radius = 3.0f * mean_texel_size(seams);
   const auto snow = fallen_snow(mesh, table, 15.0f * mean_texel_size(seams), 3);
-  const auto map = dilated(table, seams, smooth_reference(seams, plan, snow));
+  const auto map = dilated(table, seams, smoothed(table, seams, radius, snow));
   auto levelled = map;
   const auto start = std::chrono::steady_clock::now();
   SeamLeveller(seams.levelling).run(levelled);

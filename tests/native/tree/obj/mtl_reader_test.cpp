@@ -27,7 +27,7 @@ class Materials : public testing::Test {
     std::filesystem::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
-  std::map<std::string, FoliageMaterial> read(const std::vector<std::string>& libraries) {
+  std::map<std::string, ObjMaterial> read(const std::vector<std::string>& libraries) {
     return read_materials((folder_ / "tree.obj").string(), libraries, warnings_);
   }
 
@@ -47,13 +47,64 @@ TEST_F(Materials, ColourAndOpacityAreReadAndTransparencyIsItsComplement) {
 TEST_F(Materials, ATextureIsFoundInAFolderBesideTheLibraryWhateverItsCase) {
   write("a.mtl", "newmtl leaf\nmap_Kd -s 1 1 1 C:\\art\\Leaf Green.PNG\n");
   write("textures/leaf green.png", "");
-  EXPECT_THAT(read({"a.mtl"})["leaf"].diffuse_texture, HasSubstr("leaf green.png"));
+  EXPECT_THAT(read({"a.mtl"})["leaf"].diffuse_texture.path, HasSubstr("leaf green.png"));
+  EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(Materials, AllTexturesOfAPackAreFoundWithHowTheyLie) {
+  write("a.mtl",
+        "newmtl bark\nTf 0.5 0.75 0.25\nmap_Kd -s 2 4 1 -o 0.5 0.25 maps\\Bark.JPG\n"
+        "map_Ks bark_spec.jpg\nmap_bump -bm 0.3 bark_bump.jpg\nnorm bark_n.png\n");
+  write("Maps/bark.jpg", "");
+  write("TEXTURES/Bark_Spec.jpg", "");
+  write("bark_bump.jpg", "");
+  write("../Textures/Bark_N.png", "");
+  const ObjMaterial bark = read({"a.mtl"})["bark"];
+  std::filesystem::remove_all(folder_.parent_path() / "Textures");
+  EXPECT_TRUE(bark.defined);
+  EXPECT_EQ(bark.transmission, glm::vec3(0.5f, 0.75f, 0.25f));
+  EXPECT_THAT(bark.diffuse_texture.path, HasSubstr("/Maps/bark.jpg"));
+  EXPECT_EQ(bark.diffuse_texture.scale, glm::vec2(2.0f, 4.0f));
+  EXPECT_EQ(bark.diffuse_texture.offset, glm::vec2(0.5f, 0.25f));
+  EXPECT_THAT(bark.specular_texture.path, HasSubstr("/TEXTURES/Bark_Spec.jpg"));
+  EXPECT_THAT(bark.bump_texture.path, HasSubstr("bark_bump.jpg"));
+  EXPECT_FLOAT_EQ(bark.bump_strength, 0.3f);
+  EXPECT_THAT(bark.normal_texture.path, HasSubstr("/Textures/Bark_N.png"));
+  EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(Materials, ABumpMapThatIsCalledANormalMapIsOne) {
+  write("a.mtl", "newmtl a\nmap_bump x_Normal.png\nnewmtl b\nbump northern_oak.png\n");
+  write("x_normal.png", "");
+  write("northern_oak.png", "");
+  auto materials = read({"a.mtl"});
+  EXPECT_EQ(materials["a"].bump_texture.path, "");
+  EXPECT_THAT(materials["a"].normal_texture.path, HasSubstr("x_normal.png"));
+  EXPECT_THAT(materials["b"].bump_texture.path, HasSubstr("northern_oak.png"));
+}
+
+TEST_F(Materials, TexturesBesideTheObjAreFoundFromALibraryElsewhere) {
+  write("lib/a.mtl", "newmtl leaf\nmap_Kd leaf.png\n");
+  write("leaf.png", "");
+  EXPECT_THAT(read({"lib/a.mtl"})["leaf"].diffuse_texture.path, HasSubstr("leaf.png"));
+}
+
+TEST_F(Materials, ATextureThatManyNameIsMissingOnce) {
+  write("a.mtl", "newmtl a\nmap_Kd maps\\Gone.png\nmap_d gone.png\nnewmtl b\nmap_Kd gone.png\n");
+  read({"a.mtl"});
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("Gone.png")));
+}
+
+TEST_F(Materials, TheLibraryOfTheObjsOwnNameIsTakenWhereNoneIsNamedOrThere) {
+  write("tree.mtl", "newmtl leaf\nd 0.5\n");
+  EXPECT_FLOAT_EQ(read({})["leaf"].opacity, 0.5f);
+  EXPECT_FLOAT_EQ(read({"renamed.mtl"})["leaf"].opacity, 0.5f);
   EXPECT_THAT(warnings_, IsEmpty());
 }
 
 TEST_F(Materials, WhatIsMissingIsNamed) {
   write("a.mtl", "newmtl leaf\nmap_Kd gone.png\n");
-  EXPECT_EQ(read({"a.mtl", "other.mtl"})["leaf"].diffuse_texture, "");
+  EXPECT_EQ(read({"a.mtl", "other.mtl"})["leaf"].diffuse_texture.path, "");
   EXPECT_THAT(warnings_,
               testing::UnorderedElementsAre(HasSubstr("gone.png"), HasSubstr("other.mtl")));
 }

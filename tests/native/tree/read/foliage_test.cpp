@@ -76,8 +76,9 @@ TEST_F(ReadTree, FoliageKeepsGeometryUvsAndMaterials) {
   ASSERT_EQ(foliage.materials.size(), 2u);
   EXPECT_EQ(foliage.materials[0].diffuse, glm::vec3(0.1f, 0.5f, 0.2f));
   EXPECT_FLOAT_EQ(foliage.materials[0].opacity, 0.75f);
-  EXPECT_THAT(foliage.materials[0].diffuse_texture, testing::EndsWith("textures/leaf green.png"));
-  EXPECT_THAT(foliage.materials[0].alpha_texture, testing::EndsWith("/alpha.png"));
+  EXPECT_THAT(foliage.materials[0].diffuse_texture.path,
+              testing::EndsWith("textures/leaf green.png"));
+  EXPECT_THAT(foliage.materials[0].alpha_texture.path, testing::EndsWith("/alpha.png"));
   EXPECT_THAT(
       skeleton.report.warnings,
       testing::UnorderedElementsAre(HasSubstr("my leaves.mtl:7: malformed Kd"),

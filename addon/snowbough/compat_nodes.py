@@ -1,0 +1,81 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What compat is for nodes and node groups: their sockets and their names in the Blender versions 3.4 to 5.x."""
+
+
+def add_group_socket(tree, in_out, kind, name, description="", default=None, least=None, most=None):
+    """Adds an input or output socket to a node group (`tree.interface` from 4.0 on)."""
+    if hasattr(tree, "interface"):
+        socket = tree.interface.new_socket(name, description=description, in_out=in_out, socket_type=kind)
+    else:
+        socket = (tree.inputs if in_out == "INPUT" else tree.outputs).new(kind, name)
+        socket.description = description
+    if least is not None:
+        socket.min_value, socket.max_value = least, most
+    if default is not None:
+        socket.default_value = default
+    return socket
+
+
+def group_sockets(tree, in_out):
+    """{name: socket} of a node group's inputs or outputs."""
+    if hasattr(tree, "interface"):
+        items = [item for item in tree.interface.items_tree if getattr(item, "in_out", "") == in_out]
+    else:
+        items = tree.inputs if in_out == "INPUT" else tree.outputs
+    return {item.name: item for item in items}
+
+
+def noise_value(node):
+    """The scalar output of a noise texture node: `Fac`, renamed `Factor` in 5.x."""
+    return next(output for output in node.outputs if output.enabled and output.type == "VALUE")
+
+
+def set_subsurface(tree, principled, weight, color, radius):
+    """Links the weight of a Principled BSDF's subsurface and its radius in metres (sockets).
+
+    Before 4.0 subsurface has a colour of its own.
+    """
+    inputs = principled.inputs
+    if "Subsurface Weight" in inputs:
+        tree.links.new(weight, inputs["Subsurface Weight"])
+        inputs["Subsurface Scale"].default_value = 1.0
+    else:
+        tree.links.new(weight, inputs["Subsurface"])
+        tree.links.new(color, inputs["Subsurface Color"])
+    tree.links.new(radius, inputs["Subsurface Radius"])
+
+
+def set_specular(principled, level):
+    """How much of the light a Principled BSDF mirrors: 0.5 is that of glass and ice roughly."""
+    name = "Specular IOR Level" if "Specular IOR Level" in principled.inputs else "Specular"
+    principled.inputs[name].default_value = level
+
+
+def capture_attribute(tree, geometry, value, domain, data_type):
+    """(geometry, value) of a Capture Attribute node; one node captures many attributes from 4.2 on."""
+    node = tree.nodes.new("GeometryNodeCaptureAttribute")
+    node.domain = domain
+    if hasattr(node, "capture_items"):
+        node.capture_items.new("VECTOR" if data_type == "FLOAT_VECTOR" else "FLOAT", "Value")
+    else:
+        node.data_type = data_type
+    tree.links.new(geometry, node.inputs["Geometry"])
+    tree.links.new(value, next(s for s in node.inputs if s.enabled and s.name == "Value"))
+    captured = next(s for s in node.outputs if s.enabled and s.name in ("Attribute", "Value"))
+    return node.outputs["Geometry"], captured
+
+
+def remove_attribute(tree, geometry, name):
+    """Geometry without the named attribute."""
+    node = tree.nodes.new("GeometryNodeRemoveAttribute")
+    tree.links.new(geometry, node.inputs["Geometry"])
+    next(s for s in node.inputs if s.name == "Name").default_value = name
+    return node.outputs["Geometry"]
+
+
+def set_modifier_input(modifier, name, value):
+    """Sets an input of a geometry nodes modifier by its name; False where it has none of that name."""
+    socket = group_sockets(modifier.node_group, "INPUT").get(name)
+    if socket is not None:
+        modifier[socket.identifier] = value
+    return socket is not None

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Kinds of snow: what they set on the sliders of all snow in a scene, and on the scene's angle of repose.
+
+The sliders stay the artist's: choosing a kind sets them once, and nothing sets them back.
+"""
+
+import math
+from dataclasses import dataclass
+
+from .. import compat_nodes
+from ..names import SNOW_GROUP, SNOW_KINDS
+from .relief_nodes import RELIEF_INPUT
+
+
+@dataclass(frozen=True)
+class Look:
+    """Values of the inputs of those names (snow_nodes.INPUTS), the relief of shells, the repose in degrees."""
+
+    color: tuple
+    dusting: float
+    grain: float
+    subsurface: float
+    sparkle: float
+    relief: float
+    repose: float
+
+    def inputs(self):
+        return {
+            "Color": (*self.color, 1.0),
+            "Dusting": self.dusting,
+            "Grain": self.grain,
+            "Subsurface": self.subsurface,
+            "Sparkle": self.sparkle,
+            RELIEF_INPUT: self.relief,
+        }
+
+
+# Wet and old snow have larger grains, which mirror less light and swallow more of it, red first (S. G. Warren,
+# Optical Properties of Snow, Reviews of Geophysics 20, 1982). Powder hardly holds together, wet snow sticks.
+LOOKS = dict(
+    zip(
+        (kind for kind, *_ in SNOW_KINDS),
+        (
+            Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 0.6, 0.7, 40.0),
+            Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.3, 1.0, 65.0),
+            Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.05, 0.6, 80.0),
+            Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.15, 1.6, 60.0),
+        ),
+    )
+)
+
+
+def of(scene):
+    """The Look of the scene's kind of snow."""
+    return LOOKS[scene.snowbough.kind]
+
+
+def set_group_inputs(node, look):
+    """Sets the sliders of a group node."""
+    for name, value in look.inputs().items():
+        if name in node.inputs:
+            node.inputs[name].default_value = value
+
+
+def set_shell_relief(shell, look):
+    for modifier in shell.modifiers:
+        if modifier.type == "NODES" and modifier.node_group is not None:
+            compat_nodes.set_modifier_input(modifier, RELIEF_INPUT, look.relief)
+    shell.update_tag()
+
+
+def _group_nodes(material):
+    nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
+    return [
+        node
+        for node in nodes
+        if node.type == "GROUP" and node.node_tree and node.node_tree.name == SNOW_GROUP
+    ]
+
+
+def apply(scene, kind):
+    """Makes all snow of the scene snow of that kind, and what is made later too."""
+    settings, look = scene.snowbough, LOOKS[kind]
+    settings.kind = kind
+    settings.repose = math.radians(look.repose)
+    for obj in scene.objects:
+        if obj.library is None and obj.snowbough.is_shell:
+            set_shell_relief(obj, look)
+        for slot in obj.material_slots:
+            if slot.material is not None and slot.material.library is None:
+                for node in _group_nodes(slot.material):
+                    set_group_inputs(node, look)

@@ -1,0 +1,30 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Lets objects that deform carry where their points are undeformed, so that grains and relief stay in place on them.
+
+It is a switch of Blender's own (Object properties), noted in the receiver's record when it was ours to turn on.
+"""
+
+import bpy
+
+from ..names import OWN_MODIFIERS
+
+_RECORD = "rest_position"
+
+
+def keep(obj, record):
+    """Turns it on for a local mesh object that deforms; True where the object carries the positions."""
+    if obj.library or obj.override_library or not hasattr(obj, "add_rest_position_attribute"):
+        return False
+    if not obj.data.shape_keys and all(modifier.name in OWN_MODIFIERS for modifier in obj.modifiers):
+        return obj.add_rest_position_attribute
+    if not obj.add_rest_position_attribute:
+        obj.add_rest_position_attribute = True
+        record.setdefault(_RECORD, []).append(obj.name)
+    return True
+
+
+def release(record):
+    """Turns it off again where keep() turned it on."""
+    for name in record.pop(_RECORD, ()):
+        if name in bpy.data.objects:
+            bpy.data.objects[name].add_rest_position_attribute = False

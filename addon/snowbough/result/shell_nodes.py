@@ -1,0 +1,310 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The node tree of a snow shell: receiver -> normals -> subdivide -> heights -> raise -> cut -> material.
+
+- **Normals** are those of the mesh before it is subdivided, interpolated over its faces (as Phong tessellation has
+  them); afterwards every small face would have the normal of the large one that it lies in, and snow would lie in
+  terraces. Faces that are shaded flat keep their own: edges beside them, and sharp ones, are split for the moment in
+  which the normals are taken.
+- **Curvature**: under snow a surface that is shaded smooth is drawn towards what its normals say (T. Boubekeur,
+  M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008), by the half that is exact on a sphere.
+- **Heights** are sampled on face corners, where UVs are unambiguous. A point takes the mean of its corners' offsets,
+  weighted by their heights and by how level they are: where two charts meet at an edge no gap opens and nothing flares.
+- **The border**: where no snow lies, and along the rim of an open mesh, the shell dips just below the surface, so it
+  ends on it. Faces beyond the first ring of bare ones are cut where snow never lies, the same in every frame, so
+  that motion blur and caches work.
+"""
+
+from dataclasses import dataclass
+
+import bpy
+
+from .. import compat_nodes
+from ..names import REST_ATTRIBUTE
+from .node_builder import NodeBuilder
+from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
+
+HEIGHT_ATTRIBUTE = "snow_height"
+POSITION_ATTRIBUTE = "snow_position"
+
+_COVERED = "snow_covered"
+_OFFSET = "snow_offset"
+_CORNER_HEIGHT = "snow_corner_height"
+
+# Depth of the shell below bare surfaces, and height of the thinnest snow above them (metres).
+SINK = 0.0004
+SKIN = 0.0004
+# Snow is there from this thickness on (metres).
+BARE = 1e-5
+THIN = 0.001
+# Deeper snow (metres) stands as high as its map says.
+DEEP = 0.02
+# What Phong tessellation adds at most, as a share of the thickness.
+MOST_CURVATURE = 0.5
+# Which way snow grows in the space of grains and relief: any that is no axis.
+GROWTH = (0.27, 0.21, 0.94)
+# What a wall's height counts at an edge, beside 1 for level ground.
+WALL_SHARE = 0.05
+# Snow on slopes leans upwards: so much, at most, for a slope of 45 degrees.
+LEAN = 0.5
+
+
+@dataclass(frozen=True)
+class ShellSource:
+    """What a shell is made of."""
+
+    obj: bpy.types.Object
+    uv_map: str
+    image: bpy.types.Image
+    """Heights in metres, negative on the back of two-sided surfaces."""
+    material: bpy.types.Material
+    frames: object = None
+    """The image's BakedSequence, None for a still image."""
+    covered: bpy.types.Image = None
+    """Where snow ever lies; None: bare faces are cut as the frame has them."""
+    instancer: bpy.types.Object = None
+    """The empty that instances the collection which obj is in."""
+    levels: tuple = (0, 0)
+    """Subdivisions in the viewport and in renders."""
+    face_size: float = 0.01
+    """Of a face in renders (metres): waves of the relief that it cannot carry are left out."""
+    metres_per_unit: float = 1.0
+    sharp_angle: float = 4.0
+    """Edges with a larger angle between their faces are sharp (radians; over pi: none)."""
+    weld: bool = False
+    """Points that lie on one another are one."""
+    rest: bool = False
+    """The receiver carries where its points are undeformed, as `rest_position`."""
+
+
+def build_tree(name, source):
+    """A geometry node group that makes the shell of a ShellSource, for an object that stands at the world's
+    origin. Its one input besides the geometry is the strength of the relief."""
+    tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
+    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
+    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
+                            "Bumps of the surface; 1 is fresh snow", 1.0, 0.0, 10.0)  # fmt: skip
+    compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
+    strength = tree.node("NodeGroupInput").outputs[RELIEF_INPUT]
+
+    geometry = _outside_out(tree, _receiver(tree, source), source)
+    geometry, normal = _corner_normals(tree, geometry, source.sharp_angle)
+    geometry, curvature = _phong(tree, geometry, normal)
+    if source.weld:
+        merge = tree.node("GeometryNodeMergeByDistance")
+        geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
+    geometry = _subdivided(tree, geometry, source.levels)
+    geometry = _heights(tree, geometry, source)
+    geometry = _raised(tree, geometry, source, normal, curvature, strength)
+    geometry = _cut(tree, geometry, source)
+    smooth = tree.node("GeometryNodeSetShadeSmooth")
+    tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
+    painted = tree.node("GeometryNodeSetMaterial")
+    tree.feed(painted, Geometry=smooth.outputs[0], Material=source.material)
+    output = tree.node("NodeGroupOutput")
+    tree.set(output.inputs["Geometry"], painted.outputs["Geometry"])
+    return tree.tree
+
+
+def _object(tree, obj, space):
+    node = tree.node("GeometryNodeObjectInfo", transform_space=space)
+    node.inputs["Object"].default_value = obj
+    return node
+
+
+def _realized(tree, geometry):
+    return tree.feed(tree.node("GeometryNodeRealizeInstances"), Geometry=geometry).outputs[0]
+
+
+def _capture(tree, geometry, value, domain, data_type):
+    """(geometry, value): the value as it is on this geometry, for what is made of it."""
+    return compat_nodes.capture_attribute(tree.tree, geometry, value, domain, data_type)
+
+
+def _receiver(tree, source):
+    """The receiver's mesh in the world, with the place of every point in its own space in metres."""
+    info = _object(tree, source.obj, "RELATIVE")
+    geometry = _realized(tree, info.outputs["Geometry"])
+    if source.rest:
+        local = tree.attribute(REST_ATTRIBUTE, "FLOAT_VECTOR")
+    else:
+        own = _realized(tree, _object(tree, source.obj, "ORIGINAL").outputs["Geometry"])
+        sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
+        tree.feed(sample, Geometry=own, Value=tree.node("GeometryNodeInputPosition").outputs[0],
+                  Index=tree.node("GeometryNodeInputIndex").outputs[0])  # fmt: skip
+        local = tree.output(sample)
+    metres = tree.scale(tree.vector("MULTIPLY", local, info.outputs["Scale"]), source.metres_per_unit)
+    geometry = tree.store(geometry, POSITION_ATTRIBUTE, metres, "POINT", "FLOAT_VECTOR")
+    if source.instancer is None:
+        return geometry
+    offset = source.instancer.instance_collection.instance_offset
+    moved = tree.node("GeometryNodeTransform")
+    tree.feed(moved, Geometry=geometry, Translation=tuple(-value for value in offset))
+    placed = tree.node("GeometryNodeTransform")
+    place = _object(tree, source.instancer, "RELATIVE").outputs
+    return tree.feed(placed, Geometry=moved.outputs[0], Translation=place["Location"],
+                     Rotation=place["Rotation"], Scale=place["Scale"]).outputs[0]  # fmt: skip
+
+
+def _outside_out(tree, geometry, source):
+    """The geometry with its faces turned where a negative scale has turned it inside out: nodes leave the corners in
+    their order, with which normals change sides."""
+    mirrored = source.obj.matrix_world.determinant() < 0.0
+    if source.instancer is not None:
+        mirrored ^= source.instancer.matrix_world.determinant() < 0.0
+    if not mirrored:
+        return geometry
+    return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
+
+
+def _corner_normals(tree, geometry, sharp_angle):
+    """(geometry, normal of every corner): smooth across smooth edges only."""
+    flat = tree.math("SUBTRACT", 1.0, tree.node("GeometryNodeInputShadeSmooth").outputs[0])
+    beside_flat = tree.on_domain(tree.on_domain(flat, "FACE"), "EDGE")
+    angle = tree.node("GeometryNodeInputMeshEdgeAngle").outputs["Unsigned Angle"]
+    marked = tree.add(tree.attribute("sharp_edge", "BOOLEAN"), tree.attribute("sharp_face", "BOOLEAN"))
+    split_there = tree.add(
+        tree.add(beside_flat, tree.math("GREATER_THAN", angle, sharp_angle)), tree.on_domain(marked, "EDGE")
+    )
+    split = tree.node("GeometryNodeSplitEdges")
+    tree.feed(split, Mesh=geometry, Selection=tree.math("GREATER_THAN", split_there, 1e-3))
+    sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="CORNER")
+    normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs["Normal"], "POINT", "FLOAT_VECTOR")
+    tree.feed(sample, Geometry=split.outputs["Mesh"], Value=normal,
+              Index=tree.node("GeometryNodeInputIndex").outputs[0])  # fmt: skip
+    return _capture(tree, geometry, tree.output(sample), "CORNER", "FLOAT_VECTOR")
+
+
+def _phong(tree, geometry, normal):
+    """(geometry, the way from a point of a face to its place on the curved surface).
+
+    With p_i and n_i of a face's corners and b_i a point's weights in it, Phong tessellation puts p at
+    sum b_i (p - ((p - p_i) . n_i) n_i) = p - M p + c, where M = sum b_i n_i n_i^T and c = sum b_i (p_i . n_i) n_i are
+    attributes that the subdivision interpolates.
+    """
+    place = tree.node("GeometryNodeInputPosition").outputs[0]
+    geometry, offset = _capture(
+        tree, geometry, tree.scale(normal, tree.dot(place, normal)), "CORNER", "FLOAT_VECTOR"
+    )
+    rows = []
+    for component in tree.components(normal):
+        geometry, row = _capture(tree, geometry, tree.scale(normal, component), "CORNER", "FLOAT_VECTOR")
+        rows.append(row)
+    product = tree.combine(*(tree.dot(row, place) for row in rows))
+    return geometry, tree.scale(tree.vector("SUBTRACT", offset, product), 0.5)
+
+
+def _subdivided(tree, geometry, levels):
+    viewport, render = levels
+    level = tree.node("GeometryNodeSwitch", input_type="INT")
+    tree.feed(level, Switch=tree.node("GeometryNodeIsViewport").outputs[0], False_=render, True_=viewport)
+    node = tree.node("GeometryNodeSubdivideMesh")
+    return tree.feed(node, Mesh=geometry, Level=tree.output(level)).outputs["Mesh"]
+
+
+def _sampled(tree, source, image, interpolation, frame=None):
+    node = tree.node("GeometryNodeImageTexture", interpolation=interpolation, extension="EXTEND")
+    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    tree.feed(node, Image=image, Vector=uv, **({} if frame is None else {"Frame": frame}))
+    return node.outputs["Color"]
+
+
+def _heights(tree, geometry, source):
+    """Stores the height of every corner in metres, and where snow ever lies.
+
+    The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
+    not drawn out where snow is steep, and do not boil while it grows.
+    """
+    frames, frame = source.frames, None
+    if frames is not None:  # held before the first file and after the last one
+        now = tree.node("GeometryNodeInputSceneTime").outputs["Frame"]
+        frame = tree.math("MINIMUM", tree.math("MAXIMUM", now, float(frames.first)), float(frames.last))
+    height = _sampled(tree, source, source.image, "Cubic", frame)
+    if frames is not None:
+        height = tree.multiply(height, tree.math("GREATER_THAN", now, frames.first - 0.5))
+    geometry = tree.store(geometry, _CORNER_HEIGHT, height, "CORNER")
+    final = tree.absolute(
+        _sampled(tree, source, source.image, "Cubic", None if frames is None else frames.last)
+    )
+    # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
+    mean, square = (
+        tree.on_domain(tree.on_domain(value, "CORNER"), "POINT")
+        for value in (final, tree.multiply(final, final))
+    )
+    grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
+    place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
+    geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
+    if source.covered is not None:
+        ever = _sampled(tree, source, source.covered, "Linear")
+        geometry = tree.store(geometry, _COVERED, ever, "CORNER")
+    return geometry
+
+
+def _raised(tree, geometry, source, normal, curvature, strength):
+    """The snow's surface: points moved by the mean offset of their corners, weighted by height."""
+    normal = tree.vector("NORMALIZE", normal)
+    corner = tree.attribute(_CORNER_HEIGHT)
+    thickness = tree.absolute(corner)
+    outside = tree.scale(normal, tree.math("SIGN", corner))
+    # At an edge the side that faces the sky says where snow goes.
+    weight = tree.multiply(thickness, tree.math("MAXIMUM", tree.components(outside)[2], WALL_SHARE))
+    offset = tree.scale(_leaning(tree, outside), tree.multiply(weight, thickness))
+    geometry = tree.store(geometry, _OFFSET, offset, "CORNER", "FLOAT_VECTOR")
+
+    weight = tree.on_domain(tree.on_domain(weight, "CORNER"), "POINT")
+    edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
+    rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
+    inside = tree.math("LESS_THAN", rim, 1e-3)
+    mean = tree.scale(
+        tree.attribute(_OFFSET, "FLOAT_VECTOR"),
+        tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)),
+    )
+    geometry, mean = _capture(tree, geometry, mean, "POINT", "FLOAT_VECTOR")
+    direction = tree.vector("NORMALIZE", tree.on_domain(tree.vector("ADD", mean, tree.scale(normal, 1e-9)),
+                                                        "POINT", "FLOAT_VECTOR"))  # fmt: skip
+    height = tree.vector("LENGTH", mean)
+    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, height, "POINT")
+
+    height = tree.attribute(HEIGHT_ATTRIBUTE)
+    relief = add_relief(
+        tree,
+        tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"),
+        height,
+        strength,
+        octaves_for(source.face_size),
+    )
+    skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
+    extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
+    if relief is not None:
+        extra = tree.add(extra, relief)
+    units = 1.0 / source.metres_per_unit
+    way = tree.vector("ADD", tree.scale(mean, units), tree.scale(direction, tree.multiply(extra, units)))
+    bent = tree.on_domain(curvature, "POINT", "FLOAT_VECTOR")
+    most = tree.divide(
+        tree.multiply(height, MOST_CURVATURE * units), tree.math("MAXIMUM", tree.vector("LENGTH", bent), 1e-9)
+    )
+    way = tree.vector("ADD", way, tree.scale(bent, tree.math("MINIMUM", most, 1.0)))
+    moved = tree.node("GeometryNodeSetPosition")
+    return tree.feed(moved, Geometry=geometry, Offset=way).outputs["Geometry"]
+
+
+def _leaning(tree, outside):
+    """The direction in which snow grows: the normal on level ground, leaning up on slopes, the normal on walls."""
+    z = tree.math("MAXIMUM", tree.components(outside)[2], 0.0)
+    lean = tree.multiply(tree.multiply(z, tree.subtract(1.0, z)), LEAN * 4.0)
+    up = tree.combine(0.0, 0.0, lean)
+    return tree.vector("NORMALIZE", tree.vector("ADD", outside, up))
+
+
+def _cut(tree, geometry, source):
+    """Without the faces that never carry snow, but for one ring around those that do."""
+    if source.covered is not None:
+        ever = tree.attribute(_COVERED)
+    else:
+        ever = tree.math("GREATER_THAN", tree.attribute(HEIGHT_ATTRIBUTE), 10.0 * BARE)
+    on_face = tree.on_domain(tree.on_domain(ever, "POINT"), "FACE")
+    node = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
+    tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
+    geometry = node.outputs["Geometry"]
+    for name in (_OFFSET, _CORNER_HEIGHT, *((_COVERED,) if source.covered is not None else ())):
+        geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
+    return geometry

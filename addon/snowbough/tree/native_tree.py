@@ -1,0 +1,183 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The native part of an import: from an OBJ file to arrays, without Blender's data.
+
+It can run on another thread and be stopped.
+"""
+
+import threading
+import time
+from concurrent.futures import ThreadPoolExecutor, as_completed
+from dataclasses import dataclass
+from pathlib import Path
+from typing import NamedTuple
+
+from .. import native
+from .import_options import BY_DETAIL, LOD_COUNT, METRES_OF_UNIT
+
+
+@dataclass(frozen=True)
+class Fineness:
+    """How fine a mesh is: a level of the chain, counted from the four-sided base, or a detail."""
+
+    lod: int = BY_DETAIL
+    detail: str = ""
+
+    def settings(self):
+        """As build_tree_mesh takes it."""
+        return {"detail": self.detail} if self.lod == BY_DETAIL else {"lod": self.lod}
+
+
+def wanted(options):
+    """The Fineness of each mesh that an import makes, the coarsest first."""
+    if options.lod_chain:
+        return [Fineness(lod) for lod in range(LOD_COUNT)]
+    return [Fineness(options.lod) if options.lod != BY_DETAIL else Fineness(detail=options.detail)]
+
+
+class BarkMesh(NamedTuple):
+    fineness: Fineness
+    native: object  # with reduced bones
+    original_uv: object  # float32 (F, 4, 2): the export's own; None where it has none
+    face_material: object  # int32 (F,): index into the skeleton's wood_materials, -1 for none
+
+
+@dataclass
+class NativeTree:
+    """Everything an import needs, before Blender hears of it. Meshes share their bones."""
+
+    skeleton: object
+    meshes: list  # of BarkMesh, the coarsest first
+    leaf_bones: object
+    leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
+    report: dict
+
+
+def _build_meshes(module, skeleton, options, progress):
+    """(the first mesh with all bones, [BarkMesh, ...]).
+
+    progress(share 0..1) -> False stops: KeyboardInterrupt. The native module works outside Python's
+    lock: the finest level of a chain takes as long as all others together, which a second thread makes
+    meanwhile.
+    """
+    meshes = wanted(options)
+    shares = dict.fromkeys(meshes, 0.0)
+    stopped = threading.Event()
+
+    def build(fineness):
+        def step(share):
+            shares[fineness] = share
+            return not stopped.is_set() and progress(sum(shares.values()) / len(shares))
+
+        whole = module.build_tree_mesh(
+            skeleton,
+            options.width,
+            options.species,
+            **fineness.settings(),
+            snow_resolution=options.snow_resolution,
+            progress=step,
+        )
+        reduced = module.reduce_bones(whole, options.max_bones, options.max_bone_level)
+        made = BarkMesh(fineness, reduced, *module.original_uvs(skeleton, reduced))
+        return (whole if fineness == meshes[0] else None), made
+
+    if len(meshes) == 1:
+        whole, mesh = build(meshes[0])
+        return whole, [mesh]
+    built = {}
+    with ThreadPoolExecutor(2, "snowbough-lod") as workers:
+        futures = {workers.submit(build, fineness): fineness for fineness in reversed(meshes)}
+        try:
+            for future in as_completed(futures):
+                built[futures[future]] = future.result()
+        except BaseException:
+            stopped.set()
+            workers.shutdown(wait=True, cancel_futures=True)
+            raise
+    return built[meshes[0]][0], [built[fineness][1] for fineness in meshes]
+
+
+def size_settings(options, metre):
+    """What read_tree is told about the tree's size; metre: a metre in the scene's units."""
+    unit = METRES_OF_UNIT[options.unit]
+    return {"unit": 1.0 if unit is None else unit * metre, "height": options.height * metre}
+
+
+def _lay_out_leaves(module, skeleton, options, stopped):
+    """The leaves' UV map `snow`; None without leaves. stopped: an event that ends it."""
+    if not len(skeleton.foliage.vertices):
+        return None
+
+    def go_on(_share):
+        return not stopped.is_set()
+
+    return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=go_on)
+
+
+def read_native(path, options, progress=None, metre=1.0):
+    """Reads `path` and computes the tree. Touches no Blender data; raises ValueError for bad input.
+
+    metre: what a metre is in the scene's units. progress(share 0..1) -> False stops: KeyboardInterrupt.
+    """
+    path = Path(path)
+    if not path.name or path.is_dir():
+        raise ValueError(f"{path} is a folder: choose a file")
+    if not path.is_file():
+        raise ValueError(f"{path} was not found")
+    module = native.load()
+    started = time.perf_counter()
+
+    def part(begin, end):
+        """Reports the shares of a stage as those of the whole."""
+        return lambda share: progress is None or progress(begin + (end - begin) * share)
+
+    skeleton = module.read_tree(
+        str(path),
+        up_axis=options.up_axis,
+        levels=options.levels,
+        simplify=options.simplify,
+        tolerance=options.tolerance,
+        **size_settings(options, metre),
+        foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
+        progress=part(0.0, 0.4),
+    )
+    if not skeleton.branches:
+        raise ValueError(f"{path} holds no branches: there is no tree to import")
+    # The leaves' charts need the skeleton alone: a second thread lays them out beside the mesh.
+    stopped = threading.Event()
+    with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
+        try:
+            leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options, stopped)
+            whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
+            leaf_layout = leaf_charts.result()
+        except BaseException:
+            stopped.set()
+            raise
+    warnings = list(whole.warnings)
+    leaf_bones = None
+    if leaf_layout is not None:
+        bone_map = meshes[0].native.bone_map
+        leaf_bones = module.leaf_bones(skeleton, whole)
+        leaf_bones = leaf_bones if bone_map is None else bone_map[leaf_bones]
+        if leaf_layout["resolution"] > options.snow_resolution:
+            warnings.append(
+                f"the leaves' snow UV map needs a resolution of {leaf_layout['resolution']}, "
+                f"not {options.snow_resolution}"
+            )
+    if part(0.95, 1.0)(1.0) is False:
+        raise KeyboardInterrupt("cancelled")
+
+    report = dict(skeleton.report)
+    report["file"] = path.name
+    report["height"] = float(skeleton.height)
+    report["branches"] = len(skeleton.branches)
+    report["bones_found"] = len(whole.bone_parents)
+    report["bones"] = len(meshes[0].native.bone_parents)
+    report["meshes"] = [
+        {**made.fineness.settings(), "vertices": len(made.native.vertices), "faces": len(made.native.quads)}
+        for made in meshes
+    ]
+    report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)
+    report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
+    report["warnings"] = list(report["warnings"]) + warnings
+    report["native_seconds"] = round(time.perf_counter() - started, 4)
+    return NativeTree(skeleton, meshes, leaf_bones, leaf_layout, report)

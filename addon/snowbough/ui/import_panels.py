@@ -1,0 +1,72 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The import's options under headings: panels beside the file browser, and sections of dialogs."""
+
+import bpy
+
+from .. import compat
+from ..tree.import_options import SECTIONS
+
+OPERATOR = "IMPORT_SCENE_OT_xfrog_tree"
+
+# Options that say nothing while another is as given.
+ONLY_WITH = {
+    "species": lambda options: options.width == "INVERSE",
+    "tolerance": lambda options: options.simplify == "TOLERANCE",
+    "detail": lambda options: not options.lod_chain,
+    "unit": lambda options: options.height == 0.0,
+    "foliage_names": lambda options: options.foliage,
+}
+
+
+def draw_options(layout, options, names):
+    """Draws the options of one section, one below the other."""
+    layout.use_property_split = True
+    layout.use_property_decorate = False
+    for name in names:
+        row = layout.row()
+        row.active = ONLY_WITH.get(name, lambda _options: True)(options)
+        row.prop(options, name)
+
+
+def draw_sections(layout, options):
+    """Draws all sections: in the panel that adjusts the last operation, and where files were dropped."""
+    for identifier, text, names in SECTIONS:
+        body = compat.section(layout, f"snowbough_import_{identifier}", text)
+        if body is not None:
+            draw_options(body, options, names)
+
+
+class _Panel:
+    """Beside the file browser, below its own panel of the operator."""
+
+    bl_space_type = "FILE_BROWSER"
+    bl_region_type = "TOOL_PROPS"
+    bl_parent_id = "FILE_PT_operator"
+
+    @classmethod
+    def poll(cls, context):
+        operator = context.space_data.active_operator
+        return operator is not None and operator.bl_idname == OPERATOR
+
+    def draw(self, context):
+        draw_options(self.layout, context.space_data.active_operator, self.names)
+
+
+CLASSES = tuple(
+    type(
+        f"SNOWBOUGH_PT_import_{identifier}",
+        (_Panel, bpy.types.Panel),
+        {"bl_label": text, "names": names, "bl_options": set() if number < 2 else {"DEFAULT_CLOSED"}},
+    )
+    for number, (identifier, text, names) in enumerate(SECTIONS)
+)
+
+
+def register():
+    for cls in CLASSES:
+        bpy.utils.register_class(cls)
+
+
+def unregister():
+    for cls in reversed(CLASSES):
+        bpy.utils.unregister_class(cls)

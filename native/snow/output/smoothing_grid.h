@@ -1,0 +1,66 @@
+#pragma once
+
+#include <bit>
+#include <cstdint>
+#include <vector>
+
+#include "snow/seams/seam_table.h"
+#include "snow/texels/texel_table.h"
+
+namespace snowbough::snow {
+
+/// The upper half of a float, for what need not be more exact than a part in 256.
+inline uint16_t rounded_half(float value) {
+  return static_cast<uint16_t>((std::bit_cast<uint32_t>(value) + 0x7FFFu) >> 16);
+}
+inline float from_half(uint16_t half) {
+  return std::bit_cast<float>(static_cast<uint32_t>(half) << 16);
+}
+
+/// One level of a SmoothingGrid: `size` x `size` cells, some of which carry surface, and the links
+/// over which neighbours exchange snow. A link's closeness is 1 / distance^2 in 1/m2; 0 = no link.
+struct SmoothingLevel {
+  int32_t size = 0;
+  /// Links to the right and upper neighbour on the grid (rounded_half), after a row of none.
+  std::vector<uint16_t> right;
+  std::vector<uint16_t> above;
+  const uint16_t* to_right() const { return right.data() + size; }
+  const uint16_t* upwards() const { return above.data() + size; }
+
+  /// Links that run elsewhere, across seams, each noted at both of its ends: those of cell
+  /// link_cell[i] (ascending) are [link_begin[i], link_begin[i + 1]), and those of the cells of row
+  /// y the cells [link_row[y], link_row[y + 1]) of link_cell.
+  std::vector<int32_t> link_cell;
+  std::vector<int32_t> link_begin;
+  std::vector<int32_t> link_row;
+  std::vector<int32_t> link_other;
+  /// Which part of a whole link it is, 0 to 1, and how close the ends are.
+  std::vector<float> link_weight;
+  std::vector<float> link_closeness;
+
+  /// Whether a cell is a part of the block of 2 x 2 cells that it lies in, which is one cell of the
+  /// next level. Empty on the last level.
+  std::vector<uint8_t> joins;
+  /// The cells of other charts than their block's, and which cell of the next level they are a part
+  /// of instead.
+  struct Stray {
+    int32_t cell;
+    int32_t parent;
+  };
+  std::vector<Stray> strays;
+};
+
+/// How snow may move over a map's surface: a graph of texels, and of blocks of texels, in which
+/// links cross the seams of the layout like any other neighbourhood.
+struct SmoothingGrid {
+  /// 1 / m2 of every texel of the map in the rest pose; 0 without surface.
+  std::vector<float> inverse_area;
+  /// Level 0 has a cell a texel, each further one a cell for 2 x 2 of the one below that are of one
+  /// chart.
+  std::vector<SmoothingLevel> levels;
+};
+
+/// O(texels).
+SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams);
+
+}  // namespace snowbough::snow

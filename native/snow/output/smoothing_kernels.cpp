@@ -1,0 +1,252 @@
+#include "snow/output/smoothing_kernels.h"
+
+#include <bit>
+
+namespace snowbough::snow {
+
+SNOWBOUGH_WIDE bool holds_anything(const float* values, int32_t count) {
+  uint32_t bits = 0;
+  for (int32_t i = 0; i < count; ++i) bits |= std::bit_cast<uint32_t>(values[i]) << 1;
+  return bits != 0;
+}
+
+SNOWBOUGH_WIDE void load_run(const float* __restrict map, const float* __restrict inverse_area,
+                             float* __restrict height, float* __restrict inverse_weight,
+                             int32_t begin, int32_t end) {
+  for (int32_t i = begin; i < end; ++i) {
+    height[i] = inverse_area[i] > 0.0f ? map[i] : 0.0f;
+    inverse_weight[i] = inverse_area[i];
+  }
+}
+
+SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const ClosenessView& closeness,
+                                   const EdgeArrays& edges, int32_t begin, int32_t end) {
+  uint8_t* __restrict right = edges.right;
+  uint8_t* __restrict above = edges.above;
+  const uint16_t* __restrict to_right = closeness.right;
+  const uint16_t* __restrict upwards = closeness.above;
+  const ptrdiff_t size = closeness.size;
+  int32_t closed = 0;
+  for (int32_t i = begin; i < end; ++i) {
+    const float linked = from_half(to_right[i]);
+    const float there = linked > 0.0f ? height[i + 1] : 0.0f;
+    const int32_t open = is_open(height[i], there) ? 255 : 0;
+    const float deep = linked > 0.0f ? std::fabs(height[i]) + std::fabs(there) : 0.0f;
+    closed |= deep > 0.0f ? ~open : 0;
+    right[i] = static_cast<uint8_t>(open);
+  }
+  for (int32_t i = begin; i < end; ++i) {
+    const float linked = from_half(upwards[i]);
+    const float there = linked > 0.0f ? height[i + size] : 0.0f;
+    const int32_t open = is_open(height[i], there) ? 255 : 0;
+    const float deep = linked > 0.0f ? std::fabs(height[i]) + std::fabs(there) : 0.0f;
+    closed |= deep > 0.0f ? ~open : 0;
+    above[i] = static_cast<uint8_t>(open);
+  }
+  return (closed & 255) != 0;
+}
+
+namespace {
+
+/// The closest of a cell's links on the grid.
+inline float closest(const ClosenessView& closeness, int32_t i) {
+  return from_half(std::max({closeness.right[i], closeness.above[i], closeness.right[i - 1],
+                             closeness.above[i - closeness.size]}));
+}
+
+}  // namespace
+
+/// Finds the cells that are the deeper end of a link that is there and not open; returns whether
+/// there are any.
+SNOWBOUGH_WIDE bool mark_edges(const float* __restrict height, const ClosenessView& closeness,
+                               const EdgeArrays& edges, int32_t begin, int32_t end) {
+  const uint16_t* __restrict right = closeness.right;
+  const uint16_t* __restrict above = closeness.above;
+  const uint8_t* __restrict open_right = edges.right;
+  const uint8_t* __restrict open_above = edges.above;
+  uint8_t* __restrict distance = edges.distance;
+  uint8_t* __restrict next = edges.next;
+  const ptrdiff_t size = closeness.size;
+  // Over 0 where a link is there, closed, and the neighbour not deeper.
+  const auto ends = [](uint16_t link, uint8_t open, float own, float other) {
+    const float there = from_half(link) > 0.0f ? 1.0f : 0.0f;
+    const float closed = open == 0 ? there : 0.0f;
+    return std::fabs(own) >= std::fabs(other) ? closed : 0.0f;
+  };
+  int32_t any = 0;
+  for (int32_t i = begin; i < end; ++i) {
+    const float own = height[i];
+    const float along = ends(right[i], open_right[i], own, height[i + 1]) +
+                        ends(right[i - 1], open_right[i - 1], own, height[i - 1]);
+    const float across = ends(above[i], open_above[i], own, height[i + size]) +
+                         ends(above[i - size], open_above[i - size], own, height[i - size]);
+    const float edge = std::fabs(own) > 0.0f ? along + across : 0.0f;
+    const int32_t links = edge > 0.0f ? 0 : kFarFromEdge;
+    distance[i] = static_cast<uint8_t>(links);
+    next[i] = kFarFromEdge;
+    any |= links ^ kFarFromEdge;
+  }
+  return any != 0;
+}
+
+float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
+                     const EdgeArrays& edges, int32_t begin, int32_t end) {
+  float widest = 0.0f;
+  if (!mark_edges(height, closeness, edges, begin, end)) return widest;
+  for (int32_t i = begin; i < end; ++i) {
+    if (edges.distance[i] != 0) continue;
+    const float variance = std::max(least_variance, third_squared(height[i]));
+    widest = std::max(widest, variance * closest(closeness, i));
+  }
+  return widest;
+}
+
+SNOWBOUGH_WIDE void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin,
+                                        int32_t end) {
+  const uint8_t* __restrict from = edges.distance;
+  uint8_t* __restrict to = edges.next;
+  const uint8_t* __restrict right = edges.right;
+  const uint8_t* __restrict above = edges.above;
+  const auto via = [](uint8_t distance, uint8_t open) {
+    return static_cast<uint8_t>(static_cast<uint8_t>(distance + 1) | static_cast<uint8_t>(~open));
+  };
+  const auto least = [](uint8_t a, uint8_t b) { return a < b ? a : b; };
+  for (int32_t i = begin; i < end; ++i) {
+    const uint8_t along = least(via(from[i + 1], right[i]), via(from[i - 1], right[i - 1]));
+    const uint8_t across =
+        least(via(from[i + size], above[i]), via(from[i - size], above[i - size]));
+    to[i] = least(from[i], least(along, across));
+  }
+}
+
+void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
+               float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
+               int32_t end) {
+  for (int32_t i = begin; i < end; ++i) {
+    if (distance[i] >= widest || height[i] == 0.0f) continue;
+    const float variance = std::max(least_variance, third_squared(height[i]));
+    const float width =
+        std::max(1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest(closeness, i))));
+    const float part = (static_cast<float>(distance[i]) + 0.5f) / width;
+    if (part < 1.0f) inverse_weight[i] /= part * (2.0f - part);
+  }
+}
+
+SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __restrict inverse,
+                                 const ClosenessView& closeness, float* __restrict right,
+                                 float* __restrict above, const ConductanceTerms& of, int32_t begin,
+                                 int32_t end) {
+  const ConductanceTerms terms = of;
+  const uint16_t* __restrict to_right = closeness.right;
+  const uint16_t* __restrict upwards = closeness.above;
+  const ptrdiff_t size = closeness.size;
+  // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
+  int32_t largest = 0;
+  for (int32_t i = begin; i < end; ++i) {
+    const LinkConductance along = conductance(height[i], height[i + 1], inverse[i], inverse[i + 1],
+                                              from_half(to_right[i]), terms);
+    const LinkConductance across = conductance(height[i], height[i + size], inverse[i],
+                                               inverse[i + size], from_half(upwards[i]), terms);
+    right[i] = along.conductance;
+    above[i] = across.conductance;
+    largest = std::max(largest, std::bit_cast<int32_t>(along.wanted));
+    largest = std::max(largest, std::bit_cast<int32_t>(across.wanted));
+  }
+  return std::bit_cast<float>(largest);
+}
+
+namespace {
+
+inline float deepest(float a, float b) {
+  return std::fabs(a) < std::fabs(b) ? b : a;
+}
+
+}  // namespace
+
+SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __restrict high,
+                                 const BlockRows& rows, float* __restrict mean,
+                                 float* __restrict inverse, int32_t count) {
+  const float* __restrict low_inverse = rows.inverse[0];
+  const float* __restrict high_inverse = rows.inverse[1];
+  const uint8_t* __restrict low_joins = rows.joins[0];
+  const uint8_t* __restrict high_joins = rows.joins[1];
+  for (int32_t i = 0; i < count; ++i) {
+    const float a = low[2 * i] * static_cast<float>(low_joins[2 * i]);
+    const float b = low[2 * i + 1] * static_cast<float>(low_joins[2 * i + 1]);
+    const float c = high[2 * i] * static_cast<float>(high_joins[2 * i]);
+    const float d = high[2 * i + 1] * static_cast<float>(high_joins[2 * i + 1]);
+    const float most = deepest(deepest(a, b), deepest(c, d));
+    // Bare cells have no weight, and no height to be open to.
+    const auto weight = [most](float height, float inverse_weight) {
+      return is_open(height, most) ? 1.0f / inverse_weight : 0.0f;
+    };
+    const float of_a = weight(a, low_inverse[2 * i]);
+    const float of_b = weight(b, low_inverse[2 * i + 1]);
+    const float of_c = weight(c, high_inverse[2 * i]);
+    const float of_d = weight(d, high_inverse[2 * i + 1]);
+    const float sum = (of_a + of_b) + (of_c + of_d);
+    const float inverse_sum = sum > 0.0f ? 1.0f / sum : 0.0f;
+    mean[i] = ((of_a * a + of_b * b) + (of_c * c + of_d * d)) * inverse_sum;
+    inverse[i] = inverse_sum;
+  }
+}
+
+SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
+                                const BlockRows& rows, const float* __restrict before,
+                                const float* __restrict now, const KeptTerms& of, int32_t count) {
+  const KeptTerms terms = of;
+  const uint8_t* __restrict low_joins = rows.joins[0];
+  const uint8_t* __restrict high_joins = rows.joins[1];
+  for (int32_t i = 0; i < count; ++i) {
+    const float closeness =
+        from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
+    const float kept = kept_part(before[i], closeness, terms.least_variance, terms.done_below);
+    const float mean = before[i] != 0.0f ? before[i] : 1.0f;
+    const float ratio = now[i] / mean;
+    const float base = now[i] * (1.0f - kept);
+    const float slope = ratio * kept;
+    const float a = low[2 * i] * static_cast<float>(low_joins[2 * i]);
+    const float b = low[2 * i + 1] * static_cast<float>(low_joins[2 * i + 1]);
+    const float c = high[2 * i] * static_cast<float>(high_joins[2 * i]);
+    const float d = high[2 * i + 1] * static_cast<float>(high_joins[2 * i + 1]);
+    const float most = deepest(deepest(a, b), deepest(c, d));
+    low[2 * i] = is_open(a, most) ? base + slope * a : low[2 * i];
+    low[2 * i + 1] = is_open(b, most) ? base + slope * b : low[2 * i + 1];
+    high[2 * i] = is_open(c, most) ? base + slope * c : high[2 * i];
+    high[2 * i + 1] = is_open(d, most) ? base + slope * d : high[2 * i + 1];
+  }
+}
+
+SNOWBOUGH_WIDE void divide_run(float* __restrict height, const float* __restrict inverse_area,
+                               const float* __restrict inverse_weight, int32_t begin, int32_t end) {
+  for (int32_t i = begin; i < end; ++i) {
+    const float area = inverse_area[i];
+    const float ratio = inverse_weight[i] / (area > 0.0f ? area : 1.0f);
+    height[i] *= ratio;
+  }
+}
+
+SNOWBOUGH_WIDE void store_run(const float* __restrict height, const float* __restrict inverse_area,
+                              const float* __restrict inverse_weight, float* __restrict map,
+                              int32_t begin, int32_t end) {
+  for (int32_t i = begin; i < end; ++i) {
+    const float weight = inverse_weight[i];
+    const float profile = inverse_area[i] / (weight > 0.0f ? weight : 1.0f);
+    map[i] = weight > 0.0f ? height[i] * profile : map[i];
+  }
+}
+
+SNOWBOUGH_WIDE void stage_run(const float* __restrict from, float* __restrict to,
+                              const float* __restrict right, const float* __restrict above,
+                              const float* __restrict inverse, ptrdiff_t size, int32_t begin,
+                              int32_t end) {
+  for (int32_t i = begin; i < end; ++i) {
+    const float own = from[i];
+    const float flux =
+        right[i] * (from[i + 1] - own) + right[i - 1] * (from[i - 1] - own) +
+        (above[i] * (from[i + size] - own) + above[i - size] * (from[i - size] - own));
+    to[i] = own + inverse[i] * flux;
+  }
+}
+
+}  // namespace snowbough::snow

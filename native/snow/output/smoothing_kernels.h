@@ -1,0 +1,147 @@
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+
+#include "base/simd.h"
+#include "snow/output/smoothing_grid.h"
+
+// The loops of Smoother over runs of cells. Arrays begin at cell 0 and have a margin around them.
+namespace snowbough::snow {
+
+/// What of a difference crosses a link in a stage, at most.
+inline constexpr float kStageShare = 0.2f;
+/// A neighbour that holds less than this part is no neighbour.
+inline constexpr float kLeastPart = 0.02f;
+/// Width of a shoulder in standard deviations.
+inline constexpr float kShoulder = 1.0f;
+/// More links from the edge than any shoulder is wide.
+inline constexpr uint8_t kFarFromEdge = 200;
+
+inline float third_squared(float height) {
+  return height * height * (1.0f / 9.0f);
+}
+
+/// Whether snow may cross a link between these heights.
+inline bool is_open(float a, float b) {
+  const float one = std::fabs(a);
+  const float other = std::fabs(b);
+  const float less = one < other ? one : other;
+  const float more = one < other ? other : one;
+  return (a * b > 0.0f) & (less > kLeastPart * more);
+}
+
+/// m2; what lower levels see to and in how many stages.
+struct ConductanceTerms {
+  float least_variance;
+  float done_below;
+  float stages;
+};
+
+struct LinkConductance {
+  float conductance;
+  /// Half the variance over distance^2.
+  float wanted;
+};
+
+inline LinkConductance conductance(float a, float b, float inverse_a, float inverse_b,
+                                   float closeness, const ConductanceTerms& terms) {
+  const float one = third_squared(a);
+  const float other = third_squared(b);
+  const float variance = (one > terms.least_variance ? one : terms.least_variance) +
+                         (other > terms.least_variance ? other : terms.least_variance);
+  const float wanted = 0.25f * variance * closeness;
+  const float most = kStageShare * terms.stages;
+  float own = wanted - terms.done_below;
+  own = own > 0.0f ? own : 0.0f;
+  own = own < most ? own : most;
+  const float inverse = inverse_a > inverse_b ? inverse_a : inverse_b;
+  const bool open = is_open(a, b);
+  return {open ? own / (terms.stages * inverse) : 0.0f, open ? wanted : 0.0f};
+}
+
+/// Closeness of the links of a level's grid.
+struct ClosenessView {
+  const uint16_t* right;
+  const uint16_t* above;
+  ptrdiff_t size;
+};
+
+/// Per cell: links to the nearest edge; the same after a round; 255 where the link to the right and
+/// above is open, else 0.
+struct EdgeArrays {
+  uint8_t* distance;
+  uint8_t* next;
+  uint8_t* right;
+  uint8_t* above;
+};
+
+bool holds_anything(const float* values, int32_t count);
+/// Takes heights in where there is surface.
+void load_run(const float* map, const float* inverse_area, float* height, float* inverse_weight,
+              int32_t begin, int32_t end);
+/// Returns whether a cell with snow has a link that is not open, but for links to cells before.
+bool open_links_run(const float* height, const ClosenessView& closeness, const EdgeArrays& edges,
+                    int32_t begin, int32_t end);
+/// Sets the distance of cells at an edge to 0, of others to kFarFromEdge. Returns the largest
+/// variance over distance^2 of cells at an edge; 0 where there is none.
+float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
+                     const EdgeArrays& edges, int32_t begin, int32_t end);
+void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin, int32_t end);
+/// Divides the weights by the shoulders' profile. `widest`: of a shoulder, in links.
+void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
+               float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
+               int32_t end);
+/// Of the links to the right and above. Returns the largest LinkConductance::wanted.
+float conduct_run(const float* height, const float* inverse, const ClosenessView& closeness,
+                  float* right, float* above, const ConductanceTerms& terms, int32_t begin,
+                  int32_t end);
+/// Heights to heights over profile, and back.
+void divide_run(float* height, const float* inverse_area, const float* inverse_weight,
+                int32_t begin, int32_t end);
+void store_run(const float* height, const float* inverse_area, const float* inverse_weight,
+               float* map, int32_t begin, int32_t end);
+void stage_run(const float* from, float* to, const float* right, const float* above,
+               const float* inverse, ptrdiff_t size, int32_t begin, int32_t end);
+
+/// What a height becomes when the mean of its block changes from `before` to `now`, and only the
+/// part `kept` of what sets it apart from the mean is left.
+inline float changed(float height, float before, float now, float kept) {
+  return now * (1.0f + kept * (height / before - 1.0f));
+}
+
+/// Two rows of a level's cells, from the block on that a run of the next level begins with. Which
+/// cells of a block of 2 x 2 count as one: those of its chart, and with snow not too thin beside
+/// the block's deepest.
+struct BlockRows {
+  const float* inverse[2];
+  const uint8_t* joins[2];
+};
+
+/// What is left of differences within blocks. `closeness`: of the blocks; see ConductanceTerms.
+struct KeptTerms {
+  const uint16_t* right;
+  const uint16_t* above;
+  float least_variance;
+  float done_below;
+};
+
+/// Means of blocks by weight, and 1 / their weights.
+void restrict_run(const float* low, const float* high, const BlockRows& rows, float* mean,
+                  float* inverse, int32_t count);
+/// Hands the change of the means on to the cells.
+void prolong_run(float* low, float* high, const BlockRows& rows, const float* before,
+                 const float* now, const KeptTerms& terms, int32_t count);
+
+/// What is left of the differences within a block: about what a Gaussian leaves of waves as long.
+inline float kept_part(float before, float closeness, float least_variance, float done_below) {
+  const float third = third_squared(before);
+  const float variance = third > least_variance ? third : least_variance;
+  const float wanted = 0.5f * variance * closeness - done_below;
+  const float left = wanted > 0.0f ? wanted : 0.0f;
+  return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
+}
+
+}  // namespace snowbough::snow

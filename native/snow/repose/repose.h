@@ -1,0 +1,125 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/parallel_for.h"
+#include "snow/repose/links.h"
+#include "snow/repose/surface.h"
+#include "snow/repose/tile.h"
+#include "snow/scene/scene_object.h"
+
+namespace snowbough::snow {
+
+/// How steep snow's own surface may be.
+struct ReposeSettings {
+  /// Radians from level; from kOff on snow stays where it fell, to the bit.
+  double angle = 1.5707963267948966;
+  static constexpr double kOff = 1.5706;
+  bool is_on() const { return angle < kOff; }
+};
+
+/// Repose on one receiver's map: snow whose surface is steeper than the angle of repose moves to
+/// lower neighbours (shaders/lib/texel_repose.h, where the method stands), over seams and over rims
+/// into the air, until it rests or the step's work is done; what is left moves on in the next step.
+/// All that it needs to go on is in the heights.
+///
+/// The map is cut into blocks. Those in which nothing can be steep are left out, which their
+/// heights' range tells as long as the surface stands still. The others do some rounds at a time,
+/// each out of the cache, every second one of a row and a column at once; then snow flows across
+/// seams. The result does not depend on threads.
+class Repose {
+ public:
+  /// `object`, which has positions, must live as long.
+  explicit Repose(const SceneObject& object) : object_(&object) {}
+
+  /// To be called when the object's positions have changed.
+  void forget_pose() { has_pose_ = false; }
+
+  /// Looks at the heights and chooses the blocks in which snow may move; returns their number.
+  /// `slope`: tangent of the angle.
+  size_t choose_blocks(const std::vector<float>& height, float slope);
+
+  /// Moves snow on `height` in those blocks. `patience`: by how much longer than usual a step may
+  /// go on; `on_all_cores`: shares the work among threads. Returns what fell over rims, in m3.
+  double run(std::vector<float>& height, float patience, bool on_all_cores);
+
+  /// Whether the last run changed heights.
+  bool has_changed() const { return has_changed_; }
+
+ private:
+  /// What is known of a block's links while the surface stands still, in metres: by how much they
+  /// are under their limits where it is bare, at least; the same of links over edges that do not
+  /// hold; by how much normals differ across them. See is_level.
+  struct BlockSlack {
+    bool is_known = false;
+    float inside = 0.0f;
+    float at_edges = 0.0f;
+    float turn = 0.0f;
+  };
+  struct Relief {
+    float high = 0.0f;
+    float step = 0.0f;
+  };
+  /// A link across a seam.
+  struct Flow {
+    float limit = 0.0f;
+    float rate = 0.0f;
+    float flow = 0.0f;
+  };
+  using Blocks = std::vector<int32_t>;
+  /// Per block of the map.
+  using Marks = std::vector<uint8_t>;
+
+  template <typename Work>
+  void for_blocks(const Blocks& blocks, const Work& work) const {
+    if (on_all_cores_) {
+      base::for_each_item(blocks.size(), 1, [&](size_t i) { work(blocks[i]); });
+    } else {
+      for (const int32_t block : blocks) work(block);
+    }
+  }
+  Blocks near(const Blocks& blocks) const;
+  void mark_near(int32_t block, Marks& marks) const;
+
+  // setup.cpp
+  void take_pose();
+  Relief relief_of(int32_t block, const std::vector<float>& height) const;
+  bool is_level(int32_t block, const Relief& relief) const;
+  void set_up(const std::vector<float>& height);
+  void set_up_ends(int32_t block);
+  struct Cell;
+  RimLink rim_link(const Cell& a, const glm::vec3& at) const;
+  Cell across_end(int32_t link, size_t end) const;
+  void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
+  void find_slack(int32_t block);
+
+  // repose.cpp
+  void run_rounds(const Blocks& doubtful, float patience);
+  double run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams);
+  void flow_across(float momentum, Marks& awake, Marks& seams);
+  double write_block(int32_t block, std::vector<float>& height) const;
+
+  const SceneObject* object_;
+  ReposeLinks links_;
+  ReposeSurface surface_;
+  bool has_pose_ = false;
+  /// Whether the pose is that of the step before.
+  bool stands_still_ = false;
+  bool on_all_cores_ = false;
+  bool has_changed_ = false;
+  float slope_ = 0.0f;
+  std::vector<BlockSlack> slack_;
+  /// Blocks to look at closely, and these with those near them.
+  Blocks doubtful_;
+  Blocks chosen_;
+  /// Of the chosen blocks, during a run; all that there are, between runs.
+  ReposeTiles tiles_;
+  ReposeTiles kept_;
+  /// By block.
+  std::vector<std::vector<RimLink>> rims_;
+  /// By link across a seam.
+  std::vector<Flow> across_;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,114 @@
+#include "snow/repose/surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/texel_repose.h"
+
+namespace snowbough::snow {
+
+void ReposeSurface::set_pose(const SceneObject& object) {
+  constexpr size_t kRun = 1024;
+  object_ = &object;
+  anchor_ = glm::vec3(0.5 * (object.bounds.low + object.bounds.high));
+  const std::vector<int32_t>& indices = object.description.topology.triangles;
+  triangles_.resize(indices.size() / 3);
+  const size_t runs = (triangles_.size() + kRun - 1) / kRun;
+  std::vector<double> areas(runs, 0.0);
+  base::for_each_item(runs, 1, [&](size_t run) {
+    for (size_t t = run * kRun; t < std::min(triangles_.size(), (run + 1) * kRun); ++t) {
+      const auto corner = [&](size_t k) {
+        return glm::dvec3(object.positions[static_cast<size_t>(indices[3 * t + k])]);
+      };
+      const glm::dvec3 cross = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
+      const double size = glm::length(cross);
+      const glm::dvec3 normal = size > 0.0 ? cross / size : glm::dvec3(0.0);
+      triangles_[t] = glm::vec4(glm::vec3(normal), static_cast<float>(0.5 * size));
+      areas[run] += 0.5 * size;
+    }
+  });
+  double area = 0.0;
+  for (const double part : areas) area += part;
+  const auto texels = static_cast<double>(std::max<size_t>(1, object.table.texel.size()));
+  int exponent = 0;
+  std::frexp(std::max(area / texels, 1e-18), &exponent);
+  unit_ = std::ldexp(1.0f / shared::kUnitsAMetre, exponent);
+}
+
+glm::vec3 ReposeSurface::point(int32_t triangle, glm::vec2 weights) const {
+  const int32_t* corners =
+      &object_->description.topology.triangles[3 * static_cast<size_t>(triangle)];
+  const auto corner = [&](int k) {
+    return object_->positions[static_cast<size_t>(corners[k])] - anchor_;
+  };
+  const glm::vec3 a = corner(0);
+  return a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
+}
+
+ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
+  const TexelTable& table = object_->table;
+  const auto begin = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index)]);
+  const auto end = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index) + 1]);
+  Texel texel;
+  float upper = 0.0f;
+  float upper_up = 0.0f;
+  float sum_up = 0.0f;
+  for (size_t f = begin; f < end; ++f) {
+    const glm::vec4& triangle = triangles_[static_cast<size_t>(table.fragment_triangle[f])];
+    const float own = table.fragment_share[f] * triangle.w;
+    texel.area += own;
+    sum_up += own * triangle.z;
+    upper += triangle.z > 0.0f ? own : 0.0f;
+    upper_up += own * std::max(triangle.z, 0.0f);
+    const auto number = static_cast<size_t>(table.fragment_triangle[f]);
+    texel.two_sided =
+        texel.two_sided || (!object_->two_sided.empty() && object_->two_sided[number] != 0);
+  }
+  if (texel.area <= 0.0f) return texel;
+  // Snow lies on the parts that face up, where there are any; on a sheet with two sides, on one of
+  // them.
+  if (texel.two_sided) upper = upper_up = 0.0f;
+  texel.up = (upper_up > 0.0f ? upper_up : sum_up) / texel.area;
+  const float all = upper > 0.0f ? upper : texel.area;
+  for (size_t f = begin; f < end; ++f) {
+    const glm::vec4& triangle = triangles_[static_cast<size_t>(table.fragment_triangle[f])];
+    if (upper > 0.0f && triangle.z <= 0.0f) continue;
+    const float part = table.fragment_share[f] * triangle.w / all;
+    texel.point += part * point(table.fragment_triangle[f], table.fragment_barycentric[f]);
+    texel.normal += part * glm::vec3(triangle);
+  }
+  const float length = glm::length(texel.normal);
+  if (length > 0.0f) texel.normal /= length;
+  return texel;
+}
+
+void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
+  tile.area.fill(0.0f);
+  tile.forward.fill(0);
+  tile.part.fill(1.0f / shared::kLinks);
+  links.for_texels(block, object_->table.texel, [&](int32_t index, size_t cell) {
+    const Texel own = texel(index);
+    tile.x[cell] = own.point.x;
+    tile.y[cell] = own.point.y;
+    tile.z[cell] = own.point.z;
+    tile.normal_x[cell] = own.normal.x;
+    tile.normal_y[cell] = own.normal.y;
+    tile.normal_z[cell] = own.normal.z;
+    tile.up[cell] = own.up;
+    tile.area[cell] = own.area;
+    tile.two_sided[cell] = own.two_sided ? 1 : 0;
+    tile.forward[cell] = links.forward[static_cast<size_t>(index)];
+  });
+  const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];
+  for (int32_t e = ends[0]; e < ends[1]; ++e) {
+    const ReposeLinks::End& end = links.ends[static_cast<size_t>(e)];
+    tile.part[static_cast<size_t>(end.cell % kTileCells)] =
+        1.0f / std::max(shared::kLinks, static_cast<float>(end.links));
+  }
+  tile.has_pose = true;
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <glm/vec3.hpp>
+#include <glm/vec4.hpp>
+#include <vector>
+
+#include "snow/repose/tile.h"
+#include "snow/scene/scene_object.h"
+
+namespace snowbough::snow {
+
+/// An object's surface in the current pose, as repose needs it.
+class ReposeSurface {
+ public:
+  /// Evaluates the triangles; `object` and its positions must stay until the last call.
+  void set_pose(const SceneObject& object);
+
+  /// Volume in m3 of a unit in which snow moves: a power of two, shared::kUnitsAMetre of which lie
+  /// on a texel of mean area under a metre of snow.
+  float unit() const { return unit_; }
+
+  /// Fills in what a tile knows of the bare surface.
+  void fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const;
+
+  /// A point of a triangle by the weights of its second and third corner, from the anchor.
+  glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
+
+ private:
+  struct Texel {
+    glm::vec3 point{0.0f};
+    glm::vec3 normal{0.0f};
+    float area = 0.0f;
+    /// As for the capacity, see shaders/lib/texel_surface.h.
+    float up = 0.0f;
+    bool two_sided = false;
+  };
+  Texel texel(int32_t index) const;
+
+  const SceneObject* object_ = nullptr;
+  /// xyz: normal, w: area in m2.
+  std::vector<glm::vec4> triangles_;
+  glm::vec3 anchor_{0.0f};
+  float unit_ = 1.0f;
+};
+
+}  // namespace snowbough::snow

@@ -1,0 +1,210 @@
+#include "tree/original/unrolled.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <numbers>
+#include <tuple>
+
+#include "tree/original/triangle_tree.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// Coordinates that differ by less are the same.
+constexpr float kSameUv = 1e-3f;
+/// A corner this much nearer to the axis than the place has no direction of its own: a tip.
+constexpr double kOnAxis = 1e-3;
+/// Steps of a walk: faces are small against the original's triangles.
+constexpr int kMostSteps = 64;
+/// A limb's surface is nowhere this many times as far from its axis as nearby; another limb's may
+/// be.
+constexpr double kOtherLimb = 2.5;
+/// How far beyond an open edge coordinates run on, in heights of the triangle there.
+constexpr double kRunOn = 2.0;
+
+using Flat = std::array<glm::dvec2, 3>;
+
+double cross(const glm::dvec2& a, const glm::dvec2& b) {
+  return a.x * b.y - a.y * b.x;
+}
+
+/// A triangle's corners around the place: x along the limb's girth, y along the axis, metres. The
+/// place itself is (0, 0).
+Flat unroll(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners) {
+  const double radius = glm::length(place.across);
+  const glm::dvec3 out = radius > 0.0 ? place.across / radius : glm::dvec3(0.0);
+  const glm::dvec3 side = glm::cross(place.along, out);
+  Flat flat{};
+  std::array<bool, 3> on_axis{};
+  double sum = 0.0;
+  int count = 0;
+  for (int k = 0; k < 3; ++k) {
+    const glm::dvec3 from = corners[k] - place.axis;
+    const double x = glm::dot(from, side), y = glm::dot(from, out);
+    flat[k].y = glm::dot(from, place.along) - place.beyond;
+    on_axis[k] = std::hypot(x, y) <= kOnAxis * radius;
+    if (on_axis[k]) continue;
+    flat[k].x = std::atan2(x, y) * radius;
+    sum += flat[k].x;
+    ++count;
+  }
+  for (int k = 0; k < 3; ++k) {
+    if (on_axis[k]) flat[k].x = count > 0 ? sum / count : 0.0;
+  }
+  return flat;
+}
+
+/// Shares of the corners at (0, 0); of a triangle without area NaN.
+std::array<double, 3> shares_at_origin(const Flat& flat) {
+  const double area = cross(flat[1] - flat[0], flat[2] - flat[0]);
+  return {cross(flat[1], flat[2]) / area, cross(flat[2], flat[0]) / area,
+          cross(flat[0], flat[1]) / area};
+}
+
+/// The same at the triangle's point that is nearest to (0, 0).
+std::array<double, 3> nearest_shares(const Flat& flat) {
+  const auto flat3 = [](const glm::dvec2& p) { return glm::dvec3(p, 0.0); };
+  const glm::dvec3 near =
+      nearest_on_triangle(glm::dvec3(0.0), {flat3(flat[0]), flat3(flat[1]), flat3(flat[2])});
+  Flat moved = flat;
+  for (glm::dvec2& corner : moved) corner -= glm::dvec2(near);
+  return shares_at_origin(moved);
+}
+
+/// How far from the axis the point with these shares of a triangle's corners is.
+double radius_at(const AxisPlace& place, const std::array<glm::dvec3, 3>& corners,
+                 const std::array<double, 3>& shares) {
+  glm::dvec3 off = -place.axis;
+  for (int k = 0; k < 3; ++k) off += corners[k] * shares[k];
+  return glm::length(off - place.along * glm::dot(off, place.along));
+}
+
+bool finite(const std::array<double, 3>& shares) {
+  return std::isfinite(shares[0] + shares[1] + shares[2]);
+}
+
+}  // namespace
+
+Unrolled::Unrolled(const OriginalWood& wood) : wood_(wood), across_(wood.triangles.size()) {
+  for (size_t p = 0; p + 1 < wood.piece_begin.size(); ++p) {
+    join_edges(wood.piece_begin[p], wood.piece_begin[p + 1]);
+  }
+}
+
+void Unrolled::join_edges(int32_t begin, int32_t end) {
+  struct Edge {
+    int32_t a, b, triangle, k;
+  };
+  std::vector<Edge> edges;
+  edges.reserve(static_cast<size_t>(end - begin) * 3);
+  for (int32_t t = begin; t < end; ++t) {
+    for (int k = 0; k < 3; ++k) {
+      const int32_t a = wood_.triangles[t][k], b = wood_.triangles[t][(k + 1) % 3];
+      if (a != b) edges.push_back({std::min(a, b), std::max(a, b), t, k});
+    }
+  }
+  std::sort(edges.begin(), edges.end(), [](const Edge& e, const Edge& f) {
+    return std::tie(e.a, e.b, e.triangle, e.k) < std::tie(f.a, f.b, f.triangle, f.k);
+  });
+  for (size_t i = 0; i < edges.size();) {
+    size_t next = i + 1;
+    while (next < edges.size() && edges[next].a == edges[i].a && edges[next].b == edges[i].b)
+      ++next;
+    // Where more than two triangles meet, none goes on in another.
+    if (next - i == 2) {
+      const Edge &e = edges[i], &f = edges[i + 1];
+      across_[e.triangle][e.k] = across(e.triangle, e.k, f.triangle, f.k);
+      across_[f.triangle][f.k] = across(f.triangle, f.k, e.triangle, e.k);
+    } else if (next - i > 2) {
+      for (size_t j = i; j < next; ++j) across_[edges[j].triangle][edges[j].k].seam = true;
+    }
+    i = next;
+  }
+}
+
+Unrolled::Across Unrolled::across(int32_t t, int k, int32_t u, int l) const {
+  const bool same_way = wood_.triangles[t][k] == wood_.triangles[u][l];
+  const auto& here = wood_.uvs[t];
+  const auto& there = wood_.uvs[u];
+  const glm::vec2 first = here[k] - there[same_way ? l : (l + 1) % 3];
+  const glm::vec2 second = here[(k + 1) % 3] - there[same_way ? (l + 1) % 3 : l];
+  const glm::vec2 shift = glm::round(first);
+  const auto near = [&](const glm::vec2& difference) {
+    const glm::vec2 off = glm::abs(difference - shift);
+    return std::max(off.x, off.y) <= kSameUv;
+  };
+  return {u, shift, !near(first) || !near(second)};
+}
+
+UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
+  UnrolledPlace found;
+  glm::vec2 shift(0.0f);
+  int32_t at = from;
+  int32_t before = -1;
+  std::array<double, 3> shares{};
+  const auto corners = [&](int32_t t) {
+    const std::array<int32_t, 3>& v = wood_.triangles[t];
+    return std::array<glm::dvec3, 3>{wood_.vertices[v[0]], wood_.vertices[v[1]],
+                                     wood_.vertices[v[2]]};
+  };
+  for (int step = 0;; ++step) {
+    const Flat flat = unroll(place, corners(at));
+    shares = shares_at_origin(flat);
+    if (!finite(shares)) {
+      shares = nearest_shares(flat);
+      break;
+    }
+    // Over the edge behind which the place lies farthest. Corner k is opposite to edge k + 1.
+    int out = -1;
+    double farthest = -1e-9;
+    bool open = false;
+    for (int k = 0; k < 3; ++k) {
+      const Across& next = across_[at][(k + 1) % 3];
+      if (shares[k] >= farthest) continue;
+      open = open || (next.triangle < 0 && !next.seam);
+      if (next.triangle < 0 || next.seam || next.triangle == before) continue;
+      // A neighbour that folds back over this triangle leads nowhere.
+      const Flat beyond = unroll(place, corners(next.triangle));
+      const glm::dvec2 edge = flat[(k + 2) % 3] - flat[(k + 1) % 3];
+      const glm::dvec2 start = flat[(k + 1) % 3];
+      const double side = cross(edge, flat[k] - start);
+      bool goes_on = false;
+      for (const glm::dvec2& corner : beyond) {
+        goes_on = goes_on || cross(edge, corner - start) * side < -1e-12 * side * side;
+      }
+      if (!goes_on) continue;
+      out = k;
+      farthest = shares[k];
+    }
+    if (out < 0 || step == kMostSteps) {
+      const bool inside = *std::min_element(shares.begin(), shares.end()) >= -1e-9;
+      const bool runs_on = open && *std::min_element(shares.begin(), shares.end()) >= -kRunOn;
+      if (!inside && !runs_on) shares = nearest_shares(flat);
+      break;
+    }
+    const Across& next = across_[at][(out + 1) % 3];
+    shift += next.shift;
+    before = at;
+    at = next.triangle;
+  }
+  if (at != from) {
+    // In a crotch of a surface that forks the walk may have gone up the other limb.
+    const std::array<double, 3> first = nearest_shares(unroll(place, corners(from)));
+    if (radius_at(place, corners(at), shares) >
+        kOtherLimb * radius_at(place, corners(from), first)) {
+      at = from;
+      shares = first;
+      shift = glm::vec2(0.0f);
+    }
+  }
+  found.triangle = at;
+  if (!finite(shares)) shares = {1.0, 0.0, 0.0};
+  glm::dvec2 uv(shift);
+  for (int k = 0; k < 3; ++k) uv += glm::dvec2(wood_.uvs[at][k]) * shares[k];
+  found.uv = glm::vec2(uv);
+  return found;
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,20 @@
+// The smooth points of surfaces that are shaded smooth, see smooth_points.h: first their normals (with NORMALS), then
+// what lies there.
+#include "lib/smooth_points.h"
+
+layout(local_size_x = 64) in;
+#include "glsl/item_index.glsl"
+layout(std430) writeonly buffer Points { vec4 points[]; };
+uniform int count;
+
+void main() {
+  const int point = item_index();
+  if (point >= count) {
+    return;
+  }
+#ifdef NORMALS
+  points[point] = smooth_normal(point);
+#else
+  points[point] = smooth_point(point);
+#endif
+}

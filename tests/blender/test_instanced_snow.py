@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Instanced collections show their snow: every mesh in them that of its own map, where its instance stands."""
+
+import math
+
+import bpy
+import numpy as np
+import pytest
+import snow_scene as s
+from shell_scene import Geometry
+
+
+@pytest.fixture
+def instance(tmp_path):
+    """An empty that instances two squares with maps of other names, 1 m above each other; baked."""
+    low, high = s.square("Low", 2.0), s.square("High", 1.0, z=1.0)
+    high.data.uv_layers[0].name = "other"
+    collection = bpy.data.collections.new("Parts")
+    for obj in (low, high):
+        bpy.context.scene.collection.objects.unlink(obj)
+        collection.objects.link(obj)
+    collection.instance_offset = (0.0, 0.0, 0.5)
+    empty = bpy.data.objects.new("Instance", None)
+    empty.instance_type = "COLLECTION"
+    empty.instance_collection = collection
+    bpy.context.scene.collection.objects.link(empty)
+    empty.location = (5.0, 0.0, 2.0)
+    empty.rotation_euler.z = math.radians(45.0)
+    entry = bpy.context.scene.snowbough.receivers.add()
+    entry.object = empty
+    entry.resolution = 128
+    s.settings(tmp_path)
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    s.bake()
+    bpy.context.scene.frame_set(4)
+    return empty
+
+
+def test_every_member_has_its_own_shell_where_its_instance_stands(instance):
+    low, high = Geometry(bpy.data.objects["Low snow"]), Geometry(bpy.data.objects["High snow"])
+    assert high.points[:, 2].max() == pytest.approx(2.6, abs=0.02)
+    assert high.points[:, :2].mean(axis=0) == pytest.approx([5.0, 0.0], abs=0.02)
+    # Turned by 45 degrees, a corner of the square lies on the axis.
+    assert high.points[:, 0].max() == pytest.approx(5.0 + math.sqrt(0.5), abs=0.01)
+    # What lies below has the snow of its own map, and none where the other one shelters it.
+    middle = np.abs(low.points[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2
+    assert low.height.max() == pytest.approx(0.1, rel=0.03)
+    assert not middle.any() or low.height[middle].max() < 1e-4
+    assert high.height[np.abs(high.points[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2].min() > 0.09
+
+
+def test_shells_follow_the_empty(instance):
+    before = Geometry(bpy.data.objects["High snow"]).points
+    instance.location.x += 1.0
+    bpy.context.view_layer.update()
+    after = Geometry(bpy.data.objects["High snow"]).points
+    assert np.abs(after - before - [1.0, 0.0, 0.0]).max() < 1e-5
+
+
+def test_removing_takes_all_of_them_off(instance):
+    bpy.ops.snowbough.remove()
+    assert not [obj for obj in bpy.data.objects if obj.snowbough.is_shell]
