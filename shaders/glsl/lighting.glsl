@@ -13,7 +13,9 @@ float sunlit(vec3 position, vec3 normal) {
   const float texel = 2.0 / (length(vec3(view.shadow_from_world[0].x, view.shadow_from_world[1].x,
                                          view.shadow_from_world[2].x)) *
                              float(size.x));
-  const vec3 at = (view.shadow_from_world * vec4(position + 2.0 * texel * normal, 1.0)).xyz * 0.5 + 0.5;
+  vec3 at = (view.shadow_from_world * vec4(position + 2.0 * texel * normal, 1.0)).xyz * 0.5 + 0.5;
+  // What lies behind all that casts shadows, as the ground far off, is behind all of the map.
+  at.z = min(at.z, 1.0);
   if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) {
     return 1.0;
   }

@@ -282,9 +282,10 @@ def test_leaves_have_holes_where_their_image_has(renderer):
     assert lower[3] == 0
 
 
-def test_leaves_cast_the_shadow_of_their_image(renderer):
+@pytest.mark.parametrize("wall", [2, 60])
+def test_leaves_cast_the_shadow_of_their_image_however_far_it_falls(renderer, wall):
     renderer.add_mesh(
-        "wall", [(-3, 2, 0), (3, 2, 0), (3, 2, 5), (-3, 2, 5)], [(0, 1, 2), (0, 2, 3)], (0.5, 0.5, 0.5)
+        "wall", [(-3, wall, 0), (3, wall, 0), (3, wall, 5), (-3, wall, 5)], [(0, 1, 2), (0, 2, 3)]
     )
     image = np.full((8, 8, 4), 255, np.uint8)
 
@@ -294,7 +295,7 @@ def test_leaves_cast_the_shadow_of_their_image(renderer):
         renderer.set_leaves(
             "tree", np.array([(a, b, c), (a, c, d)], np.float32), [0, 0], colors=[(1, 1, 1)], images=[image]
         )
-        camera = native.Camera(eye=(-6, -1.0, 2), target=(-0.7, 2, 2), width=100, height=100)
+        camera = native.Camera(eye=(-0.7, wall - 3, 2), target=(-0.7, wall, 2), width=100, height=100)
         return renderer.render(camera, native.RenderSettings(sun_direction=(0, -1, 0)))[50, 50, 0]
 
     assert shade(0) > shade(255) + 40
