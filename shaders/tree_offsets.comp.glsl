@@ -4,11 +4,14 @@
 layout(local_size_x = 64) in;
 /// Replaced by the sums over the work groups before.
 layout(std430) buffer GroupCounts { uvec2 group_counts[]; };
-/// Of the plain patches (two triangles each), then of the tessellated ones (one control point each).
-layout(std430) writeonly buffer DrawCommands { TreeDrawCommand commands[2]; };
+/// Of the plain patches (two triangles each), then of the tessellated ones (one control point each) in `draws` parts.
+layout(std430) writeonly buffer DrawCommands { TreeDrawCommand commands[]; };
 uniform int count;
+uniform int draws;
+uniform int patches_a_draw;
 
 shared uvec2 sums[64];
+shared uvec2 total;
 
 void main() {
   const int each = (count + 63) / 64;
@@ -31,7 +34,15 @@ void main() {
     before += here;
   }
   if (self == 63) {
-    commands[0] = TreeDrawCommand(6u * before.x, 1u, 0u, 0u);
-    commands[1] = TreeDrawCommand(before.y, 1u, 0u, 0u);
+    total = before;
+  }
+  barrier();
+  if (self == 0) {
+    commands[0] = TreeDrawCommand(6u * total.x, 1u, 0u, 0u);
+  }
+  for (int i = self; i < draws; i += 64) {
+    const int first = i * patches_a_draw;
+    const int left = clamp(int(total.y) - first, 0, patches_a_draw);
+    commands[1 + i] = TreeDrawCommand(uint(left), 1u, uint(first), 0u);
   }
 }

@@ -144,15 +144,16 @@ void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
   }
 }
 
-void Scene::prepare_trees() {
+void Scene::prepare_trees(const RenderSettings& settings) {
   const auto each = [&](const char* pass, auto&& work) {
     const auto measured = timer_.measure(pass);
     for (const auto& [name, of] : trees_) work(*of);
   };
   each("pose", [&](Tree& of) { passes_.pose(of.buffers, of.camera_view); });
   each("edges", [&](Tree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
-  each("classify",
-       [&](Tree& of) { passes_.classify(of.buffers, of.buffers.camera, of.camera_view); });
+  each("classify", [&](Tree& of) {
+    passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+  });
 }
 
 void Scene::draw_shadows(const RenderSettings& settings) {
@@ -165,7 +166,7 @@ void Scene::draw_shadows(const RenderSettings& settings) {
   glDisable(GL_CULL_FACE);
   for (const auto& [name, of] : trees_) {
     TreeDrawList& list = of->buffers.sun;
-    passes_.classify(of->buffers, list, of->sun_view);
+    passes_.classify(of->buffers, list, of->sun_view, settings.max_level);
     passes_.draw_plain(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
     passes_.draw_tessellated(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
     if (of->leaves) {
@@ -233,7 +234,9 @@ void Scene::draw_picture(const Target& target, const RenderSettings& settings) {
 void Scene::count_patches() {
   for (const auto& [name, of] : trees_) {
     const auto commands = of->buffers.camera.commands.read_all<shared::TreeDrawCommand>();
-    const int64_t plain = commands[0].count / 6, tessellated = commands[1].count;
+    const int64_t plain = commands[0].count / 6;
+    int64_t tessellated = 0;
+    for (int32_t i = 1; i <= of->buffers.camera.draws; ++i) tessellated += commands[i].count;
     statistics_->plain += plain;
     statistics_->tessellated += tessellated;
     statistics_->dropped += of->buffers.patch_count - plain - tessellated;
@@ -254,7 +257,7 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
     for_pixels.min_pixels *= 2.0f;
   }
   write_views(of_pixels, for_pixels);
-  prepare_trees();
+  prepare_trees(settings);
   draw_shadows(settings);
   const Target& picture = picture_.of_size(camera.width, camera.height);
   if (settings.antialias) {
@@ -293,7 +296,7 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
   write_views(camera, settings);
   passes_.pose(of.buffers, of.camera_view);
   passes_.edge_levels(of.buffers, of.camera_view);
-  passes_.classify(of.buffers, of.buffers.camera, of.camera_view);
+  passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
   const gpu::Texture none;
   TreeDrawList& list = of.buffers.camera;
   const auto draw_plain = [&](Kind kind) {

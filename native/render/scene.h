@@ -54,7 +54,7 @@ class Scene {
   void require_new(const std::string& name) const;
   Bounds bounds() const;
   void write_views(const Camera& camera, const RenderSettings& settings);
-  void prepare_trees();
+  void prepare_trees(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
   void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings);

@@ -1,6 +1,10 @@
 #include "render/tree_passes.h"
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
+
+#include "gpu/egl_context.h"
 
 namespace snowbough::render {
 namespace {
@@ -8,6 +12,18 @@ namespace {
 constexpr int32_t kLocalSize = 64;
 /// Work groups that OpenGL promises a dimension.
 constexpr size_t kMostGroups = 65535;
+
+/// Mesa's software renderers number the vertices that a draw's tessellation makes with 16 bits.
+constexpr int32_t kSoftwareVertices = 65535;
+/// Highest level that OpenGL promises.
+constexpr float kHighestLevel = 64.0f;
+
+/// Most patches of a level that a draw may have on a software renderer. Fractional odd spacing
+/// takes the next odd number of parts.
+int32_t software_patches(float max_level) {
+  const auto parts = static_cast<int32_t>(std::ceil(max_level)) | 1;
+  return kSoftwareVertices / ((parts + 1) * (parts + 1));
+}
 
 int64_t bytes_of(size_t count, size_t size) {
   return static_cast<int64_t>(count * size);
@@ -31,10 +47,10 @@ gpu::Program& begin(gpu::ProgramVariants& shading, gpu::ProgramVariants& capture
 
 /// Draws, with transform feedback around it where that is what the draw is for.
 void draw(gpu::Program& program, TreePasses::Kind kind, GLenum mode, const gpu::Buffer& commands,
-          int64_t offset) {
+          int64_t offset, int32_t draws) {
   const bool captures = kind == TreePasses::Kind::kCapture;
   if (captures) glBeginTransformFeedback(GL_TRIANGLES);
-  program.draw_indirect(mode, commands, offset);
+  program.draw_indirect(mode, commands, offset, draws);
   if (captures) glEndTransformFeedback();
 }
 
@@ -70,7 +86,8 @@ TreeDrawList::TreeDrawList(size_t patches)
       group_counts(bytes_of(patch_groups(patches), 2 * sizeof(uint32_t))),
       plain(bytes_of(patches, sizeof(uint32_t))),
       tessellated(bytes_of(patches, sizeof(uint32_t))),
-      commands(bytes_of(2, sizeof(shared::TreeDrawCommand))) {}
+      commands(bytes_of(2 + patches / software_patches(kHighestLevel),
+                        sizeof(shared::TreeDrawCommand))) {}
 
 TreeBuffers::TreeBuffers(const TreePatches& tree)
     : vertex_count(static_cast<int32_t>(tree.vertices.size())),
@@ -114,7 +131,8 @@ void TreePasses::edge_levels(TreeBuffers& tree, const gpu::Buffer& view) {
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
-void TreePasses::classify(TreeBuffers& tree, TreeDrawList& list, const gpu::Buffer& view) {
+void TreePasses::classify(TreeBuffers& tree, TreeDrawList& list, const gpu::Buffer& view,
+                          float max_level) {
   const auto groups = static_cast<int32_t>(patch_groups(static_cast<size_t>(tree.patch_count)));
   classify_.use();
   classify_.bind("ViewBlock", view);
@@ -127,10 +145,16 @@ void TreePasses::classify(TreeBuffers& tree, TreeDrawList& list, const gpu::Buff
   classify_.dispatch(groups);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 
+  const int32_t patches_a_draw = gpu::renders_in_software()
+                                     ? std::min(tree.patch_count, software_patches(max_level))
+                                     : tree.patch_count;
+  list.draws = gpu::group_count(tree.patch_count, patches_a_draw);
   offsets_.use();
   offsets_.bind("GroupCounts", list.group_counts);
   offsets_.bind("DrawCommands", list.commands);
   offsets_.set("count", groups);
+  offsets_.set("draws", list.draws);
+  offsets_.set("patches_a_draw", patches_a_draw);
   offsets_.dispatch(1);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 
@@ -153,7 +177,7 @@ void TreePasses::draw_plain(TreeBuffers& tree, TreeDrawList& list, const gpu::Bu
   program.bind("PosedVertices", tree.posed);
   program.bind("TreePatches", tree.patches);
   program.bind("PlainPatches", list.plain);
-  draw(program, kind, GL_TRIANGLES, list.commands, 0);
+  draw(program, kind, GL_TRIANGLES, list.commands, 0, 1);
 }
 
 void TreePasses::draw_tessellated(TreeBuffers& tree, TreeDrawList& list, const gpu::Buffer& view,
@@ -169,7 +193,7 @@ void TreePasses::draw_tessellated(TreeBuffers& tree, TreeDrawList& list, const g
   program.bind("EdgeLevels", tree.edge_levels);
   program.bind("TessellatedPatches", list.tessellated);
   glPatchParameteri(GL_PATCH_VERTICES, 1);
-  draw(program, kind, GL_PATCHES, list.commands, sizeof(shared::TreeDrawCommand));
+  draw(program, kind, GL_PATCHES, list.commands, sizeof(shared::TreeDrawCommand), list.draws);
 }
 
 }  // namespace snowbough::render

@@ -25,8 +25,9 @@ struct TreeDrawList {
   gpu::Buffer group_counts;
   gpu::Buffer plain;
   gpu::Buffer tessellated;
-  /// Two TreeDrawCommand: plain, tessellated.
+  /// A TreeDrawCommand of the plain patches, then `draws` of the tessellated ones.
   gpu::Buffer commands;
+  int32_t draws = 1;
 };
 
 /// A tree on the GPU: uploaded once, but for its pose.
@@ -57,7 +58,8 @@ class TreePasses {
   /// The tessellation level of each edge.
   void edge_levels(TreeBuffers& tree, const gpu::Buffer& view);
   /// Sorts patches into dropped, plain and tessellated and writes their lists and draws.
-  void classify(TreeBuffers& tree, TreeDrawList& list, const gpu::Buffer& view);
+  /// `max_level`: the highest level that an edge of the view can have.
+  void classify(TreeBuffers& tree, TreeDrawList& list, const gpu::Buffer& view, float max_level);
 
   /// What a draw makes.
   enum class Kind : uint8_t { kShaded, kWire, kDepth, kCapture };

@@ -2,12 +2,14 @@
 
 import math
 from collections import Counter
+from pathlib import Path
 
 import numpy as np
 import pytest
 import snowbough_native as native
 from test_tree_mesh import small_tree
 
+MAPLE = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
 FIELD_OF_VIEW = 0.7
 HEIGHT = 480
 #: Everything is in the picture and nothing is too small for it.
@@ -165,6 +167,16 @@ def test_the_tessellated_surface_is_closed_to_the_bit(mesh, metric, target):
     assert len(np.unique(levels["edge"])) > 20
     assert closed(found)
     assert not closed(np.delete(found, 100, axis=0))
+
+
+def test_a_draw_of_more_vertices_than_16_bits_count_is_closed():
+    tree = native.build_tree_mesh(native.read_tree(MAPLE))
+    with native.Renderer() as renderer:
+        renderer.add_tree("tree", tree)
+        camera = native.Camera(eye=(3, -4, 1.5), target=(0, 0, 1.5), width=4096, height=4096)
+        found = renderer.triangles("tree", camera, native.RenderSettings(target_pixels=4, **WHOLE))
+    assert len(found) > 2 * 65536
+    assert closed(found)
 
 
 @pytest.mark.parametrize(
