@@ -39,6 +39,8 @@ KERNEL_CONSTANT float kEven = 0.95f;
 /// it hangs over. At most it is all of it: on a ridge, where snow's surface fans out along the normals, it would hold
 /// itself up by its own thickness.
 KERNEL_CONSTANT float kLeastWay = 0.25f;
+/// And at most: snow reaches out a little beyond what carries it, but does not carry itself.
+KERNEL_CONSTANT float kMostWay = 1.3f;
 
 /// On which side of a surface snow lies: 1 along the normal, -1 against it. `height`: signed; `up`: upward part of
 /// the normal. A bare surface that takes snow on both sides shows the one that faces up.
@@ -54,7 +56,7 @@ SNOWBOUGH_SHARED_FUNCTION bool is_wall(float up) { return up < kWallUp; }
 SNOWBOUGH_SHARED_FUNCTION float link_limit(float way_x, float way_y, float snow_x, float snow_y, float slope) {
   const float way = sqrt(way_x * way_x + way_y * way_y);
   const float along = way > 0.0f ? (snow_x * way_x + snow_y * way_y) / way : 0.0f;
-  return kEven * slope * clamp(along, kLeastWay * way, way);
+  return kEven * slope * clamp(along, kLeastWay * way, kMostWay * way);
 }
 
 /// Units of volume that flow for a metre of excess. `stiffness` of an end: metres by which a unit lifts its

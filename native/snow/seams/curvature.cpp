@@ -13,7 +13,7 @@ namespace {
 constexpr LayerTerms kFlat{1.0f, 0.0f, 0.0f};
 /// Normals at more than about 80 degrees from the face would make heights explode.
 constexpr float kLeastCosine = 0.2f;
-constexpr float kMostGrowth = 2.0f;
+constexpr float kMostGrowth = 1.25f;
 /// How near a layer comes to folding.
 constexpr float kFold = 0.98f;
 constexpr int kNewtonSteps = 5;
