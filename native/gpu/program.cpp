@@ -261,4 +261,12 @@ void Program::draw(GLenum mode, int32_t first, int32_t count) {
   }
 }
 
+void Program::draw_indirect(GLenum mode, const Buffer& arguments, int64_t offset, int32_t draws) {
+  require_ready();
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, arguments.id());
+  glMultiDrawArraysIndirect(mode, reinterpret_cast<const void*>(static_cast<intptr_t>(offset)),
+                            draws, 0);
+  glBindBuffer(GL_DRAW_INDIRECT_BUFFER, 0);
+}
+
 }  // namespace snowbough::gpu

@@ -6,6 +6,8 @@
 #include <string>
 
 #include "bindings.h"
+#include "bound_mesh.h"
+#include "choose.h"
 #include "numpy_arrays.h"
 #include "python_progress.h"
 #include "tree/build_tree_mesh.h"
@@ -21,27 +23,6 @@ namespace snowbough::python {
 namespace {
 
 using namespace snowbough::tree;
-
-/// A mesh as Python sees it: the arrays, and what building it had to say.
-struct BoundMesh {
-  TreeMesh mesh;
-  BuildReport report;
-  /// After reduce_bones: old bone -> new bone.
-  std::vector<int32_t> bone_map;
-};
-
-template <typename Choice>
-Choice choose(const std::string& option, const std::string& value,
-              std::initializer_list<std::pair<const char*, Choice>> choices) {
-  std::string known;
-  for (const auto& [name, choice] : choices) {
-    if (value == name) {
-      return choice;
-    }
-    known += (known.empty() ? "" : ", ") + std::string(name);
-  }
-  throw std::invalid_argument(option + " must be one of " + known + ", not '" + value + "'");
-}
 
 py::ssize_t size(size_t count) {
   return static_cast<py::ssize_t>(count);

@@ -17,6 +17,7 @@ PYBIND11_MODULE(snowbough_native, module) {
   snowbough::python::bind_gpu(module);
   snowbough::python::bind_snow(module);
   snowbough::python::bind_snow_state(module);
+  snowbough::python::bind_render(module);
   snowbough::python::bind_image(module);
   snowbough::python::bind_maps(module);
 }

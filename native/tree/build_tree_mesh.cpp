@@ -8,6 +8,7 @@
 #include "tree/crossings/relief.h"
 #include "tree/detail/refine.h"
 #include "tree/mesh/bones.h"
+#include "tree/mesh/limb_sections.h"
 #include "tree/mesh/lod.h"
 #include "tree/mesh/weights.h"
 #include "tree/surface/limb_path.h"
@@ -139,6 +140,7 @@ TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& option
     mesh.bone_weights = std::move(weights.weights);
     mesh.bones = std::move(armature.bones);
     mesh.uv_bark = layout_bark_uvs(surface);
+    if (options.lod == 0 && !options.detail) mesh.sections = limb_sections(surface);
     if (report != nullptr) check = check_mesh(mesh.vertices, mesh.quads);
   };
   // Charts take as long as all that follows from the surface otherwise.

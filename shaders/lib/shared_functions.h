@@ -12,6 +12,7 @@
 #include <glm/common.hpp>
 #include <glm/exponential.hpp>
 #include <glm/geometric.hpp>
+#include <glm/trigonometric.hpp>
 #include <glm/vector_relational.hpp>
 #define SNOWBOUGH_SHARED_FUNCTION inline
 namespace snowbough::shared {
@@ -24,6 +25,7 @@ using glm::length;
 using glm::max;
 using glm::min;
 using glm::sqrt;
+using glm::tan;
 using glm::vec3;
 }  // namespace snowbough::shared
 #endif

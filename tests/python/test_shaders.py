@@ -13,7 +13,8 @@ import pytest
 import snowbough_native
 
 FOLDER = Path(__file__).resolve().parents[2] / "shaders"
-PASSES = FOLDER.parent / "native" / "snow"
+# Folders of the passes that run the shaders.
+PASSES = ["native/snow/*/gl/*", "native/render/*"]
 # The order in which a program's stages follow each other, and what glslangValidator calls them.
 STAGES = ["vert", "tesc", "tese", "geom", "frag", "comp"]
 # What is defined with a value, and values that it has.
@@ -101,6 +102,8 @@ def test_every_glsl_file_is_a_stage_of_a_program_or_included_by_one():
 
 def test_every_switch_of_a_shader_is_set_by_a_pass():
     switches = {name for files in programs().values() for file in files for name, _ in choices(file)}
-    passes = "".join(path.read_text() for path in PASSES.glob("*/gl/*"))
+    passes = "".join(
+        path.read_text() for glob in PASSES for path in FOLDER.parent.glob(glob) if path.is_file()
+    )
     assert len(switches) > 3
     assert {name for name in switches if f'"{name}"' not in passes and f'"{name} "' not in passes} == set()

@@ -9,6 +9,7 @@
 #include <utility>
 
 #include "tree/mesh/edges.h"
+#include "tree/mesh/limb_sections.h"
 #include "tree/mesh/weights.h"
 
 namespace snowbough::tree {
@@ -20,69 +21,16 @@ constexpr double kRimSmoothing = 0.4;
 /// Edges or faces that a thread takes at a time.
 constexpr size_t kBlock = 4096;
 
-/// The stretch of a limb between two rings, as a round cone on an infinite line.
-struct Section {
-  glm::dvec3 begin{0.0};
-  glm::dvec3 axis{0.0};
-  double length = 0.0;
-  double begin_radius = 0.0;
-  double end_radius = 0.0;
-  /// Begins at a hole in a parent's side: becomes round over its first width only, or the heel of a
-  /// branch that leaves at a flat angle would swell out of its parent.
-  bool from_hole = false;
-  /// Branches that continue one another are one limb.
-  int32_t limb = -1;
-
-  glm::dvec3 rounded(const glm::dvec3& p) const {
-    const double along = glm::dot(p - begin, axis);
-    const glm::dvec3 foot = begin + axis * along;
-    const glm::dvec3 off = p - foot;
-    const double distance = glm::length(off);
-    if (distance < 1e-3 * std::min(begin_radius, end_radius)) {
-      return p;
-    }
-    const double t = std::clamp(along / length, 0.0, 1.0);
-    const glm::dvec3 round =
-        foot + off * ((begin_radius + (end_radius - begin_radius) * t) / distance);
-    const double share =
-        from_hole ? std::clamp(along / std::min(2.0 * begin_radius, length), 0.0, 1.0) : 1.0;
-    return p + (round - p) * share;
-  }
-};
-
 /// All sections, limb by limb, and where each branch's begin.
 struct Sections {
-  std::vector<Section> all;
+  std::vector<LimbSection> all;
   std::vector<int32_t> first;
 
-  explicit Sections(const Surface& surface) {
-    std::vector<int32_t> limb_of_vertex(surface.vertices.size(), -1);
-    std::vector<uint8_t> is_child(surface.limbs.size(), 0);
-    for (const Junction& junction : surface.junctions) {
-      is_child[junction.child] = 1;
-    }
-    const double to_radius = std::sqrt(2.0 / M_PI);
-    for (size_t b = 0; b < surface.limbs.size(); ++b) {
-      const LimbSurface& limb = surface.limbs[b];
-      first.push_back(static_cast<int32_t>(all.size()));
-      const int32_t name = limb.continues_parent ? limb_of_vertex[limb.rings[0].vertices[0]]
-                                                 : static_cast<int32_t>(b);
-      for (size_t row = 0; row + 1 < limb.rings.size(); ++row) {
-        const Ring& a = limb.rings[row];
-        const Ring& c = limb.rings[row + 1];
-        Section section;
-        section.begin = a.centre;
-        section.length = std::max(glm::distance(a.centre, c.centre), 1e-30);
-        section.axis = (c.centre - a.centre) / section.length;
-        section.begin_radius = a.corner * to_radius;
-        section.end_radius = c.corner * to_radius;
-        section.from_hole = row == 0 && name == static_cast<int32_t>(b) && is_child[b] != 0;
-        section.limb = name;
-        all.push_back(section);
-      }
-      for (int32_t v : limb.rings.back().vertices) {
-        limb_of_vertex[v] = name;
-      }
+  explicit Sections(const Surface& surface) : all(limb_sections(surface)) {
+    int32_t next = 0;
+    for (const LimbSurface& limb : surface.limbs) {
+      first.push_back(next);
+      next += static_cast<int32_t>(limb.rings.size()) - 1;
     }
   }
 
@@ -111,7 +59,7 @@ struct SectionSet {
     }
     glm::dvec3 sum(0.0);
     for (int i = 0; i < count; ++i) {
-      sum += sections.all[members[i]].rounded(p);
+      sum += on_limb(sections.all[members[i]], p);
     }
     return sum / static_cast<double>(count);
   }
@@ -148,7 +96,7 @@ class Subdivider {
       }
     }
     for (size_t v = 0; v < points_.size(); ++v) {
-      points_[v] = inset[v] >= 0 ? sections_.all[inset[v]].rounded(points_[v])
+      points_[v] = inset[v] >= 0 ? on_limb(sections_.all[inset[v]], points_[v])
                                  : around[v].rounded(sections_, points_[v]);
       rim_[v] = around[v].joins_limbs(sections_) ? 1 : 0;
     }
@@ -195,7 +143,7 @@ class Subdivider {
     const bool inset = left.part == FacePart::kInset || right.part == FacePart::kInset;
     if (inset && left.branch != right.branch) {
       const int32_t parent = sections_.of(left.part == FacePart::kInset ? left : right);
-      points_[v] = sections_.all[parent].rounded(middle);
+      points_[v] = on_limb(sections_.all[parent], middle);
     } else {
       points_[v] = around.rounded(sections_, middle);
     }

@@ -44,6 +44,21 @@ struct FaceOrigin {
   FacePart part = FacePart::kWall;
 };
 
+/// The stretch of a limb between two of its rings, as a round cone on an infinite line. Metres.
+struct LimbSection {
+  glm::dvec3 begin{0.0};
+  /// Unit vector.
+  glm::dvec3 axis{0.0};
+  double length = 0.0;
+  double begin_radius = 0.0;
+  double end_radius = 0.0;
+  /// Begins at a hole in a parent's side: becomes round over its first width only, or the heel of a
+  /// branch that leaves at a flat angle would swell out of its parent.
+  bool from_hole = false;
+  /// Branches that continue one another are one limb.
+  int32_t limb = -1;
+};
+
 /// The bones of the armature: one a skeleton segment, parents before children.
 struct Bones {
   std::vector<glm::vec3> heads;
@@ -79,6 +94,8 @@ struct TreeMesh {
   std::vector<uint8_t> continues_parent;
   /// Per branch: rows of its strip at level 0; its rings are 0..branch_rows.
   std::vector<int32_t> branch_rows;
+  /// Of the four-sided base alone, else empty: the limbs' round shape, branch_rows a branch.
+  std::vector<LimbSection> sections;
   /// Per vertex: up to four bones, weight 0 where unused; weights sum to 1.
   std::vector<std::array<int32_t, 4>> bone_indices;
   std::vector<std::array<float, 4>> bone_weights;

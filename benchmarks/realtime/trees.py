@@ -1,0 +1,114 @@
+"""How fast a tree is drawn from near and far, as the tables 3.1 and 3.2 of the thesis measure it.
+
+    PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/trees.py [TREE.obj] [--size 1280 720] [--frames 20]
+
+Prints a markdown table for the driver at hand: GPU time and wall time of a frame (the picture's way back to the
+processor is in the wall time), patches by class and triangles, by distance, for both metrics; the same tree with
+nothing tessellated; and the same tree as a plain mesh subdivided in advance. The thesis's frame rates stand beside
+them: a GTX 460 and another tree, so a scale and not a contest. On a software renderer the table shows how the work
+grows, not how fast a card does it.
+"""
+
+import argparse
+import statistics
+from pathlib import Path
+
+import numpy as np
+import snowbough_native as native
+
+ROOT = Path(__file__).resolve().parents[2]
+#: Metres from the tree: frames a second and polygons of table 3.1, on a GTX 460.
+THESIS = {
+    10: (279.7, 195_353),
+    20: (527.4, 26_782),
+    40: (696.8, 6_776),
+    60: (791.0, 1_624),
+    80: (791.3, 1_624),
+}
+FIELD_OF_VIEW = 0.8
+#: Levels of the mesh that is subdivided in advance.
+STATIC_LEVELS = 2
+
+
+def camera_at(mesh, away, size):
+    middle = (mesh.vertices.min(0) + mesh.vertices.max(0)) / 2
+    eye = middle + (0, -away, 0)
+    return native.Camera(eye=eye, target=middle, width=size[0], height=size[1], field_of_view=FIELD_OF_VIEW)
+
+
+def ways(arguments):
+    """What is compared: name, whether the tree is a plain mesh, settings."""
+    common = {"shadow_resolution": 0 if arguments.no_shadows else 1024}
+    yield "SCREEN", False, native.RenderSettings(**common)
+    yield "THESIS", False, native.RenderSettings(metric="THESIS", max_area=0.02, **common)
+    yield "nothing tessellated", False, native.RenderSettings(max_level=1, min_pixels=0, **common)
+    yield f"mesh of lod {STATIC_LEVELS}", True, native.RenderSettings(**common)
+
+
+def measured(renderer, camera, settings, frames):
+    """Medians over frames, the first of which compiles shaders and does not count."""
+    found = []
+    for _ in range(frames + 1):
+        renderer.render(camera, settings)
+        found.append(renderer.statistics())
+    found = found[1:]
+    return found[-1], *(
+        statistics.median(one[key] for one in found) for key in ("gpu_seconds", "wall_seconds")
+    )
+
+
+def row(*cells):
+    print("| " + " | ".join(str(cell) for cell in cells) + " |")
+
+
+def table(renderer, mesh, arguments, static):
+    row(
+        "way",
+        "metres",
+        "dropped",
+        "plain",
+        "tessellated",
+        "triangles",
+        "GPU ms",
+        "wall ms",
+        "thesis: 1/s, polygons",
+    )
+    row(*["---"] * 9)
+    for name, is_static, settings in ways(arguments):
+        if is_static != static:
+            continue
+        for away, (rate, polygons) in THESIS.items():
+            camera = camera_at(mesh, away, arguments.size)
+            one, gpu, wall = measured(renderer, camera, settings, arguments.frames)
+            patches = ["-"] * 3 if static else [one[key] for key in ("dropped", "plain", "tessellated")]
+            said = f"{rate}, {polygons}" if name == "THESIS" else ""
+            row(name, away, *patches, one["triangles"], f"{gpu * 1e3:.2f}", f"{wall * 1e3:.2f}", said)
+    print()
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("tree", nargs="?", default=ROOT / "tests" / "data" / "small_maple.obj")
+    parser.add_argument("--size", nargs=2, type=int, default=(1280, 720), metavar=("WIDTH", "HEIGHT"))
+    parser.add_argument("--frames", type=int, default=20)
+    parser.add_argument("--no-shadows", action="store_true")
+    arguments = parser.parse_args()
+    skeleton = native.read_tree(arguments.tree)
+    mesh = native.build_tree_mesh(skeleton)
+    fine = native.build_tree_mesh(skeleton, lod=STATIC_LEVELS)
+    with native.Renderer() as renderer:
+        print(
+            f"{Path(arguments.tree).name}: {len(skeleton.branches)} branches, {len(mesh.quads)} patches; ",
+            end="",
+        )
+        print(f"{arguments.size[0]} x {arguments.size[1]}, {arguments.frames} frames; {renderer.driver}\n")
+        renderer.add_tree("tree", mesh)
+        table(renderer, mesh, arguments, static=False)
+        renderer.remove("tree")
+        halves = np.concatenate([fine.quads[:, [0, 1, 2]], fine.quads[:, [0, 2, 3]]])
+        renderer.add_mesh("tree", fine.vertices, halves, (0.2, 0.15, 0.1))
+        table(renderer, mesh, arguments, static=True)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "tree/build_tree_mesh.h"
+
+namespace snowbough::python {
+
+/// A mesh as Python sees it: the arrays, and what building it had to say.
+struct BoundMesh {
+  tree::TreeMesh mesh;
+  tree::BuildReport report;
+  /// After reduce_bones: old bone -> new bone.
+  std::vector<int32_t> bone_map;
+};
+
+}  // namespace snowbough::python

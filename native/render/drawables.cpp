@@ -1,0 +1,144 @@
+#include "render/drawables.h"
+
+#include <algorithm>
+#include <bit>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "shaders/lib/leaf_vertex.h"
+
+namespace snowbough::render {
+namespace {
+
+using glm::vec3;
+using glm::vec4;
+
+void require(bool right, const std::string& what) {
+  if (!right) throw std::invalid_argument(what);
+}
+
+vec3 unit(const vec3& v) {
+  const float length = glm::length(v);
+  return length > 0.0f ? v / length : vec3(0.0f, 0.0f, 1.0f);
+}
+
+void check(const LeafSource& source, int32_t bone_count) {
+  const size_t triangles = source.bone.size();
+  require(source.positions.size() == 3 * triangles && source.uv.size() == 3 * triangles &&
+              source.material.size() == triangles,
+          "leaves: positions and uv need three entries a triangle, bone and material one");
+  for (size_t i = 0; i < triangles; ++i) {
+    require(source.bone[i] >= 0 && source.bone[i] < bone_count,
+            "leaves: triangle " + std::to_string(i) + " hangs on bone " +
+                std::to_string(source.bone[i]) + " of " + std::to_string(bone_count));
+    require(source.material[i] >= 0 &&
+                source.material[i] < static_cast<int32_t>(source.materials.size()),
+            "leaves: triangle " + std::to_string(i) + " names material " +
+                std::to_string(source.material[i]) + " of " +
+                std::to_string(source.materials.size()));
+  }
+}
+
+gpu::Texture image_texture(const LeafSource::Image& image) {
+  const bool empty = image.rgba.empty();
+  const int32_t width = empty ? 1 : image.width, height = empty ? 1 : image.height;
+  require(width > 0 && height > 0 &&
+              (empty || image.rgba.size() == static_cast<size_t>(width) * height * 4),
+          "leaves: an image must have height x width x 4 bytes");
+  const std::vector<uint8_t> white(4, 255);
+  gpu::Texture texture(GL_SRGB8_ALPHA8, width, height, 0, GL_LINEAR);
+  texture.write(0, GL_RGBA, GL_UNSIGNED_BYTE, empty ? white.data() : image.rgba.data());
+  glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
+  glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
+  return texture;
+}
+
+}  // namespace
+
+LeafBuffers::LeafBuffers(const LeafSource& source, int32_t bone_count) {
+  check(source, bone_count);
+  std::vector<shared::LeafVertex> made;
+  made.reserve(source.positions.size());
+  for (size_t m = 0; m < source.materials.size(); ++m) {
+    Part part;
+    part.first_vertex = static_cast<int32_t>(made.size());
+    part.color = source.materials[m].color;
+    part.image = image_texture(source.materials[m].image);
+    for (size_t i = 0; i < source.bone.size(); ++i) {
+      if (source.material[i] != static_cast<int32_t>(m)) continue;
+      const vec3* p = &source.positions[3 * i];
+      const vec3 normal = unit(glm::cross(p[1] - p[0], p[2] - p[0]));
+      for (size_t k = 0; k < 3; ++k) {
+        const glm::vec2 uv = source.uv[3 * i + k];
+        made.push_back({vec4(p[k], std::bit_cast<float>(source.bone[i])), vec4(normal, uv.x),
+                        vec4(uv.y, 0.0f, 0.0f, 0.0f)});
+      }
+    }
+    part.vertex_count = static_cast<int32_t>(made.size()) - part.first_vertex;
+    parts.push_back(std::move(part));
+  }
+  vertices = gpu::Buffer(made);
+}
+
+MeshBuffers::MeshBuffers(const MeshSource& source)
+    : corner_count(3 * static_cast<int32_t>(source.triangles.size())), color(source.color) {
+  std::vector<vec3> normals(source.vertices.size(), vec3(0.0f));
+  for (const auto& triangle : source.triangles) {
+    for (const int32_t v : triangle) {
+      require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
+              "a triangle names vertex " + std::to_string(v) + " of " +
+                  std::to_string(source.vertices.size()));
+    }
+    const vec3 a = source.vertices[triangle[0]];
+    const vec3 across =
+        glm::cross(source.vertices[triangle[1]] - a, source.vertices[triangle[2]] - a);
+    for (const int32_t v : triangle) normals[v] += across;
+  }
+  std::vector<vec4> made;
+  made.reserve(2 * normals.size());
+  for (size_t v = 0; v < normals.size(); ++v) {
+    made.emplace_back(source.vertices[v], 1.0f);
+    made.emplace_back(unit(normals[v]), 0.0f);
+  }
+  vertices = gpu::Buffer(made);
+  corners = gpu::Buffer(source.triangles);
+}
+
+void DrawablePasses::draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones,
+                                 const gpu::Buffer& view, Kind kind, const gpu::Texture& shadow_map,
+                                 const glm::vec4& wire_color) {
+  gpu::Program& program = leaves_.with(defines_of(kind));
+  for (LeafBuffers::Part& part : leaves.parts) {
+    program.use();
+    program.bind("ViewBlock", view);
+    program.bind("LeafVertices", leaves.vertices);
+    program.bind("BoneRows", bones);
+    program.bind_texture("image", part.image);
+    program.set("first_vertex", part.first_vertex);
+    if (kind == Kind::kShaded) {
+      program.bind_texture("shadow_map", shadow_map);
+      program.set("leaf_color", vec4(part.color, 1.0f));
+    }
+    if (kind == Kind::kWire) program.set("wire_color", wire_color);
+    program.draw(GL_TRIANGLES, 0, part.vertex_count);
+  }
+}
+
+void DrawablePasses::draw_mesh(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind,
+                               const gpu::Texture& shadow_map, const glm::vec4& wire_color) {
+  gpu::Program& program = mesh_.with(defines_of(kind));
+  program.use();
+  program.bind("ViewBlock", view);
+  program.bind("MeshVertices", mesh.vertices);
+  program.bind("MeshCorners", mesh.corners);
+  if (kind == Kind::kShaded) {
+    program.bind_texture("shadow_map", shadow_map);
+    program.set("mesh_color", vec4(mesh.color, 1.0f));
+  }
+  if (kind == Kind::kWire) program.set("wire_color", wire_color);
+  program.draw(GL_TRIANGLES, 0, mesh.corner_count);
+}
+
+}  // namespace snowbough::render

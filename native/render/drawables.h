@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstdint>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "gpu/program_variants.h"
+#include "gpu/resources.h"
+#include "render/sources.h"
+#include "render/tree_passes.h"
+
+namespace snowbough::render {
+
+/// Leaves on the GPU, by material.
+struct LeafBuffers {
+  /// @throws std::invalid_argument naming what is wrong: arrays of different length, indices out of
+  ///   range, images whose bytes do not fit their size.
+  LeafBuffers(const LeafSource& source, int32_t bone_count);
+
+  struct Part {
+    int32_t first_vertex = 0;
+    int32_t vertex_count = 0;
+    glm::vec3 color{1.0f};
+    gpu::Texture image;
+  };
+  std::vector<Part> parts;
+  gpu::Buffer vertices;
+};
+
+/// A mesh on the GPU, with smooth normals.
+struct MeshBuffers {
+  /// @throws std::invalid_argument for indices out of range.
+  explicit MeshBuffers(const MeshSource& source);
+
+  int32_t corner_count = 0;
+  glm::vec3 color{1.0f};
+  gpu::Buffer vertices;
+  gpu::Buffer corners;
+};
+
+/// Draws what is not tessellated. Kinds as the tree's, without kCapture. GPU thread.
+class DrawablePasses {
+ public:
+  using Kind = TreePasses::Kind;
+
+  /// `bones`: three rows a bone.
+  void draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones, const gpu::Buffer& view,
+                   Kind kind, const gpu::Texture& shadow_map, const glm::vec4& wire_color);
+  void draw_mesh(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind,
+                 const gpu::Texture& shadow_map, const glm::vec4& wire_color);
+
+ private:
+  gpu::ProgramVariants leaves_{{"leaves.vert.glsl", "leaves.frag.glsl"}};
+  gpu::ProgramVariants mesh_{{"plain_mesh.vert.glsl", "plain_mesh.frag.glsl"}};
+};
+
+}  // namespace snowbough::render

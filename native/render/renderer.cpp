@@ -1,0 +1,82 @@
+#include "render/renderer.h"
+
+#include <stdexcept>
+
+#include "render/scene.h"
+
+namespace snowbough::render {
+
+Renderer::Renderer(const std::string& device) : thread_(gpu::GpuThread::shared(device)) {
+  scene_ = thread_->run([] { return std::make_unique<Scene>(); });
+}
+
+Renderer::~Renderer() {
+  close();
+}
+
+void Renderer::close() {
+  if (thread_ == nullptr) return;
+  thread_->run([&] { scene_.reset(); });
+  thread_.reset();
+}
+
+Scene& Renderer::scene() const {
+  if (scene_ == nullptr) throw std::runtime_error("the renderer is closed: make a new one");
+  return *scene_;
+}
+
+void Renderer::add_tree(const std::string& name, const TreeSource& source, const TreeLook& look) {
+  Scene& to = scene();
+  const TreePatches patches = make_tree_patches(source, look.bark_depth);
+  thread_->run([&] { to.add_tree(name, patches, look); });
+}
+
+void Renderer::set_leaves(const std::string& tree, const LeafSource& leaves) {
+  Scene& to = scene();
+  thread_->run([&] { to.set_leaves(tree, leaves); });
+}
+
+void Renderer::set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices) {
+  Scene& to = scene();
+  thread_->run([&] { to.set_pose(tree, matrices); });
+}
+
+void Renderer::add_mesh(const std::string& name, const MeshSource& source) {
+  Scene& to = scene();
+  thread_->run([&] { to.add_mesh(name, source); });
+}
+
+void Renderer::remove(const std::string& name) {
+  Scene& from = scene();
+  thread_->run([&] { from.remove(name); });
+}
+
+Picture Renderer::render(const Camera& camera, const RenderSettings& settings) {
+  check(camera, settings);
+  Scene& of = scene();
+  return thread_->run([&] { return of.render(camera, settings); });
+}
+
+FrameStatistics Renderer::statistics() const {
+  const Scene& of = scene();
+  return thread_->run([&] { return of.statistics(); });
+}
+
+std::vector<glm::vec3> Renderer::triangles(const std::string& tree, const Camera& camera,
+                                           const RenderSettings& settings) {
+  check(camera, settings);
+  Scene& of = scene();
+  return thread_->run([&] { return of.triangles(tree, camera, settings); });
+}
+
+TreeLevels Renderer::levels(const std::string& tree) const {
+  const Scene& of = scene();
+  return thread_->run([&] { return of.levels(tree); });
+}
+
+const gpu::GpuInfo& Renderer::info() const {
+  scene();
+  return thread_->info();
+}
+
+}  // namespace snowbough::render

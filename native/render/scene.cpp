@@ -1,0 +1,342 @@
+#include "render/scene.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+#include <stdexcept>
+
+namespace snowbough::render {
+namespace {
+
+using glm::vec3;
+using glm::vec4;
+
+const vec4 kPaper(1.0f, 1.0f, 1.0f, 1.0f);
+const vec4 kInk(0.05f, 0.08f, 0.15f, 1.0f);
+/// How far a pose may take a tree out of its box at rest, in radii.
+constexpr float kRoomToMove = 1.25f;
+
+/// Sets what the passes need and puts it back, because snow shares the context.
+class DrawState {
+ public:
+  DrawState() {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+  }
+  ~DrawState() {
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glDisable(GL_RASTERIZER_DISCARD);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glBindVertexArray(0);
+  }
+  DrawState(const DrawState&) = delete;
+  DrawState& operator=(const DrawState&) = delete;
+};
+
+float encoded(float linear) {
+  const float c = std::clamp(linear, 0.0f, 1.0f);
+  return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
+}
+
+}  // namespace
+
+Scene::Tree::Tree(const TreePatches& patches, const TreeLook& its_look)
+    : buffers(patches),
+      look(its_look),
+      bone_count(patches.bone_count),
+      levels(patches.levels),
+      largest_area(patches.largest_area),
+      lowest(patches.lowest),
+      highest(patches.highest),
+      camera_view(sizeof(shared::TreeView)),
+      sun_view(sizeof(shared::TreeView)) {
+  for (const shared::TreePatch& patch : patches.patches) {
+    patch_edges.push_back(patch.edges);
+  }
+}
+
+Scene::Tree& Scene::tree(const std::string& name) const {
+  const auto found = trees_.find(name);
+  if (found == trees_.end()) throw std::invalid_argument("there is no tree '" + name + "'");
+  return *found->second;
+}
+
+void Scene::require_new(const std::string& name) const {
+  if (trees_.count(name) != 0 || meshes_.count(name) != 0) {
+    throw std::invalid_argument("'" + name + "' is there already: remove it first");
+  }
+}
+
+void Scene::add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look) {
+  require_new(name);
+  trees_[name] = std::make_unique<Tree>(patches, look);
+}
+
+void Scene::set_leaves(const std::string& name, const LeafSource& leaves) {
+  Tree& of = tree(name);
+  LeafBuffers made(leaves, of.bone_count);
+  of.leaves.reset();
+  of.leaves.emplace(std::move(made));
+  for (const vec3& p : leaves.positions) {
+    of.lowest = glm::min(of.lowest, p);
+    of.highest = glm::max(of.highest, p);
+  }
+}
+
+void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  Tree& of = tree(name);
+  if (matrices.size() != static_cast<size_t>(of.bone_count)) {
+    throw std::invalid_argument("tree '" + name + "' has " + std::to_string(of.bone_count) +
+                                " bones, not " + std::to_string(matrices.size()));
+  }
+  const std::vector<vec4> rows = bone_rows(matrices);
+  of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
+}
+
+void Scene::add_mesh(const std::string& name, const MeshSource& source) {
+  require_new(name);
+  meshes_[name] = std::make_unique<MeshBuffers>(source);
+}
+
+void Scene::remove(const std::string& name) {
+  if (trees_.erase(name) + meshes_.erase(name) == 0) {
+    throw std::invalid_argument("there is nothing named '" + name + "'");
+  }
+}
+
+Bounds Scene::bounds() const {
+  if (trees_.empty()) return {vec3(0.0f), 10.0f, 10.0f};
+  vec3 lowest(std::numeric_limits<float>::max()), highest(-lowest);
+  for (const auto& [name, of] : trees_) {
+    lowest = glm::min(lowest, of->lowest);
+    highest = glm::max(highest, of->highest);
+  }
+  const float radius = std::max(kRoomToMove * 0.5f * glm::distance(lowest, highest), 1e-6f);
+  return {0.5f * (lowest + highest), radius, radius};
+}
+
+void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
+  Bounds around = bounds();
+  // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
+  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
+  const shared::TreeView base = camera_view(camera, settings, around);
+  const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
+    buffer.write(0, sizeof view, &view);
+  };
+  write(camera_view_, base);
+  write(sun_view_, sun_view(base));
+  for (const auto& [name, of] : trees_) {
+    shared::TreeView view = base;
+    if (settings.max_area == 0.0f) view.thesis.y = of->largest_area;
+    view.thesis.z = static_cast<float>(of->levels);
+    view.bark_dark = vec4(of->look.bark_dark, 1.0f);
+    view.bark_light = vec4(of->look.bark_light, 1.0f);
+    write(of->camera_view, view);
+    write(of->sun_view, sun_view(view));
+  }
+}
+
+void Scene::prepare_trees(const RenderSettings& settings) {
+  const auto each = [&](const char* pass, auto&& work) {
+    const auto measured = timer_.measure(pass);
+    for (const auto& [name, of] : trees_) work(*of);
+  };
+  each("pose", [&](Tree& of) { passes_.pose(of.buffers, of.camera_view); });
+  each("edges", [&](Tree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
+  each("classify", [&](Tree& of) {
+    passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+  });
+}
+
+void Scene::draw_shadows(const RenderSettings& settings) {
+  const int32_t size = std::max(settings.shadow_resolution, 1);
+  const Target& target = shadow_.of_size(size, size);
+  shadow_map_ = &target.depth;
+  target.begin(0.0f, 0.0f, 0.0f);
+  if (settings.shadow_resolution == 0) return;
+  const auto measured = timer_.measure("shadow");
+  glDisable(GL_CULL_FACE);
+  for (const auto& [name, of] : trees_) {
+    TreeDrawList& list = of->buffers.sun;
+    passes_.classify(of->buffers, list, of->sun_view, settings.max_level);
+    passes_.draw_plain(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
+    passes_.draw_tessellated(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
+    if (of->leaves) {
+      drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->sun_view, Kind::kDepth,
+                             *shadow_map_, kInk);
+    }
+  }
+  for (const auto& [name, mesh] : meshes_) {
+    drawables_.draw_mesh(*mesh, sun_view_, Kind::kDepth, *shadow_map_, kInk);
+  }
+}
+
+void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bool measured) {
+  const auto pass = [&](const char* name, auto&& work) {
+    if (!measured) return work();
+    const auto timed = timer_.measure(name);
+    work();
+  };
+  (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
+  pass("plain", [&] {
+    for (const auto& [name, of] : trees_) {
+      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
+                         wire_color);
+    }
+  });
+  pass("tessellated", [&] {
+    for (const auto& [name, of] : trees_) {
+      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
+                               wire_color);
+    }
+  });
+  glDisable(GL_CULL_FACE);
+  pass("leaves", [&] {
+    for (const auto& [name, of] : trees_) {
+      if (of->leaves) {
+        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, kind, shadow_map(),
+                               wire_color);
+      }
+    }
+  });
+  pass("meshes", [&] {
+    for (const auto& [name, mesh] : meshes_) {
+      drawables_.draw_mesh(*mesh, camera_view_, kind, shadow_map(), wire_color);
+    }
+  });
+}
+
+void Scene::draw_picture(const Target& target, const RenderSettings& settings) {
+  const vec3 sky = settings.sky_color;
+  if (!settings.wireframe) {
+    target.begin(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    draw_all(Kind::kShaded, kInk, settings.cull_back_faces, true);
+    return;
+  }
+  target.begin(1.0f, 1.0f, 1.0f);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.0f, 1.0f);
+  draw_all(Kind::kWire, kPaper, settings.cull_back_faces, false);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  draw_all(Kind::kWire, kInk, settings.cull_back_faces, true);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+void Scene::count_patches() {
+  for (const auto& [name, of] : trees_) {
+    const auto commands = of->buffers.camera.commands.read_all<shared::TreeDrawCommand>();
+    const int64_t plain = commands[0].count / 6;
+    int64_t tessellated = 0;
+    for (int32_t i = 1; i <= of->buffers.camera.draws; ++i) tessellated += commands[i].count;
+    statistics_->plain += plain;
+    statistics_->tessellated += tessellated;
+    statistics_->dropped += of->buffers.patch_count - plain - tessellated;
+  }
+}
+
+Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
+  const auto started = std::chrono::steady_clock::now();
+  const DrawState state;
+  glBindVertexArray(no_vertices_.id());
+  timer_.take();
+  Camera of_pixels = camera;
+  RenderSettings for_pixels = settings;
+  if (settings.antialias) {
+    of_pixels.width *= 2;
+    of_pixels.height *= 2;
+    for_pixels.target_pixels *= 2.0f;
+    for_pixels.min_pixels *= 2.0f;
+  }
+  write_views(of_pixels, for_pixels);
+  prepare_trees(settings);
+  draw_shadows(settings);
+  const Target& picture = picture_.of_size(camera.width, camera.height);
+  if (settings.antialias) {
+    const Target& large = large_.of_size(of_pixels.width, of_pixels.height);
+    draw_picture(large, settings);
+    halve(large, picture);
+  } else {
+    draw_picture(picture, settings);
+  }
+  Picture made{camera.width, camera.height, read_color(picture)};
+
+  statistics_.emplace();
+  statistics_->wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  statistics_->passes = timer_.take();
+  for (const gpu::PassTime& pass : statistics_->passes) {
+    if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
+  }
+  count_patches();
+  return made;
+}
+
+FrameStatistics Scene::statistics() const {
+  if (!statistics_) throw std::runtime_error("statistics: render a picture first");
+  return *statistics_;
+}
+
+std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
+                                   const RenderSettings& settings) {
+  Tree& of = tree(name);
+  const DrawState state;
+  glBindVertexArray(no_vertices_.id());
+  // Nothing is drawn, yet draws want a framebuffer.
+  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
+  glEnable(GL_RASTERIZER_DISCARD);
+  write_views(camera, settings);
+  passes_.pose(of.buffers, of.camera_view);
+  passes_.edge_levels(of.buffers, of.camera_view);
+  passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+  const gpu::Texture none;
+  TreeDrawList& list = of.buffers.camera;
+  const auto draw_plain = [&](Kind kind) {
+    passes_.draw_plain(of.buffers, list, of.camera_view, kind, none, kInk);
+  };
+  const auto draw_tessellated = [&](Kind kind) {
+    passes_.draw_tessellated(of.buffers, list, of.camera_view, kind, none, kInk);
+  };
+  timer_.take();
+  {
+    const auto counted = timer_.measure("count");
+    draw_plain(Kind::kDepth);
+    draw_tessellated(Kind::kDepth);
+  }
+  const uint64_t count = timer_.take()[0].primitives;
+  const gpu::Buffer captured(static_cast<int64_t>(3 * count * sizeof(vec3)));
+  const auto plain_corners = list.commands.read_all<shared::TreeDrawCommand>()[0].count;
+  const auto split = static_cast<int64_t>(plain_corners * sizeof(vec3));
+  const auto into = [&](int64_t offset, int64_t bytes, auto&& draw) {
+    if (bytes == 0) return;
+    glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.id(), offset, bytes);
+    draw(Kind::kCapture);
+  };
+  into(0, split, draw_plain);
+  into(split, captured.bytes() - split, draw_tessellated);
+  glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+  return captured.read_all<vec3>();
+}
+
+TreeLevels Scene::levels(const std::string& name) const {
+  const Tree& of = tree(name);
+  if (!statistics_) throw std::runtime_error("levels: render a picture first");
+  const auto edges = of.buffers.edge_levels.read_all<float>();
+  TreeLevels levels;
+  levels.classes = of.buffers.camera.classes.read_all<uint32_t>();
+  for (const glm::ivec4& patch : of.patch_edges) {
+    levels.edges.push_back(
+        {edges[patch.x >> 1], edges[patch.y >> 1], edges[patch.z >> 1], edges[patch.w >> 1]});
+  }
+  return levels;
+}
+
+}  // namespace snowbough::render

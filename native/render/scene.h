@@ -1,0 +1,82 @@
+#pragma once
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gpu/timer.h"
+#include "render/drawables.h"
+#include "render/renderer.h"
+#include "render/targets.h"
+#include "render/tree_passes.h"
+
+namespace snowbough::render {
+
+/// The renderer's part on the GPU thread: what it draws, and the passes of a frame in order. All of
+/// its functions run there; they mean what Renderer's mean.
+class Scene {
+ public:
+  void add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look);
+  void set_leaves(const std::string& tree, const LeafSource& leaves);
+  void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
+  void add_mesh(const std::string& name, const MeshSource& source);
+  void remove(const std::string& name);
+  Picture render(const Camera& camera, const RenderSettings& settings);
+  FrameStatistics statistics() const;
+  std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
+                                   const RenderSettings& settings);
+  TreeLevels levels(const std::string& tree) const;
+
+ private:
+  using Kind = TreePasses::Kind;
+
+  struct Tree {
+    Tree(const TreePatches& patches, const TreeLook& its_look);
+
+    TreeBuffers buffers;
+    std::optional<LeafBuffers> leaves;
+    TreeLook look;
+    int32_t bone_count = 0;
+    int32_t levels = 1;
+    float largest_area = 0.0f;
+    glm::vec3 lowest{0.0f};
+    glm::vec3 highest{0.0f};
+    /// Per quad: its edges.
+    std::vector<glm::ivec4> patch_edges;
+    /// A TreeView each.
+    gpu::Buffer camera_view;
+    gpu::Buffer sun_view;
+  };
+
+  Tree& tree(const std::string& name) const;
+  void require_new(const std::string& name) const;
+  Bounds bounds() const;
+  void write_views(const Camera& camera, const RenderSettings& settings);
+  void prepare_trees(const RenderSettings& settings);
+  void draw_shadows(const RenderSettings& settings);
+  void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
+  void draw_picture(const Target& target, const RenderSettings& settings);
+  void count_patches();
+  const gpu::Texture& shadow_map() const { return *shadow_map_; }
+
+  std::map<std::string, std::unique_ptr<Tree>> trees_;
+  std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;
+  /// Of the meshes, whose trees bring their own.
+  gpu::Buffer camera_view_{sizeof(shared::TreeView)};
+  gpu::Buffer sun_view_{sizeof(shared::TreeView)};
+
+  TreePasses passes_;
+  DrawablePasses drawables_;
+  gpu::VertexArray no_vertices_;
+  KeptTarget picture_{true};
+  KeptTarget large_{true};
+  KeptTarget shadow_{false};
+  KeptTarget nothing_{false};
+  const gpu::Texture* shadow_map_ = nullptr;
+  gpu::PassTimer timer_{gpu::renders_in_software()};
+  std::optional<FrameStatistics> statistics_;
+};
+
+}  // namespace snowbough::render

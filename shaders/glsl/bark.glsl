@@ -1,0 +1,54 @@
+// Bark as a height over a limb's round surface, -1 to 1: furrows along the limb, plates, and grain, an octave each.
+// Coordinates run once round the limb in x and by circumferences along it in y, so it has no seam. An octave fades
+// out before the samples are too far apart for it, so it comes and goes without a step.
+
+const int kBarkOctaves = 4;
+/// Waves of the coarsest octave round a limb; each octave has twice as many.
+const int kBarkWaves = 8;
+/// How many times as long as wide a furrow is.
+const float kFurrowStretch = 5.0;
+/// Samples a wave at which an octave begins to show, and from which on it shows fully.
+const float kOctaveBegins = 2.0;
+const float kOctaveStands = 4.0;
+
+float bark_hash(ivec2 cell, int octave) {
+  uint h = uint(cell.x) * 0x8da6b343u ^ uint(cell.y) * 0xd8163841u ^ uint(octave) * 0xcb1ab31fu;
+  h = (h ^ (h >> 15)) * 0x2c1b3c6du;
+  h = (h ^ (h >> 12)) * 0x297a2d39u;
+  return float((h ^ (h >> 15)) & 0xffffffu) / 16777215.0;
+}
+
+/// Value noise, 0 to 1, that repeats every `waves` (a power of two) in x.
+float bark_noise(vec2 p, int waves, int octave) {
+  const vec2 cell = floor(p);
+  const vec2 f = p - cell;
+  const vec2 s = f * f * f * (f * (f * 6.0 - 15.0) + 10.0);
+  const ivec2 low = ivec2(cell);
+  const int left = low.x & (waves - 1);
+  const int right = (low.x + 1) & (waves - 1);
+  const float a = bark_hash(ivec2(left, low.y), octave);
+  const float b = bark_hash(ivec2(right, low.y), octave);
+  const float c = bark_hash(ivec2(left, low.y + 1), octave);
+  const float d = bark_hash(ivec2(right, low.y + 1), octave);
+  return mix(mix(a, b, s.x), mix(c, d, s.x), s.y);
+}
+
+/// `samples`: how many lie round the limb.
+float bark_height(vec2 bark_uv, float samples) {
+  float height = 0.0;
+  float weight = 0.5;
+  for (int octave = 0; octave < kBarkOctaves; ++octave) {
+    const int waves = kBarkWaves << octave;
+    const float shown = smoothstep(kOctaveBegins, kOctaveStands, samples / float(waves));
+    if (shown > 0.0) {
+      const float stretch = octave < 2 ? kFurrowStretch : 1.5;
+      const vec2 p = bark_uv * float(waves) * vec2(1.0, 1.0 / stretch);
+      const float noise = bark_noise(p, waves, octave);
+      // Furrows are narrow between broad ridges.
+      const float wave = octave < 2 ? 1.0 - 2.0 * pow(1.0 - abs(2.0 * noise - 1.0), 2.0) : 2.0 * noise - 1.0;
+      height += weight * shown * wave;
+    }
+    weight *= 0.5;
+  }
+  return height;
+}

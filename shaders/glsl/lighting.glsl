@@ -1,0 +1,56 @@
+// Sun with its shadow map, and a sky term: linear colours in, what a PNG holds out.
+#include "glsl/tree_view.glsl"
+
+uniform sampler2D shadow_map;
+
+/// Share of the sun that arrives at a point, over 3 x 3 texels with soft edges.
+float sunlit(vec3 position, vec3 normal) {
+  if (view.sun_direction.w < 0.5) {
+    return 1.0;
+  }
+  const ivec2 size = textureSize(shadow_map, 0);
+  // One texel along the normal, so that a surface does not shade itself.
+  const float texel = 2.0 / (length(vec3(view.shadow_from_world[0].x, view.shadow_from_world[1].x,
+                                         view.shadow_from_world[2].x)) *
+                             float(size.x));
+  vec3 at = (view.shadow_from_world * vec4(position + 2.0 * texel * normal, 1.0)).xyz * 0.5 + 0.5;
+  // What lies behind all that casts shadows, as the ground far off, is behind all of the map.
+  at.z = min(at.z, 1.0);
+  if (any(lessThan(at, vec3(0.0))) || any(greaterThan(at, vec3(1.0)))) {
+    return 1.0;
+  }
+  const vec2 pixel = at.xy * vec2(size) - 0.5;
+  const ivec2 low = ivec2(floor(pixel));
+  const vec2 part = pixel - vec2(low);
+  float open = 0.0;
+  for (int y = -1; y <= 2; ++y) {
+    const float weight_y = y < 0 ? 1.0 - part.y : y > 1 ? part.y : 1.0;
+    for (int x = -1; x <= 2; ++x) {
+      const float weight_x = x < 0 ? 1.0 - part.x : x > 1 ? part.x : 1.0;
+      const ivec2 texel_at = clamp(low + ivec2(x, y), ivec2(0), size - 1);
+      open += weight_x * weight_y * (texelFetch(shadow_map, texel_at, 0).x >= at.z ? 1.0 : 0.0);
+    }
+  }
+  return open / 9.0;
+}
+
+/// Light that a surface of an albedo sends back; `through`: share of the sun that comes through from behind.
+vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float through) {
+  const float facing = dot(normal, view.sun_direction.xyz);
+  const float sun = max(facing, 0.0) + through * max(-facing, 0.0);
+  const vec3 sky = mix(view.ground_color.rgb, view.sky_color.rgb, 0.5 + 0.5 * normal.z);
+  float open = 0.0;
+  if (sun > 0.0) {
+    const float side = dot(geometric_normal, view.sun_direction.xyz) < 0.0 ? -1.0 : 1.0;
+    open = sunlit(position, side * geometric_normal);
+  }
+  return albedo * (sun * open * view.sun_color.rgb + sky);
+}
+
+/// Linear light as sRGB with an opaque alpha.
+vec4 encoded(vec3 light) {
+  const vec3 c = clamp(light, 0.0, 1.0);
+  const vec3 low = 12.92 * c;
+  const vec3 high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
+  return vec4(mix(high, low, lessThanEqual(c, vec3(0.0031308))), 1.0);
+}

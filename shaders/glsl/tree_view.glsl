@@ -1,0 +1,4 @@
+// The picture's block, see TreeView.
+#include "lib/tree_shared.h"
+
+layout(std140) uniform ViewBlock { TreeView view; };

@@ -1,0 +1,38 @@
+#pragma once
+
+// Into how many parts an edge of the tree's base is cut.
+#include "shared_functions.h"
+#include "tree_shared.h"
+
+#ifndef SNOWBOUGH_GLSL
+namespace snowbough::shared {
+#endif
+
+/// The thesis's level Tl, from the distance of an edge (m), the area of its faces (m2) and their branch level:
+/// (1 - Fd / Mtd) * (Fa / Mfa) * Mtl * (1 - level / levels), within 1 and Mtl.
+/// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, eq. 3.4.1.
+SNOWBOUGH_SHARED_FUNCTION float thesis_level(float away, float area, float branch_level, vec4 thesis,
+                                             float highest) {
+  const float near_share = max(1.0f - away / thesis.x, 0.0f);
+  const float level_share = 1.0f - branch_level / thesis.z;
+  return clamp(near_share * (area / thesis.y) * highest * level_share, 1.0f, highest);
+}
+
+/// The level at which parts of an edge cover `target` pixels: its length with the bark's rise and fall (m), seen
+/// broadside on, so that it does not change as the view turns.
+SNOWBOUGH_SHARED_FUNCTION float screen_level(float away, float edge_length, float bark, float pixels_at_one_metre,
+                                             float target, float highest) {
+  const float whole = edge_length + 2.0f * bark;
+  const float pixels = whole * pixels_at_one_metre / max(away, 0.5f * whole);
+  return clamp(pixels / target, 1.0f, highest);
+}
+
+/// Whether patches of a branch level are left out at a distance: levels over 1 beyond
+/// Mtd * levels * (1 - level / levels). Source as above.
+SNOWBOUGH_SHARED_FUNCTION bool is_level_too_far(float away, float branch_level, vec4 thesis) {
+  return branch_level > 1.0f && away > thesis.x * thesis.z * (1.0f - branch_level / thesis.z);
+}
+
+#ifndef SNOWBOUGH_GLSL
+}  // namespace snowbough::shared
+#endif

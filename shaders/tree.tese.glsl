@@ -1,0 +1,32 @@
+// Puts the tessellator's vertices onto the limbs' round surface and their bark.
+//
+// CAPTURE: hands world positions to transform feedback. SHADOW: the sun's picture, of depth alone.
+#include "glsl/tree_surface.glsl"
+
+layout(quads, fractional_odd_spacing, ccw) in;
+patch in uint patch_index;
+#ifdef CAPTURE
+layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
+#else
+#ifndef SHADOW
+out vec3 world;
+out vec3 smooth_normal;
+out vec4 bark;
+#endif
+#endif
+
+void main() {
+  const vec2 at = gl_TessCoord.xy;
+  const TreePatch of = patches[patch_index];
+  const SurfacePoint point = patch_point(of, at);
+#ifdef CAPTURE
+  captured = point.position;
+#else
+#ifndef SHADOW
+  world = point.position;
+  smooth_normal = point.normal;
+  bark = vec4(patch_bark_uv(of, at), point.limb);
+#endif
+#endif
+  gl_Position = view.clip_from_world * vec4(point.position, 1.0);
+}

@@ -1,0 +1,1 @@
+#include "glsl/tree_fragment.glsl"

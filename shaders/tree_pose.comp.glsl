@@ -1,0 +1,41 @@
+// Poses the vertices of the base and lays bark on them.
+#include "glsl/bark.glsl"
+#include "glsl/tree_view.glsl"
+
+layout(local_size_x = 64) in;
+#include "glsl/item_index.glsl"
+layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
+layout(std430) writeonly buffer PosedVertices { PosedVertex posed[]; };
+/// Three rows of a matrix a bone, from the rest pose to the pose.
+layout(std430) readonly buffer BoneRows { vec4 bone_rows[]; };
+uniform int count;
+
+void main() {
+  const int index = item_index();
+  if (index >= count) {
+    return;
+  }
+  const TreeVertex vertex = vertices[index];
+  PosedVertex result;
+  result.row_x = vec4(0.0);
+  result.row_y = vec4(0.0);
+  result.row_z = vec4(0.0);
+  for (int k = 0; k < 4; ++k) {
+    const int bone = 3 * vertex.bones[k];
+    result.row_x += vertex.weights[k] * bone_rows[bone];
+    result.row_y += vertex.weights[k] * bone_rows[bone + 1];
+    result.row_z += vertex.weights[k] * bone_rows[bone + 2];
+  }
+  const vec4 p = vec4(vertex.position.xyz, 1.0);
+  const vec3 bare = vec3(dot(result.row_x, p), dot(result.row_y, p), dot(result.row_z, p));
+  const vec3 n = vertex.normal.xyz;
+  const vec3 normal =
+      normalize(vec3(dot(result.row_x.xyz, n), dot(result.row_y.xyz, n), dot(result.row_z.xyz, n)));
+  const float away = max(distance(bare, view.eye.xyz), 1e-6);
+  const float samples = vertex.normal.w * view.eye.w / (away * view.tessellation.z);
+  const float bark = vertex.position.w;
+  const float height = bark > 0.0 ? bark * bark_height(vertex.bark_uv.xy, samples) : 0.0;
+  result.position = vec4(bare + normal * height, bark);
+  result.normal = vec4(normal, vertex.normal.w);
+  posed[index] = result;
+}
