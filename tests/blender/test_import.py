@@ -296,7 +296,7 @@ def test_stopping_the_native_part_makes_nothing(addon, until, lod, chain):
     with pytest.raises(KeyboardInterrupt):
         import_tree.import_file(bpy.context, MAPLE, options, go_on)
     assert _data_names() == before
-    assert shares[-1] < 0.95
+    assert shares[-1] <= 0.95  # from where on Blender's objects are made
 
 
 def test_long_and_foreign_file_names(tmp_path):
