@@ -36,10 +36,9 @@ KERNEL_CONSTANT float kRate = 0.2f;
 /// this much each allows less, so that all directions have the angle of repose in the mean.
 KERNEL_CONSTANT float kEven = 0.95f;
 /// Part of the way between two bare points that snow on them is reckoned to be apart at least, in hollows and where
-/// it hangs over. At most it is all of it: on a ridge, where snow's surface fans out along the normals, it would hold
-/// itself up by its own thickness.
+/// it hangs over; and at most: on a ridge, where snow's surface fans out along the normals, it reaches out a little
+/// beyond what carries it, but does not hold itself up by its own thickness.
 KERNEL_CONSTANT float kLeastWay = 0.25f;
-/// And at most: snow reaches out a little beyond what carries it, but does not carry itself.
 KERNEL_CONSTANT float kMostWay = 1.3f;
 
 /// On which side of a surface snow lies: 1 along the normal, -1 against it. `height`: signed; `up`: upward part of

@@ -29,7 +29,12 @@ POSITION_ATTRIBUTE = "snow_position"
 _COVERED = "snow_covered"
 _OFFSET = "snow_offset"
 _CORNER_HEIGHT = "snow_corner_height"
+_PLACE = "snow_map_place"
 
+# Texels by which corners keep off the rim of their face on the map, since what lies beyond it may be another chart's;
+# at most so far towards the face's middle.
+INSET = 1.0
+MOST_INSET = 0.5
 # Depth of the shell below bare surfaces, and height of the thinnest snow above them (metres).
 SINK = 0.0004
 SKIN = 0.0004
@@ -59,6 +64,8 @@ class ShellSource:
     material: bpy.types.Material
     frames: object = None
     """The image's BakedSequence, None for a still image."""
+    texel: float = 0.0
+    """Of the image, in parts of the map's side."""
     covered: bpy.types.Image = None
     """Where snow ever lies; None: bare faces are cut as the frame has them."""
     instancer: bpy.types.Object = None
@@ -92,6 +99,7 @@ def build_tree(name, source):
     if source.weld:
         merge = tree.node("GeometryNodeMergeByDistance")
         geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
+    geometry = _placed(tree, geometry, source)
     geometry = _subdivided(tree, geometry, source.levels)
     geometry = _heights(tree, geometry, source)
     geometry = _raised(tree, geometry, source, normal, curvature, strength)
@@ -201,9 +209,20 @@ def _subdivided(tree, geometry, levels):
     return tree.feed(node, Mesh=geometry, Level=tree.output(level)).outputs["Mesh"]
 
 
+def _placed(tree, geometry, source):
+    """Stores where on the map every corner is looked up: on its UVs, along both axes a little towards the middle of
+    its face, which may be narrow."""
+    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
+    most = INSET * source.texel
+    way = tree.scale(tree.vector("SUBTRACT", middle, uv), MOST_INSET)
+    way = tree.vector("MAXIMUM", tree.vector("MINIMUM", way, (most,) * 3), (-most,) * 3)
+    return tree.store(geometry, _PLACE, tree.vector("ADD", uv, way), "CORNER", "FLOAT_VECTOR")
+
+
 def _sampled(tree, source, image, interpolation, frame=None):
     node = tree.node("GeometryNodeImageTexture", interpolation=interpolation, extension="EXTEND")
-    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    uv = tree.attribute(_PLACE, "FLOAT_VECTOR")
     tree.feed(node, Image=image, Vector=uv, **({} if frame is None else {"Frame": frame}))
     return node.outputs["Color"]
 
@@ -305,6 +324,6 @@ def _cut(tree, geometry, source):
     node = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
     tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
     geometry = node.outputs["Geometry"]
-    for name in (_OFFSET, _CORNER_HEIGHT, *((_COVERED,) if source.covered is not None else ())):
+    for name in (_OFFSET, _CORNER_HEIGHT, _PLACE, *((_COVERED,) if source.covered is not None else ())):
         geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
     return geometry

@@ -126,6 +126,7 @@ def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
         obj=obj,
         uv_map=uv_map,
         image=image,
+        texel=1.0 / size if size else 0.0,
         material=material,
         levels=levels,
         face_size=face_size if relief else math.inf,

@@ -37,9 +37,9 @@ TEST(ReposeFlow, GivesNoMoreThanThereIsAndWholeUnits) {
   EXPECT_EQ(shared::given_flow(-15.0f, 1.0f, 0.5f), -7.0f);
 }
 
-TEST(ReposeFlow, MeasuresOverhangsByAQuarterOfTheirWay) {
+TEST(ReposeFlow, MeasuresTheWayBetweenSnowsWithinBoundsOfTheBareOne) {
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 0.0f, 0.01f, 0.0f, 2.0f / shared::kEven), 0.02f);
-  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 0.0f, 0.05f, 0.0f, 2.0f / shared::kEven), 0.02f);
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 0.0f, 0.05f, 0.0f, 2.0f / shared::kEven), 0.026f);
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 0.0f, 0.006f, 0.003f, 2.0f / shared::kEven), 0.012f);
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 0.0f, -0.02f, 0.0f, 2.0f / shared::kEven), 0.005f);
 }
