@@ -132,7 +132,7 @@ class SnowProperties:
         name="Flutter",
         description="Half angle of the cone in which flakes stray from the direction (degrees)",
         subtype="ANGLE",
-        default=math.radians(3.0),
+        default=math.radians(10.0),
         min=0.0,
         max=math.radians(45.0),
     )
