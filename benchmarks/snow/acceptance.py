@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Measures the snow core against what was asked of it and prints a table: item, asked, measured, holds.
 
-    python3 benchmarks/snow/acceptance.py [--only conservation,place,...] [--json FILE]
+    python3 benchmarks/snow/acceptance.py [--only conservation,place,...] [--engine GL] [--json FILE]
 
 References come from formulas and from ray casting (tests/python/native/snow_rays.py), never from the core itself.
 """
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from meshes import (
+from meshes import (  # noqa: E402
     box,
     bunny,
     grid,
@@ -24,7 +24,8 @@ from meshes import (
     sphere,
     spot,
     texel_size,
-    tree,  # noqa: E402
+    tree,
+    use_engine,
     wind,
 )
 from place import place  # noqa: E402
@@ -510,8 +511,10 @@ TOPICS = {
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--only", default=",".join(TOPICS))
+    parser.add_argument("--engine", choices=("AUTO", "GL", "CPU"), default="AUTO")
     parser.add_argument("--json")
     given = parser.parse_args()
+    use_engine(given.engine)
     for topic in given.only.split(","):
         started = time.perf_counter()
         TOPICS[topic]()

@@ -126,12 +126,12 @@ def ball():
 
 
 def shoulder_radius(profile, step):
-    """The least radius of curvature where a profile is convex; its first and last 1 % are left out."""
+    """The least radius of curvature where a profile is convex; its lowest fifth, the foot at the rim, is
+    left out."""
     first = np.gradient(profile, step)
     second = np.gradient(first, step)
-    edge = max(3, len(profile) // 100)
     bend = np.maximum(-second, 0.0) / (1.0 + first**2) ** 1.5
-    return 1.0 / max(bend[edge:-edge].max(), 1e-9)
+    return 1.0 / max(bend[profile > 0.2 * profile.max()].max(), 1e-9)
 
 
 def capped_box():

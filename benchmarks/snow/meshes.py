@@ -5,6 +5,7 @@ Those made elsewhere lie beside the checkout in shared/data; a measurement that 
 without it. The bunny has no UVs: Blender unwraps it once into build/snow.
 """
 
+import functools
 import subprocess
 import sys
 from pathlib import Path
@@ -18,6 +19,11 @@ sys.path[:0] = [str(ROOT / "build" / "python"), str(ROOT / "tests" / "python" / 
 
 import snowbough_native as native  # noqa: E402
 from snow_meshes import box, grid, rotated, sphere, wind  # noqa: E402, F401
+
+
+def use_engine(name):
+    """From now on simulations of this process run on that engine: AUTO, GL or CPU."""
+    native.SnowSimulation = functools.partial(native.SnowSimulation, engine=name)
 
 
 def unwrapped(name, scale):
