@@ -22,8 +22,8 @@ void check_smoothing(const SmoothingSettings& settings);
 /// Rounds a map's snow: a diffusion in flux form, so that what one texel loses its neighbour gains
 /// and the volume stays what it is to rounding.
 ///
-/// - The conductivity of a link follows from the snow at both of its ends: sigma = blur_radius or a
-///   third of the depth, whichever is more.
+/// - The conductivity of a link follows from the snow at its thinner end, so that little flows down
+///   to where snow tapers off: sigma = blur_radius or a third of the depth, whichever is more.
 /// - Nothing flows onto bare texels, nor onto such that hold less than a fiftieth of their
 ///   neighbour, nor between front (positive heights) and back (negative ones).
 /// - Where snow ends so, it ends rounded: not the height is evened out but the height over a

@@ -50,9 +50,9 @@ inline LinkConductance conductance(float a, float b, float inverse_a, float inve
                                    float closeness, const ConductanceTerms& terms) {
   const float one = third_squared(a);
   const float other = third_squared(b);
-  const float variance = (one > terms.least_variance ? one : terms.least_variance) +
-                         (other > terms.least_variance ? other : terms.least_variance);
-  const float wanted = 0.25f * variance * closeness;
+  const float less = one < other ? one : other;
+  const float wanted =
+      0.5f * (less > terms.least_variance ? less : terms.least_variance) * closeness;
   const float most = kStageShare * terms.stages;
   float own = wanted - terms.done_below;
   own = own > 0.0f ? own : 0.0f;
