@@ -44,7 +44,8 @@ REST_ATTRIBUTE = "rest_position"
 # The modifiers that a receiver gets for its displacement.
 SUBDIVISION_MODIFIER = "Snowbough Subdivision"
 DISPLACE_MODIFIER = "Snowbough Displace"
-OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER)
+SHELL_MODIFIER = "Snowbough Shell"
+OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER, SHELL_MODIFIER)
 
 # Exit codes of the command line (bake.cli and tree.cli say when).
 EXIT_OK = 0

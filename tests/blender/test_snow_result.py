@@ -285,6 +285,16 @@ def test_material_before_a_bake_shows_no_snow_and_no_missing_image(ground):
     )
 
 
+def test_a_muted_shell_costs_a_bake_nothing_and_comes_back(addon, ground, write_bake):
+    ground.folder = str(write_bake())
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    shells = [obj for obj in bpy.data.objects if obj.snowbough.is_shell]
+    assert len(shells) == 1
+    with addon("result.displacement").Muted(bpy.context.scene):
+        assert not shells[0].modifiers[0].show_render
+    assert shells[0].modifiers[0].show_render
+
+
 def test_muted_displacement_is_off_in_renders_and_comes_back(addon, ground, write_bake):
     ground.folder = str(write_bake())
     bpy.ops.snowbough.setup_displacement(mode="MODIFIER")

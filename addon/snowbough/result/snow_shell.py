@@ -12,12 +12,12 @@ import bpy
 import numpy as np
 
 from .. import compat
+from ..names import SHELL_MODIFIER
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, shell_nodes, snow_material, snow_nodes
 from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
-MODIFIER_NAME = "Snowbough Shell"
 
 # Faces are about as large as two texels of the map, but fine enough for relief (metres).
 TEXELS_PER_FACE = 2.0
@@ -177,7 +177,7 @@ def make_object(scene, name, tree, material, collection):
     shell.snowbough.occlude = False
     shell.lock_location = shell.lock_rotation = shell.lock_scale = (True,) * 3  # the nodes count on it
     shell.data.materials.append(material)
-    shell.modifiers.new(MODIFIER_NAME, "NODES").node_group = tree
+    shell.modifiers.new(SHELL_MODIFIER, "NODES").node_group = tree
     look.set_shell_relief(shell, look.of(scene))
     collection.objects.link(shell)
     return shell
