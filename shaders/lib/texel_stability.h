@@ -1,8 +1,8 @@
 #pragma once
 
-// Adds a texel's deposit of the step to its height, on the side on which it falls, and lets slide what the slope cannot hold: equation 4.2.2
-// of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved in closed form, so
-// that the result does not depend on the length of a step.
+// Adds a texel's deposit of the step to its height, on the side on which it falls, and lets slide what the slope
+// cannot hold: equation 4.2.2 of D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, solved in
+// closed form, so that the result does not depend on the length of a step.
 #include "kernel.h"
 #include "snow_shared.h"
 #include "texel_repose.h"

@@ -54,11 +54,17 @@ def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
     assert meshes["Plane"][2] == [["DATA", "Soil"]]
     assert_undone_and_redone(window, before, snowy)
 
+    window.run("result = list(bpy.ops.snowbough.setup_displacement('EXEC_DEFAULT', True, mode='MODIFIER'))")
+    dressed = window.run(LOOK)
+    modifiers, slots = next(mesh[2:] for mesh in dressed[1] if mesh[0] == "Plane")
+    assert modifiers == ["Snowbough Subdivision"] and slots == [["OBJECT", "Soil snow"]]
+    assert_undone_and_redone(window, snowy, dressed)
+
     window.run("result = list(bpy.ops.snowbough.remove('EXEC_DEFAULT', True))")
     bare = window.run(LOOK)
     assert [name for name, *_ in bare[1]] == ["Cube", "Plane"]
     assert [slots for name, _, _, slots in bare[1] if name == "Plane"] == [[["DATA", "Soil"]]]
-    assert_undone_and_redone(window, snowy, bare)
+    assert_undone_and_redone(window, dressed, bare)
 
 
 def test_the_sidebar_lets_a_selected_tree_sway_and_undo_stops_it(window):
