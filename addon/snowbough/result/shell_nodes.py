@@ -22,6 +22,7 @@ from .. import compat_nodes
 from ..names import REST_ATTRIBUTE
 from .node_builder import NodeBuilder
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
+from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, distance_to, rims
 
 HEIGHT_ATTRIBUTE = "snow_height"
 POSITION_ATTRIBUTE = "snow_position"
@@ -90,8 +91,10 @@ def build_tree(name, source):
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
                             "Bumps of the surface; 1 is fresh snow", 1.0, 0.0, 10.0)  # fmt: skip
+    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", SHOULDERS_INPUT,
+                            "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 0.0, 2.0)  # fmt: skip
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
-    strength = tree.node("NodeGroupInput").outputs[RELIEF_INPUT]
+    sliders = tree.node("NodeGroupInput").outputs
 
     geometry = _outside_out(tree, _receiver(tree, source), source)
     geometry, normal = _corner_normals(tree, geometry, source.sharp_angle)
@@ -100,9 +103,10 @@ def build_tree(name, source):
         merge = tree.node("GeometryNodeMergeByDistance")
         geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
     geometry = _placed(tree, geometry, source)
+    rim_edges = rims(tree, geometry)
     geometry = _subdivided(tree, geometry, source.levels)
     geometry = _heights(tree, geometry, source)
-    geometry = _raised(tree, geometry, source, normal, curvature, strength)
+    geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, sliders)
     geometry = _cut(tree, geometry, source)
     smooth = tree.node("GeometryNodeSetShadeSmooth")
     tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
@@ -258,8 +262,9 @@ def _heights(tree, geometry, source):
     return geometry
 
 
-def _raised(tree, geometry, source, normal, curvature, strength):
-    """The snow's surface: points moved by the mean offset of their corners, weighted by height."""
+def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
+    """The snow's surface: points moved by the mean offset of their corners, weighted by height, then drawn out to
+    shoulders at the rims, and given relief along the normals of what has come of that."""
     normal = tree.vector("NORMALIZE", normal)
     corner = tree.attribute(_CORNER_HEIGHT)
     thickness = tree.absolute(corner)
@@ -284,26 +289,31 @@ def _raised(tree, geometry, source, normal, curvature, strength):
     geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, height, "POINT")
 
     height = tree.attribute(HEIGHT_ATTRIBUTE)
-    relief = add_relief(
-        tree,
-        tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"),
-        height,
-        strength,
-        octaves_for(source.face_size),
-    )
+    units = 1.0 / source.metres_per_unit
+    bare = tree.node("GeometryNodeInputPosition").outputs[0]
+    distance = tree.multiply(distance_to(tree, rim_edges, bare), source.metres_per_unit)
+    geometry, distance = _capture(tree, geometry, distance, "POINT", "FLOAT")
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
-    if relief is not None:
-        extra = tree.add(extra, relief)
-    units = 1.0 / source.metres_per_unit
     way = tree.vector("ADD", tree.scale(mean, units), tree.scale(direction, tree.multiply(extra, units)))
     bent = tree.on_domain(curvature, "POINT", "FLOAT_VECTOR")
     most = tree.divide(
         tree.multiply(height, MOST_CURVATURE * units), tree.math("MAXIMUM", tree.vector("LENGTH", bent), 1e-9)
     )
     way = tree.vector("ADD", way, tree.scale(bent, tree.math("MINIMUM", most, 1.0)))
+    geometry = tree.feed(tree.node("GeometryNodeSetPosition"), Geometry=geometry, Offset=way).outputs["Geometry"]
+
+    # On the back of a sheet both normals point into the snow.
+    side = tree.math("SIGN", tree.dot(tree.on_domain(normal, "POINT", "FLOAT_VECTOR"), direction))
+    own = tree.scale(tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side)
+    outside = tree.scale(tree.vector("NORMALIZE", tree.on_domain(normal, "POINT", "FLOAT_VECTOR")), side)
+    place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
+    way = add_shoulders(tree, distance, height, mean, outside, own, place, sliders[SHOULDERS_INPUT])
+    relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
+    if relief is not None:
+        way = tree.vector("ADD", way, tree.scale(own, relief))
     moved = tree.node("GeometryNodeSetPosition")
-    return tree.feed(moved, Geometry=geometry, Offset=way).outputs["Geometry"]
+    return tree.feed(moved, Geometry=geometry, Offset=tree.scale(way, units)).outputs["Geometry"]
 
 
 def _leaning(tree, outside):
