@@ -18,8 +18,9 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import compat_nodes
+from .. import compat, compat_nodes
 from ..names import REST_ATTRIBUTE
+from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
 from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, distance_to, rims
@@ -80,19 +81,24 @@ class ShellSource:
     """Edges with a larger angle between their faces are sharp (radians; over pi: none)."""
     weld: bool = False
     """Points that lie on one another are one."""
+    depths: tuple = ()
+    """Depth of the snow on open ground, (frame, metres) of some frames. Without them there are no cushions."""
     rest: bool = False
     """The receiver carries where its points are undeformed, as `rest_position`."""
 
 
 def build_tree(name, source):
     """A geometry node group that makes the shell of a ShellSource, for an object that stands at the world's
-    origin. Its one input besides the geometry is the strength of the relief."""
+    origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, cushions."""
     tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
                             "Bumps of the surface; 1 is fresh snow", 1.0, 0.0, 10.0)  # fmt: skip
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", SHOULDERS_INPUT,
                             "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 0.0, 2.0)  # fmt: skip
+    if source.depths:
+        compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", CUSHIONS_INPUT,
+                            "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 0.0, 4.0)  # fmt: skip
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     sliders = tree.node("NodeGroupInput").outputs
 
@@ -108,6 +114,9 @@ def build_tree(name, source):
     geometry = _heights(tree, geometry, source)
     geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, sliders)
     geometry = _cut(tree, geometry, source)
+    if source.depths:
+        geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], _keyed(tree, source.depths),
+                                (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
     smooth = tree.node("GeometryNodeSetShadeSmooth")
     tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
     painted = tree.node("GeometryNodeSetMaterial")
@@ -125,6 +134,20 @@ def _object(tree, obj, space):
 
 def _realized(tree, geometry):
     return tree.feed(tree.node("GeometryNodeRealizeInstances"), Geometry=geometry).outputs[0]
+
+
+def _keyed(tree, values):
+    """A number that has those values, (frame, value), with straight lines between them."""
+    node = tree.node("ShaderNodeValue")
+    for frame, value in values:
+        node.outputs[0].default_value = value
+        node.outputs[0].keyframe_insert("default_value", frame=frame)
+    path = node.outputs[0].path_from_id("default_value")
+    for curve in compat.curves_of(tree.tree):
+        if curve.data_path == path:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+    return node.outputs[0]
 
 
 def _capture(tree, geometry, value, domain, data_type):
