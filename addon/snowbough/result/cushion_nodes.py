@@ -18,6 +18,9 @@ RADIUS_OF_DEPTH = 0.35
 LEAST_RADIUS, MOST_RADIUS = 0.001, 0.02
 # By how much of that it is shrunk, and grown again at last.
 SHRUNK, PUFFED = 1.12, 0.45
+# How far a second layer of the snow lies above the first, in parts of the radius: it tells a bough's flat spray, which
+# gets as thick as a body, from a lone needle, which stays thin across.
+RAISED = 0.5
 # Voxels and points a radius: more are finer and dearer.
 COARSE, FINE = 2.5, 3.0
 # The least thickness of the snow that is bridged, in parts of the depth on open ground.
@@ -66,6 +69,13 @@ def are_needles(positions, edges, depth):
     return bool(thin.mean() > MOSTLY)
 
 
+def _joined(builder, *parts):
+    node = builder.node("GeometryNodeJoinGeometry")
+    for part in parts:
+        builder.tree.links.new(part, node.inputs[0])
+    return node.outputs[0]
+
+
 def _balls(builder, points, radius, voxel):
     """The union of balls around points, as a mesh: their radius may be a field."""
     volume = builder.node("GeometryNodePointsToVolume", resolution_mode="VOXEL_SIZE")
@@ -79,7 +89,11 @@ def _body(builder, geometry, thickness, depth, radius):
     points = builder.node("GeometryNodeMeshToPoints", mode="VERTICES")
     carries = builder.math("GREATER_THAN", thickness, builder.multiply(depth, THINNEST))
     builder.feed(points, Mesh=geometry, Selection=carries)
-    grown, surface = _balls(builder, points.outputs[0], radius, builder.divide(radius, COARSE))
+    higher = builder.node("GeometryNodeSetPosition")
+    up = builder.combine(0.0, 0.0, builder.multiply(radius, RAISED))
+    builder.feed(higher, Geometry=points.outputs[0], Offset=up)
+    layers = _joined(builder, points.outputs[0], higher.outputs[0])
+    grown, surface = _balls(builder, layers, radius, builder.divide(radius, COARSE))
 
     spacing = builder.divide(radius, FINE)
     inside = builder.node("GeometryNodeDistributePointsInVolume", mode="DENSITY_GRID")
@@ -120,10 +134,7 @@ def add_cushions(builder, geometry, amount, depth, names, metres_per_unit):
     mesh = builder.store(mesh, place_name, grown, "POINT", "FLOAT_VECTOR")
     mesh = builder.store(mesh, height_name, builder.math("MAXIMUM", metres, DEPTH_SHOWN), "POINT")
 
-    both = builder.node("GeometryNodeJoinGeometry")
-    for part in (geometry, mesh):
-        builder.tree.links.new(part, both.inputs[0])
     chosen = builder.node("GeometryNodeSwitch", input_type="GEOMETRY")
     wanted = builder.math("GREATER_THAN", builder.multiply(amount, depth), 0.0)
-    builder.feed(chosen, Switch=wanted, False_=geometry, True_=both.outputs[0])
+    builder.feed(chosen, Switch=wanted, False_=geometry, True_=_joined(builder, geometry, mesh))
     return builder.output(chosen)

@@ -324,11 +324,15 @@ def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
         tree.multiply(height, MOST_CURVATURE * units), tree.math("MAXIMUM", tree.vector("LENGTH", bent), 1e-9)
     )
     way = tree.vector("ADD", way, tree.scale(bent, tree.math("MINIMUM", most, 1.0)))
-    geometry = tree.feed(tree.node("GeometryNodeSetPosition"), Geometry=geometry, Offset=way).outputs["Geometry"]
+    geometry = tree.feed(tree.node("GeometryNodeSetPosition"), Geometry=geometry, Offset=way).outputs[
+        "Geometry"
+    ]
 
     # On the back of a sheet both normals point into the snow.
     side = tree.math("SIGN", tree.dot(tree.on_domain(normal, "POINT", "FLOAT_VECTOR"), direction))
-    own = tree.scale(tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side)
+    own = tree.scale(
+        tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side
+    )
     outside = tree.scale(tree.vector("NORMALIZE", tree.on_domain(normal, "POINT", "FLOAT_VECTOR")), side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
     way = add_shoulders(tree, distance, height, mean, outside, own, place, sliders[SHOULDERS_INPUT])

@@ -70,7 +70,9 @@ def add_shoulders(builder, distance, thickness, risen, normal, own_normal, place
     )
     noise = builder.node("ShaderNodeTexNoise")
     builder.feed(noise, Vector=place, Scale=WAVES, Detail=1.0)
-    reach = builder.math("MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION * REACH, (1.0 - VARIATION) * REACH)
+    reach = builder.math(
+        "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION * REACH, (1.0 - VARIATION) * REACH
+    )
     already = builder.dot(risen, builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0)))
     far = builder.subtract(
         builder.add(distance, builder.multiply(reach, thickness)), builder.math("MAXIMUM", already, 0.0)

@@ -14,7 +14,16 @@ import numpy as np
 from .. import compat, compat_nodes
 from ..names import SHELL_MODIFIER
 from ..scene.pose import metres_per_unit
-from . import baked_images, cushion_nodes, look, original_state, rest_position, shell_nodes, snow_material, snow_nodes
+from . import (
+    baked_images,
+    cushion_nodes,
+    look,
+    original_state,
+    rest_position,
+    shell_nodes,
+    snow_material,
+    snow_nodes,
+)
 from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
