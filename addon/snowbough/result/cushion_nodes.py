@@ -2,10 +2,10 @@
 """Cushions: snow that bridges the gaps between needles.
 
 Snow on foliage lies across many needles, while the maps know each of them alone. These nodes close and open the snow
-of a shell, in the words of morphology (J. Serra, Image Analysis and Mathematical Morphology, 1982): grown by a radius,
-it joins what is nearer than twice that; shrunk by a little more, it loses lone needles' ends and what else is thin;
-grown again, what is left is round. Sets are balls around points, meshed from a volume, and depths in them distances from
-that mesh, so a cushion's shape follows the snow without steps, while its topology changes over the shot.
+of a shell, in the words of morphology (J. Serra, Image Analysis and Mathematical Morphology, 1982): grown by a
+radius, it joins what is nearer than twice that; shrunk by a little more, it loses what is thin, as a lone needle's;
+grown again, what is left is round. Sets are balls around points, meshed from a volume, and depths in them distances
+from that mesh, so a cushion's shape follows the snow without steps, while its topology changes over the shot.
 """
 
 import numpy as np

@@ -33,6 +33,13 @@ _OFFSET = "snow_offset"
 _CORNER_HEIGHT = "snow_corner_height"
 _PLACE = "snow_map_place"
 
+# Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
+SLIDERS = (
+    (RELIEF_INPUT, "Bumps of the surface; 1 is fresh snow", 1.0, 10.0),
+    (SHOULDERS_INPUT, "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 2.0),
+    (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
+)
+
 # Texels by which corners keep off the rim of their face on the map, since what lies beyond it may be another chart's;
 # at most so far towards the face's middle.
 INSET = 1.0
@@ -92,13 +99,11 @@ def build_tree(name, source):
     origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, cushions."""
     tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
-    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
-                            "Bumps of the surface; 1 is fresh snow", 1.0, 0.0, 10.0)  # fmt: skip
-    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", SHOULDERS_INPUT,
-                            "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 0.0, 2.0)  # fmt: skip
-    if source.depths:
-        compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", CUSHIONS_INPUT,
-                            "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 0.0, 4.0)  # fmt: skip
+    for name, description, default, most in SLIDERS:
+        if name != CUSHIONS_INPUT or source.depths:
+            compat_nodes.add_group_socket(
+                tree.tree, "INPUT", "NodeSocketFloat", name, description, default, 0.0, most
+            )
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     sliders = tree.node("NodeGroupInput").outputs
 

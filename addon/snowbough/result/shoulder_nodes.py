@@ -3,9 +3,9 @@
 
 A map holds one thickness a place, so snow that ends at a rim ends there as a slope at its angle of repose. Lying snow
 holds together and has a steep, round front. These nodes draw the slope out towards its rim. With d the distance from
-the rim, h the thickness and s the slope of the snow's own surface, s d / h is 1 on a slope that begins at the rim, and 0
-on level snow; a bank that ends somewhere else is far from any rim for its thickness. Nothing is known of h elsewhere,
-so the nodes work point by point, and a point moves as smoothly over the shot as its thickness does.
+the rim, h the thickness and s the slope of the snow's own surface, s d / h is 1 on a slope that begins at the rim and
+0 on level snow; a bank that ends somewhere else is far from any rim for its thickness. Nothing is asked about the snow
+elsewhere, so a point moves as smoothly over the shot as its thickness does.
 """
 
 from .. import compat_nodes
@@ -54,8 +54,9 @@ def distance_to(builder, rim_edges, position):
 def add_shoulders(builder, distance, thickness, risen, normal, own_normal, place, strength):
     """The way by which a point of the snow's surface is drawn out over its rim, in metres; a vector.
 
-    distance: from the rim, thickness: metres, not negative. risen: the way from the bare surface, metres. normal, own_normal: of what the snow lies on, and of the
-    snow's surface. place: metres, fixed to the object. strength: 1 draws slopes upright.
+    distance: from the rim, thickness: metres, not negative. risen: the way from the bare surface, metres. normal,
+    own_normal: of what the snow lies on, and of the snow's surface. place: metres, fixed to the object. strength: 1
+    draws slopes upright.
     """
     along = builder.dot(own_normal, normal)
     tangent = builder.vector("SUBTRACT", own_normal, builder.scale(normal, along))
