@@ -23,7 +23,7 @@ from ..names import REST_ATTRIBUTE
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
-from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, distance_to, rims
+from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, rims, way_to
 
 HEIGHT_ATTRIBUTE = "snow_height"
 POSITION_ATTRIBUTE = "snow_position"
@@ -114,7 +114,7 @@ def build_tree(name, source):
         merge = tree.node("GeometryNodeMergeByDistance")
         geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
     geometry = _placed(tree, geometry, source)
-    rim_edges = rims(tree, geometry)
+    rim_edges = rims(tree, geometry, _sharp_edges(tree, source.sharp_angle))
     geometry = _subdivided(tree, geometry, source.levels)
     geometry = _heights(tree, geometry, source)
     geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, sliders)
@@ -196,17 +196,22 @@ def _outside_out(tree, geometry, source):
     return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
 
 
-def _corner_normals(tree, geometry, sharp_angle):
-    """(geometry, normal of every corner): smooth across smooth edges only."""
+def _sharp_edges(tree, sharp_angle):
+    """1 on edges across which the mesh is not shaded smooth, else 0."""
     flat = tree.math("SUBTRACT", 1.0, tree.node("GeometryNodeInputShadeSmooth").outputs[0])
     beside_flat = tree.on_domain(tree.on_domain(flat, "FACE"), "EDGE")
     angle = tree.node("GeometryNodeInputMeshEdgeAngle").outputs["Unsigned Angle"]
     marked = tree.add(tree.attribute("sharp_edge", "BOOLEAN"), tree.attribute("sharp_face", "BOOLEAN"))
-    split_there = tree.add(
+    any_of_them = tree.add(
         tree.add(beside_flat, tree.math("GREATER_THAN", angle, sharp_angle)), tree.on_domain(marked, "EDGE")
     )
+    return tree.math("GREATER_THAN", any_of_them, 1e-3)
+
+
+def _corner_normals(tree, geometry, sharp_angle):
+    """(geometry, normal of every corner): smooth across smooth edges only."""
     split = tree.node("GeometryNodeSplitEdges")
-    tree.feed(split, Mesh=geometry, Selection=tree.math("GREATER_THAN", split_there, 1e-3))
+    tree.feed(split, Mesh=geometry, Selection=_sharp_edges(tree, sharp_angle))
     sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="CORNER")
     normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs["Normal"], "POINT", "FLOAT_VECTOR")
     tree.feed(sample, Geometry=split.outputs["Mesh"], Value=normal,
@@ -319,8 +324,8 @@ def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
     height = tree.attribute(HEIGHT_ATTRIBUTE)
     units = 1.0 / source.metres_per_unit
     bare = tree.node("GeometryNodeInputPosition").outputs[0]
-    distance = tree.multiply(distance_to(tree, rim_edges, bare), source.metres_per_unit)
-    geometry, distance = _capture(tree, geometry, distance, "POINT", "FLOAT")
+    to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
+    geometry, to_rim = _capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
     way = tree.vector("ADD", tree.scale(mean, units), tree.scale(direction, tree.multiply(extra, units)))
@@ -340,7 +345,7 @@ def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
     )
     outside = tree.scale(tree.vector("NORMALIZE", tree.on_domain(normal, "POINT", "FLOAT_VECTOR")), side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-    way = add_shoulders(tree, distance, height, mean, outside, own, place, sliders[SHOULDERS_INPUT])
+    way = add_shoulders(tree, to_rim, height, mean, outside, own, place, sliders[SHOULDERS_INPUT])
     relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
     if relief is not None:
         way = tree.vector("ADD", way, tree.scale(own, relief))

@@ -22,6 +22,8 @@ FAR, FARTHER = 3.0, 5.0
 # What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
 SLOPES = (0.15, 0.45)
 FOOT = 0.5
+# Nearer to the rim than this, in parts of the thickness, a slope's direction counts less.
+AT_RIM = 0.1
 # The farthest that a point is drawn, in parts of its thickness.
 MOST = 1.4
 # How far snow reaches out over its rim, in parts of its thickness, by how much that varies along it, in waves a metre.
@@ -32,32 +34,38 @@ WAVES = 6.0
 STEEPEST = 0.08
 
 
-def rims(builder, geometry):
-    """The rims of a mesh as edges without faces: open edges, and convex ones. Empty where there are none."""
+def rims(builder, geometry, sharp):
+    """The rims of a mesh as edges without faces: of its `sharp` edges (a field) the convex and the open ones. Smooth
+    surfaces have none: snow thins out on them as the surface gets steeper."""
     neighbours = builder.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
     angle = builder.node("GeometryNodeInputMeshEdgeAngle").outputs["Signed Angle"]
-    rim = builder.math(
+    falls_off = builder.math(
         "MAXIMUM",
         builder.math("GREATER_THAN", angle, RIM_ANGLE),
         builder.math("LESS_THAN", neighbours, 1.5),
     )
     node = builder.node("GeometryNodeSeparateGeometry", domain="EDGE")
-    return builder.feed(node, Geometry=geometry, Selection=rim).outputs["Selection"]
+    return builder.feed(node, Geometry=geometry, Selection=builder.multiply(falls_off, sharp)).outputs[
+        "Selection"
+    ]
 
 
-def distance_to(builder, rim_edges, position):
-    """How far from the rims a position is, in units of the scene; 0 without rims."""
+def way_to(builder, rim_edges, position):
+    """The way from a position to the nearest rim, in units of the scene; nothing without rims."""
     node = builder.node("GeometryNodeProximity", target_element="EDGES")
-    return builder.feed(node, Target=rim_edges, Source_Position=position).outputs["Distance"]
+    builder.feed(node, Target=rim_edges, Source_Position=position)
+    way = builder.vector("SUBTRACT", node.outputs["Position"], position)
+    return builder.scale(way, builder.math("GREATER_THAN", node.outputs["Distance"], 0.0))
 
 
-def add_shoulders(builder, distance, thickness, risen, normal, own_normal, place, strength):
+def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, strength):
     """The way by which a point of the snow's surface is drawn out over its rim, in metres; a vector.
 
-    distance: from the rim, thickness: metres, not negative. risen: the way from the bare surface, metres. normal,
-    own_normal: of what the snow lies on, and of the snow's surface. place: metres, fixed to the object. strength: 1
-    draws slopes upright.
+    to_rim: the way to the nearest rim, metres. thickness: metres, not negative. risen: the way from the bare surface,
+    metres. normal, own_normal: of what the snow lies on, and of the snow's surface. place: metres, fixed to the
+    object. strength: 1 draws slopes upright.
     """
+    distance = builder.vector("LENGTH", to_rim)
     along = builder.dot(own_normal, normal)
     tangent = builder.vector("SUBTRACT", own_normal, builder.scale(normal, along))
     sine = builder.vector("LENGTH", tangent)
@@ -69,6 +77,13 @@ def add_shoulders(builder, distance, thickness, risen, normal, own_normal, place
         builder.smoothstep(builder.add(builder.multiply(slope, apart), begun), BEGINS, COMPLETE),
         builder.smoothstep(apart, FAR, FARTHER, 1.0, 0.0),
     )
+    # Slopes that fall towards the rim, not from it; at the rim itself all do.
+    near = builder.multiply(thickness, AT_RIM)
+    towards = builder.divide(
+        builder.add(builder.dot(to_rim, outwards), near),
+        builder.math("MAXIMUM", builder.add(distance, near), 1e-6),
+    )
+    share = builder.multiply(share, builder.smoothstep(towards, 0.2, 0.7))
     noise = builder.node("ShaderNodeTexNoise")
     builder.feed(noise, Vector=place, Scale=WAVES, Detail=1.0)
     reach = builder.math(
