@@ -106,6 +106,30 @@ def test_a_mesh_without_rims_stays(snow, addon):
     assert np.array_equal(plain, drawn)
 
 
+def test_snow_that_fills_a_hollow_stays(snow, addon):
+    points = [(x, y, 0.3 * abs(x)) for x in (-0.5, 0.0, 0.5) for y in (-2.0, 2.0)]
+    uv = [(u, v) for left in (0.0, 0.5) for u, v in ((left, 0), (left + 0.5, 0), (left + 0.5, 1), (left, 1))]
+    trough = s.mesh_object("Trough", points, [(0, 2, 3, 1), (2, 4, 5, 3)], uv)
+    x = np.abs((np.arange(SIZE) + 0.5) / SIZE - 0.5)
+    level = 0.3 * (0.5 - x) * np.hypot(1.0, 0.3)
+    shell = snow(trough, np.repeat(level[None, :], SIZE, axis=0))
+    plain, drawn = (with_slider(addon, shell, "Shoulders", strength).points for strength in (0.0, 1.0))
+    inside = (np.abs(plain[:, 1]) < 1.5) & (np.abs(plain[:, 0]) > 0.1)
+    assert np.abs(plain[inside] - drawn[inside]).max() < 0.005
+
+
+def test_the_edge_of_a_sheet_is_a_rim_where_it_is_shaded_flat(snow, addon):
+    reach = {}
+    for smooth in (False, True):
+        sheet = s.square(f"Sheet {smooth}", 1.0)
+        sheet.data.polygons.foreach_set("use_smooth", [smooth] * len(sheet.data.polygons))
+        shell = snow(sheet, heap())
+        plain, drawn = (with_slider(addon, shell, "Shoulders", strength).points for strength in (0.0, 1.0))
+        reach[smooth] = np.abs(drawn - plain).max()
+    assert reach[True] == 0.0
+    assert reach[False] > 0.02
+
+
 # -- cushions ----------------------------------------------------------------------------------------------
 
 NEEDLE = 0.001

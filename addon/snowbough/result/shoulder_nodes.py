@@ -22,10 +22,15 @@ FAR, FARTHER = 3.0, 5.0
 # What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
 SLOPES = (0.15, 0.45)
 FOOT = 0.5
+# Cosine between a slope's direction and the rim's from which it counts, and from which it counts fully; and the sine of
+# its fall in that direction.
+TOWARDS = (0.2, 0.7)
+FALLS = (0.1, 0.35)
 # Nearer to the rim than this, in parts of the thickness, a slope's direction counts less.
 AT_RIM = 0.1
 # The farthest that a point is drawn, in parts of its thickness.
 MOST = 1.4
+FARTHEST = 1e6
 # How far snow reaches out over its rim, in parts of its thickness, by how much that varies along it, in waves a metre.
 REACH = 0.18
 VARIATION = 0.7
@@ -51,11 +56,14 @@ def rims(builder, geometry, sharp):
 
 
 def way_to(builder, rim_edges, position):
-    """The way from a position to the nearest rim, in units of the scene; nothing without rims."""
+    """The way from a position to the nearest rim, in units of the scene; FARTHEST upwards where there are none."""
     node = builder.node("GeometryNodeProximity", target_element="EDGES")
     builder.feed(node, Target=rim_edges, Source_Position=position)
     way = builder.vector("SUBTRACT", node.outputs["Position"], position)
-    return builder.scale(way, builder.math("GREATER_THAN", node.outputs["Distance"], 0.0))
+    size = builder.node("GeometryNodeAttributeDomainSize", component="MESH")
+    builder.feed(size, Geometry=rim_edges)
+    none = builder.math("LESS_THAN", size.outputs["Edge Count"], 0.5)
+    return builder.vector("ADD", way, builder.combine(0.0, 0.0, builder.multiply(none, FARTHEST)))
 
 
 def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, strength):
@@ -83,13 +91,16 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
         builder.add(builder.dot(to_rim, outwards), near),
         builder.math("MAXIMUM", builder.add(distance, near), 1e-6),
     )
-    share = builder.multiply(share, builder.smoothstep(towards, 0.2, 0.7))
+    share = builder.multiply(share, builder.smoothstep(towards, *TOWARDS))
+    # What fills a hollow is steep beside the surface, but level.
+    level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
+    share = builder.multiply(share, builder.smoothstep(builder.dot(own_normal, level_outwards), *FALLS))
     noise = builder.node("ShaderNodeTexNoise")
     builder.feed(noise, Vector=place, Scale=WAVES, Detail=1.0)
     reach = builder.math(
         "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION * REACH, (1.0 - VARIATION) * REACH
     )
-    already = builder.dot(risen, builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0)))
+    already = builder.dot(risen, level_outwards)
     far = builder.subtract(
         builder.add(distance, builder.multiply(reach, thickness)), builder.math("MAXIMUM", already, 0.0)
     )
