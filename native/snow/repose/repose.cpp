@@ -124,6 +124,9 @@ double Repose::run_colour(const Blocks& blocks, int first_round, Marks& awake, M
   for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int32_t>(i);
   for_blocks(order, [&](int32_t i) {
     const int32_t block = blocks[static_cast<size_t>(i)];
+    const std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
+    // Most blocks are: to see it takes less than a round.
+    if (first_round == 0 && is_at_rest(tiles_, block, links_.blocks_a_side, rims)) return;
     done[static_cast<size_t>(i)] =
         run_tile_rounds(tiles_, block, links_.blocks_a_side, rims_[static_cast<size_t>(block)],
                         first_round, kRounds);

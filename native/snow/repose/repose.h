@@ -85,6 +85,7 @@ class Repose {
 
   // setup.cpp
   void take_pose();
+  bool is_bare(int32_t block, const std::vector<float>& height) const;
   Relief relief_of(int32_t block, const std::vector<float>& height) const;
   bool is_level(int32_t block, const Relief& relief) const;
   void forget_links();

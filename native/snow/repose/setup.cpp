@@ -45,6 +45,16 @@ void Repose::take_pose() {
   has_pose_ = true;
 }
 
+/// Whether snow lies in a block.
+bool Repose::is_bare(int32_t block, const std::vector<float>& height) const {
+  const std::vector<int32_t>& places = object_->table.texel;
+  bool bare = true;
+  links_.for_texels(block, places, [&](int32_t texel, size_t) {
+    bare = bare && height[static_cast<size_t>(places[static_cast<size_t>(texel)])] == 0.0f;
+  });
+  return bare;
+}
+
 /// The highest snow in a block and beside it, and the largest difference across a link that it
 /// keeps.
 Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height) const {
@@ -77,9 +87,9 @@ Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height
   return relief;
 }
 
-/// Whether no link of the block can be over its limit. Two columns over snow whose thickness
-/// differs by at most `step`, each up to `column` times as high as it is thick and the two of them
-/// by `turn`, differ by step * column + high * turn at most.
+/// Whether no link of a block with known slack can be over its limit. Two columns over snow whose
+/// thickness differs by at most `step`, each up to `column` times as high as it is thick and the
+/// two of them by `turn`, differ by step * column + high * turn at most.
 bool Repose::is_level(int32_t block, const Relief& relief) const {
   if (relief.high <= 0.0f) return true;
   const BlockSlack& slack = slack_[static_cast<size_t>(block)];
@@ -108,7 +118,9 @@ size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
   doubtful_.clear();
   for (size_t b = 0; b < slack_.size(); ++b) {
     const auto block = static_cast<int32_t>(b);
-    if (!is_level(block, relief_of(block, height))) doubtful_.push_back(block);
+    const bool rests =
+        slack_[b].is_known ? is_level(block, relief_of(block, height)) : is_bare(block, height);
+    if (!rests) doubtful_.push_back(block);
   }
   chosen_ = near(doubtful_);
   return chosen_.size();

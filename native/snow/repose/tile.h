@@ -99,6 +99,10 @@ struct TileBounds {
 TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                              const std::vector<RimLink>& rims);
 
+/// Whether no link of a block's cells is over its limit.
+bool is_at_rest(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
+                const std::vector<RimLink>& rims);
+
 /// Lets snow move for at most `rounds` rounds along the links of a block's cells, as many as are
 /// needed until it rests. `first_round`: for the momentum. Neighbouring tiles' cells beside the
 /// block change with it, so tiles next to each other must not do their rounds at one time; every

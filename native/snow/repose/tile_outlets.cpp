@@ -14,12 +14,15 @@ struct alignas(64) Bounds {
   TileWindow::Plane bound, top, z, passed;
 };
 
-/// What cells pass on to their neighbours.
-SNOWBOUGH_WIDE void pass_row(const float* __restrict bound, const float* __restrict top,
+/// What cells pass on to their neighbours; returns whether any does.
+SNOWBOUGH_WIDE bool pass_row(const float* __restrict bound, const float* __restrict top,
                              const float* __restrict z, float* __restrict passed) {
+  int32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock + 2; ++i) {
     passed[i] = shared::passed_bound(bound[i], top[i], z[i]);
+    any |= passed[i] < shared::kUnbounded ? 1 : 0;
   }
+  return any != 0;
 }
 
 /// Lowers the bounds of a row of cells to what others `passed` over links of those limits; returns
@@ -66,16 +69,17 @@ class BoundSweep {
   const float* limit(int32_t k, int32_t row) const {
     return tile_.limit[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
   }
+  bool pass(int32_t row) {
+    const size_t at = TileWindow::at(-1, row);
+    return pass_row(&bounds_.bound[at], &bounds_.top[at], &bounds_.z[at], &bounds_.passed[at]);
+  }
   bool within(int32_t row) {
+    if (!pass(row)) return false;
     const size_t at = TileWindow::at(0, row);
     return lower_within_row(limit(0, row), &bounds_.top[at], &bounds_.z[at], &bounds_.bound[at]);
   }
-  void pass(int32_t row) {
-    const size_t at = TileWindow::at(-1, row);
-    pass_row(&bounds_.bound[at], &bounds_.top[at], &bounds_.z[at], &bounds_.passed[at]);
-  }
   bool upwards(int32_t row) {
-    pass(row);
+    if (!pass(row)) return false;
     bool changes = false;
     for (int32_t k = 1; k < kForwardLinks; ++k) {
       changes |= lower_row(&bounds_.passed[TileWindow::at(0, row)], limit(k, row),
@@ -84,7 +88,7 @@ class BoundSweep {
     return changes;
   }
   bool downwards(int32_t row) {
-    pass(row + 1);
+    if (!pass(row + 1)) return false;
     bool changes = false;
     for (int32_t k = 1; k < kForwardLinks; ++k) {
       changes |= lower_row(&bounds_.passed[TileWindow::at(kForwardColumn[k], row + 1)],
@@ -106,20 +110,25 @@ TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t bl
   bounds.top.fill(0.0f);
   bounds.z.fill(0.0f);
   bounds.passed.fill(shared::kUnbounded);
-  TileWindow::for_cells(tiles, blocks_a_side, block,
-                        [&](const ReposeTile& tile, size_t cell, size_t at) {
-                          bounds.bound[at] = tile.bound[cell];
-                          bounds.top[at] = tile.top[cell];
-                          bounds.z[at] = tile.z[cell];
-                        });
+  TileWindow::for_runs(tiles, blocks_a_side, block,
+                       [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+                         TileWindow::copy_run(tile.bound, cell, count, bounds.bound, at);
+                         TileWindow::copy_run(tile.top, cell, count, bounds.top, at);
+                         TileWindow::copy_run(tile.z, cell, count, bounds.z, at);
+                       });
   for (const RimLink& rim : rims) {
     float& bound = bounds.bound[TileWindow::at(rim.cell % kReposeBlock, rim.cell / kReposeBlock)];
     bound = std::min(bound, rim.top + shared::kCuts * rim.limit);
   }
   BoundSweep sweep(bounds, *tiles[static_cast<size_t>(block)]);
-  while (sweep.run()) {
-  }
   TileBounds result;
+  bool has_rim_bounds = !rims.empty();
+  while (sweep.run() || has_rim_bounds) {
+    result.has_changed = true;
+    has_rim_bounds = false;
+  }
+  if (!result.has_changed) return result;
+  result.has_changed = false;
   TileWindow::for_cells(tiles, blocks_a_side, block, [&](ReposeTile& part, size_t cell, size_t at) {
     if (!(bounds.bound[at] < part.bound[cell])) return;
     part.bound[cell] = bounds.bound[at];

@@ -90,14 +90,26 @@ SNOWBOUGH_ROW void move_row(int32_t cells, float* __restrict gain, int32_t* __re
 
 void load(const ReposeTiles& tiles, int32_t blocks, int32_t block, Window& window) {
   window = Window{};
-  TileWindow::for_cells(tiles, blocks, block, [&](const ReposeTile& tile, size_t cell, size_t at) {
-    window.top[at] = tile.top[cell];
-    window.gives[at] = tile.gives[cell];
-    window.z[at] = tile.z[cell];
-    window.lift[at] = tile.lift[cell];
-    window.share[at] = tile.share[cell];
-    window.held[at] = tile.held[cell] + static_cast<float>(tile.moved[cell]);
-  });
+  TileWindow::for_runs(
+      tiles, blocks, block, [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+        TileWindow::copy_run(tile.top, cell, count, window.top, at);
+        TileWindow::copy_run(tile.gives, cell, count, window.gives, at);
+        TileWindow::copy_run(tile.z, cell, count, window.z, at);
+        TileWindow::copy_run(tile.lift, cell, count, window.lift, at);
+        TileWindow::copy_run(tile.share, cell, count, window.share, at);
+        for (size_t i = 0; i < count; ++i) {
+          window.held[at + i] = tile.held[cell + i] + static_cast<float>(tile.moved[cell + i]);
+        }
+      });
+}
+
+/// Whether a fall from a row of cells to their neighbours is over its limit.
+SNOWBOUGH_ROW bool is_row_over(int32_t step, const float* __restrict top,
+                               const float* __restrict limit) {
+  int32_t over = 0;
+  for (int32_t i = 0; i < kReposeBlock; ++i)
+    over |= std::abs(top[i] - top[i + step]) > limit[i] ? 1 : 0;
+  return over != 0;
 }
 
 bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, float momentum) {
@@ -230,6 +242,27 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
                  slope, tile.limit[link].data() + cells, tile.rate[link].data() + cells);
     }
   }
+}
+
+bool is_at_rest(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
+                const std::vector<RimLink>& rims) {
+  Local top{};
+  TileWindow::for_runs(tiles, blocks_a_side, block,
+                       [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+                         TileWindow::copy_run(tile.top, cell, count, top, at);
+                       });
+  const ReposeTile& tile = *tiles[static_cast<size_t>(block)];
+  for (int32_t row = 0; row < kReposeBlock; ++row) {
+    const auto cells = static_cast<size_t>(row * kReposeBlock);
+    for (int32_t k = 0; k < kForwardLinks; ++k) {
+      const float* const limit = tile.limit[static_cast<size_t>(k)].data() + cells;
+      if (is_row_over(TileWindow::step(k), top.data() + TileWindow::at(0, row), limit))
+        return false;
+    }
+  }
+  return std::none_of(rims.begin(), rims.end(), [&](const RimLink& rim) {
+    return tile.top[static_cast<size_t>(rim.cell)] - rim.top > rim.limit;
+  });
 }
 
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
