@@ -14,12 +14,15 @@ struct alignas(64) Bounds {
   TileWindow::Plane bound, top, z, passed;
 };
 
-/// What cells pass on to their neighbours.
-SNOWBOUGH_WIDE void pass_row(const float* __restrict bound, const float* __restrict top,
+/// What cells pass on to their neighbours; returns whether any does.
+SNOWBOUGH_WIDE bool pass_row(const float* __restrict bound, const float* __restrict top,
                              const float* __restrict z, float* __restrict passed) {
+  int32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock + 2; ++i) {
     passed[i] = shared::passed_bound(bound[i], top[i], z[i]);
+    any |= passed[i] < shared::kUnbounded ? 1 : 0;
   }
+  return any != 0;
 }
 
 /// Lowers the bounds of a row of cells to what others `passed` over links of those limits; returns
@@ -33,21 +36,6 @@ SNOWBOUGH_WIDE bool lower_row(const float* __restrict passed, const float* __res
     bound[i] = over < bound[i] ? over : bound[i];
   }
   return changes != 0;
-}
-
-/// Within a row, to the right and back.
-bool lower_within_row(const float* limit, const float* top, const float* z, float* bound) {
-  bool changes = false;
-  const auto lower = [&](int32_t from, int32_t to, float allowed) {
-    const float over =
-        shared::passed_bound(bound[from], top[from], z[from]) + shared::kCuts * allowed;
-    if (!(over < bound[to])) return;
-    bound[to] = over;
-    changes = true;
-  };
-  for (int32_t i = 0; i < kReposeBlock; ++i) lower(i, i + 1, limit[i]);
-  for (int32_t i = kReposeBlock - 1; i >= 0; --i) lower(i + 1, i, limit[i]);
-  return changes;
 }
 
 class BoundSweep {
@@ -66,16 +54,24 @@ class BoundSweep {
   const float* limit(int32_t k, int32_t row) const {
     return tile_.limit[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
   }
-  bool within(int32_t row) {
-    const size_t at = TileWindow::at(0, row);
-    return lower_within_row(limit(0, row), &bounds_.top[at], &bounds_.z[at], &bounds_.bound[at]);
-  }
-  void pass(int32_t row) {
+  bool pass(int32_t row) {
     const size_t at = TileWindow::at(-1, row);
-    pass_row(&bounds_.bound[at], &bounds_.top[at], &bounds_.z[at], &bounds_.passed[at]);
+    return pass_row(&bounds_.bound[at], &bounds_.top[at], &bounds_.z[at], &bounds_.passed[at]);
+  }
+  /// To the right and to the left, as far as it goes: mostly nowhere.
+  bool within(int32_t row) {
+    bool changes = false;
+    while (pass(row)) {
+      const size_t at = TileWindow::at(0, row);
+      bool goes_on = lower_row(&bounds_.passed[at], limit(0, row), &bounds_.bound[at + 1]);
+      goes_on |= lower_row(&bounds_.passed[at + 1], limit(0, row), &bounds_.bound[at]);
+      if (!goes_on) break;
+      changes = true;
+    }
+    return changes;
   }
   bool upwards(int32_t row) {
-    pass(row);
+    if (!pass(row)) return false;
     bool changes = false;
     for (int32_t k = 1; k < kForwardLinks; ++k) {
       changes |= lower_row(&bounds_.passed[TileWindow::at(0, row)], limit(k, row),
@@ -84,7 +80,7 @@ class BoundSweep {
     return changes;
   }
   bool downwards(int32_t row) {
-    pass(row + 1);
+    if (!pass(row + 1)) return false;
     bool changes = false;
     for (int32_t k = 1; k < kForwardLinks; ++k) {
       changes |= lower_row(&bounds_.passed[TileWindow::at(kForwardColumn[k], row + 1)],
@@ -106,20 +102,25 @@ TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t bl
   bounds.top.fill(0.0f);
   bounds.z.fill(0.0f);
   bounds.passed.fill(shared::kUnbounded);
-  TileWindow::for_cells(tiles, blocks_a_side, block,
-                        [&](const ReposeTile& tile, size_t cell, size_t at) {
-                          bounds.bound[at] = tile.bound[cell];
-                          bounds.top[at] = tile.top[cell];
-                          bounds.z[at] = tile.z[cell];
-                        });
+  TileWindow::for_runs(tiles, blocks_a_side, block,
+                       [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+                         TileWindow::copy_run(tile.bound, cell, count, bounds.bound, at);
+                         TileWindow::copy_run(tile.top, cell, count, bounds.top, at);
+                         TileWindow::copy_run(tile.z, cell, count, bounds.z, at);
+                       });
   for (const RimLink& rim : rims) {
     float& bound = bounds.bound[TileWindow::at(rim.cell % kReposeBlock, rim.cell / kReposeBlock)];
     bound = std::min(bound, rim.top + shared::kCuts * rim.limit);
   }
   BoundSweep sweep(bounds, *tiles[static_cast<size_t>(block)]);
-  while (sweep.run()) {
-  }
   TileBounds result;
+  bool has_rim_bounds = !rims.empty();
+  while (sweep.run() || has_rim_bounds) {
+    result.has_changed = true;
+    has_rim_bounds = false;
+  }
+  if (!result.has_changed) return result;
+  result.has_changed = false;
   TileWindow::for_cells(tiles, blocks_a_side, block, [&](ReposeTile& part, size_t cell, size_t at) {
     if (!(bounds.bound[at] < part.bound[cell])) return;
     part.bound[cell] = bounds.bound[at];

@@ -90,14 +90,26 @@ SNOWBOUGH_ROW void move_row(int32_t cells, float* __restrict gain, int32_t* __re
 
 void load(const ReposeTiles& tiles, int32_t blocks, int32_t block, Window& window) {
   window = Window{};
-  TileWindow::for_cells(tiles, blocks, block, [&](const ReposeTile& tile, size_t cell, size_t at) {
-    window.top[at] = tile.top[cell];
-    window.gives[at] = tile.gives[cell];
-    window.z[at] = tile.z[cell];
-    window.lift[at] = tile.lift[cell];
-    window.share[at] = tile.share[cell];
-    window.held[at] = tile.held[cell] + static_cast<float>(tile.moved[cell]);
-  });
+  TileWindow::for_runs(
+      tiles, blocks, block, [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+        TileWindow::copy_run(tile.top, cell, count, window.top, at);
+        TileWindow::copy_run(tile.gives, cell, count, window.gives, at);
+        TileWindow::copy_run(tile.z, cell, count, window.z, at);
+        TileWindow::copy_run(tile.lift, cell, count, window.lift, at);
+        TileWindow::copy_run(tile.share, cell, count, window.share, at);
+        for (size_t i = 0; i < count; ++i) {
+          window.held[at + i] = tile.held[cell + i] + static_cast<float>(tile.moved[cell + i]);
+        }
+      });
+}
+
+/// Whether a fall from a row of cells to their neighbours is over its limit.
+SNOWBOUGH_ROW bool is_row_over(int32_t step, const float* __restrict top,
+                               const float* __restrict limit) {
+  int32_t over = 0;
+  for (int32_t i = 0; i < kReposeBlock; ++i)
+    over |= std::abs(top[i] - top[i + step]) > limit[i] ? 1 : 0;
+  return over != 0;
 }
 
 bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, float momentum) {
@@ -191,21 +203,39 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
 
 }  // namespace
 
+void ReposeTile::begin_pose() {
+  area.fill(0.0f);
+  forward.fill(0);
+  two_sided.fill(0);
+  part.fill(1.0f / shared::kLinks);
+  kind.fill(kUnknown);
+  bound.fill(shared::kUnbounded);
+  has_pose = true;
+  has_links = false;
+}
+
+void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {
+  kind[cell] = now;
+  const bool wall = (now & kWall) != 0;
+  const float side = (now & kBack) != 0 ? -1.0f : 1.0f;
+  units_a_metre[cell] = area[cell] / unit;
+  lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * (unit / area[cell]);
+  share[cell] = wall ? 0.0f : 1.0f;
+  stiffness[cell] = lift[cell] / part[cell];
+}
+
 bool ReposeTile::cover(size_t cell, float height, float unit) {
   const float side = shared::snow_side(height, up[cell], two_sided[cell] != 0);
   const bool wall = shared::is_wall(side * up[cell]) || area[cell] <= 0.0f;
-  const uint8_t before = kind[cell];
-  kind[cell] = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
-  const float a_unit = area[cell] > 0.0f ? unit / area[cell] : 0.0f;
-  held[cell] = area[cell] > 0.0f ? std::abs(height) / a_unit : 0.0f;
+  const auto now = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
+  const bool changes = now != kind[cell];
+  if (changes) set_kind(cell, now, unit);
+  held[cell] = std::abs(height) * units_a_metre[cell];
   moved[cell] = 0.0;
-  lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * a_unit;
-  share[cell] = wall ? 0.0f : 1.0f;
-  stiffness[cell] = lift[cell] / part[cell];
   // A wall is an outlet: what lies over it falls.
   bound[cell] = wall ? z[cell] : shared::kUnbounded;
   raise(cell);
-  return kind[cell] != before;
+  return changes;
 }
 
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
@@ -230,6 +260,27 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
                  slope, tile.limit[link].data() + cells, tile.rate[link].data() + cells);
     }
   }
+}
+
+bool is_at_rest(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
+                const std::vector<RimLink>& rims) {
+  Local top{};
+  TileWindow::for_runs(tiles, blocks_a_side, block,
+                       [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+                         TileWindow::copy_run(tile.top, cell, count, top, at);
+                       });
+  const ReposeTile& tile = *tiles[static_cast<size_t>(block)];
+  for (int32_t row = 0; row < kReposeBlock; ++row) {
+    const auto cells = static_cast<size_t>(row * kReposeBlock);
+    for (int32_t k = 0; k < kForwardLinks; ++k) {
+      const float* const limit = tile.limit[static_cast<size_t>(k)].data() + cells;
+      if (is_row_over(TileWindow::step(k), top.data() + TileWindow::at(0, row), limit))
+        return false;
+    }
+  }
+  return std::none_of(rims.begin(), rims.end(), [&](const RimLink& rim) {
+    return tile.top[static_cast<size_t>(rim.cell)] - rim.top > rim.limit;
+  });
 }
 
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,

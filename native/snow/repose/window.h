@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -29,35 +30,50 @@ struct TileWindow {
     return row == 0 || row >= kReposeBlock - 1 || column <= 0 || column >= kReposeBlock - 1;
   }
 
-  /// Calls visit(tile, cell of the tile, index in a plane) for all cells that there are.
+  /// Calls visit(tile, first cell of the tile, its index in a plane, count) for all cells that
+  /// there are, in runs along rows.
+  template <typename Visit>
+  static void for_runs(const ReposeTiles& tiles, int32_t blocks_a_side, int32_t block,
+                       const Visit& visit) {
+    for (int32_t dy = 0; dy <= 1; ++dy) {
+      for (int32_t dx = -1; dx <= 1; ++dx) {
+        const int32_t column = block % blocks_a_side + dx;
+        const int32_t row = block / blocks_a_side + dy;
+        if (column < 0 || column >= blocks_a_side || row >= blocks_a_side) continue;
+        ReposeTile* const tile = tiles[static_cast<size_t>(row * blocks_a_side + column)].get();
+        if (tile != nullptr) for_part(*tile, dx, dy, visit);
+      }
+    }
+  }
+  /// The same cell by cell: visit(tile, cell, index in a plane).
   template <typename Visit>
   static void for_cells(const ReposeTiles& tiles, int32_t blocks_a_side, int32_t block,
                         const Visit& visit) {
-    for (int32_t dy = 0; dy <= 1; ++dy) {
-      for (int32_t dx = -1; dx <= 1; ++dx) {
-        for_part(tiles, blocks_a_side, block, dx, dy, visit);
-      }
+    for_runs(tiles, blocks_a_side, block,
+             [&](ReposeTile& tile, size_t cell, size_t at, size_t count) {
+               for (size_t i = 0; i < count; ++i) visit(tile, cell + i, at + i);
+             });
+  }
+  /// Copies such a run from a tile's plane to one of the window.
+  static void copy_run(const ReposeTile::Plane& from, size_t cell, size_t count, Plane& to,
+                       size_t at) {
+    if (count == 1) {
+      to[at] = from[cell];
+    } else {
+      std::copy_n(from.data() + cell, kReposeBlock, to.data() + at);
     }
   }
 
  private:
   template <typename Visit>
-  static void for_part(const ReposeTiles& tiles, int32_t blocks, int32_t block, int32_t dx,
-                       int32_t dy, const Visit& visit) {
-    const int32_t column = block % blocks + dx;
-    const int32_t row = block / blocks + dy;
-    if (column < 0 || column >= blocks || row >= blocks) return;
-    ReposeTile* const tile = tiles[static_cast<size_t>(row * blocks + column)].get();
-    if (tile == nullptr) return;
+  static void for_part(ReposeTile& tile, int32_t dx, int32_t dy, const Visit& visit) {
     const int32_t last = kReposeBlock - 1;
-    const int32_t begin_x = dx < 0 ? last : 0;
-    const int32_t end_x = dx > 0 ? 0 : last;
-    const int32_t end_y = dy > 0 ? 0 : last;
-    for (int32_t y = 0; y <= end_y; ++y) {
-      for (int32_t x = begin_x; x <= end_x; ++x) {
-        visit(*tile, static_cast<size_t>(y * kReposeBlock + x),
-              at(x + dx * kReposeBlock, y + dy * kReposeBlock));
-      }
+    const int32_t begin = dx < 0 ? last : 0;
+    const int32_t rows = dy > 0 ? 1 : kReposeBlock;
+    for (int32_t y = 0; y < rows; ++y) {
+      visit(tile, static_cast<size_t>(y * kReposeBlock + begin),
+            at(begin + dx * kReposeBlock, y + dy * kReposeBlock),
+            static_cast<size_t>(dx == 0 ? kReposeBlock : 1));
     }
   }
 };
