@@ -16,12 +16,14 @@ SHOULDERS_INPUT = "Shoulders"
 # Edges with a larger angle between their faces are rims where the surface falls off beyond them (radians).
 RIM_ANGLE = 0.6
 # s d / h from which a point is drawn out, and from which on it is drawn all the way.
-BEGINS, COMPLETE = 0.25, 1.15
+BEGINS, COMPLETE = 0.45, 1.15
 # Distances to the rim, in parts of the thickness, from which on and beyond which it means less and nothing.
-FAR, FARTHER = 3.0, 5.0
+FAR, FARTHER = 2.5, 3.5
 # What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
 SLOPES = (0.15, 0.45)
 FOOT = 0.5
+# Cosine between the snow's own normal and the surface's from which it counts, and from which it counts fully.
+UNFOLDED = (0.1, 0.3)
 # Cosine between a slope's direction and the rim's from which it counts, and from which it counts fully; and the sine of
 # its fall in that direction.
 TOWARDS = (0.2, 0.7)
@@ -92,6 +94,8 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
         builder.math("MAXIMUM", builder.add(distance, near), 1e-6),
     )
     share = builder.multiply(share, builder.smoothstep(towards, *TOWARDS))
+    # Where deep snow folds over itself in a hollow its normals mean nothing.
+    share = builder.multiply(share, builder.smoothstep(along, *UNFOLDED))
     # What fills a hollow is steep beside the surface, but level.
     level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
     share = builder.multiply(share, builder.smoothstep(builder.dot(own_normal, level_outwards), *FALLS))

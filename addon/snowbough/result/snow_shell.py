@@ -260,8 +260,9 @@ def _make_one(scene, receiver, member, record):
         depths=baked_images.baked_depths(member.folder),
     )  # fmt: skip
     tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
+    bridged = bool(source.depths) and _wants_cushions(source)  # asked before there is a shell to evaluate
     shell = make_object(scene, name, tree, material, _home(scene, receiver.object))
-    if source.depths and _wants_cushions(source):
+    if bridged:
         compat_nodes.set_modifier_input(shell.modifiers[SHELL_MODIFIER], cushion_nodes.CUSHIONS_INPUT, 1.0)
     return shell
 
