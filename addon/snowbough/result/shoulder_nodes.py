@@ -18,7 +18,7 @@ RIM_ANGLE = 0.6
 # s d / h from which a point is drawn out, and from which on it is drawn all the way.
 BEGINS, COMPLETE = 0.45, 1.15
 # Distances to the rim, in parts of the thickness, from which on and beyond which it means less and nothing.
-FAR, FARTHER = 2.5, 3.5
+FAR, FARTHER = 2.1, 2.7
 # What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
 SLOPES = (0.15, 0.45)
 FOOT = 0.5
@@ -28,6 +28,8 @@ UNFOLDED = (0.1, 0.3)
 # its fall in that direction.
 TOWARDS = (0.2, 0.7)
 FALLS = (0.1, 0.35)
+# The same sine of the surface's own fall, negative where it rises.
+RISES = (-0.3, -0.1)
 # Nearer to the rim than this, in parts of the thickness, a slope's direction counts less.
 AT_RIM = 0.1
 # The farthest that a point is drawn, in parts of its thickness.
@@ -99,6 +101,8 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
     # What fills a hollow is steep beside the surface, but level.
     level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
     share = builder.multiply(share, builder.smoothstep(builder.dot(own_normal, level_outwards), *FALLS))
+    # The wall of a hollow rises towards its rim, and holds what leans on it.
+    share = builder.multiply(share, builder.smoothstep(builder.dot(normal, level_outwards), *RISES))
     noise = builder.node("ShaderNodeTexNoise")
     builder.feed(noise, Vector=place, Scale=WAVES, Detail=1.0)
     reach = builder.math(
