@@ -60,7 +60,7 @@ def of_material(material):
     if (pixels >= THRESHOLD).all():
         return None
     extension = image.extension
-    uv_map, transform = _coordinates(image.inputs["Vector"])
+    uv_map, transform = coordinates(image.inputs["Vector"])
     printed = fingerprint(
         pixels >= THRESHOLD,
         np.frombuffer(f"{extension} {uv_map}".encode(), np.uint8),
@@ -228,7 +228,7 @@ def _shrunk(opacity):
     return np.floor(np.clip(opacity, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
 
 
-def _coordinates(socket):
+def coordinates(socket):
     """(UV map or "", transform) of an image texture's Vector input. Raises UnknownAlpha."""
     output, groups, _ = _source(socket, ())
     if output is None:
@@ -252,7 +252,7 @@ def _mapped(node):
     location, rotation, scale = (part.default_value for part in parts)
     if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
         raise UnknownAlpha(f"its alpha image is turned out of its plane by the node '{node.name}'")
-    uv_map, inner = _coordinates(node.inputs["Vector"])
+    uv_map, inner = coordinates(node.inputs["Vector"])
     cosine, sine = float(np.cos(rotation[2])), float(np.sin(rotation[2]))
     own = np.array(
         [
