@@ -118,7 +118,9 @@ class _Maker:
     def _normal(self, surface):
         node = _node_behind(surface.inputs["Normal"])
         if node is not None and node.type == "BUMP":
-            self._warn("its bump map stays in Blender: engines take normal maps")
+            height = _node_behind(node.inputs["Height"])
+            if height is not None and height.type == "TEX_IMAGE":
+                self._warn("its bump map stays in Blender: engines take normal maps")
             node = _node_behind(node.inputs["Normal"])
         image = _node_behind(node.inputs["Color"]) if node is not None and node.type == "NORMAL_MAP" else None
         return self._texture(image) if image is not None and image.type == "TEX_IMAGE" else None
