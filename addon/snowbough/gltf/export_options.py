@@ -61,8 +61,9 @@ class ExportProperties:
     )
     atlas_tile: IntProperty(
         name="Tile",
-        description="Side of a frame in the atlas, 0 = as baked; finer maps are averaged down (texels)",
-        default=512,
+        description="Side of a frame in the atlas, 0 = as baked; finer maps are averaged down, where the twigs of "
+        "trees run into one another (texels)",
+        default=0,
         min=0,
         max=8192,
     )
