@@ -15,6 +15,7 @@ layout(std140, binding = 3) uniform Light {
   vec3 to_sun;
   float sun;
   vec3 sky;
+  float alpha_cutoff; // alphaCutoff of leaves; 0: bark
 };
 
 layout(location = 0) out vec4 color;
@@ -38,11 +39,14 @@ vec3 from_tangent_space(vec3 tangent_normal, vec3 normal, vec3 place, vec2 uv) {
 }
 
 void main() {
-  vec3 normal = normalize(surface_normal);
+  // Leaves are seen from both sides, and carry snow on that which is up.
+  vec3 normal = normalize(surface_normal) * (gl_FrontFacing ? 1.0 : -1.0);
   float covered = smoothstep(0.0, kCovered, abs(surface_snow));
   vec3 snow = from_tangent_space(snow_tangent_normal(surface_snow_uv), normal, surface_position, surface_snow_uv);
   normal = normalize(mix(normal, snow, covered));
-  vec3 base = mix(texture(bark_color, surface_bark_uv).rgb, kSnow, covered);
+  vec4 texel = texture(bark_color, surface_bark_uv);
+  if (texel.a < alpha_cutoff) discard;
+  vec3 base = mix(texel.rgb, kSnow, covered);
   float lit = max(dot(normal, normalize(to_sun)), 0.0);
   // Light goes round in snow: what turns away from the sun is not black.
   float wrapped = max((dot(normal, normalize(to_sun)) + 0.4) / 1.4, 0.0);

@@ -23,6 +23,7 @@ cbuffer Light : register(b3) {
   float3 to_sun;
   float sun;
   float3 sky;
+  float alpha_cutoff;  // alphaCutoff of leaves; 0: bark
 };
 /// A joint's world matrix times its inverse bind matrix.
 StructuredBuffer<float4x4> palette : register(t0);
@@ -150,14 +151,17 @@ float3 from_tangent_space(float3 tangent_normal, float3 normal, float3 place, fl
   return normalize(tangent * size * tangent_normal.x + bitangent * size * tangent_normal.y + normal * tangent_normal.z);
 }
 
-float4 pixel_main(Surface surface) : SV_Target {
-  float3 normal = normalize(surface.normal);
+float4 pixel_main(Surface surface, bool front : SV_IsFrontFace) : SV_Target {
+  // Leaves are seen from both sides, and carry snow on that which is up.
+  float3 normal = normalize(surface.normal) * (front ? 1.0 : -1.0);
   float covered = smoothstep(0.0, 0.004, abs(surface.snow));
   int number = clamp(int(frame + 0.5), 0, frame_count - 1);
   float3 flake = snow_normals.SampleLevel(linear_clamp, atlas_place(surface.snow_uv, number), 0).rgb * 2.0 - 1.0;
   float3 snow = from_tangent_space(flake, normal, surface.position, surface.snow_uv);
   normal = normalize(lerp(normal, snow, covered));
-  float3 base = lerp(bark_color.Sample(linear_repeat, surface.bark_uv).rgb, float3(0.86, 0.89, 0.93), covered);
+  float4 texel = bark_color.Sample(linear_repeat, surface.bark_uv);
+  if (texel.a < alpha_cutoff) discard;
+  float3 base = lerp(texel.rgb, float3(0.86, 0.89, 0.93), covered);
   float lit = max(dot(normal, normalize(to_sun)), 0.0);
   float wrapped = max((dot(normal, normalize(to_sun)) + 0.4) / 1.4, 0.0);
   return float4(base * (sun * lerp(lit, wrapped, covered) + sky * (0.5 + 0.5 * normal.y)), 1.0);

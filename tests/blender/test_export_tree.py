@@ -210,6 +210,19 @@ def test_every_bone_is_a_joint_under_its_parent(tmp_path):
     assert parents == {bone.name: bone.parent.name if bone.parent else rig.name for bone in rig.data.bones}
 
 
+def test_the_trunks_foot_does_not_lean_towards_its_cap(tmp_path):
+    """Shaders that round limbs by their normals would blow it up."""
+    import_tree()
+    read = export(tmp_path / "tree.glb")
+    for node in read.lods(read.node("small_maple_bark_LOD0")):
+        given = read.attributes(read.primitives(node)[0])
+        foot = given["POSITION"][:, 1] < given["POSITION"][:, 1].min() + 1e-3
+        down = given["NORMAL"][foot, 1]
+        cap = down < -0.9
+        assert 4 <= cap.sum() and 4 <= (~cap).sum()
+        assert np.abs(down[~cap]).max() < 0.2, node["name"]
+
+
 def test_both_uv_maps_go_out_with_v_downwards(tmp_path):
     _rig, bark = import_tree()
     read = export(tmp_path / "tree.glb", levels=1)

@@ -8,6 +8,8 @@ from pathlib import Path
 
 import numpy as np
 
+from ..tree.import_options import BY_DETAIL
+from ..tree.import_tree import LOD_PROPERTY
 from . import levels, scene_materials, scene_snow, scene_tree, tree_file
 from .surface import transformed
 from .thinning import thinned_leaves
@@ -36,7 +38,8 @@ def _stems(points, joints, rig):
 
 def _bark_part(tree, options, linear, warnings):
     found = [scene_tree.surface_of(bark, tree.rig, scene_tree.BARK_MAPS) for bark in tree.barks]
-    found = levels.add_coarser(found, options.levels, tree.rig, warnings)
+    lods = [int(bark.get(LOD_PROPERTY, BY_DETAIL)) for bark in tree.barks]
+    found = levels.complete(found, lods, options.levels, tree.rig, warnings)
     materials = scene_materials.of_object(tree.barks[0], scene_tree.BARK_MAPS, False, warnings)
     name = re.sub(r"_LOD\d+$", "", tree.barks[0].name)
     return tree_file.Part(name, [transformed(surface, linear) for surface in found], materials)

@@ -3,6 +3,8 @@
 skeleton that the tree keeps, then ever fewer branches. All share bones and the map ``snow``: one baked map fits all.
 """
 
+from dataclasses import replace
+
 import numpy as np
 
 from .. import native
@@ -20,6 +22,8 @@ WORTHWHILE = 0.7
 FEWER_BRANCHES = 0.5
 # Rest bones may be so far from the kept skeleton's, as a share of the tree's height.
 TOLERANCE = 1e-4
+# Values of the native face_part from here on are caps.
+FIRST_CAP = 2
 
 
 class _Builder:
@@ -89,6 +93,12 @@ def _stretch(surface):
     return np.array((max(round(float(ratios[0])), 1), max(float(ratios[1]), 1e-3)), dtype=np.float32)
 
 
+def _is_cap(mesh):
+    """bool (F,): the faces that close a root or a tip. They are shaded by themselves: a ring whose normals lean towards
+    its cap would swell where shaders round it."""
+    return np.asarray(mesh.face_part) >= FIRST_CAP
+
+
 def _as_surface(mesh, quads, corner_uvs, faces, joints, finest):
     """A native mesh, or part of it, as a Surface with the finest one's materials and as many UV maps.
 
@@ -98,7 +108,17 @@ def _as_surface(mesh, quads, corner_uvs, faces, joints, finest):
         corner_uvs = [*corner_uvs, corner_uvs[0] * _stretch(finest)]
     by_joint = _material_of_joints(finest, int(max(joints[0].max(), finest.joints.max())) + 1)
     level = point_levels(quads, np.asarray(mesh.branch_level)[faces], len(mesh.vertices))
-    return from_quads(mesh.vertices, quads, corner_uvs, *joints, by_joint[joints[0][quads[:, 0], 0]], level)
+    made = from_quads(mesh.vertices, quads, corner_uvs, *joints, by_joint[joints[0][quads[:, 0], 0]], level)
+    return replace(made, smooth=np.repeat(~_is_cap(mesh)[faces], 2))
+
+
+def _with_flat_caps(surface, mesh):
+    """A Surface from the scene with the caps of the native mesh that it was made from; as it is where the artist has
+    changed it since."""
+    same = len(surface.points) == len(mesh.vertices) and len(surface.triangles) == 2 * len(mesh.quads)
+    if not same or not np.allclose(surface.points, mesh.vertices, atol=1e-5):
+        return surface
+    return replace(surface, smooth=surface.smooth & np.repeat(~_is_cap(mesh), 2))
 
 
 def _rebuilt(builder, fineness, finest):
@@ -142,11 +162,11 @@ def _append_worthwhile(levels, candidates, count):
             levels.append(surface)
 
 
-def add_coarser(levels, count, rig, warnings):
-    """`levels` (Surfaces in the armature's axes, the finest first), with coarser ones up to `count`. Where none can
-    be built, or no more are worth it, warnings says why."""
-    if len(levels) >= count:
-        return levels[:count]
+def complete(levels, lods, count, rig, warnings):
+    """`levels` (Surfaces in the armature's axes, the finest first) with coarser ones up to `count`; where none can be
+    built, or no more are worth it, warnings says why. lods: for each the level that it was imported as, or BY_DETAIL.
+    """
+    levels, lods = levels[:count], lods[:count]
     try:
         found = kept_skeleton.kept(rig.data)
         if found is None:
@@ -154,12 +174,18 @@ def add_coarser(levels, count, rig, warnings):
         skeleton, built = found
         builder = _Builder(skeleton, built, rig)
     except ValueError as error:
-        warnings.append(
-            f"'{rig.name}' has {len(levels)} of {count} levels of detail: coarser ones cannot be built, for {error}. "
-            "Import the tree anew, or with Import LOD Chain"
-        )
+        if len(levels) < count:
+            warnings.append(
+                f"'{rig.name}' has {len(levels)} of {count} levels of detail: coarser ones cannot be built, for "
+                f"{error}. Import the tree anew, or with Import LOD Chain"
+            )
         return levels
-    finest, levels = levels[0], list(levels)
+    for number, lod in enumerate(lods):
+        fineness = {"detail": built["fineness"]["detail"]} if lod == BY_DETAIL else {"lod": lod}
+        levels[number] = _with_flat_caps(levels[number], builder.mesh(fineness))
+    if len(levels) == count:
+        return levels
+    finest = levels[0]
     if len(finest.corner_uvs) > 2:
         warnings.append(
             "levels below those in the scene have the map `bark`, scaled, for the export's own texture "
