@@ -7,6 +7,7 @@ from bpy_extras.io_utils import ExportHelper
 
 from ..gltf import export_tree, scene_tree
 from ..gltf.export_options import ExportProperties, options_of
+from .editing_lock import NotWhileBaking
 
 SECTIONS = (
     ("Tree", ("levels", "file_per_level", "leaf_share")),
@@ -15,7 +16,7 @@ SECTIONS = (
 OF_THE_ATLAS = ("atlas_frames", "atlas_tile")
 
 
-class EXPORT_SCENE_OT_snowbough_tree(ExportProperties, bpy.types.Operator, ExportHelper):
+class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types.Operator, ExportHelper):
     """Export the active tree for game engines: glTF with levels of detail, skin, branch levels and baked snow"""
 
     bl_idname = "export_scene.snowbough_tree"
@@ -31,11 +32,12 @@ class EXPORT_SCENE_OT_snowbough_tree(ExportProperties, bpy.types.Operator, Expor
     )
 
     @classmethod
-    def poll(cls, context):
+    def ready(cls, context):
         try:
             scene_tree.find(context.object)
         except ValueError as error:
-            cls.poll_message_set(str(error).capitalize())
+            text = str(error)
+            cls.poll_message_set(text[0].upper() + text[1:])
             return False
         return True
 
