@@ -122,7 +122,7 @@ class EngineView:
         """Where from, and how fine: see tree.tesc.glsl."""
         eye, target = np.asarray(eye, float), np.asarray(target, float)
         away = np.linalg.norm(eye - target)
-        matrix = _perspective(field_of_view, 1.0, away / 50, away * 10) @ _look_at(eye, target)
+        matrix = _perspective(field_of_view, 1.0, away / 50, away * 100) @ _look_at(eye, target)
         at_one_metre = self.size / (2 * np.tan(field_of_view / 2))
         self._uniforms(1, eye, float(levels), at_one_metre, target_pixels, highest, snow_share)
         self._uniforms(2, matrix.T.reshape(-1))
