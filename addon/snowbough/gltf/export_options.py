@@ -14,7 +14,7 @@ class ExportProperties:
     """Mix-in of operators."""
 
     levels: IntProperty(
-        name="Levels of Detail",
+        name="Levels",
         description="How many levels of detail are written at most, the finest as it stands in the scene (levels)",
         default=4,
         min=1,
@@ -26,7 +26,7 @@ class ExportProperties:
         default=False,
     )
     leaf_share: FloatProperty(
-        name="Leaves a Level",
+        name="Leaves Kept",
         description="Share of the leaves that each level keeps of the one before; they grow, so that the crown "
         "covers as much (0 to 1)",
         default=0.5,

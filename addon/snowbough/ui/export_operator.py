@@ -1,12 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Operator ``export_scene.snowbough_tree``: an imported tree for game engines (gltf.export_tree)."""
 
+from pathlib import Path
+
 import bpy
 from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..gltf import export_tree, scene_tree
 from ..gltf.export_options import ExportProperties, options_of
+from ..names import safe_name
 from .editing_lock import NotWhileBaking
 
 SECTIONS = (
@@ -20,7 +23,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
     """Export the active tree for game engines: glTF with levels of detail, skin, branch levels and baked snow"""
 
     bl_idname = "export_scene.snowbough_tree"
-    bl_label = "Export Snowbough Tree"
+    bl_label = "Export Tree"
     bl_options = {"PRESET"}
 
     filename_ext = ".glb"
@@ -40,6 +43,12 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
             cls.poll_message_set(text[0].upper() + text[1:])
             return False
         return True
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            name = safe_name(scene_tree.find(context.object).rig.name)
+            self.filepath = str(Path(bpy.path.abspath("//")) / f"{name}{self.filename_ext}")
+        return ExportHelper.invoke(self, context, event)
 
     def check(self, _context):
         # ExportHelper would turn .gltf into .gltf.glb.
