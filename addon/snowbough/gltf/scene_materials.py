@@ -40,6 +40,20 @@ def _pixels(image):
     return whole
 
 
+def _srgb(linear):
+    """Colours as textures are written in."""
+    linear = np.clip(np.asarray(linear, dtype=np.float32), 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def _colors(image):
+    """float32 (H, W, 3) of a colour image in sRGB; None where it is missing. Images of floats are linear."""
+    pixels = _pixels(image) if image is not None else None
+    if pixels is None:
+        return None
+    return _srgb(pixels[..., :3]) if image.is_float else pixels[..., :3]
+
+
 def _file_of(image):
     """The bytes of the file that an image is, as long as nobody painted on it; None otherwise."""
     if image.is_dirty:
@@ -76,11 +90,11 @@ class _Maker:
         data = _file_of(image) if image is not None else None
         kind = png.kind_of(data) if data else None
         if kind is None:
-            pixels = _pixels(image) if image is not None else None
-            if pixels is None:
+            rgb = _colors(image)
+            if rgb is None:
                 self._warn(f"the image '{image.name if image else 'of a texture node'}' is missing")
                 return None
-            rgb = np.rint(np.clip(pixels[..., :3], 0.0, 1.0) * 255.0).astype(np.uint8)
+            rgb = np.rint(np.clip(rgb, 0.0, 1.0) * 255.0).astype(np.uint8)
             data, kind = png.encode(rgb), "image/png"
         return self._placed(Texture(Path(image.name).stem, data, kind), *self._coordinates(node))
 
@@ -101,19 +115,18 @@ class _Maker:
     def _masked(self, opacity, node, color):
         """The colour of an image texture node, or one colour, with the opacity as alpha."""
         alpha = opacity.pixels.astype(np.float32) / 255.0
-        pixels = _pixels(node.image) if node is not None and node.image is not None else None
-        if pixels is None:
-            # A texture's colours are written in sRGB.
-            linear = np.asarray(color, dtype=np.float32)
-            srgb = np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
-            pixels = np.broadcast_to(srgb, (1, 1, 3))
-        elif self._coordinates(node) != (opacity.uv_map, opacity.transform):
+        rgb = _colors(node.image) if node is not None else None
+        place = (opacity.uv_map, opacity.transform)
+        if rgb is None:
+            rgb = np.broadcast_to(_srgb(color), (1, 1, 3))
+        elif self._coordinates(node) != place:
+            place = self._coordinates(node)
             self._warn(
-                f"colour and mask '{opacity.name}' lie differently; the mask was put where the colour is"
+                f"colour and mask '{opacity.name}' lie differently: the mask was put where the colour is"
             )
         name = Path(node.image.name if node is not None and node.image is not None else opacity.name).stem
-        data = png.encode(texels.masked(pixels[..., :3], alpha))
-        return self._placed(Texture(name, data, "image/png"), opacity.uv_map, opacity.transform)
+        data = png.encode(texels.masked(rgb, alpha))
+        return self._placed(Texture(name, data, "image/png"), *place)
 
     def _normal(self, surface):
         node = _node_behind(surface.inputs["Normal"])
