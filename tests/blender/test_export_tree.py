@@ -265,6 +265,24 @@ def test_scale_and_units_go_into_the_vertices(tmp_path):
     assert all("scale" not in node for node in read.json["nodes"])
 
 
+def test_wind_attributes_go_out_in_every_level(tmp_path, leafy):
+    _rig, bark = import_tree(leafy, wind_attributes=True)
+    read = export(tmp_path / "tree.glb", levels=3)
+    pivots = np.array([entry.vector for entry in bark.data.attributes["_PIVOT"].data])
+    phases = np.array([entry.value for entry in bark.data.attributes["_PHASE"].data])
+    expected = rows(y_up(pivots), phases[:, None])
+    for node in read.lods(read.node("leafy_bark_LOD0")):
+        given = read.attributes(read.primitives(node)[0])
+        there = rows(given["_PIVOT"], given["_PHASE"])
+        assert there <= expected and len(there) > 3
+        assert np.abs(np.linalg.norm(given["_AXIS"], axis=1) - 1).max() < 1e-5
+    lengths = [
+        read.attributes(read.primitives(node)[0])["_LENGTH"].mean()
+        for node in read.lods(read.node("leafy_leaves_LOD0"))
+    ]
+    assert lengths[1] == pytest.approx(lengths[0] * 2**0.5, rel=0.02)  # fewer leaves, and larger
+
+
 # -- leaves ---------------------------------------------------------------------------------------------
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from .. import native
-from ..tree import kept_skeleton
+from ..tree import kept_skeleton, wind_attributes
 from ..tree.bone_names import fitting_names
 from ..tree.import_options import BY_DETAIL
 from ..tree.objects import point_levels
@@ -31,10 +31,18 @@ class _Builder:
 
     def __init__(self, skeleton, built, rig):
         self._module, self._skeleton, self._built = native.load(), skeleton, built
+        self._meshes = {}
         self._number = {bone.name: index for index, bone in enumerate(rig.data.bones)}
         self._check(self.mesh({"lod": 0}), rig)
 
     def mesh(self, fineness):
+        """The mesh of a fineness, built once."""
+        key = tuple(fineness.items())
+        if key not in self._meshes:
+            self._meshes[key] = self._build(fineness)
+        return self._meshes[key]
+
+    def _build(self, fineness):
         built = self._built
         whole = self._module.build_tree_mesh(
             self._skeleton,
@@ -99,8 +107,9 @@ def _is_cap(mesh):
     return np.asarray(mesh.face_part) >= FIRST_CAP
 
 
-def _as_surface(mesh, quads, corner_uvs, faces, joints, finest):
-    """A native mesh, or part of it, as a Surface with the finest one's materials and as many UV maps.
+def _as_surface(branches, mesh, quads, corner_uvs, faces, joints, finest):
+    """A native mesh of the branches, or part of it, as a Surface with the finest one's materials, as many UV maps, and
+    wind where that has it.
 
     faces: which of the mesh's faces each quad is.
     """
@@ -109,7 +118,8 @@ def _as_surface(mesh, quads, corner_uvs, faces, joints, finest):
     by_joint = _material_of_joints(finest, int(max(joints[0].max(), finest.joints.max())) + 1)
     level = point_levels(quads, np.asarray(mesh.branch_level)[faces], len(mesh.vertices))
     made = from_quads(mesh.vertices, quads, corner_uvs, *joints, by_joint[joints[0][quads[:, 0], 0]], level)
-    return replace(made, smooth=np.repeat(~_is_cap(mesh)[faces], 2))
+    wind = wind_attributes.of_bark(branches, mesh) if finest.wind is not None else None
+    return replace(made, smooth=np.repeat(~_is_cap(mesh)[faces], 2), wind=wind)
 
 
 def _with_flat_caps(surface, mesh):
@@ -121,11 +131,12 @@ def _with_flat_caps(surface, mesh):
     return replace(surface, smooth=surface.smooth & np.repeat(~_is_cap(mesh), 2))
 
 
-def _rebuilt(builder, fineness, finest):
+def _rebuilt(builder, branches, fineness, finest):
     """Surfaces, ever coarser; each is built when it is asked for."""
     for settings in _coarser(fineness):
         mesh = builder.mesh(settings)
         yield _as_surface(
+            branches,
             mesh,
             np.asarray(mesh.quads),
             [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)],
@@ -135,10 +146,10 @@ def _rebuilt(builder, fineness, finest):
         )
 
 
-def _bared(builder, skeleton, finest, triangles):
+def _bared(builder, branches, finest, triangles):
     """Surfaces of ever fewer branches, the first with half of `triangles`, down to the roots."""
     mesh = builder.mesh({"lod": 0})
-    quads, branches = np.asarray(mesh.quads), skeleton.branches
+    quads = np.asarray(mesh.quads)
     face_branch = np.asarray(mesh.face_branch)
     faces = np.bincount(face_branch, minlength=len(branches))
     uvs = [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)]
@@ -147,7 +158,7 @@ def _bared(builder, skeleton, finest, triangles):
         triangles = int(triangles * FEWER_BRANCHES)
         kept = kept_branches(branches, faces, triangles // 2)
         left = without_branches(quads, uvs, face_branch, branches, kept)
-        yield _as_surface(mesh, *left, joints, finest)
+        yield _as_surface(branches, mesh, *left, joints, finest)
         if kept.sum() == sum(branch.parent < 0 for branch in branches):
             return
 
@@ -192,8 +203,8 @@ def complete(levels, lods, count, rig, warnings):
             "coordinates: with Import LOD Chain they have their own"
         )
     if len(levels) == 1:
-        _append_worthwhile(levels, _rebuilt(builder, built["fineness"], finest), count)
-    _append_worthwhile(levels, _bared(builder, skeleton, finest, len(levels[-1].triangles)), count)
+        _append_worthwhile(levels, _rebuilt(builder, skeleton.branches, built["fineness"], finest), count)
+    _append_worthwhile(levels, _bared(builder, skeleton.branches, finest, len(levels[-1].triangles)), count)
     if len(levels) < count:
         warnings.append(f"'{rig.name}' has {len(levels)} levels of detail: no more are worth it")
     return levels

@@ -13,6 +13,7 @@ from .. import compat
 from ..names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
 from ..tree.import_tree import LOD_PROPERTY
 from ..tree.objects import LEVEL_ATTRIBUTE, point_levels
+from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from .surface import Surface, strongest
 from .tree_file import Joint
 
@@ -114,6 +115,24 @@ def _point_levels(mesh, corner_point):
     return point_levels(corner_point[corners][:, None], level[face], len(mesh.vertices))
 
 
+def _wind(mesh):
+    """The mesh's wind attributes as Surface.wind has them; None where it lacks one."""
+    found = []
+    for name, field, shape in (
+        (PIVOT, "vector", (3,)),
+        (AXIS, "vector", (3,)),
+        (LENGTH, "value", ()),
+        (PHASE, "value", ()),
+    ):
+        attribute = mesh.attributes.get(name)
+        if attribute is None or attribute.domain != "POINT" or not hasattr(attribute.data[0], field):
+            return None
+        values = np.empty((len(mesh.vertices), *shape), dtype=np.float32)
+        attribute.data.foreach_get(field, values.reshape(-1))
+        found.append(values)
+    return tuple(found)
+
+
 def surface_of(obj, rig, uv_maps):
     """The Surface of a mesh object in its armature's axes. uv_maps: names in the order of TEXCOORD_0 and so on; those
     that the mesh lacks are left out at the end, and raise ValueError before it."""
@@ -148,4 +167,5 @@ def surface_of(obj, rig, uv_maps):
         material=np.minimum(material[polygon], max(len(obj.material_slots) - 1, 0)),
         smooth=smooth[polygon],
         level=_point_levels(mesh, corner_point) if _is_bark(obj) else None,
+        wind=_wind(mesh),
     )

@@ -16,7 +16,8 @@ class Surface:
     points float32 (V, 3); joints int32 and weights float32 (V, 4), weights 0 where unused and else summing to 1;
     corner_point int32 (C,); corner_uvs: float32 (C, 2) each, in the order of TEXCOORD_0, _1 and so on;
     triangles int32 (T, 3): corners, anticlockwise seen from outside; material int32 (T,);
-    smooth bool (T,): shaded by the points' normals, else by its own; level int32 (V,): branch level, None for leaves.
+    smooth bool (T,): shaded by the points' normals, else by its own; level int32 (V,): branch level, None for leaves;
+    wind: float32 pivots (V, 3), axes (V, 3), lengths (V,) and phases (V,) of tree.wind_attributes, None without.
     """
 
     points: np.ndarray
@@ -28,6 +29,7 @@ class Surface:
     material: np.ndarray
     smooth: np.ndarray
     level: np.ndarray | None = field(default=None)
+    wind: tuple | None = field(default=None)
 
 
 def from_quads(points, quads, corner_uvs, joints, weights, material, level):
@@ -48,9 +50,19 @@ def from_quads(points, quads, corner_uvs, joints, weights, material, level):
 
 def transformed(surface, linear):
     """The Surface with its points multiplied by a (3, 3) matrix; turned right side out where that mirrors."""
-    points = (surface.points.astype(np.float64) @ np.asarray(linear, dtype=np.float64).T).astype(np.float32)
+    linear = np.asarray(linear, dtype=np.float64)
+
+    def moved(vectors):
+        return (np.asarray(vectors, dtype=np.float64) @ linear.T).astype(np.float32)
+
     triangles = surface.triangles[:, ::-1] if np.linalg.det(linear) < 0 else surface.triangles
-    return replace(surface, points=points, triangles=triangles)
+    wind = surface.wind
+    if wind is not None:
+        pivot, axis, length, phase = wind
+        stretched = np.linalg.norm(moved(axis), axis=1)
+        axis = _unit(moved(axis)).astype(np.float32)
+        wind = (moved(pivot), axis, (length * stretched).astype(np.float32), phase)
+    return replace(surface, points=moved(surface.points), triangles=triangles, wind=wind)
 
 
 def strongest(indices, weights):

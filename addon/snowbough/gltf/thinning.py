@@ -133,7 +133,11 @@ def thinned_leaves(surface, share, stems=None):
     own = leaf >= 0
     points = surface.points.astype(np.float64)
     anchor = _anchors(points, leaf, own, count, stems)
-    points[own] = anchor[leaf[own]] + (points[own] - anchor[leaf[own]]) / np.sqrt(kept.mean())
+    larger = 1.0 / np.sqrt(kept.mean())
+    points[own] = anchor[leaf[own]] + larger * (points[own] - anchor[leaf[own]])
+    wind = surface.wind
+    if wind is not None:
+        wind = (*wind[:2], (wind[2] * larger).astype(np.float32), wind[3])
     stays = kept[leaf[surface.corner_point[surface.triangles[:, 0]]]]
     return replace(
         surface,
@@ -141,6 +145,7 @@ def thinned_leaves(surface, share, stems=None):
         triangles=surface.triangles[stays],
         material=surface.material[stays],
         smooth=surface.smooth[stays],
+        wind=wind,
     )
 
 

@@ -9,6 +9,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from .document import INDICES, VERTICES, Document
 from .surface import split
 
@@ -173,6 +174,10 @@ def _add_primitive(document, surface, chosen, material, branch_levels):
         color = level_color(level, branch_levels)
         attributes["COLOR_0"] = document.add_accessor(color, VERTICES, normalized=True)
         attributes["_BRANCH_LEVEL"] = document.add_accessor(level.astype(np.float32), VERTICES)
+    if surface.wind is not None:
+        pivot, axis, length, phase = (values[vertices.point].astype(np.float32) for values in surface.wind)
+        for name, values in ((PIVOT, _y_up(pivot)), (AXIS, _y_up(axis)), (LENGTH, length), (PHASE, phase)):
+            attributes[name] = document.add_accessor(values, VERTICES)
     attributes["JOINTS_0"] = document.add_accessor(joints.astype(np.uint16), VERTICES)
     attributes["WEIGHTS_0"] = document.add_accessor(weights.astype(np.float32), VERTICES)
     # The highest number of a type means "restart" and must not be used.

@@ -56,6 +56,7 @@ WITHOUT_BLENDER = (
     "tree.bone_names",
     "tree.skeleton_text",
     "tree.wind",
+    "tree.wind_attributes",
     "gltf.document",
     "gltf.png",
     "gltf.snow_maps",

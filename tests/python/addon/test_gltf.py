@@ -251,6 +251,16 @@ def test_a_mirrored_surface_stays_outside_out():
     assert glb.volume(mirrored.points, triangles) == pytest.approx(2.0)
 
 
+def test_what_wind_needs_is_scaled_and_turned_with_the_surface():
+    given = cube()
+    pivot, axis = np.full((8, 3), 1.0, np.float32), np.tile(np.float32((0, 1, 0)), (8, 1))
+    given.wind = (pivot, axis, np.full(8, 0.5, np.float32), np.full(8, 0.25, np.float32))
+    turned = np.array([(0, -2, 0), (2, 0, 0), (0, 0, 2)])  # a quarter round Z, twice as large
+    pivot, axis, length, phase = surface.transformed(given, turned).wind
+    assert pivot[0].tolist() == [-2, 2, 2] and axis[0].tolist() == [-1, 0, 0]
+    assert (length[0], phase[0]) == (1.0, 0.25)
+
+
 # -- files ----------------------------------------------------------------------------------------------
 
 
