@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
+#include "gpu/resources.h"
 #include "gpu/timer.h"
 #include "render/sources.h"
 #include "render/view.h"
@@ -35,7 +36,7 @@ struct Picture {
 
 /// Of the last picture.
 struct FrameStatistics {
-  /// Patches of all trees by class.
+  /// Patches of all trees and meshes with snow by class.
   int64_t dropped = 0;
   int64_t plain = 0;
   int64_t tessellated = 0;
@@ -55,10 +56,11 @@ struct TreeLevels {
   std::vector<std::array<float, 4>> edges;
 };
 
-/// Draws trees off-screen with tessellation shaders, on a GPU thread of its process; OpenGL 4.5, on
-/// software renderers slowly. Same input, same driver: bit-identical pictures.
+/// Draws trees and snow off-screen with tessellation shaders, on a GPU thread of its process;
+/// OpenGL 4.5, on software renderers slowly. Same input, same driver: bit-identical pictures.
 ///
-/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.4.
+/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4
+/// and 4.2.2.
 class Renderer {
  public:
   /// `device` as GpuThread's. @throws std::runtime_error where no context can be made.
@@ -76,6 +78,16 @@ class Renderer {
   /// A matrix a bone from the rest pose to the pose; the only upload of a frame.
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
+  /// A mesh that carries snow: bare until it gets a map.
+  void add_snow_mesh(const std::string& name, const SnowSource& source);
+  /// Moves such a mesh; `normals` as SnowSource's.
+  void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
+                     const std::vector<std::array<glm::vec3, 3>>& normals = {});
+  /// The snow on it.
+  void set_snow(const std::string& mesh, const HeightMap& heights);
+  /// The same from a texture of the same context: R32F, linear filtering. It is drawn from as it
+  /// is.
+  void set_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
   /// Takes a tree or a mesh away.
   void remove(const std::string& name);
 
@@ -83,9 +95,9 @@ class Renderer {
   /// @throws std::runtime_error before the first picture.
   FrameStatistics statistics() const;
 
-  /// World positions of the triangles of a tree as the camera would see them, three a triangle, the
-  /// plain patches first; what the camera does not see is left out.
-  std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
+  /// World positions of the triangles of a tree or of a mesh with snow as the camera would see
+  /// them, three a triangle, the plain patches first; what the camera does not see is left out.
+  std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
 

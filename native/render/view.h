@@ -44,6 +44,9 @@ struct RenderSettings {
   /// which it is highest (0: the tree's largest patch).
   float max_distance = 80.0f;
   float max_area = 0.0f;
+  /// THESIS, of snow: its factor m, parts of a triangle's edges for each part of the picture's area
+  /// that the triangle covers.
+  float snow_factor = 2000.0f;
 
   /// Lines over white paper, those behind hidden, instead of a shaded picture.
   bool wireframe = false;

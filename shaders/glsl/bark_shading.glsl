@@ -2,17 +2,7 @@
 // not show, so nothing pops where the level changes.
 #include "glsl/bark.glsl"
 #include "glsl/lighting.glsl"
-
-/// Source of the normal: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
-vec3 with_relief(vec3 position, vec3 normal, float height) {
-  const vec3 x = dFdx(position);
-  const vec3 y = dFdy(position);
-  const vec3 r1 = cross(y, normal);
-  const vec3 r2 = cross(normal, x);
-  const float det = dot(x, r1);
-  const vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
-  return normalize(abs(det) * normal - gradient);
-}
+#include "glsl/relief.glsl"
 
 /// `bark`: coordinates, circumference and rise (m).
 vec4 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {

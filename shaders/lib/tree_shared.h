@@ -106,8 +106,10 @@ struct TreeView {
   vec4 ground_color;
   vec4 bark_dark;
   vec4 bark_light;
+  /// Factor m of the thesis's 4.2.2; y, z, w: unused.
+  vec4 snow;
 };
-SNOWBOUGH_SHARED_SIZE(TreeView, 368)
+SNOWBOUGH_SHARED_SIZE(TreeView, 384)
 
 /// glDrawArraysIndirect's arguments.
 struct TreeDrawCommand {
