@@ -15,6 +15,7 @@
 #include "choose.h"
 #include "numpy_arrays.h"
 #include "render/renderer.h"
+#include "snow/simulation.h"
 #include "tree_source.h"
 
 namespace py = pybind11;
@@ -197,6 +198,17 @@ void set_snow(Renderer& renderer, const std::string& name, const InputArray<floa
   renderer.set_snow(name, map);
 }
 
+bool take_snow(Renderer& renderer, const std::string& name, snow::SnowSimulation& simulation,
+               const std::string& object) {
+  const py::gil_scoped_release release;
+  const std::string& from = object.empty() ? name : object;
+  const auto heights = simulation.live_output(from);
+  if (heights != nullptr && renderer.share_snow(name, *heights)) return true;
+  const int32_t size = simulation.resolution(from);
+  renderer.set_snow(name, {size, size, simulation.output(from, false).height});
+  return false;
+}
+
 py::array_t<uint8_t> render_picture(Renderer& renderer, const Camera& camera,
                                     const RenderSettings& settings) {
   Picture picture;
@@ -258,6 +270,19 @@ py::dict levels(const Renderer& renderer, const std::string& tree) {
   return dict;
 }
 
+py::dict snow_levels(const Renderer& renderer, const std::string& mesh) {
+  SnowLevels found;
+  {
+    const py::gil_scoped_release release;
+    found = renderer.snow_levels(mesh);
+  }
+  const auto count = static_cast<py::ssize_t>(found.classes.size());
+  py::dict dict;
+  dict["class"] = to_numpy<uint32_t>(std::move(found.classes), {count});
+  dict["edge"] = to_numpy<float>(std::move(found.edges), {count, 3});
+  return dict;
+}
+
 void bind_options(py::module_& module) {
   OptionsClass<Camera>(module, "Camera",
                        "A pinhole camera, its fields set by keyword. Metres, radians.")
@@ -269,6 +294,16 @@ void bind_options(py::module_& module) {
       .field("far", &Camera::far, "Metres; 0: from the scene's size.")
       .field("width", &Camera::width, "Pixels.")
       .field("height", &Camera::height, "Pixels.");
+  OptionsClass<Snowfall>(module, "Snowfall",
+                         "Flakes in the air, its fields set by keyword. Metres, seconds.")
+      .field("rate", &Snowfall::rate, "Depth on open level ground in a second; 0: no flakes.")
+      .field("direction", &Snowfall::direction, "In which they fall, downwards, (3,).")
+      .field("speed", &Snowfall::speed, "Metres a second.")
+      .field("flutter", &Snowfall::flutter, "Degrees by which they stray, 0 to 45.")
+      .field("radius", &Snowfall::radius, "Of a flake, metres.")
+      .field("shutter", &Snowfall::shutter, "How long the picture is exposed, seconds.")
+      .field("time", &Snowfall::time, "Of the picture, seconds.")
+      .field("seed", &Snowfall::seed, "The same seed and time give the same flakes.");
   OptionsClass<RenderSettings> settings(module, "RenderSettings",
                                         "How a picture is made, its fields set by keyword.");
   settings
@@ -292,6 +327,8 @@ void bind_options(py::module_& module) {
       .field("sun_color", &RenderSettings::sun_color, "Linear light on what faces the sun.")
       .field("sky_color", &RenderSettings::sky_color, "Linear light on what faces up.")
       .field("ground_color", &RenderSettings::ground_color, "Linear light on what faces down.")
+      .field("snowfall", &RenderSettings::snowfall,
+             "Falling flakes, a Snowfall; not in wireframes.")
       .field("shadow_resolution", &RenderSettings::shadow_resolution,
              "Edge of the shadow map in texels; 0: no shadows.");
   settings.python().def_property(
@@ -362,6 +399,14 @@ void bind_render(py::module_& module) {
       .def("set_snow", &set_snow, "name"_a, "height"_a,
            "The snow on a mesh: heights (H, W) in metres along the shading normals, row 0 = v 0,\n"
            "negative on the back, as SnowSimulation.output gives them.")
+      .def("take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
+           "The snow on a mesh as it lies now on an object of a SnowSimulation (by default that of "
+           "the\n"
+           "same name). Where the simulation's engine is GL and of the same device, the map stays "
+           "on "
+           "the\n"
+           "GPU, rounded by the thesis's Gaussian, and True is returned; else `output` is handed "
+           "over.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<py::gil_scoped_release>(),
            "Takes a tree or a mesh away.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
@@ -381,6 +426,10 @@ void bind_render(py::module_& module) {
            "Of the last picture, for the quads of the tree's mesh: 'class' (F,), 0 dropped, 1 "
            "plain, 2\n"
            "tessellated, and 'edge' (F, 4), the level of the edge from each corner to the next.")
+      .def(
+          "snow_levels", &snow_levels, "name"_a,
+          "The same of a mesh with snow, for its patches (its triangles, cut where they cover many "
+          "texels):\n'class' (P,) and 'edge' (P, 3).")
       .def_property_readonly(
           "driver",
           [](const Renderer& self) {

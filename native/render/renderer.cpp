@@ -72,9 +72,11 @@ void Renderer::set_snow(const std::string& mesh, const HeightMap& heights) {
   thread_->run([&] { to.set_snow(mesh, heights); });
 }
 
-void Renderer::set_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights) {
+bool Renderer::share_snow(const std::string& mesh, const gpu::ThreadTexture& heights) {
   Scene& to = scene();
-  thread_->run([&] { to.set_snow(mesh, std::move(heights)); });
+  if (heights.thread != thread_) return false;
+  thread_->run([&] { to.set_snow(mesh, heights.texture); });
+  return true;
 }
 
 void Renderer::remove(const std::string& name) {
@@ -84,6 +86,7 @@ void Renderer::remove(const std::string& name) {
 
 Picture Renderer::render(const Camera& camera, const RenderSettings& settings) {
   check(camera, settings);
+  flake_fall(settings.snowfall);
   Scene& of = scene();
   return thread_->run([&] { return of.render(camera, settings); });
 }
@@ -103,6 +106,11 @@ std::vector<glm::vec3> Renderer::triangles(const std::string& name, const Camera
 TreeLevels Renderer::levels(const std::string& tree) const {
   const Scene& of = scene();
   return thread_->run([&] { return of.levels(tree); });
+}
+
+SnowLevels Renderer::snow_levels(const std::string& mesh) const {
+  const Scene& of = scene();
+  return thread_->run([&] { return of.snow_levels(mesh); });
 }
 
 const gpu::GpuInfo& Renderer::info() const {

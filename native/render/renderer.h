@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "gpu/resources.h"
+#include "gpu/thread_texture.h"
 #include "gpu/timer.h"
 #include "render/sources.h"
 #include "render/view.h"
@@ -56,6 +56,15 @@ struct TreeLevels {
   std::vector<std::array<float, 4>> edges;
 };
 
+/// The tessellation of a mesh with snow in the last picture, by patch: a triangle of the mesh, or a
+/// part of one that covers many texels.
+struct SnowLevels {
+  /// As TreeLevels'.
+  std::vector<uint32_t> classes;
+  /// Level of the edge from each corner to the next.
+  std::vector<std::array<float, 3>> edges;
+};
+
 /// Draws trees and snow off-screen with tessellation shaders, on a GPU thread of its process;
 /// OpenGL 4.5, on software renderers slowly. Same input, same driver: bit-identical pictures.
 ///
@@ -85,9 +94,9 @@ class Renderer {
                      const std::vector<std::array<glm::vec3, 3>>& normals = {});
   /// The snow on it.
   void set_snow(const std::string& mesh, const HeightMap& heights);
-  /// The same from a texture of the same context: R32F, linear filtering. It is drawn from as it
-  /// is.
-  void set_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
+  /// The same from a texture (R32F, linear filtering) where it lies, if that is in this renderer's
+  /// context: whether it is. To be called anew when its content has changed.
+  bool share_snow(const std::string& mesh, const gpu::ThreadTexture& heights);
   /// Takes a tree or a mesh away.
   void remove(const std::string& name);
 
@@ -100,6 +109,7 @@ class Renderer {
   std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
+  SnowLevels snow_levels(const std::string& mesh) const;
 
   /// The driver.
   const gpu::GpuInfo& info() const;

@@ -291,6 +291,10 @@ void Scene::draw_picture(const Target& target, const RenderSettings& settings) {
   if (!settings.wireframe) {
     target.begin(encoded(sky.r), encoded(sky.g), encoded(sky.b));
     draw_all(style, settings.cull_back_faces, true);
+    if (settings.snowfall.rate > 0.0f) {
+      const auto measured = timer_.measure("flakes");
+      flakes_.draw(settings.snowfall, camera_view_);
+    }
     return;
   }
   target.begin(1.0f, 1.0f, 1.0f);
@@ -426,6 +430,19 @@ TreeLevels Scene::levels(const std::string& name) const {
   for (const glm::ivec4& patch : of.patch_edges) {
     levels.edges.push_back(
         {edges[patch.x >> 1], edges[patch.y >> 1], edges[patch.z >> 1], edges[patch.w >> 1]});
+  }
+  return levels;
+}
+
+SnowLevels Scene::snow_levels(const std::string& name) const {
+  const Receiver& of = receiver(name);
+  if (!statistics_) throw std::runtime_error("snow_levels: render a picture first");
+  const auto edges = of.buffers.edge_levels.read_all<float>();
+  SnowLevels levels;
+  levels.classes = of.buffers.camera.classes.read_all<uint32_t>();
+  for (const shared::SnowPatch& patch : of.mesh.patches().patches) {
+    const glm::ivec4& edge = patch.edges;
+    levels.edges.push_back({edges[edge.x >> 1], edges[edge.y >> 1], edges[edge.z >> 1]});
   }
   return levels;
 }

@@ -11,6 +11,7 @@
 #include "gpu/timer.h"
 #include "render/drawables.h"
 #include "render/renderer.h"
+#include "render/snow/flakes.h"
 #include "render/snow/snow_passes.h"
 #include "render/targets.h"
 #include "render/tree_passes.h"
@@ -36,6 +37,7 @@ class Scene {
   std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
+  SnowLevels snow_levels(const std::string& mesh) const;
 
  private:
   using Kind = DrawKind;
@@ -93,6 +95,7 @@ class Scene {
 
   TreePasses passes_;
   SnowPasses snow_;
+  FlakePass flakes_;
   DrawablePasses drawables_;
   gpu::VertexArray no_vertices_;
   KeptTarget picture_{true};

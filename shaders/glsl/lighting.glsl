@@ -48,7 +48,7 @@ vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float t
 }
 
 /// Light from here on is compressed, so that sunlit snow keeps its shape instead of running into white.
-const float kShoulder = 0.5;
+const float kShoulder = 0.25;
 
 /// Linear light as sRGB with an opaque alpha.
 vec4 encoded(vec3 light) {
