@@ -21,7 +21,7 @@ uint class_of(int index) {
     stretch = max(stretch, max(length(corners[k].row_x.xyz),
                                max(length(corners[k].row_y.xyz), length(corners[k].row_z.xyz))));
   }
-  radius += of.rest[1].w * stretch;
+  radius += of.rest[1].w * stretch + view.snow.y;
   if (is_unseen(centre, radius)) {
     return kDropped;
   }

@@ -397,7 +397,9 @@ void bind_render(py::module_& module) {
       .def("set_snow_pose", &set_snow_pose, "name"_a, "positions"_a, "normals"_a = py::none(),
            "Moves a mesh with snow: positions (N, 3) and shading normals (T, 3, 3) or None.")
       .def("set_snow", &set_snow, "name"_a, "height"_a,
-           "The snow on a mesh: heights (H, W) in metres along the shading normals, row 0 = v 0,\n"
+           "The snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in metres "
+           "along\n"
+           "the shading normals, row 0 = v 0,\n"
            "negative on the back, as SnowSimulation.output gives them.")
       .def("take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
            "The snow on a mesh as it lies now on an object of a SnowSimulation (by default that of "

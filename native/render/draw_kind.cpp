@@ -17,9 +17,10 @@ std::vector<std::string> defines_of(DrawKind kind) {
 }
 
 gpu::Program& begin_draw(gpu::ProgramVariants& shading, gpu::ProgramVariants& capture,
-                         const DrawStyle& style) {
-  gpu::Program& program =
-      (style.kind == DrawKind::kCapture ? capture : shading).with(defines_of(style.kind));
+                         const DrawStyle& style, const std::vector<std::string>& more) {
+  std::vector<std::string> defines = defines_of(style.kind);
+  defines.insert(defines.end(), more.begin(), more.end());
+  gpu::Program& program = (style.kind == DrawKind::kCapture ? capture : shading).with(defines);
   program.use();
   if (style.kind == DrawKind::kShaded) program.bind_texture("shadow_map", *style.shadow_map);
   if (style.kind == DrawKind::kWire) program.set("wire_color", style.wire_color);

@@ -27,9 +27,9 @@ struct DrawStyle {
 };
 
 /// The program of a style, in use, with what that style needs. `capture` is `shading` without its
-/// fragments.
+/// fragments; `more`: further defines.
 gpu::Program& begin_draw(gpu::ProgramVariants& shading, gpu::ProgramVariants& capture,
-                         const DrawStyle& style);
+                         const DrawStyle& style, const std::vector<std::string>& more = {});
 
 /// Draws as Program::draw_indirect, with transform feedback around it where the draw is for that.
 void draw_indirect(gpu::Program& program, DrawKind kind, GLenum mode, const gpu::Buffer& commands,

@@ -75,8 +75,7 @@ void Renderer::set_snow(const std::string& mesh, const HeightMap& heights) {
 bool Renderer::share_snow(const std::string& mesh, const gpu::ThreadTexture& heights) {
   Scene& to = scene();
   if (heights.thread != thread_) return false;
-  thread_->run([&] { to.set_snow(mesh, heights.texture); });
-  return true;
+  return thread_->run([&] { return to.share_snow(mesh, heights.texture); });
 }
 
 void Renderer::remove(const std::string& name) {

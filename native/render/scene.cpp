@@ -127,14 +127,22 @@ void Scene::set_snow_pose(const std::string& name, const std::vector<vec3>& posi
 }
 
 void Scene::set_snow(const std::string& name, const HeightMap& heights) {
-  Receiver& of = receiver(name);
   auto map = std::make_shared<gpu::Texture>(GL_R32F, heights.width, heights.height, 0, GL_LINEAR);
   map->write(0, GL_RED, GL_FLOAT, heights.values.data());
-  of.buffers.set_map(std::move(map));
+  const auto found = trees_.find(name);
+  if (found == trees_.end()) return receiver(name).buffers.set_map(std::move(map));
+  TreeBuffers& buffers = found->second->buffers;
+  buffers.snow = std::move(map);
+  buffers.deepest_snow = 0.0f;
+  for (const float h : heights.values) {
+    buffers.deepest_snow = std::max(buffers.deepest_snow, std::abs(h));
+  }
 }
 
-void Scene::set_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
+bool Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
+  if (trees_.count(name) != 0) return false;
   receiver(name).buffers.set_map(std::move(heights));
+  return true;
 }
 
 void Scene::remove(const std::string& name) {
@@ -173,6 +181,7 @@ void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
     view.thesis.z = static_cast<float>(of->levels);
     view.bark_dark = vec4(of->look.bark_dark, 1.0f);
     view.bark_light = vec4(of->look.bark_light, 1.0f);
+    view.snow.y = of->buffers.deepest_snow;
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }

@@ -30,7 +30,7 @@ class Scene {
   void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
                      const std::vector<std::array<glm::vec3, 3>>& normals);
   void set_snow(const std::string& mesh, const HeightMap& heights);
-  void set_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
+  bool share_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
   void remove(const std::string& name);
   Picture render(const Camera& camera, const RenderSettings& settings);
   FrameStatistics statistics() const;

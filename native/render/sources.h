@@ -43,6 +43,8 @@ struct TreeSource {
   std::vector<std::array<int32_t, 4>> quads;
   /// Per corner: u once round a limb from 0 to 1, v along it in circumferences.
   std::vector<std::array<glm::vec2, 4>> bark_uv;
+  /// Per corner: its place on the map of the snow on the tree, 0 to 1; empty: it carries none.
+  std::vector<std::array<glm::vec2, 4>> snow_uv;
   /// Per quad: branch level (0 the trunk), branch, section (any number for caps) and kind.
   std::vector<int32_t> branch_level;
   std::vector<int32_t> branch;

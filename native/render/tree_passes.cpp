@@ -4,8 +4,13 @@ namespace snowbough::render {
 namespace {
 
 constexpr int32_t kLocalSize = 64;
+
 int64_t bytes_of(size_t count, size_t size) {
   return static_cast<int64_t>(count * size);
+}
+
+std::vector<std::string> snow_define(const TreeBuffers& tree) {
+  return tree.snow != nullptr ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{};
 }
 
 }  // namespace
@@ -29,6 +34,7 @@ TreeBuffers::TreeBuffers(const TreePatches& tree)
       sections(tree.sections),
       edges(tree.edges),
       patches(tree.patches),
+      vertex_snow(tree.vertex_snow),
       bones(
           bone_rows(std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
       posed(bytes_of(tree.vertices.size(), sizeof(shared::PosedVertex))),
@@ -37,13 +43,18 @@ TreeBuffers::TreeBuffers(const TreePatches& tree)
       sun(tree.patches.size()) {}
 
 void TreePasses::pose(TreeBuffers& tree, const gpu::Buffer& view) {
-  pose_.use();
-  pose_.bind("ViewBlock", view);
-  pose_.bind("TreeVertices", tree.vertices);
-  pose_.bind("PosedVertices", tree.posed);
-  pose_.bind("BoneRows", tree.bones);
-  pose_.set("count", tree.vertex_count);
-  pose_.dispatch_items(tree.vertex_count, kLocalSize);
+  gpu::Program& program = pose_.with(snow_define(tree));
+  program.use();
+  program.bind("ViewBlock", view);
+  program.bind("TreeVertices", tree.vertices);
+  program.bind("PosedVertices", tree.posed);
+  program.bind("BoneRows", tree.bones);
+  if (tree.snow != nullptr) {
+    program.bind("VertexSnow", tree.vertex_snow);
+    program.bind_texture("height_map", *tree.snow);
+  }
+  program.set("count", tree.vertex_count);
+  program.dispatch_items(tree.vertex_count, kLocalSize);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 
@@ -70,7 +81,11 @@ void TreePasses::classify(TreeBuffers& tree, PatchList& list, const gpu::Buffer&
 
 void TreePasses::draw_plain(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
                             const DrawStyle& style) {
-  gpu::Program& program = begin_draw(plain_, plain_capture_, style);
+  gpu::Program& program = begin_draw(plain_, plain_capture_, style, snow_define(tree));
+  if (tree.snow != nullptr && style.kind == DrawKind::kShaded) {
+    program.bind("TreeVertices", tree.vertices);
+    program.bind_texture("height_map", *tree.snow);
+  }
   program.bind("ViewBlock", view);
   program.bind("PosedVertices", tree.posed);
   program.bind("TreePatches", tree.patches);
@@ -80,7 +95,8 @@ void TreePasses::draw_plain(TreeBuffers& tree, PatchList& list, const gpu::Buffe
 
 void TreePasses::draw_tessellated(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
                                   const DrawStyle& style) {
-  gpu::Program& program = begin_draw(tree_, tree_capture_, style);
+  gpu::Program& program = begin_draw(tree_, tree_capture_, style, snow_define(tree));
+  if (tree.snow != nullptr) program.bind_texture("height_map", *tree.snow);
   program.bind("ViewBlock", view);
   program.bind("TreeVertices", tree.vertices);
   program.bind("PosedVertices", tree.posed);

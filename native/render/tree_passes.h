@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <glm/mat4x4.hpp>
 #include <glm/vec4.hpp>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -29,10 +30,15 @@ struct TreeBuffers {
   gpu::Buffer sections;
   gpu::Buffer edges;
   gpu::Buffer patches;
+  gpu::Buffer vertex_snow;
   /// Three rows a bone.
   gpu::Buffer bones;
   gpu::Buffer posed;
   gpu::Buffer edge_levels;
+  /// Heights of its snow: R32F; null: it carries none.
+  std::shared_ptr<const gpu::Texture> snow;
+  /// Most of them, metres.
+  float deepest_snow = 0.0f;
   PatchList camera;
   PatchList sun;
 };
@@ -60,7 +66,7 @@ class TreePasses {
                         const DrawStyle& style);
 
  private:
-  gpu::Program pose_{{"tree_pose.comp.glsl"}};
+  gpu::ProgramVariants pose_{{"tree_pose.comp.glsl"}};
   gpu::Program edges_{{"tree_edges.comp.glsl"}};
   gpu::Program classify_{{"tree_classify.comp.glsl"}};
   PatchListPasses lists_;

@@ -4,8 +4,8 @@
 #include "glsl/lighting.glsl"
 #include "glsl/relief.glsl"
 
-/// `bark`: coordinates, circumference and rise (m).
-vec4 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
+/// Linear light of a pixel. `bark`: coordinates, circumference and rise (m).
+vec3 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
   const vec3 normal = normalize(smooth_normal);
   const float away = max(distance(position, view.eye.xyz), 1e-6);
   const float samples = bark.z * view.eye.w / away;
@@ -19,5 +19,5 @@ vec4 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
     shaded = normal;
   }
   const vec3 albedo = mix(view.bark_dark.rgb, view.bark_light.rgb, clamp(0.5 + 0.6 * height, 0.0, 1.0));
-  return encoded(lit(albedo, position, normal, shaded, 0.0));
+  return lit(albedo, position, normal, shaded, 0.0);
 }

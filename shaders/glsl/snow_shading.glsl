@@ -10,16 +10,16 @@ const vec3 kWrap = vec3(0.16, 0.22, 0.30);
 /// Metres of snow through which the ground shows to 1 / e.
 const float kOpaqueDepth = 0.0022;
 /// Waves a metre and height in metres of the relief's octaves, and the depth from which on they are whole.
-const int kReliefOctaves = 3;
-const float kReliefWaves[kReliefOctaves] = float[kReliefOctaves](9.0, 23.0, 60.0);
-const float kReliefHeights[kReliefOctaves] = float[kReliefOctaves](0.007, 0.0026, 0.0008);
+const int kReliefOctaves = 4;
+const float kReliefWaves[kReliefOctaves] = float[kReliefOctaves](7.0, 21.0, 57.0, 150.0);
+const float kReliefHeights[kReliefOctaves] = float[kReliefOctaves](0.011, 0.0038, 0.0015, 0.0006);
 const float kReliefDepth = 0.06;
 /// Grains of thin snow: waves a metre.
 const float kGrainWaves = 140.0;
 /// Edge of the smallest crystal's cell in metres, of the largest that still glints, and how bright one is.
 const float kCrystal = 0.0005;
 const float kLargestCrystal = 0.004;
-const float kGlint = 5.0;
+const float kGlint = 8.0;
 
 uint mixed(uint h) {
   h = (h ^ (h >> 15)) * 0x2c1b3c6du;
@@ -90,7 +90,7 @@ float glint(vec3 place, float cell, vec3 normal, vec3 between) {
   const vec3 tilt = vec3(unit_hash(h), unit_hash(mixed(h + 1u)), unit_hash(mixed(h + 2u))) * 2.0 - 1.0;
   const vec3 middle = 0.3 + 0.4 * vec3(unit_hash(mixed(h + 3u)), unit_hash(mixed(h + 4u)), unit_hash(mixed(h + 5u)));
   const float round_part = 1.0 - smoothstep(0.15, 0.4, distance(at - vec3(of), middle));
-  return round_part * smoothstep(0.985, 0.999, dot(normalize(normal + 1.1 * tilt), between));
+  return round_part * smoothstep(0.965, 0.995, dot(normalize(normal + 1.1 * tilt), between));
 }
 
 /// Crystals about as large as pixels, those of two sizes at a time, so that none comes or goes at once.
