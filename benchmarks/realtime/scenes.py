@@ -197,10 +197,10 @@ def maple(resolution=1024):
     )
 
 
-def fallen(things, depth, steps=36, blur_radius=0.012, engine="AUTO"):
+def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="AUTO"):
     """Heights by name after a fall that lays `depth` metres, and a while in which it comes to rest."""
     with native.SnowSimulation(
-        pixel_size=0.01, flutter=10.0, blur_radius=blur_radius, engine=engine
+        pixel_size=pixel_size, flutter=10.0, blur_radius=blur_radius, engine=engine
     ) as snow:
         for name, thing in things.items():
             snow.add_object(
