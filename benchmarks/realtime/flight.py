@@ -112,7 +112,7 @@ def picture(every):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", default=scenes.ROOT / "docs" / "images" / "flight.png")
-    parser.add_argument("--every", type=int, default=1, help="frames of the curve that are drawn")
+    parser.add_argument("--every", type=int, default=3, help="frames of the curve that are drawn")
     arguments = parser.parse_args()
     native.write_png(str(Path(arguments.out)), picture(arguments.every))
 
