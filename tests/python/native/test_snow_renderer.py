@@ -68,10 +68,13 @@ CLOSED = {
 @pytest.mark.parametrize("signed", [False, True])
 def test_a_closed_receiver_is_closed_to_the_bit(renderer, name, metric, signed):
     mesh, is_flat = CLOSED[name]
-    add(renderer, mesh, lumps(signed=signed), flat_normals(*mesh[:2]) if is_flat else None)
-    settings = native.RenderSettings(metric=metric, snow_factor=400, target_pixels=9, **WHOLE)
-    camera = native.Camera(**{**CAMERA, "field_of_view": 1.2})
-    found = renderer.triangles("it", camera, settings)
+    normals = flat_normals(*mesh[:2]) if is_flat else None
+    add(renderer, mesh, lumps(signed=signed), normals, resolution=128)
+    settings = native.RenderSettings(metric=metric, snow_factor=20000, target_pixels=3, **WHOLE)
+    found = renderer.triangles("it", native.Camera(**CAMERA), settings)
+    renderer.render(native.Camera(**CAMERA), settings)
+    assert renderer.statistics()["tessellated"] > 10
+    assert len(np.unique(renderer.snow_levels("it")["edge"])) > 10
     assert len(found) > 2000
     assert closed(found)
     assert not closed(np.delete(found, 100, axis=0))
