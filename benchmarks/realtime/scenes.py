@@ -188,11 +188,8 @@ def urn():
 
 
 def maple(resolution=1024):
-    """The small maple as a thing for the simulation, once subdivided, and its base for the renderer: both have
-    one layout."""
-    skeleton = native.read_tree(MAPLE)
-    base = native.build_tree_mesh(skeleton, snow_resolution=resolution)
-    mesh = native.build_tree_mesh(skeleton, snow_resolution=resolution, lod=1)
+    """The small maple as a thing for the simulation, and its mesh for the renderer."""
+    mesh = native.build_tree_mesh(native.read_tree(MAPLE), snow_resolution=resolution)
     quads, uv = np.asarray(mesh.quads), np.asarray(mesh.uv_snow)
     triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
     return (
@@ -203,7 +200,7 @@ def maple(resolution=1024):
             resolution,
             smooth=True,
         ),
-        base,
+        mesh,
     )
 
 
