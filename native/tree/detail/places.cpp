@@ -101,7 +101,7 @@ class Placer {
         meet_limbs(forks_[j], tubes_, kSlant * first_row(j), rims_[j]);
       }
     });
-    shares_ = move_rims(rims_, forks_, tubes_, least_radius_, threads_, unrolled_);
+    move_rims(rims_, forks_, tubes_, least_radius_, threads_, unrolled_);
     place_rims();
     place_others();
     return std::move(positions_);
@@ -205,9 +205,10 @@ class Placer {
     begins_.resize(rims_.size());
     for (size_t j = 0; j < rims_.size(); ++j) {
       const Fork& fork = forks_[j];
-      const double share = shares_[j], farthest = kSlant * first_row(j);
+      const double farthest = kSlant * first_row(j);
       for (const RimPoint& point : rims_[j]) {
         const TubePlace& place = unrolled_.places[point.vertex];
+        const double share = unrolled_.shares[point.vertex];
         const glm::dvec3 met = point.position - tubes_.at(fork.parent_chain, point.target);
         const glm::dvec3 p = tubes_.at(fork.parent_chain, place) + met * share;
         positions_[point.vertex] = p;
@@ -310,11 +311,10 @@ class Placer {
   int threads_;
   /// Per branch: the junction that it leaves from, or -1.
   std::vector<int32_t> hole_of_;
-  /// Per junction: its hole, the rim around it, how far that has gone to where both limbs meet, and
-  /// where the child's sides begin.
+  /// Per junction: its hole, the rim around it, and where the child's
+  /// sides begin.
   std::vector<HolePlace> holes_;
   std::vector<Rim> rims_;
-  std::vector<double> shares_;
   std::vector<std::vector<SideBegin>> begins_;
   /// By parent, row and side.
   std::vector<const Junction*> insets_;

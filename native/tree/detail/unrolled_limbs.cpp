@@ -5,6 +5,7 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <iterator>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -14,28 +15,30 @@
 namespace snowbough::tree {
 namespace {
 
-/// A step is no longer than this share of the hole's radius; at most so many steps are made.
-constexpr double kStep = 0.3;
-constexpr int kMostSteps = 12;
+/// A step is no longer than this share of the faces beside the rim; at most so many steps are made.
+constexpr double kStep = 0.7;
+constexpr int kMostSteps = 30;
 /// What moves with a rim: within so many times the way of its farthest point, and so many radii
 /// of the hole beyond it.
 constexpr double kReachOfWay = 2.5;
 constexpr double kReach = 2.0;
 /// Sweeps of the relaxation in the first step and in each of those after it, and its factor.
-constexpr int kFirstSweeps = 40;
-constexpr int kSweeps = 12;
+constexpr int kFirstSweeps = 25;
+constexpr int kSweeps = 8;
 constexpr double kOverRelaxation = 1.5;
 /// Afterwards vertices up to so many edges from a rim go between their neighbours, in so many
-/// sweeps; those further away than so many radii of the hole pull as if they were nearer.
+/// sweeps at first and after each step; those further away than the rim's own edges are long, or so
+/// many radii of the hole, pull as if they were nearer.
 constexpr int kSpreadDepth = 3;
-constexpr int kSpreadSweeps = 12;
+constexpr int kSpreads = 12;
+constexpr int kStepSpreads = 4;
 constexpr double kSpread = 0.5;
 /// A face keeps at least this share of its area.
 constexpr double kLeastArea = 0.04;
 /// How often the corners of faces that turn over are put between their neighbours before the rims
 /// around them are held back, and how often that within a step before they stay themselves.
 constexpr int kEvenings = 10;
-constexpr double kEvening = 0.7;
+constexpr double kEvening = 0.6;
 constexpr int kMostHolds = 4;
 /// Chains that a thread takes at a time.
 constexpr size_t kBlock = 4;
@@ -97,43 +100,40 @@ class Membrane {
         unrolled_(unrolled),
         local_of_(local_of) {}
 
-  /// Moves the rims of some junctions on a chain as far as they go; `shares` per junction.
-  void move(int32_t chain, std::span<const int32_t> junctions, std::vector<double>& shares) {
+  /// Moves the rims of some junctions on a chain as far as they go.
+  void move(int32_t chain, std::span<const int32_t> junctions) {
     find_rims(chain, junctions);
     for (size_t j = 0; j < junctions_.size(); ++j) {
       find_free(j);
     }
     find_faces();
-    held_.assign(junctions_.size(), 0);
-    std::vector<int> gone(junctions_.size(), 0);
-    spread();
+    spread(kSpreads);
     for (int step = 0; step < steps_; ++step) {
       weigh();
       take_step(step == 0 ? kFirstSweeps : kSweeps);
-      for (size_t j = 0; j < gone.size(); ++j) {
-        gone[j] += held_[j] == 0 ? 1 : 0;
-      }
+      spread(kStepSpreads);
     }
-    for (size_t j = 0; j < gone.size(); ++j) {
-      shares[junctions_[j]] = steps_ > 0 ? static_cast<double>(gone[j]) / steps_ : 1.0;
+    for (size_t i = 0; i < rim_count_; ++i) {
+      const Node& node = nodes_[i];
+      unrolled_.shares[node.vertex] = steps_ > 0 ? static_cast<double>(node.gone) / steps_ : 1.0;
     }
-    spread();
     for (const Node& node : nodes_) local_of_[node.vertex] = -1;
   }
 
  private:
   struct Node {
     int32_t vertex = -1;
-    /// Of the rim it belongs to or the nearest one, among junctions_; a second one for vertices
-    /// that two rims share.
-    int32_t junction = -1, second = -1;
+    /// Of the rim it belongs to or the nearest one, among junctions_.
+    int32_t junction = -1;
     bool rim = false;
-    /// Does not move any more.
+    /// Does not move in this step.
     bool stopped = false;
     /// Edges from the rim.
     int depth = 0;
     /// Way of a rim's vertex in a step, and that of this step.
     glm::dvec2 step{0.0}, velocity{0.0};
+    /// Steps that a rim's vertex has made.
+    int gone = 0;
     TubePlace first;
   };
 
@@ -163,7 +163,6 @@ class Membrane {
         if (local_of_[point.vertex] >= 0) {
           // Between two holes without anything of the parent's between them: halfway.
           Node& node = nodes_[local_of_[point.vertex]];
-          node.second = number;
           node.step = 0.5 * (node.step + move);
         } else {
           Node& node = nodes_[add_node(point.vertex, number)];
@@ -173,8 +172,10 @@ class Membrane {
         way = std::max(way, reach.metres(move));
         extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
       }
+      reach.spread =
+          std::min(kSpread, 2.0 * M_PI / static_cast<double>(rims_[j].size())) * forks_[j].radius;
       reach.radius = extent + kReachOfWay * way + kReach * forks_[j].radius;
-      steps = std::max(steps, way / (kStep * std::max(forks_[j].radius, 1e-30)));
+      steps = std::max(steps, way / std::max(kStep * reach.spread, 1e-30));
     }
     steps_ = std::clamp(static_cast<int>(std::ceil(steps)), 0, kMostSteps);
     rim_count_ = nodes_.size();
@@ -206,8 +207,7 @@ class Membrane {
         faces_.push_back(graph_.face[at]);
       }
     }
-    std::sort(faces_.begin(), faces_.end());
-    faces_.erase(std::unique(faces_.begin(), faces_.end()), faces_.end());
+    keep_once(faces_);
     for (const int32_t f : faces_) {
       std::array<TubePlace, 4> corners;
       for (int k = 0; k < 4; ++k) corners[k] = unrolled_.places[unrolled_.quads[f][k]];
@@ -233,9 +233,7 @@ class Membrane {
 
   void relax(int sweeps) {
     for (size_t i = 0; i < rim_count_; ++i) {
-      Node& node = nodes_[i];
-      const bool held = held_[node.junction] != 0 || (node.second >= 0 && held_[node.second] != 0);
-      node.velocity = held || node.stopped ? glm::dvec2(0.0) : node.step;
+      nodes_[i].velocity = nodes_[i].stopped ? glm::dvec2(0.0) : nodes_[i].step;
     }
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       size_t weight = 0;
@@ -270,6 +268,15 @@ class Membrane {
     return {moved(quad[0]), moved(quad[1]), moved(quad[2]), moved(quad[3])};
   }
 
+  bool turns(int32_t face) const {
+    const double first = first_areas_[face_index(face)];
+    return least_area(moved_corners(unrolled_.quads[face])) < std::min(first, kLeastArea * first);
+  }
+
+  size_t face_index(int32_t face) const {
+    return std::lower_bound(faces_.begin(), faces_.end(), face) - faces_.begin();
+  }
+
   /// Faces that the step would turn over.
   void find_turned() {
     turned_.clear();
@@ -284,99 +291,115 @@ class Membrane {
 
   /// Puts the corners of turned faces that are free in the middle of their neighbours.
   void even_out() {
+    std::vector<int32_t> vertices, faces;
     for (int pass = 0; pass < kEvenings && !turned_.empty(); ++pass) {
+      vertices.clear();
       for (const int32_t f : turned_) {
         for (const int32_t corner : unrolled_.quads[f]) {
-          to_middle(corner);
+          vertices.push_back(corner);
           for (int32_t at = graph_.begin[corner]; at < graph_.begin[corner + 1]; ++at) {
-            to_middle(graph_.all[at]);
+            vertices.push_back(graph_.all[at]);
           }
         }
       }
-      find_turned();
+      keep_once(vertices);
+      faces = turned_;
+      for (const int32_t v : vertices) {
+        if (!to_middle(v)) continue;
+        faces.insert(faces.end(), graph_.face.begin() + graph_.begin[v],
+                     graph_.face.begin() + graph_.begin[v + 1]);
+      }
+      keep_once(faces);
+      turned_.clear();
+      std::copy_if(faces.begin(), faces.end(), std::back_inserter(turned_),
+                   [&](int32_t face) { return turns(face); });
     }
   }
 
-  void to_middle(int32_t vertex) {
-    if (local_of_[vertex] < 0 || nodes_[local_of_[vertex]].rim) return;
+  static void keep_once(std::vector<int32_t>& numbers) {
+    std::sort(numbers.begin(), numbers.end());
+    numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  }
+
+  /// Moves a vertex between its neighbours; those further away than faces beside the rim are long
+  /// pull as if they were nearer. False: it has to stay.
+  bool to_middle(int32_t vertex) {
+    if (local_of_[vertex] < 0) return false;
     Node& node = nodes_[local_of_[vertex]];
-    if (node.stopped) return;
-    const TubePlace now = moved(vertex);
+    if (node.rim || node.stopped) return false;
     const Reach& reach = reaches_[node.junction];
+    const TubePlace now = moved(vertex);
     glm::dvec2 sum(0.0);
-    double weights = 0.0;
+    double count = 0.0;
     for (int32_t at = graph_.begin[vertex]; at < graph_.begin[vertex + 1]; ++at) {
       const glm::dvec2 way = difference(now, moved(graph_.all[at]));
-      const double weight = 1.0 / std::max(reach.metres(way), 1e-30);
-      sum += way * weight;
-      weights += weight;
+      sum += way * std::min(1.0, reach.spread / std::max(reach.metres(way), 1e-30));
+      count += 1.0;
     }
-    if (weights > 0.0) node.velocity += kEvening / weights * sum;
+    if (count > 0.0) node.velocity += sum * (kEvening / count);
+    return true;
   }
 
+  /// Stops the rims' vertices at turned faces.
   void hold_rims() {
     for (const int32_t f : turned_) {
       for (const int32_t v : unrolled_.quads[f]) {
-        if (local_of_[v] < 0) continue;
-        const Node& node = nodes_[local_of_[v]];
-        held_[node.junction] = 1;
-        if (node.second >= 0) held_[node.second] = 1;
+        if (local_of_[v] >= 0 && nodes_[local_of_[v]].rim) nodes_[local_of_[v]].stopped = true;
       }
     }
   }
 
   void take_step(int sweeps) {
-    for (int hold = 0; hold < kMostHolds; ++hold) {
+    for (int hold = 0;; ++hold) {
       relax(sweeps);
       find_turned();
       even_out();
-      if (turned_.empty()) break;
+      if (turned_.empty() || hold == kMostHolds) break;
       hold_rims();
     }
+    stop_turned();
+    for (size_t i = 0; i < rim_count_; ++i) nodes_[i].gone += nodes_[i].stopped ? 0 : 1;
     finish_step();
   }
 
   /// Gives the first faces around a rim room for the fillet, where they are narrow.
-  void spread() {
+  void spread(int sweeps) {
     for (Node& node : nodes_) node.velocity = glm::dvec2(0.0);
-    for (int sweep = 0; sweep < kSpreadSweeps; ++sweep) {
+    for (int sweep = 0; sweep < sweeps; ++sweep) {
       for (size_t i = rim_count_; i < nodes_.size(); ++i) {
-        Node& node = nodes_[i];
-        if (node.depth > kSpreadDepth || node.stopped) continue;
-        const Reach& reach = reaches_[node.junction];
-        const double room = kSpread * forks_[junctions_[node.junction]].radius;
-        const TubePlace now = moved(node.vertex);
-        glm::dvec2 sum(0.0);
-        double count = 0.0;
-        for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
-          const glm::dvec2 way = difference(now, moved(graph_.all[at]));
-          sum += way * std::min(1.0, room / std::max(reach.metres(way), 1e-30));
-          count += 1.0;
-        }
-        if (count > 0.0) node.velocity += sum * (0.5 / count);
+        if (nodes_[i].depth <= kSpreadDepth) to_middle(nodes_[i].vertex);
       }
     }
     find_turned();
     even_out();
+    stop_turned();
     finish_step();
   }
 
-  void finish_step() {
-    // What is left stays where it is, and so does whatever would turn because of that.
+  /// What still turns over stays where it is in this step, and so does whatever would turn because
+  /// of that.
+  void stop_turned() {
     bool more = !turned_.empty();
     while (more) {
       more = false;
       for (const int32_t f : turned_) {
         for (const int32_t v : unrolled_.quads[f]) {
-          if (local_of_[v] < 0 || nodes_[local_of_[v]].stopped) continue;
-          nodes_[local_of_[v]].stopped = true;
-          nodes_[local_of_[v]].velocity = glm::dvec2(0.0);
-          more = true;
+          if (local_of_[v] < 0) continue;
+          Node& node = nodes_[local_of_[v]];
+          more |= !node.stopped || node.velocity != glm::dvec2(0.0);
+          node.stopped = true;
+          node.velocity = glm::dvec2(0.0);
         }
       }
       find_turned();
     }
-    for (const Node& node : nodes_) unrolled_.places[node.vertex] = moved(node.vertex);
+  }
+
+  void finish_step() {
+    for (Node& node : nodes_) {
+      unrolled_.places[node.vertex] = moved(node.vertex);
+      node.stopped = false;
+    }
   }
 
   /// How far around a hole vertices move, in metres on the unrolled parent.
@@ -384,6 +407,8 @@ class Membrane {
     TubePlace centre;
     double radius = 0.0;
     double quarter_length = 1.0;
+    /// Length of the faces beside the rim that the fillet asks for.
+    double spread = 0.0;
 
     double metres(const glm::dvec2& way) const { return std::hypot(way.x * quarter_length, way.y); }
     double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
@@ -405,15 +430,13 @@ class Membrane {
   std::vector<int32_t> faces_;
   std::vector<double> first_areas_;
   std::vector<double> weights_;
-  std::vector<uint8_t> held_;
   std::vector<int32_t> turned_;
 };
 
 }  // namespace
 
-std::vector<double> move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks,
-                              const LimbTubes& tubes, double least_radius, int threads,
-                              UnrolledLimbs& unrolled) {
+void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
+               double least_radius, int threads, UnrolledLimbs& unrolled) {
   const Graph graph(unrolled.quads, unrolled.places.size());
   std::vector<std::pair<int32_t, int32_t>> by_chain;
   for (size_t j = 0; j < forks.size(); ++j) {
@@ -429,16 +452,15 @@ std::vector<double> move_rims(const std::vector<Rim>& rims, const std::vector<Fo
     junctions.push_back(by_chain[i].second);
   }
   first.push_back(by_chain.size());
-  std::vector<double> shares(forks.size(), 0.0);
+  unrolled.shares.assign(unrolled.places.size(), 0.0);
   std::vector<int32_t> local_of(unrolled.places.size(), -1);
   base::parallel_for(first.size() - 1, kBlock, {threads, {}}, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
       Membrane(graph, rims, forks, tubes, unrolled, local_of)
           .move(by_chain[first[i]].first,
-                {junctions.data() + first[i], junctions.data() + first[i + 1]}, shares);
+                {junctions.data() + first[i], junctions.data() + first[i + 1]});
     }
   });
-  return shares;
 }
 
 }  // namespace snowbough::tree

@@ -17,20 +17,20 @@ struct UnrolledLimbs {
   std::vector<TubePlace> places;
   /// Per vertex: 1 where it stays whatever moves around it.
   std::vector<uint8_t> fixed;
+  /// Per vertex of a rim: the share of its way to its target that it has gone.
+  std::vector<double> shares;
   /// Faces that lie on one limb with all their corners.
   std::vector<Quad> quads;
 };
 
 /// Moves every rim from where the base has it to its target, step by step, and what lies around it
-/// on the parent along with it: as a membrane that is fixed at the rims and further away. A rim
-/// around which faces would turn over stays where it has come to.
+/// on the parent along with it: as a membrane that is fixed at the rims and further away. Where
+/// faces would turn over, a rim stays behind.
 ///
 /// @param rims, forks  one a junction, in the same order.
 /// @param least_radius  rims of thinner children stay where they are, in metres.
 /// @param unrolled  whose places move.
-/// @return per junction the share of its way that its rim has gone, 0 to 1.
-std::vector<double> move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks,
-                              const LimbTubes& tubes, double least_radius, int threads,
-                              UnrolledLimbs& unrolled);
+void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
+               double least_radius, int threads, UnrolledLimbs& unrolled);
 
 }  // namespace snowbough::tree
