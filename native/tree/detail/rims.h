@@ -22,7 +22,8 @@ struct RimPoint {
   glm::dvec3 position{0.0};
 };
 
-/// The rim of the hole that a child leaves its parent through, once around the child.
+/// The rim of the hole that a child leaves its parent through, once around the child, each point
+/// beside the one before it.
 using Rim = std::vector<RimPoint>;
 
 /// Moves a rim's points onto the line in which both limbs meet: along the child's own surface,

@@ -35,6 +35,8 @@ constexpr int kStepSpreads = 4;
 constexpr double kSpread = 0.5;
 /// A face keeps at least this share of its area.
 constexpr double kLeastArea = 0.04;
+/// Steps that a rim's vertex may be ahead of the next.
+constexpr int kMostAhead = 1;
 /// How often the corners of faces that turn over are put between their neighbours before the rims
 /// around them are held back, and how often that within a step before they stay themselves.
 constexpr int kEvenings = 10;
@@ -132,8 +134,9 @@ class Membrane {
     int depth = 0;
     /// Way of a rim's vertex in a step, and that of this step.
     glm::dvec2 step{0.0}, velocity{0.0};
-    /// Steps that a rim's vertex has made.
+    /// Steps that a rim's vertex has made, and the nodes before and after it on the rim.
     int gone = 0;
+    int32_t before = -1, after = -1;
     TubePlace first;
   };
 
@@ -171,6 +174,12 @@ class Membrane {
         }
         way = std::max(way, reach.metres(move));
         extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
+      }
+      for (size_t i = 0; i < rims_[j].size(); ++i) {
+        const int32_t here = local_of_[rims_[j][i].vertex];
+        const int32_t next = local_of_[rims_[j][(i + 1) % rims_[j].size()].vertex];
+        nodes_[here].after = next;
+        nodes_[next].before = here;
       }
       reach.spread =
           std::min(kSpread, 2.0 * M_PI / static_cast<double>(rims_[j].size())) * forks_[j].radius;
@@ -349,7 +358,18 @@ class Membrane {
     }
   }
 
+  /// A rim's vertices wait for those beside them, or where some are held back others would run over
+  /// them.
+  void wait() {
+    for (size_t i = 0; i < rim_count_; ++i) {
+      Node& node = nodes_[i];
+      const int behind = std::min(nodes_[node.before].gone, nodes_[node.after].gone);
+      node.stopped = node.gone > behind + kMostAhead;
+    }
+  }
+
   void take_step(int sweeps) {
+    wait();
     for (int hold = 0;; ++hold) {
       relax(sweeps);
       find_turned();
