@@ -4,8 +4,8 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "tree/detail/limb_curve.h"
 #include "tree/surface/surface.h"
+#include "tree/tubes/limb_curve.h"
 
 namespace snowbough::tree {
 

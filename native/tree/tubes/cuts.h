@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/detail/detail.h"
-#include "tree/detail/limb_shape.h"
-#include "tree/detail/patch.h"
 #include "tree/mesh/edges.h"
 #include "tree/surface/surface.h"
+#include "tree/tubes/detail.h"
+#include "tree/tubes/limb_shape.h"
+#include "tree/tubes/patch.h"
 
 namespace snowbough::tree {
 

@@ -32,4 +32,9 @@ struct DetailSettings {
 
 DetailSettings detail_settings(Detail detail);
 
+/// A limb thicker than this share of the tree's height, as radius, begins with eight sides where it
+/// leaves one with more than four: with four there is no room for a fillet. The forks of thinner
+/// ones nobody sees.
+inline constexpr double kLeastFork = 4e-4;
+
 }  // namespace snowbough::tree

@@ -1,4 +1,4 @@
-#include "tree/detail/cuts.h"
+#include "tree/tubes/cuts.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,8 +27,8 @@ constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
 /// The side error grows by this factor, at most so often, until the budget is kept.
-constexpr double kCoarser = 1.3;
-constexpr int kMostSteps = 40;
+constexpr double kCoarser = 1.12;
+constexpr int kMostSteps = 90;
 
 /// Rows are denser where this is larger: pieces wanted in each of kSamples shares of a row.
 using Wanted = std::array<double, kSamples>;
@@ -103,8 +103,8 @@ int power_of_two_from(double wanted, int most) {
 class Cutter {
  public:
   Cutter(const Surface& surface, const Edges& edges, const std::vector<LimbShape>& shapes,
-         const DetailSettings& settings)
-      : surface_(surface), edges_(edges), shapes_(shapes), settings_(settings) {
+         double height, const DetailSettings& settings)
+      : surface_(surface), edges_(edges), shapes_(shapes), height_(height), settings_(settings) {
     const size_t count = surface.limbs.size();
     hole_of_.assign(count, -1);
     leaving_.resize(count);
@@ -167,6 +167,12 @@ class Cutter {
         cuts_.across[b].push_back(power_of_two_from(0.25 * sides, most));
       }
       if (hole_of_[b] >= 0) {
+        // Parents come first. With four sides a fork has no room for a fillet.
+        const Junction& junction = surface_.junctions[hole_of_[b]];
+        const int parent = cuts_.across[junction.parent][junction.row];
+        if (parent > 1 && radius_of(limb.rings[0]) > kLeastFork * height_) {
+          cuts_.across[b][1] = std::max(cuts_.across[b][1], 2);
+        }
         cuts_.across[b][0] = cuts_.across[b][1];
       }
       const auto ring_of = static_cast<int32_t>(limb.rings.size()) - 1;
@@ -414,6 +420,7 @@ class Cutter {
   const Surface& surface_;
   const Edges& edges_;
   const std::vector<LimbShape>& shapes_;
+  double height_;
   const DetailSettings& settings_;
   /// Per branch: the junction it leaves from, or -1, and those of its children.
   std::vector<int32_t> hole_of_;
@@ -437,7 +444,7 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
   const auto budget = std::max<int64_t>(
       settings.faces,
       static_cast<int64_t>(settings.per_base * static_cast<double>(surface.quads.size())));
-  Cutter cutter(surface, edges, shapes, settings);
+  Cutter cutter(surface, edges, shapes, height, settings);
   double error = settings.side_error * height;
   SurfaceCuts cuts = cutter.cut(error);
   for (int step = 0; step < kMostSteps && cuts.quads > budget; ++step) {

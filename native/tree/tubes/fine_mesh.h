@@ -5,12 +5,18 @@
 #include <glm/vec2.hpp>
 #include <vector>
 
-#include "tree/detail/cuts.h"
-#include "tree/detail/places.h"
 #include "tree/mesh/edges.h"
 #include "tree/skeleton/tree_mesh.h"
+#include "tree/tubes/cuts.h"
 
 namespace snowbough::tree {
+
+/// A vertex of the detailed mesh: a place on a base face, (0, 0) at its corner 0, (1, 0) at corner
+/// 1, (1, 1) at corner 2.
+struct FinePlace {
+  int32_t face = -1;
+  double u = 0.0, v = 0.0;
+};
 
 /// A mesh of quads cut finer, without T-junctions.
 struct FineMesh {

@@ -1,4 +1,4 @@
-#include "tree/detail/patch.h"
+#include "tree/tubes/patch.h"
 
 #include <algorithm>
 #include <bit>

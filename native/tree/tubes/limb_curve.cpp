@@ -1,4 +1,4 @@
-#include "tree/detail/limb_curve.h"
+#include "tree/tubes/limb_curve.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,6 +1,6 @@
-#include "tree/detail/fine_mesh.h"
+#include "tree/tubes/fine_mesh.h"
 
-#include "tree/detail/patch.h"
+#include "tree/tubes/patch.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,4 +1,4 @@
-#include "tree/detail/detail.h"
+#include "tree/tubes/detail.h"
 
 namespace snowbough::tree {
 

@@ -1,4 +1,4 @@
-#include "tree/detail/limb_shape.h"
+#include "tree/tubes/limb_shape.h"
 
 #include <algorithm>
 #include <cmath>
