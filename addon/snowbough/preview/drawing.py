@@ -1,0 +1,239 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Draws the snow of receivers over a 3D view with Blender's ``gpu`` module (3.4 to 5.2; OpenGL, Vulkan, Metal).
+
+Heights are a texture of one float a texel, positions and normals of the receiver's own vertices two textures, and the
+points of its surface_mesh look up in them where they are: nothing as fine as the snow is made or sent again while the
+timeline plays. What is handed over is sent when it is next drawn.
+"""
+
+from pathlib import Path
+
+import gpu
+import numpy as np
+from mathutils import Matrix, Vector
+
+from . import surface_mesh
+from .normals import NormalTable
+
+FOLDER = Path(__file__).parent
+# Texels in a row of the textures that hold tables; a multiple of the four texels of an entry.
+ROW = 2048
+# By how much snow is drawn in front of its place: a few steps of a depth buffer of 24 bits.
+DEPTH_BIAS = 4e-7
+# Faces that edges of so many texels give (metres come from the map's texel).
+TEXELS_PER_EDGE = 2.8
+MOST_TRIANGLES = 1_000_000
+# Where the processor draws.
+MOST_TRIANGLES_SOFTWARE = 70_000
+SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
+# Where light comes from, in the view: left, above and from behind the one who looks.
+LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
+LIGHT_IN_WORLD = Vector((-0.2, -0.2, 0.9))
+# What of the snow is there in the Wireframe view, through which one looks.
+ALPHA_IN_WIREFRAME = 0.45
+
+TABLES = ("heights", "positions", "normals", "further")
+ATTRIBUTES = (
+    ("corners", "IVEC3", "I32", 3),
+    ("corner_normals", "IVEC3", "I32", 3),
+    ("weights", "VEC3", "F32", 3),
+    ("uv", "VEC2", "F32", 2),
+    ("tangents", "VEC4", "F32", 4),
+    ("more", "IVEC2", "I32", 2),
+)
+
+
+def why_not():
+    """Why nothing can be drawn in this Blender, as a sentence that says what to do; empty where it can."""
+    try:
+        if hasattr(gpu, "init"):  # Blender draws without a window from 5.2 on
+            gpu.init()
+        gpu.platform.renderer_get()
+    except (SystemError, RuntimeError) as error:
+        return (
+            f"The live preview is drawn by the graphics driver, which this Blender runs without ({error}): "
+            "use it in Blender's window, or bake"
+        )
+    return ""
+
+
+def is_software():
+    """Whether the processor draws."""
+    renderer = gpu.platform.renderer_get().lower()
+    return any(name in renderer for name in SOFTWARE_RENDERERS)
+
+
+def shader_info():
+    """What create_from_info takes: the interface here, the rest in snow.vert.glsl and snow.frag.glsl."""
+    info = gpu.types.GPUShaderCreateInfo()
+    for location, (name, kind, _, _) in enumerate(ATTRIBUTES):
+        info.vertex_in(location, kind, name)
+    for slot, name in enumerate(TABLES):
+        info.sampler(slot, "FLOAT_2D", name)
+    info.push_constant("MAT4", "view_projection")
+    info.push_constant("VEC4", "light")
+    info.push_constant("FLOAT", "map_size")
+    out = gpu.types.GPUStageInterfaceInfo("snowbough_preview")
+    out.smooth("VEC3", "snow_place")
+    out.smooth("VEC3", "snow_normal")
+    out.smooth("FLOAT", "snow_thickness")
+    info.vertex_out(out)
+    info.fragment_out(0, "VEC4", "fragment_color")
+    info.define("ROW", str(ROW))
+    info.define("DEPTH_BIAS", str(DEPTH_BIAS))
+    info.vertex_source((FOLDER / "snow.vert.glsl").read_text(encoding="utf-8"))
+    info.fragment_source((FOLDER / "snow.frag.glsl").read_text(encoding="utf-8"))
+    return info
+
+
+def _texture(values, width, format):
+    """A texture of (N, C) float32 in rows of `width` texels, filled up with zeros."""
+    channels = values.shape[1]
+    height = max(1, -(-len(values) // width))
+    filled = np.zeros(height * width * channels, dtype=np.float32)
+    filled[: values.size] = values.reshape(-1)
+    buffer = gpu.types.Buffer("FLOAT", filled.size, filled)
+    return gpu.types.GPUTexture((width, height), format=format, data=buffer)
+
+
+def _table(values):
+    """A texture of (N, 3) or (N, 4) values, one a texel."""
+    padded = np.zeros((max(len(values), 1), 4), dtype=np.float32)
+    padded[: len(values), : values.shape[1]] = values
+    return _texture(padded, ROW, "RGBA32F")
+
+
+def _further_rows(entries):
+    """(4 N, 4): four texels an entry, as add_further in the vertex shader reads them."""
+    rows = np.zeros((len(entries), 4, 4), dtype=np.float32)
+    rows[:, 0, :3], rows[:, 0, 3] = entries.corners, entries.weights[:, 0]
+    rows[:, 1, :3], rows[:, 1, 3] = entries.normals, entries.weights[:, 1]
+    rows[:, 2, :2] = entries.uv
+    rows[:, 3] = entries.tangents
+    return rows.reshape(-1, 4)
+
+
+class ReceiverDrawing:
+    """The snow of one receiver: what is known of it, and what of that the driver has.
+
+    topology: scene.pose.Topology; positions (V, 3) metres of its first pose; texel: metres of a texel of its map of
+    `resolution`; most_triangles: that it may take.
+    """
+
+    def __init__(self, topology, positions, texel, resolution, most_triangles):
+        self.topology = topology
+        self.resolution = resolution
+        self.is_there = True
+        """Whether the object is in the view."""
+        self._edge, self._most_triangles = TEXELS_PER_EDGE * texel, most_triangles
+        self._normals = NormalTable(topology)
+        self.mesh = surface_mesh.build(
+            topology, positions, self._normals.corners, self._edge, resolution, most_triangles
+        )
+        self._batch = None
+        self._textures = {}
+        self._unsent = {"further": _further_rows(self.mesh.more)}
+        self._positions = None
+        self.set_positions(positions)
+        self.set_heights(np.zeros((resolution, resolution), dtype=np.float32))
+
+    def set_positions(self, positions):
+        """The pose to draw on, (V, 3) metres; the same array again costs nothing."""
+        if positions is not self._positions:
+            self._positions = positions
+            self._unsent["positions"] = positions
+
+    def with_topology(self, topology, positions):
+        """The same snow on another mesh."""
+        other = ReceiverDrawing(
+            topology, positions, self._edge / TEXELS_PER_EDGE, self.resolution, self._most_triangles
+        )
+        other.set_heights(self._heights)
+        return other
+
+    def set_heights(self, heights):
+        """(H, H) metres along the normal, row 0 = v 0, negative on the back."""
+        self._heights = self._unsent["heights"] = heights
+
+    def _send(self):
+        """Hands over to the driver what it does not have yet."""
+        if "positions" in self._unsent:
+            self._textures["normals"] = _table(self._normals.compute(self._positions))
+            self._textures["positions"] = _table(self._unsent.pop("positions"))
+        if "heights" in self._unsent:
+            heights = np.ascontiguousarray(self._unsent.pop("heights"), dtype=np.float32)
+            self._textures["heights"] = _texture(heights.reshape(-1, 1), self.resolution, "R32F")
+        if "further" in self._unsent:
+            self._textures["further"] = _table(self._unsent.pop("further"))
+        if self._batch is None:
+            self._batch = self._make_batch()
+
+    def _make_batch(self):
+        mesh, first = self.mesh, self.mesh.first
+        vertex_format = gpu.types.GPUVertFormat()
+        for name, _, component, length in ATTRIBUTES:
+            fetch = "INT" if component == "I32" else "FLOAT"
+            vertex_format.attr_add(id=name, comp_type=component, len=length, fetch_mode=fetch)
+        values = {
+            "corners": first.corners,
+            "corner_normals": first.normals,
+            "weights": np.concatenate([first.weights, mesh.inside[:, None]], axis=1),
+            "uv": first.uv,
+            "tangents": first.tangents,
+            "more": mesh.more_range,
+        }
+        vertices = gpu.types.GPUVertBuf(len=len(first), format=vertex_format)
+        for name, array in values.items():
+            vertices.attr_fill(id=name, data=np.ascontiguousarray(array))
+        return gpu.types.GPUBatch(
+            type="TRIS", buf=vertices, elem=gpu.types.GPUIndexBuf(type="TRIS", seq=mesh.triangles)
+        )
+
+    def draw(self, shader):
+        """With the shader bound and its view set."""
+        self._send()
+        for name in TABLES:
+            shader.uniform_sampler(name, self._textures[name])
+        shader.uniform_float("map_size", float(self.resolution))
+        self._batch.draw(shader)
+
+
+class Drawing:
+    """The snow of all receivers. metres: a Blender unit."""
+
+    def __init__(self, metres):
+        self._metres = metres
+        self._shader = None
+        self.receivers = {}
+        """Key -> ReceiverDrawing."""
+
+    def draw(self, wireframe):
+        """Into the view that is being drawn. wireframe: nothing in it hides what is behind."""
+        if self._shader is None:
+            self._shader = gpu.shader.create_from_info(shader_info())
+        view = gpu.matrix.get_model_view_matrix()
+        to_clip = gpu.matrix.get_projection_matrix() @ view @ Matrix.Scale(1.0 / self._metres, 4)
+        light = view.to_3x3().normalized().transposed() @ LIGHT_IN_VIEW.normalized() + LIGHT_IN_WORLD
+        before = gpu.state.depth_test_get(), gpu.state.depth_mask_get(), gpu.state.blend_get()
+        gpu.state.depth_test_set("LESS_EQUAL")
+        gpu.state.depth_mask_set(True)
+        gpu.state.blend_set("ALPHA")
+        self._shader.bind()
+        self._shader.uniform_float("view_projection", to_clip)
+        self._shader.uniform_float("light", (*light.normalized(), ALPHA_IN_WIREFRAME if wireframe else 1.0))
+        try:
+            if wireframe:  # what lies nearest first, or snow behind snow would shine through
+                gpu.state.color_mask_set(False, False, False, False)
+                self._draw_receivers()
+                gpu.state.color_mask_set(True, True, True, True)
+            self._draw_receivers()
+        finally:
+            gpu.state.color_mask_set(True, True, True, True)
+            gpu.state.depth_test_set(before[0])
+            gpu.state.depth_mask_set(before[1])
+            gpu.state.blend_set(before[2])
+
+    def _draw_receivers(self):
+        for receiver in self.receivers.values():
+            if receiver.is_there:
+                receiver.draw(self._shader)
