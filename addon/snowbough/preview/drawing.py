@@ -20,11 +20,11 @@ FOLDER = Path(__file__).parent
 ROW = 2048
 # By how much snow is drawn in front of its place: a few steps of a depth buffer of 24 bits.
 DEPTH_BIAS = 4e-7
-# Faces that edges of so many texels give (metres come from the map's texel).
-TEXELS_PER_EDGE = 2.8
+# Texels that an edge of what is drawn is long.
+TEXELS_PER_EDGE = 2.0
 MOST_TRIANGLES = 1_000_000
 # Where the processor draws.
-MOST_TRIANGLES_SOFTWARE = 70_000
+MOST_TRIANGLES_SOFTWARE = 100_000
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
 # Where light comes from, in the view: left, above and from behind the one who looks.
 LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
@@ -77,6 +77,7 @@ def shader_info():
     out.smooth("VEC3", "snow_place")
     out.smooth("VEC3", "snow_normal")
     out.smooth("FLOAT", "snow_thickness")
+    out.smooth("FLOAT", "snow_inside")
     info.vertex_out(out)
     info.fragment_out(0, "VEC4", "fragment_color")
     info.define("ROW", str(ROW))
@@ -116,19 +117,19 @@ def _further_rows(entries):
 class ReceiverDrawing:
     """The snow of one receiver: what is known of it, and what of that the driver has.
 
-    topology: scene.pose.Topology; positions (V, 3) metres of its first pose; texel: metres of a texel of its map of
-    `resolution`; most_triangles: that it may take.
+    topology: scene.pose.Topology; positions (V, 3) metres of its first pose; resolution: of its map; most_triangles:
+    that it may take.
     """
 
-    def __init__(self, topology, positions, texel, resolution, most_triangles):
+    def __init__(self, topology, positions, resolution, most_triangles):
         self.topology = topology
         self.resolution = resolution
         self.is_there = True
         """Whether the object is in the view."""
-        self._edge, self._most_triangles = TEXELS_PER_EDGE * texel, most_triangles
+        self._most_triangles = most_triangles
         self._normals = NormalTable(topology)
         self.mesh = surface_mesh.build(
-            topology, positions, self._normals.corners, self._edge, resolution, most_triangles
+            topology, positions, self._normals.corners, TEXELS_PER_EDGE, resolution, most_triangles
         )
         self._batch = None
         self._textures = {}
@@ -145,9 +146,7 @@ class ReceiverDrawing:
 
     def with_topology(self, topology, positions):
         """The same snow on another mesh."""
-        other = ReceiverDrawing(
-            topology, positions, self._edge / TEXELS_PER_EDGE, self.resolution, self._most_triangles
-        )
+        other = ReceiverDrawing(topology, positions, self.resolution, self._most_triangles)
         other.set_heights(self._heights)
         return other
 

@@ -20,13 +20,12 @@ def make_drawing(simulated, metres):
     """The drawing.Drawing of a playback.Playback, without snow yet. metres: a Blender unit."""
     drawn = drawing.Drawing(metres)
     most = drawing.MOST_TRIANGLES_SOFTWARE if drawing.is_software() else drawing.MOST_TRIANGLES
-    texels = sum(own.resolution**2 for own in simulated.maps.values())
+    # What is larger gets more of them.
+    extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
     for key, own in simulated.maps.items():
         pose = simulated.pose.objects[key]
-        share = int(most * own.resolution**2 / texels)
-        drawn.receivers[key] = drawing.ReceiverDrawing(
-            pose.topology, pose.positions, own.texel, own.resolution, share
-        )
+        share = int(most * extent[key] / sum(extent.values()))
+        drawn.receivers[key] = drawing.ReceiverDrawing(pose.topology, pose.positions, own.resolution, share)
     return drawn
 
 

@@ -126,6 +126,7 @@ void main() {
   snow_place = place + offset + direction * skin + bent;
   snow_normal = normalize(sum.normal + vec3(0.0, 0.0, 1e-12));
   snow_thickness = thickness;
+  snow_inside = weights.z;
   gl_Position = view_projection * vec4(snow_place, 1.0);
   // In front of what it lies on, by as little as a depth buffer of 24 bits can tell.
   gl_Position.z -= DEPTH_BIAS * gl_Position.w;

@@ -2,10 +2,11 @@
 """The mesh that the preview raises to the snow's surface: a receiver's triangles cut into ones as fine as its map.
 No ``bpy``.
 
-**Cut.** Every edge that is too long is halved, pass by pass, and every triangle is cut by those of its edges that are
-(red-green refinement: R. E. Bank, A. H. Sherman, A. Weiser, Refinement Algorithms and Data Structures for Regular
-Local Mesh Refinement, 1983). Whether an edge is too long follows from its two ends alone, to the bit, so that
-triangles that share an edge cut it alike and no gap can open between them.
+**Cut.** Every edge that is too long on the map is halved, pass by pass, and every triangle is cut by those of its edges
+that are (red-green refinement: R. E. Bank, A. H. Sherman, A. Weiser, Refinement Algorithms and Data Structures for
+Regular Local Mesh Refinement, 1983). How often an edge of the mesh is halved is settled beforehand, by the triangle
+that wants it most often, so that triangles that share it cut it alike and no gap can open between them. Lengths are
+the larger of those along u and v: the two triangles of a square are cut into squares.
 
 **Points.** A point of the surface is one vertex, whatever number of triangles meet there. What lies at it may be
 stored at several places of the map, along several normals: at seams and at sharp edges. Each such pair is an entry of
@@ -27,8 +28,6 @@ MOST_ENTRIES = 6
 # triangle's middle that this is at most.
 INSET = 1.0
 MOST_INSET = 0.5
-# Triangles that one with an area of a square of the wished-for edge is cut into, about.
-TRIANGLES_A_SQUARE = 2.9
 # Normals that differ by less count as one (parts of their length).
 SAME_NORMAL = 1.0 / 32.0
 # Vertices closer than this share of the mesh's extent are one point.
@@ -90,24 +89,33 @@ class _Cut:
     """(L,): the triangle of the mesh."""
     weights: np.ndarray
     """(L, 3) float64, exact: multiples of a power of two."""
-    place: np.ndarray
-    """(L, 3) float64; equal to the bit for triangles that share an edge."""
     uv: np.ndarray
-    """(L, 2) float64, as place."""
+    """(L, 2) float64; equal to the bit for triangles that share an edge and its place on the map."""
+
+
+@dataclass
+class _Edges:
+    """Edges of the mesh, by welded vertices."""
+
+    ends: np.ndarray
+    """(T, 3): the welded vertices of every triangle; edge k runs from corner k to the next."""
+    low: np.ndarray
+    """(T, 3): of the two ends of edge k, the lower."""
+    number: np.ndarray
+    """(T, 3): edge k."""
+    open: np.ndarray
+    """(E,) whether only one triangle has it."""
 
 
 def build(topology, positions, normal_corners, edge, resolution, most_triangles):
     """The SurfaceMesh of a scene.pose.Topology.
 
-    positions (V, 3): its first pose, in metres. normal_corners (T, 3): NormalTable.corners. edge: the length of edges
-    that is wished for (metres); longer where there would be more than about most_triangles. resolution: of the map.
+    positions (V, 3): its first pose. normal_corners (T, 3): NormalTable.corners. edge: the length of edges that is
+    wished for (texels); longer where there would be more than about most_triangles. resolution: of the map.
     """
-    point_of = _welded(positions)
-    places = np.empty((int(point_of.max()) + 1 if len(point_of) else 0, 3))
-    places[point_of] = positions
-    cut = _cut(topology, places[point_of[topology.triangles]], edge, most_triangles)
-    ends = point_of[topology.triangles]
-    points, on_rim = _points(ends, cut)
+    edges = _edges(_welded(positions)[topology.triangles])
+    cut = _cut(topology.corner_uv.astype(np.float64), edges, edge / resolution, most_triangles)
+    points, on_rim = _points(edges, cut)
     return _joined(
         topology, cut, points, on_rim, normal_corners, _flat_normals(positions, topology), resolution
     )
@@ -121,37 +129,64 @@ def _welded(positions):
     return number.reshape(-1)
 
 
+def _edges(ends):
+    following = np.roll(ends, -1, axis=1)
+    low, high = np.minimum(ends, following), np.maximum(ends, following)
+    vertices = int(ends.max()) + 1 if ends.size else 0
+    keys, number = np.unique(low * vertices + high, return_inverse=True)
+    number = number.reshape(-1, 3)
+    return _Edges(ends, low, number, np.bincount(number.reshape(-1), minlength=len(keys)) == 1)
+
+
 # -- cutting -------------------------------------------------------------------------------------------
 
 
-def _cut(topology, places, edge, most_triangles):
-    count = len(topology.triangles)
+def _cut(corner_uv, edges, edge, most_triangles):
+    """The mesh's triangles, cut. corner_uv (T, 3, 2) float64; edge: on the map, 1 is its whole side."""
+    count = len(corner_uv)
+    edge, halvings = _affordable(corner_uv, edges, edge, most_triangles)
+    # Of an edge of the mesh opposite of a corner: the share of it that is short enough.
+    short = np.roll(np.exp2(-halvings), -1, axis=1)
     cut = _Cut(
         np.arange(count * 3).reshape(-1, 3),
         np.repeat(np.arange(count), 3),
         np.tile(np.eye(3), (count, 1)),
-        places.reshape(-1, 3),
-        topology.corner_uv.reshape(-1, 2).astype(np.float64),
+        corner_uv.reshape(-1, 2),
     )
-    limit = _affordable_edge(places, edge, most_triangles) ** 2
     for _ in range(MOST_PASSES):
         ends = np.stack([cut.triangles, np.roll(cut.triangles, -1, axis=1)], axis=2)
-        way = cut.place[ends[..., 0]] - cut.place[ends[..., 1]]
-        long = (way * way).sum(axis=2) > limit
-        if not long.any() or len(long) > most_triangles:
+        long = _is_long(cut, ends, edge, short)
+        if not long.any():
             break
         _halve(cut, ends, long)
     return cut
 
 
-def _affordable_edge(places, edge, most_triangles):
-    """The wished-for length, or the one with which about most_triangles come out."""
-    area = 0.5 * np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1)
-    for _ in range(60):
-        if np.maximum(1.0, TRIANGLES_A_SQUARE * area / (edge * edge)).sum() <= most_triangles:
-            break
-        edge *= 1.2
-    return edge
+def _is_long(cut, ends, edge, short):
+    """(K, 3) whether the edges with those ends (K, 3, 2) are too long."""
+    a, b = ends[..., 0], ends[..., 1]
+    weight_a, weight_b = cut.weights[a], cut.weights[b]
+    beside = (weight_a == 0.0) & (weight_b == 0.0)
+    share = np.abs(weight_a - weight_b).max(axis=2)
+    on_edge = share > np.where(beside, short[cut.origin[a]], 0.0).max(axis=2)
+    within = np.abs(cut.uv[a] - cut.uv[b]).max(axis=2) > edge
+    return np.where(beside.any(axis=2), on_edge, within)
+
+
+def _affordable(corner_uv, edges, edge, most_triangles):
+    """(length of edges, halvings (T, 3) of the mesh's edges): as wished for, or with which about most_triangles come
+    out."""
+    length = np.abs(corner_uv - np.roll(corner_uv, -1, axis=1)).max(axis=2)
+    longest = np.zeros(len(edges.open))
+    np.maximum.at(longest, edges.number, length)
+    length = longest[edges.number]
+    while True:
+        # A little over the length does not count: squares are rarely exact.
+        halvings = np.ceil(np.log2(np.maximum(length / edge, 1.0)) - 0.02)
+        parts = np.exp2(halvings)
+        if (parts * np.roll(parts, -1, axis=1)).sum() / 3.0 <= most_triangles or not halvings.any():
+            return edge * 1.02, np.minimum(halvings, MOST_PASSES)
+        edge *= 1.1
 
 
 def _halve(cut, ends, long):
@@ -162,7 +197,7 @@ def _halve(cut, ends, long):
     middles = np.full(long.shape, -1)
     middles[long] = len(cut.origin) + middle.reshape(-1)
     cut.origin = np.concatenate([cut.origin, cut.origin[a]])
-    for name in ("weights", "place", "uv"):
+    for name in ("weights", "uv"):
         values = getattr(cut, name)
         setattr(cut, name, np.concatenate([values, (values[a] + values[b]) * 0.5]))
     cut.triangles = _children(cut.triangles, middles, long)
@@ -195,40 +230,30 @@ def _children(triangles, middles, long):
 # -- points --------------------------------------------------------------------------------------------
 
 
-def _points(ends, cut):
-    """(number (L,) of the point of every local point, whether the point lies on the rim (P,)).
-
-    ends (T, 3): welded vertices of the mesh's triangles.
-    """
-    following = np.roll(ends, -1, axis=1)
-    low, high = np.minimum(ends, following), np.maximum(ends, following)
-    vertices = int(ends.max()) + 1 if ends.size else 0
-    keys, edge_of = np.unique(low * vertices + high, return_inverse=True)
-    edge_of = edge_of.reshape(-1, 3)
-    open_edge = np.bincount(edge_of.reshape(-1), minlength=len(keys)) == 1
-
+def _points(edges, cut):
+    """(number (L,) of the point of every local point, whether the point lies on the rim (P,))."""
+    vertices = int(edges.ends.max()) + 1 if edges.ends.size else 0
     used = (cut.weights > 0.0).sum(axis=1)
     corner = cut.weights.argmax(axis=1)
     # Beside which corner an edge begins: the one without a weight lies opposite of it.
     begin = (cut.weights.argmin(axis=1) + 1) % 3
-    own_edge = edge_of[cut.origin, begin]
-    first = ends[cut.origin, begin]
+    own_edge = edges.number[cut.origin, begin]
     share = np.take_along_axis(cut.weights, begin[:, None], axis=1)[:, 0]
-    forward = first == low[cut.origin, begin]
+    forward = edges.ends[cut.origin, begin] == edges.low[cut.origin, begin]
     share = np.where(forward, share, 1.0 - share)
     # Vertices, then points of edges, then those within triangles.
     scale = 1 << MOST_PASSES
     on_edge = vertices + own_edge * scale + np.rint(share * scale).astype(np.int64)
-    within = vertices + (len(keys) + 1) * scale + np.arange(len(used))
-    key = np.where(used == 1, ends[cut.origin, corner], np.where(used == 2, on_edge, within))
+    within = vertices + (len(edges.open) + 1) * scale + np.arange(len(used))
+    key = np.where(used == 1, edges.ends[cut.origin, corner], np.where(used == 2, on_edge, within))
     _, number = np.unique(key, return_inverse=True)
     number = number.reshape(-1)
 
     on_rim = np.zeros(int(number.max()) + 1 if len(number) else 0, dtype=bool)
-    on_rim[number[(used == 2) & open_edge[own_edge]]] = True
-    beside = open_edge[edge_of] | np.roll(open_edge[edge_of], 1, axis=1)
-    at_corner = used == 1
-    on_rim[number[at_corner & beside[cut.origin, corner]]] = True
+    is_open = edges.open[edges.number]
+    on_rim[number[(used == 2) & edges.open[own_edge]]] = True
+    beside = is_open | np.roll(is_open, 1, axis=1)
+    on_rim[number[(used == 1) & beside[cut.origin, corner]]] = True
     return number, on_rim
 
 
