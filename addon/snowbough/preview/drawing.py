@@ -6,20 +6,13 @@ points of its surface_mesh look up in them where they are: nothing as fine as th
 timeline plays. What is handed over is sent when it is next drawn.
 """
 
-from pathlib import Path
-
 import gpu
 import numpy as np
 from mathutils import Matrix, Vector
 
-from . import surface_mesh
+from . import interface, surface_mesh
 from .normals import NormalTable
 
-FOLDER = Path(__file__).parent
-# Texels in a row of the textures that hold tables; a multiple of the four texels of an entry.
-ROW = 2048
-# By how much snow is drawn in front of its place: a few steps of a depth buffer of 24 bits.
-DEPTH_BIAS = 4e-7
 # Texels that an edge of what is drawn is long.
 TEXELS_PER_EDGE = 2.0
 MOST_TRIANGLES = 1_000_000
@@ -31,16 +24,6 @@ LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
 LIGHT_IN_WORLD = Vector((-0.2, -0.2, 0.9))
 # What of the snow is there in the Wireframe view, through which one looks.
 ALPHA_IN_WIREFRAME = 0.45
-
-TABLES = ("heights", "positions", "normals", "further")
-ATTRIBUTES = (
-    ("corners", "IVEC3", "I32", 3),
-    ("corner_normals", "IVEC3", "I32", 3),
-    ("weights", "VEC3", "F32", 3),
-    ("uv", "VEC2", "F32", 2),
-    ("tangents", "VEC4", "F32", 4),
-    ("more", "IVEC2", "I32", 2),
-)
 
 
 def why_not():
@@ -63,28 +46,24 @@ def is_software():
     return any(name in renderer for name in SOFTWARE_RENDERERS)
 
 
-def shader_info():
-    """What create_from_info takes: the interface here, the rest in snow.vert.glsl and snow.frag.glsl."""
+def _shader():
     info = gpu.types.GPUShaderCreateInfo()
-    for location, (name, kind, _, _) in enumerate(ATTRIBUTES):
+    for location, (name, kind, _, _) in enumerate(interface.ATTRIBUTES):
         info.vertex_in(location, kind, name)
-    for slot, name in enumerate(TABLES):
+    for slot, name in enumerate(interface.TABLES):
         info.sampler(slot, "FLOAT_2D", name)
-    info.push_constant("MAT4", "view_projection")
-    info.push_constant("VEC4", "light")
-    info.push_constant("FLOAT", "map_size")
-    out = gpu.types.GPUStageInterfaceInfo("snowbough_preview")
-    out.smooth("VEC3", "snow_place")
-    out.smooth("VEC3", "snow_normal")
-    out.smooth("FLOAT", "snow_thickness")
-    out.smooth("FLOAT", "snow_inside")
-    info.vertex_out(out)
+    for kind, name in interface.CONSTANTS:
+        info.push_constant(kind, name)
+    varyings = gpu.types.GPUStageInterfaceInfo("snowbough_preview")
+    for kind, name in interface.VARYINGS:
+        varyings.smooth(kind, name)
+    info.vertex_out(varyings)
     info.fragment_out(0, "VEC4", "fragment_color")
-    info.define("ROW", str(ROW))
-    info.define("DEPTH_BIAS", str(DEPTH_BIAS))
-    info.vertex_source((FOLDER / "snow.vert.glsl").read_text(encoding="utf-8"))
-    info.fragment_source((FOLDER / "snow.frag.glsl").read_text(encoding="utf-8"))
-    return info
+    for name, value in interface.DEFINES.items():
+        info.define(name, value)
+    info.vertex_source(interface.source("vert"))
+    info.fragment_source(interface.source("frag"))
+    return gpu.shader.create_from_info(info)
 
 
 def _texture(values, width, format):
@@ -101,7 +80,7 @@ def _table(values):
     """A texture of (N, 3) or (N, 4) values, one a texel."""
     padded = np.zeros((max(len(values), 1), 4), dtype=np.float32)
     padded[: len(values), : values.shape[1]] = values
-    return _texture(padded, ROW, "RGBA32F")
+    return _texture(padded, interface.ROW, "RGBA32F")
 
 
 def _further_rows(entries):
@@ -170,7 +149,7 @@ class ReceiverDrawing:
     def _make_batch(self):
         mesh, first = self.mesh, self.mesh.first
         vertex_format = gpu.types.GPUVertFormat()
-        for name, _, component, length in ATTRIBUTES:
+        for name, _, component, length in interface.ATTRIBUTES:
             fetch = "INT" if component == "I32" else "FLOAT"
             vertex_format.attr_add(id=name, comp_type=component, len=length, fetch_mode=fetch)
         values = {
@@ -191,7 +170,7 @@ class ReceiverDrawing:
     def draw(self, shader):
         """With the shader bound and its view set."""
         self._send()
-        for name in TABLES:
+        for name in interface.TABLES:
             shader.uniform_sampler(name, self._textures[name])
         shader.uniform_float("map_size", float(self.resolution))
         self._batch.draw(shader)
@@ -209,7 +188,7 @@ class Drawing:
     def draw(self, wireframe):
         """Into the view that is being drawn. wireframe: nothing in it hides what is behind."""
         if self._shader is None:
-            self._shader = gpu.shader.create_from_info(shader_info())
+            self._shader = _shader()
         view = gpu.matrix.get_model_view_matrix()
         to_clip = gpu.matrix.get_projection_matrix() @ view @ Matrix.Scale(1.0 / self._metres, 4)
         light = view.to_3x3().normalized().transposed() @ LIGHT_IN_VIEW.normalized() + LIGHT_IN_WORLD

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Raises a point of a receiver to the surface of its snow, as the shell of a bake does (result/shell_nodes.py).
-// What it reads is declared in drawing.py; metres throughout, in the world.
+// What it reads is declared by interface.py; metres throughout, in the world.
 
 #define FETCHED(table, index) texelFetch(table, ivec2((index) % ROW, (index) / ROW), 0)
 

@@ -28,6 +28,7 @@ ROOMS = (
     "result",
     "tree",
     "bake",
+    "preview",
     "ui",
     "cli",
 )
@@ -61,6 +62,10 @@ WITHOUT_BLENDER = (
     "bake.simulation",
     "bake.baked_receiver",
     "bake.job",
+    "preview.history",
+    "preview.interface",
+    "preview.normals",
+    "preview.surface_mesh",
     "ui.text",
 )
 
