@@ -6,6 +6,7 @@ points of its surface_mesh look up in them where they are: nothing as fine as th
 timeline plays. What is handed over is sent when it is next drawn.
 """
 
+import bpy
 import gpu
 import numpy as np
 from mathutils import Matrix, Vector
@@ -28,16 +29,16 @@ ALPHA_IN_WIREFRAME = 0.45
 
 def why_not():
     """Why nothing can be drawn in this Blender, as a sentence that says what to do; empty where it can."""
+    if not bpy.app.background:
+        return ""
     try:
-        if hasattr(gpu, "init"):  # Blender draws without a window from 5.2 on
-            gpu.init()
-        gpu.platform.renderer_get()
-    except (SystemError, RuntimeError) as error:
+        gpu.init()  # from 5.2 on; before, nothing of the module may be touched without a window
+        return ""
+    except (AttributeError, SystemError, RuntimeError):
         return (
-            f"The live preview is drawn by the graphics driver, which this Blender runs without ({error}): "
-            "use it in Blender's window, or bake"
+            "The live preview is drawn into 3D views, and this Blender runs without a window: open the file in "
+            "Blender's window, or bake"
         )
-    return ""
 
 
 def is_software():

@@ -6,7 +6,7 @@ what stays is spread evenly over the frames. The first and the newest always sta
 """
 
 from bisect import bisect_right
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 # Fewer are no history: what scrubbing falls back to then is laying anew.
 FEWEST = 2
@@ -22,7 +22,7 @@ class Moment:
     total: float
     """Metres on open level ground by then."""
     state: dict
-    """snowbough_native.simulation_state."""
+    """snowbough_native.simulation_state; None where only the pose is known any more."""
 
 
 class History:
@@ -47,7 +47,8 @@ class History:
         maps = positions = 0
         seen = set()
         for moment in self._moments.values():
-            maps += sum(own["height"].nbytes for own in moment.state["objects"].values())
+            if moment.state is not None:
+                maps += sum(own["height"].nbytes for own in moment.state["objects"].values())
             for obj in moment.pose.objects.values():
                 if id(obj.positions) not in seen:
                     seen.add(id(obj.positions))
@@ -63,13 +64,24 @@ class History:
             self._remove(self._most_crowded())
 
     def at(self, frame):
-        """The moment of that frame, or None."""
-        return self._moments.get(frame)
+        """The moment of that frame where its snow is known, or None."""
+        moment = self._moments.get(frame)
+        return moment if moment is not None and moment.state is not None else None
 
     def before(self, frame):
-        """The newest moment up to and with that frame, or None."""
-        index = bisect_right(self._frames, frame)
-        return self._moments[self._frames[index - 1]] if index else None
+        """The newest moment up to and with that frame whose snow is known, or None."""
+        for known in reversed(self._frames[: bisect_right(self._frames, frame)]):
+            if self._moments[known].state is not None:
+                return self._moments[known]
+        return None
+
+    def poses(self):
+        """[(frame, pose)] of all moments."""
+        return [(frame, self._moments[frame].pose) for frame in self._frames]
+
+    def forget_snow(self):
+        """Keeps the poses only."""
+        self._moments = {frame: replace(moment, state=None) for frame, moment in self._moments.items()}
 
     def drop_after(self, frame):
         """Forgets what comes after that frame."""

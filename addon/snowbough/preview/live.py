@@ -5,6 +5,8 @@ It simulates what the viewport shows (playback) and draws the snow over it (draw
 nothing is in the outliner, in renders, in undo or in files; baked snow is out of sight meanwhile (hidden).
 """
 
+import time
+
 import bpy
 
 from .. import session
@@ -12,8 +14,10 @@ from ..scene.pose import metres_per_unit
 from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
 
+# Seconds between looks at the settings: Blender tells nobody when one of an add-on's changes.
+INTERVAL = 0.08
 # Seconds after a setting's last change in which what was laid quickly is laid well.
-PAUSE = 0.35
+PAUSE = 0.4
 
 
 def make_drawing(simulated, metres):
@@ -39,6 +43,8 @@ class Preview:
         self._metres = metres_per_unit(scene)
         self._shown = None
         self._handle = None
+        # When what was laid quickly is to be laid well (time.monotonic), or None.
+        self._due = None
         self.drawn = None
         self.simulated = Playback(scene, depsgraph)
         if draws:
@@ -88,10 +94,25 @@ class Preview:
             bpy.app.timers.register(stop, first_interval=0.0)
             raise
 
+    def watch(self, scene, depsgraph, now):
+        """Follows the settings. now: time.monotonic()."""
+        changed = self.simulated.heed_settings(scene, depsgraph)
+        if self.simulated.stale:
+            self.simulated.relay(QUICK_STEPS)
+            self._due = now + PAUSE
+        elif self._due is not None and now >= self._due:
+            self._due = None
+            self.simulated.relay(STEPS)
+        elif not changed:
+            return
+        self.show()
+
     def end(self):
         if self._handle is not None:
             bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
             self._handle = None
+        # When what was laid quickly is to be laid well (time.monotonic), or None.
+        self._due = None
         self.drawn = None
         self.simulated.close()
         hidden.show_again()
@@ -114,6 +135,7 @@ def start(scene, depsgraph, draws=True):
         raise
     bpy.app.handlers.frame_change_post.append(_on_frame)
     bpy.app.handlers.depsgraph_update_post.append(_on_update)
+    bpy.app.timers.register(_watch, first_interval=INTERVAL)
 
 
 def stop():
@@ -124,9 +146,8 @@ def stop():
     ):
         if own in handlers:
             handlers.remove(own)
-    for timer in (_relay_quickly, _relay_well):
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
+    if bpy.app.timers.is_registered(_watch):
+        bpy.app.timers.unregister(_watch)
     preview, session.preview = session.preview, None
     if preview is not None:
         preview.end()
@@ -151,6 +172,12 @@ def _running(scene):
     return preview
 
 
+def _end_with(error):
+    """Nothing to snow on any more, or no snowfall: a bake would say so, too."""
+    print(f"Snowbough: the live preview has ended: {error}")
+    stop()
+
+
 @bpy.app.handlers.persistent
 def _on_frame(scene, depsgraph=None):
     preview = _running(scene)
@@ -159,57 +186,35 @@ def _on_frame(scene, depsgraph=None):
     try:
         preview.simulated.go_to(scene, depsgraph)
         preview.show()
-    except ValueError as error:  # nothing to snow on any more: a bake would say so
-        print(f"Snowbough: the live preview has ended: {error}")
-        stop()
+    except ValueError as error:
+        _end_with(error)
 
 
 @bpy.app.handlers.persistent
 def _on_update(scene, depsgraph):
-    """A setting or an object was changed, by hand or by undo."""
+    """An object was changed, by hand or by undo."""
     preview = _running(scene)
-    if preview is None or not _concerns_snow(depsgraph):
+    if preview is None or not any(
+        update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates
+    ):
         return
     try:
-        changed = preview.simulated.heed(scene, depsgraph)
+        if preview.simulated.heed_scene(scene, depsgraph):
+            preview.show()
     except ValueError as error:
-        print(f"Snowbough: the live preview has ended: {error}")
-        stop()
-        return
-    if changed:
-        preview.show()
-    if preview.simulated.stale:
-        _after(_relay_quickly, 0.0)
+        _end_with(error)
 
 
-def _concerns_snow(depsgraph):
-    return any(
-        isinstance(update.id, bpy.types.Scene) or update.is_updated_geometry or update.is_updated_transform
-        for update in depsgraph.updates
-    )
-
-
-def _after(timer, seconds):
-    if bpy.app.timers.is_registered(timer):
-        bpy.app.timers.unregister(timer)
-    bpy.app.timers.register(timer, first_interval=seconds)
-
-
-def _relay(steps):
-    preview = session.preview
+def _watch():
+    """Timer: follows the settings."""
+    context = bpy.context
+    preview = _running(context.scene)
     if preview is not None:
-        preview.simulated.relay(steps)
-        preview.show()
-
-
-def _relay_quickly():
-    if session.preview is not None and session.preview.simulated.stale:
-        _relay(QUICK_STEPS)
-        _after(_relay_well, PAUSE)
-
-
-def _relay_well():
-    _relay(STEPS)
+        try:
+            preview.watch(context.scene, context.evaluated_depsgraph_get(), time.monotonic())
+        except ValueError as error:
+            _end_with(error)
+    return None if session.preview is None else INTERVAL
 
 
 @bpy.app.handlers.persistent

@@ -131,7 +131,7 @@ class Playback:
         self.close()
         self.history.clear()
         self.reader = SceneReader(list(self.wishes.specs), metres_per_unit(scene))
-        pose = self.reader.read(depsgraph, scene.frame_current)
+        pose = self._read(depsgraph, scene.frame_current)
         module = native.load()
         engine = preferred_engine()
         with module.Engine(engine=engine, mapping=self.wishes.snow["mapping"]) as held:
@@ -151,6 +151,10 @@ class Playback:
         self.pose, self.frame = pose, scene.frame_current
         self._take_pose(pose)
         self._lay([(self.frame, pose)], STEPS)
+
+    def _read(self, depsgraph, frame):
+        """The pose of a frame. The wind is the settings': Blender's evaluation may not have heard of them yet."""
+        return self.wishes.with_wind(self.reader.read(depsgraph, frame), frame)
 
     def _plan_maps(self, pose, limit):
         """{key: Map} of the receivers."""
@@ -237,13 +241,13 @@ class Playback:
 
     def go_to(self, scene, depsgraph):
         """Comes to the scene's current frame. Raises ValueError where there is nothing to snow on any more."""
-        self.heed(scene, depsgraph)
+        self.heed_settings(scene, depsgraph)
         if self.stale:
             self.relay(QUICK_STEPS)
         frame = scene.frame_current
         if frame == self.frame:
             return
-        pose = self.reader.read(depsgraph, frame)
+        pose = self._read(depsgraph, frame)
         try:
             self._come_to(frame, pose)
         except TopologyChanged:  # a receiver that came in, or whose map ends here
@@ -276,34 +280,46 @@ class Playback:
 
     # -- following the settings --------------------------------------------------------------------------
 
-    def heed(self, scene, depsgraph):
-        """Takes changed settings over. Returns whether the snow, or where it lies, is another than before; where only
-        relay() can show it, `stale` is set."""
-        wishes = Wishes.of(scene)
-        if wishes.needs_new_simulation(self.wishes):
-            self.wishes = wishes
+    def heed_settings(self, scene, depsgraph):
+        """Takes changed settings over. Returns whether the snow is another than before; where only relay() can show
+        it, `stale` is set. Raises ValueError for settings that make no snowfall."""
+        before, wishes = self.wishes, Wishes.of(scene)
+        if wishes == before:
+            return False
+        self.wishes = wishes
+        if wishes.needs_new_simulation(before):
             self._begin(scene, depsgraph)
             return True
-        before, self.wishes = self.wishes, wishes
-        changed = False
         if wishes.snow != before.snow:
             self.simulation.change_settings(**simulation.changeable(wishes.snow))
-            self.stale = True
-        if wishes.fps != before.fps or wishes.winds != before.winds:
-            self.stale = True
+        self.stale |= (wishes.snow, wishes.fps, wishes.winds) != (before.snow, before.fps, before.winds)
+        changed = False
         if wishes.blur_radius != before.blur_radius:
             for key, own in self.maps.items():
                 self.simulation.set_blur_radius(key, wishes.blur_radius * own.baked_texel)
             changed = True
         if wishes.snowfall != before.snowfall and not self.stale:
             changed |= self._heed_depth(before)
-        if scene.frame_current == self.frame:
-            try:
-                changed |= self._heed_pose(self.reader.read(depsgraph, self.frame))
-            except TopologyChanged:
-                self._begin(scene, depsgraph)
-                changed = True
         return changed
+
+    def heed_scene(self, scene, depsgraph):
+        """Takes over what was moved, or turned the wind, while the timeline stands still. Returns whether anything
+        was."""
+        if scene.frame_current != self.frame:
+            return False
+        pose = self._read(depsgraph, self.frame)
+        if _same_scene(pose, self.pose):
+            return False
+        turned = (pose.fall_angle, pose.bearing) != (self.pose.fall_angle, self.pose.bearing)
+        self.pose = pose
+        self.stale |= turned
+        self.history.drop_after(self.frame)
+        try:
+            self._settle_pose(pose)
+            self._keep(self.frame, pose)
+        except TopologyChanged:
+            self._begin(scene, depsgraph)
+        return True
 
     def _heed_depth(self, before):
         was, now = before.total(self.frame), self.wishes.total(self.frame)
@@ -316,27 +332,13 @@ class Playback:
         native.load().set_simulation_state(self.simulation, state)
         return True
 
-    def _heed_pose(self, pose):
-        """Takes over what was moved, or turned the wind, while the timeline stands still."""
-        if _same_scene(pose, self.pose):
-            return False
-        turned = (pose.fall_angle, pose.bearing) != (self.pose.fall_angle, self.pose.bearing)
-        self.pose = pose
-        self.stale |= turned
-        self.history.drop_after(self.frame)
-        self._settle_pose(pose)
-        self._keep(self.frame, pose)
-        return True
-
     def relay(self, steps=STEPS):
         """Lays what lies anew by the settings as they are, over the poses that were played."""
-        played = [self.history.at(frame) for frame in self.history.frames if frame < self.frame]
+        played = [(frame, pose) for frame, pose in self.history.poses() if frame < self.frame]
         stride = max(1, -(-len(played) // max(1, steps // 2)))
-        poses = [(moment.frame, moment.pose) for moment in played[::-stride][::-1]]
-        poses = [
-            (frame, self.wishes.with_wind(pose, frame)) for frame, pose in (*poses, (self.frame, self.pose))
-        ]
-        self.history.clear()
+        poses = [*played[::-stride][::-1], (self.frame, self.pose)]
+        poses = [(frame, self.wishes.with_wind(pose, frame)) for frame, pose in poses]
+        self.history.forget_snow()
         self._clear_snow()
         self._take_pose(poses[0][1])
         self._lay(poses, steps)

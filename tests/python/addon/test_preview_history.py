@@ -82,3 +82,13 @@ def test_what_comes_after_a_frame_can_be_forgotten():
     history = filled(100 * MAP, range(1, 6))
     history.drop_after(3)
     assert history.frames == (1, 2, 3)
+
+
+def test_poses_stay_where_the_snow_is_forgotten():
+    history = filled(100 * MAP, range(1, 4))
+    history.forget_snow()
+    assert history.bytes == 0
+    assert history.at(2) is None and history.before(3) is None
+    assert [frame for frame, _ in history.poses()] == [1, 2, 3]
+    history.put(moment(1))
+    assert history.before(3).frame == 1
