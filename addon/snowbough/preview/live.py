@@ -45,6 +45,8 @@ class Preview:
         self._handle = None
         # When what was laid quickly is to be laid well (time.monotonic), or None.
         self._due = None
+        self.was_undone = False
+        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
         self.drawn = None
         self.simulated = Playback(scene, depsgraph)
         if draws:
@@ -95,8 +97,13 @@ class Preview:
             raise
 
     def watch(self, scene, depsgraph, now):
-        """Follows the settings. now: time.monotonic()."""
+        """Follows the settings, and undo. now: time.monotonic()."""
         changed = self.simulated.heed_settings(scene, depsgraph)
+        if self.was_undone:
+            self.was_undone = False
+            self.simulated.heed_scene(scene, depsgraph)
+            self.simulated.go_to(scene, depsgraph)
+            changed = True
         if self.simulated.stale:
             self.simulated.relay(QUICK_STEPS)
             self._due = now + PAUSE
@@ -113,6 +120,8 @@ class Preview:
             self._handle = None
         # When what was laid quickly is to be laid well (time.monotonic), or None.
         self._due = None
+        self.was_undone = False
+        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
         self.drawn = None
         self.simulated.close()
         hidden.show_again()
@@ -230,13 +239,14 @@ def _before_save(*_):
 
 @bpy.app.handlers.persistent
 def _put_right(*_):
-    """After saving, undo and loading: what shall be hidden is, and nothing else."""
+    """After saving, undo and loading: what shall be hidden is, and nothing else; and the preview looks around."""
     preview = session.preview
     scene = bpy.data.scenes.get(preview.scene_name) if preview is not None else None
     if scene is None:
         hidden.show_again()
     else:
         hidden.hide(scene)
+        preview.was_undone = True
 
 
 HANDLERS = (
