@@ -94,8 +94,6 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
     tile.x[cell] = own.point.x;
     tile.y[cell] = own.point.y;
     tile.z[cell] = own.point.z;
-    tile.normal_x[cell] = own.normal.x;
-    tile.normal_y[cell] = own.normal.y;
     tile.normal_z[cell] = own.normal.z;
     tile.up[cell] = own.up;
     tile.area[cell] = own.area;
@@ -109,6 +107,7 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
         1.0f / std::max(shared::kLinks, static_cast<float>(end.links));
   }
   tile.has_pose = true;
+  tile.has_links = false;
 }
 
 }  // namespace snowbough::snow
