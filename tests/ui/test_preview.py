@@ -188,3 +188,21 @@ result = True
     time.sleep(1.0)
     assert min(through) > max(middle(scene)) + 30
     scene.run("view3d()[1].spaces.active.shading.type = 'SOLID'\nresult = True")
+
+
+def test_undo_back_into_the_preview_does_not_hide_a_bakes_modifier(scene):
+    shown = "result = bpy.data.objects['Plane'].modifiers['Snowbough Displace'].show_viewport"
+    scene.run(
+        "bpy.data.objects['Plane'].modifiers.new('Snowbough Displace', 'DISPLACE').strength = 0.0\nresult = True"
+    )
+    scene.run(TOGGLE)
+    assert scene.run(shown) is False
+    scene.run("bpy.ops.ed.undo_push(message='while it runs')\nresult = True")
+    scene.run(TOGGLE)
+    assert scene.run(shown) is True
+    scene.run(
+        "bpy.data.objects['Plane'].location.z = 1.0\nbpy.ops.ed.undo_push(message='later')\nresult = True"
+    )
+    scene.run("with bpy.context.temp_override(window=view3d()[0]):\n    bpy.ops.ed.undo()\nresult = True")
+    assert scene.run("result = bpy.data.objects['Plane'].location.z") == 0.0
+    assert scene.run(shown) is True

@@ -26,7 +26,7 @@ from .history import History, Moment
 
 # Frames that playback may drop and that are made up for in one go.
 MAX_SKIPPED = 8
-# Steps in which snow is laid anew: while a setting is being dragged, and afterwards.
+# Steps in which the snow of a whole shot is laid anew: while a setting is being dragged, and afterwards.
 QUICK_STEPS = 6
 STEPS = plan.PREROLL_STEPS
 # Maps where neither preferences nor receiver say otherwise: on a graphics card, and on the processor.
@@ -190,9 +190,10 @@ class Playback:
 
     def _lay(self, poses, steps):
         """Lays all the snow of the last of the poses [(frame, pose)] anew: each of them gets what fell since the one
-        before, and becomes a moment of the history. The simulation has the first pose and no snow."""
+        before, and becomes a moment of the history. steps: of the whole shot. The simulation has the first pose and no
+        snow."""
         wishes = self.wishes
-        total = wishes.total(poses[-1][0])
+        falling = wishes.snowfall.totals[-1] - wishes.snowfall.preroll
         before, time = 0.0, wishes.snowfall.frame_start - 1
         if wishes.snowfall.preroll > 0.0:
             for step in plan.preroll_steps(wishes.snowfall, wishes.fps, wishes.snow["slide_half_life"]):
@@ -202,7 +203,7 @@ class Playback:
             if index:
                 self._take_pose(pose)
             depth, seconds = max(0.0, wishes.total(frame) - before), max(0, frame - time) / wishes.fps
-            share = depth / (total - wishes.snowfall.preroll) if total > wishes.snowfall.preroll else 0.0
+            share = depth / falling if falling > 0.0 else 0.0
             count = max(1, round(steps * share))
             for _ in range(count):
                 self._step(pose, depth / count, seconds / count)

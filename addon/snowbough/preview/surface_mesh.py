@@ -29,7 +29,7 @@ MOST_ENTRIES = 6
 INSET = 1.0
 MOST_INSET = 0.5
 # Normals that differ by less count as one (parts of their length).
-SAME_NORMAL = 1.0 / 32.0
+SAME_NORMAL = 1.0 / 8.0
 # Vertices closer than this share of the mesh's extent are one point.
 SAME_PLACE = 1e-6
 
