@@ -22,6 +22,11 @@ def ground():
 
 
 @pytest.fixture
+def native(addon):
+    return addon("native").load()
+
+
+@pytest.fixture
 def preview(addon):
     """preview(): the preview of the current frame, started without a picture, which needs a window."""
     live = addon("preview.live")
@@ -133,6 +138,20 @@ def test_a_cart_keeps_the_snow_of_where_it_was(ground, preview):
     assert roof.name not in {
         pose.name for key, pose in running.simulated.pose.objects.items() if pose.receiver
     }
+
+
+def test_its_maps_are_those_that_a_bake_has_on_that_frame(preview, native, tmp_path):
+    """A ground, a cart that drives and a flag that bends."""
+    s.moving_scene(tmp_path, frames=(1, 8), directions=1)
+    s.bake()
+    bpy.context.scene.frame_set(1)
+    running = preview()
+    play(2, 8)
+    for name in ("Ground", "Cart", "Flag"):
+        (key,) = [key for key in running.simulated.maps if key.startswith(name)]
+        baked = s.height(native, tmp_path, name, 8)
+        shown = running.simulation.output(key, normal=False)["height"]
+        assert np.abs(shown - baked).mean() < 0.03 * np.abs(baked).mean(), name
 
 
 # -- settings ----------------------------------------------------------------------------------------------
