@@ -206,3 +206,36 @@ def test_undo_back_into_the_preview_does_not_hide_a_bakes_modifier(scene):
     scene.run("with bpy.context.temp_override(window=view3d()[0]):\n    bpy.ops.ed.undo()\nresult = True")
     assert scene.run("result = bpy.data.objects['Plane'].location.z") == 0.0
     assert scene.run(shown) is True
+
+
+def test_snow_is_as_thick_in_the_picture_as_its_map_says(scene):
+    """Seen from the side, level: 0.1 m of it lie at frame 50, on ground at 0."""
+    scene.run(
+        """
+from bpy_extras.view3d_utils import location_3d_to_region_2d
+space = view3d()[1].spaces.active
+space.region_3d.view_rotation = Quaternion((0.7071, 0.7071, 0.0, 0.0))
+space.region_3d.view_distance = 0.5
+scene.snowbough.flutter = 0.0
+scene.frame_set(50)
+result = True
+"""
+    )
+    scene.run(TOGGLE)
+    time.sleep(2.0)
+    x, ground, top, y, height = scene.run(
+        """
+area = view3d()[1]
+region = next(region for region in area.regions if region.type == "WINDOW")
+places = [location_3d_to_region_2d(region, space.region_3d, (0.0, 0.0, z)) for z in (0.0, 0.1)]
+result = [region.x + places[0].x, places[0].y, places[1].y, region.y, region.height]
+"""
+    )
+    screen = scene.screenshot("preview_thickness").convert("RGB")
+    column = [is_snow(screen.getpixel((int(x) + 40, 900 - int(y + up)))) for up in range(1, int(height) - 90)]
+    seen = [up for up, snow in enumerate(column, 1) if snow]
+    assert seen, "no snow to be seen"
+    pixels = top - ground
+    assert pixels > 60
+    assert max(seen) == pytest.approx(top, abs=2 + 0.02 * pixels)
+    assert min(seen) == pytest.approx(ground, abs=2 + 0.02 * pixels)
