@@ -38,21 +38,30 @@ class Preview:
 
     def __init__(self, scene, depsgraph, draws=True):
         self.scene_name = scene.name
-        hidden.hide(scene)
-        depsgraph.update()
+        self.simulated = None
+        self.drawn = None
+        self.was_undone = False
+        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
         self._metres = metres_per_unit(scene)
+        self._draws = draws
+        # The simulation that self.drawn was made for.
         self._shown = None
         self._handle = None
         # When what was laid quickly is to be laid well (time.monotonic), or None.
         self._due = None
-        self.was_undone = False
-        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
-        self.drawn = None
+        try:
+            self._begin(scene, depsgraph)
+        except BaseException:
+            self.end()
+            raise
+
+    def _begin(self, scene, depsgraph):
+        hidden.hide(scene)
+        depsgraph.update()
         self.simulated = Playback(scene, depsgraph)
-        if draws:
-            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
-        self._draws = draws
         self.show()
+        if self._draws:
+            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
 
     @property
     def simulation(self):
@@ -84,15 +93,14 @@ class Preview:
 
     def _draw(self):
         context = bpy.context
-        if context.scene is None or context.scene.name != self.scene_name:
+        if self.drawn is None or context.scene is None or context.scene.name != self.scene_name:
             return
         shading = context.space_data.shading
         try:
             self.drawn.draw(shading.type == "WIREFRAME" or (shading.type == "SOLID" and shading.show_xray))
         except Exception:
-            # Once, and not with every redraw.
-            bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
-            self._handle = None
+            # Once, and not with every redraw; the handler cannot go while it runs.
+            self.drawn = None
             bpy.app.timers.register(stop, first_interval=0.0)
             raise
 
@@ -118,12 +126,9 @@ class Preview:
         if self._handle is not None:
             bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
             self._handle = None
-        # When what was laid quickly is to be laid well (time.monotonic), or None.
-        self._due = None
-        self.was_undone = False
-        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
         self.drawn = None
-        self.simulated.close()
+        if self.simulated is not None:
+            self.simulated.close()
         hidden.show_again()
         _redraw()
 
@@ -137,11 +142,7 @@ def start(scene, depsgraph, draws=True):
     reason = drawing.why_not() if draws else ""
     if reason:
         raise ValueError(reason)
-    try:
-        session.preview = Preview(scene, depsgraph, draws)
-    except BaseException:
-        hidden.show_again()
-        raise
+    session.preview = Preview(scene, depsgraph, draws)
     bpy.app.handlers.frame_change_post.append(_on_frame)
     bpy.app.handlers.depsgraph_update_post.append(_on_update)
     bpy.app.timers.register(_watch, first_interval=INTERVAL)
@@ -176,7 +177,12 @@ def _redraw():
 def _running(scene):
     """The preview of that scene, unless something else has its hands on it."""
     preview = session.preview
-    if preview is None or scene.name != preview.scene_name or bpy.app.is_job_running("RENDER"):
+    if (
+        preview is None
+        or scene is None
+        or scene.name != preview.scene_name
+        or bpy.app.is_job_running("RENDER")
+    ):
         return None
     return preview
 
