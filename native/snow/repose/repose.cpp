@@ -55,6 +55,12 @@ double Repose::run(std::vector<float>& height, float patience, bool on_all_cores
   return fallen * static_cast<double>(surface_.unit());
 }
 
+/// Brings a tile's links up to date. Those of tiles to which nothing comes are not asked for.
+void Repose::link_tile(int32_t block) {
+  if (tiles_[static_cast<size_t>(block)]->has_links) return;
+  set_up_tile_links(tiles_, block, links_.blocks_a_side, slope_);
+}
+
 /// Lowers bounds across seams; wakes the blocks in which any changed.
 bool Repose::lower_across(Marks& awake) {
   bool changes = false;
@@ -97,6 +103,7 @@ void Repose::empty_over_outlets() {
       }
       std::vector<TileBounds> done(links_.block_count());
       for_blocks(blocks, [&](int32_t block) {
+        link_tile(block);
         done[static_cast<size_t>(block)] =
             lower_tile_bounds(tiles_, block, side, rims_[static_cast<size_t>(block)]);
       });
@@ -124,12 +131,14 @@ double Repose::run_colour(const Blocks& blocks, int first_round, Marks& awake, M
   for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int32_t>(i);
   for_blocks(order, [&](int32_t i) {
     const int32_t block = blocks[static_cast<size_t>(i)];
-    const std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
-    // Most blocks are: to see it takes less than a round.
-    if (first_round == 0 && is_at_rest(tiles_, block, links_.blocks_a_side, rims)) return;
-    done[static_cast<size_t>(i)] =
-        run_tile_rounds(tiles_, block, links_.blocks_a_side, rims_[static_cast<size_t>(block)],
-                        first_round, kRounds);
+    std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
+    link_tile(block);
+    // Most blocks are at rest: to see it takes less than a round.
+    uint8_t& rests = rests_[static_cast<size_t>(block)];
+    if (rests != 0 && is_at_rest(tiles_, block, links_.blocks_a_side, rims)) return;
+    TileRounds& own = done[static_cast<size_t>(i)];
+    own = run_tile_rounds(tiles_, block, links_.blocks_a_side, rims, first_round, kRounds);
+    rests = own.flows ? 0 : 1;
   });
   double rounds = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
@@ -211,6 +220,7 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
   Marks awake(links_.block_count(), 0);
   for (const int32_t block : doubtful) awake[static_cast<size_t>(block)] = 1;
   Marks seams = awake;
+  rests_.assign(links_.block_count(), 1);
   for (Flow& link : across_) link.flow = 0.0f;
   const auto any = [](const Marks& marks) {
     return std::any_of(marks.begin(), marks.end(), [](uint8_t mark) { return mark != 0; });

@@ -89,7 +89,7 @@ class Repose {
   Relief relief_of(int32_t block, const std::vector<float>& height) const;
   bool is_level(int32_t block, const Relief& relief) const;
   void forget_links();
-  void take_tiles();
+  void take_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up(const std::vector<float>& height);
   void set_up_ends(int32_t block);
@@ -101,6 +101,7 @@ class Repose {
   void find_slack(int32_t block);
 
   // repose.cpp
+  void link_tile(int32_t block);
   void empty_over_outlets();
   bool lower_across(Marks& awake);
   void run_rounds(const Blocks& doubtful, float patience);
@@ -121,6 +122,8 @@ class Repose {
   /// Blocks to look at closely, and these with those near them.
   Blocks doubtful_;
   Blocks chosen_;
+  /// Per block, during a run: nothing flows in it.
+  Marks rests_;
   /// Of the chosen blocks, during a run; all that there are, between runs.
   ReposeTiles tiles_;
   ReposeTiles kept_;

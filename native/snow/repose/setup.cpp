@@ -99,9 +99,8 @@ bool Repose::is_level(int32_t block, const Relief& relief) const {
 
 void Repose::forget_links() {
   slack_.assign(slack_.size(), {});
-  for (const std::unique_ptr<ReposeTile>& tile : kept_) {
-    if (tile != nullptr) tile->has_links = false;
-  }
+  // As if all had not been there.
+  was_chosen_.assign(was_chosen_.size(), 0);
 }
 
 size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
@@ -230,19 +229,13 @@ void Repose::set_up_ends(int32_t block) {
   }
 }
 
-/// Takes the tiles of the chosen blocks; those next to tiles that were not there, or are not any
-/// more, get their links anew.
-void Repose::take_tiles() {
+/// Takes the tiles of the chosen blocks; marks those that were not there, or are not any more.
+void Repose::take_tiles(Marks& changes) {
   Marks is_chosen(links_.block_count(), 0);
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
-  Blocks changed;
+  for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
   for (size_t b = 0; b < is_chosen.size(); ++b) {
-    if (is_chosen[b] != was_chosen_[b]) changed.push_back(static_cast<int32_t>(b));
-  }
-  for (const int32_t block : near(changed)) {
-    if (kept_[static_cast<size_t>(block)] != nullptr) {
-      kept_[static_cast<size_t>(block)]->has_links = false;
-    }
+    if (is_chosen[b] == 0) kept_[b].reset();
   }
   was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
@@ -252,36 +245,37 @@ void Repose::take_tiles() {
   }
 }
 
-/// Brings a tile up to date; returns whether its links and those beside it are.
+/// Brings a tile up to date; returns whether it is another than before but for its snow.
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-  if (!tile.has_pose) surface_.fill_block(links_, block, tile);
+  bool changes = !tile.has_pose;
+  if (changes) surface_.fill_block(links_, block, tile);
   const std::vector<int32_t>& places = object_->table.texel;
   links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
     const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
-    if (tile.cover(cell, height[place], surface_.unit())) tile.has_links = false;
+    changes |= tile.cover(cell, height[place], surface_.unit());
   });
   for (ReposeTile::Plane& flow : tile.flow) flow.fill(0.0f);
   for (RimLink& rim : rims_[static_cast<size_t>(block)]) rim.flow = 0.0f;
-  return tile.has_links;
+  return changes;
 }
 
 void Repose::set_up(const std::vector<float>& height) {
-  take_tiles();
-  Marks is_new(links_.block_count(), 0);
+  Marks changes(links_.block_count(), 0);
+  take_tiles(changes);
   for_blocks(chosen_, [&](int32_t b) {
-    if (!cover_tile(b, height)) is_new[static_cast<size_t>(b)] = 1;
+    if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
   });
   Blocks changed;
-  for (const int32_t block : chosen_) {
-    if (is_new[static_cast<size_t>(block)] != 0) changed.push_back(block);
+  for (size_t b = 0; b < changes.size(); ++b) {
+    if (changes[b] != 0) changed.push_back(static_cast<int32_t>(b));
   }
   Blocks unlinked;
   for (const int32_t block : near(changed)) {
     if (tiles_[static_cast<size_t>(block)] != nullptr) unlinked.push_back(block);
   }
   for_blocks(unlinked, [&](int32_t b) {
-    set_up_tile_links(tiles_, b, links_.blocks_a_side, slope_);
+    tiles_[static_cast<size_t>(b)]->has_links = false;
     set_up_ends(b);
   });
   // On a surface that moves all is new in the next step.

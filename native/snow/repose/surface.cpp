@@ -86,9 +86,7 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
 }
 
 void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
-  tile.area.fill(0.0f);
-  tile.forward.fill(0);
-  tile.part.fill(1.0f / shared::kLinks);
+  tile.begin_pose();
   links.for_texels(block, object_->table.texel, [&](int32_t index, size_t cell) {
     const Texel own = texel(index);
     tile.x[cell] = own.point.x;
@@ -106,8 +104,6 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
     tile.part[static_cast<size_t>(end.cell % kTileCells)] =
         1.0f / std::max(shared::kLinks, static_cast<float>(end.links));
   }
-  tile.has_pose = true;
-  tile.has_links = false;
 }
 
 }  // namespace snowbough::snow

@@ -12,6 +12,7 @@ namespace snowbough::snow {
 inline constexpr int32_t kTileCells = kReposeBlock * kReposeBlock;
 inline constexpr uint8_t kWall = 1;
 inline constexpr uint8_t kBack = 2;
+inline constexpr uint8_t kUnknown = 4;
 
 /// What the rounds of repose reckon with in one block of a map: cells row by row. A cell without a
 /// texel has an area of 0.
@@ -36,17 +37,21 @@ struct ReposeTile {
   Plane held;
   std::array<double, kTileCells> moved;
   /// Height of the snow's surface in metres, how much a unit lifts it, whether a texel gives
-  /// anything (1, walls 0), and the units that it has to give; how stiff it is for link_rate.
-  Plane top, lift, share, gives, stiffness;
+  /// anything (1, walls 0), and the units that it has to give; how stiff it is for link_rate; and
+  /// units in a metre of snow.
+  Plane top, lift, share, gives, stiffness, units_a_metre;
   /// Metres that the snow's surface may reach, for what lies lower: see lower_tile_bounds.
   Plane bound;
   /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none),
   /// link_rate and given_flow.
   std::array<Plane, kForwardLinks> limit, rate, flow;
 
+  /// No surface, links to none, kinds unknown.
+  void begin_pose();
   /// Takes a cell's snow, `height` (signed) metres on the current pose, as the step begins. `unit`:
   /// see ReposeSurface. Returns whether the cell is of another kind than it was.
   bool cover(size_t cell, float height, float unit);
+  void set_kind(size_t cell, uint8_t now, float unit);
   /// Brings top and gives up to date.
   void raise(size_t cell) {
     const float now = held[cell] + static_cast<float>(moved[cell]);

@@ -38,21 +38,6 @@ SNOWBOUGH_WIDE bool lower_row(const float* __restrict passed, const float* __res
   return changes != 0;
 }
 
-/// Within a row, to the right and back.
-bool lower_within_row(const float* limit, const float* top, const float* z, float* bound) {
-  bool changes = false;
-  const auto lower = [&](int32_t from, int32_t to, float allowed) {
-    const float over =
-        shared::passed_bound(bound[from], top[from], z[from]) + shared::kCuts * allowed;
-    if (!(over < bound[to])) return;
-    bound[to] = over;
-    changes = true;
-  };
-  for (int32_t i = 0; i < kReposeBlock; ++i) lower(i, i + 1, limit[i]);
-  for (int32_t i = kReposeBlock - 1; i >= 0; --i) lower(i + 1, i, limit[i]);
-  return changes;
-}
-
 class BoundSweep {
  public:
   BoundSweep(Bounds& bounds, const ReposeTile& tile) : bounds_(bounds), tile_(tile) {}
@@ -73,10 +58,17 @@ class BoundSweep {
     const size_t at = TileWindow::at(-1, row);
     return pass_row(&bounds_.bound[at], &bounds_.top[at], &bounds_.z[at], &bounds_.passed[at]);
   }
+  /// To the right and to the left, as far as it goes: mostly nowhere.
   bool within(int32_t row) {
-    if (!pass(row)) return false;
-    const size_t at = TileWindow::at(0, row);
-    return lower_within_row(limit(0, row), &bounds_.top[at], &bounds_.z[at], &bounds_.bound[at]);
+    bool changes = false;
+    while (pass(row)) {
+      const size_t at = TileWindow::at(0, row);
+      bool goes_on = lower_row(&bounds_.passed[at], limit(0, row), &bounds_.bound[at + 1]);
+      goes_on |= lower_row(&bounds_.passed[at + 1], limit(0, row), &bounds_.bound[at]);
+      if (!goes_on) break;
+      changes = true;
+    }
+    return changes;
   }
   bool upwards(int32_t row) {
     if (!pass(row)) return false;

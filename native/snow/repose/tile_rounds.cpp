@@ -203,21 +203,39 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
 
 }  // namespace
 
+void ReposeTile::begin_pose() {
+  area.fill(0.0f);
+  forward.fill(0);
+  two_sided.fill(0);
+  part.fill(1.0f / shared::kLinks);
+  kind.fill(kUnknown);
+  bound.fill(shared::kUnbounded);
+  has_pose = true;
+  has_links = false;
+}
+
+void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {
+  kind[cell] = now;
+  const bool wall = (now & kWall) != 0;
+  const float side = (now & kBack) != 0 ? -1.0f : 1.0f;
+  units_a_metre[cell] = area[cell] / unit;
+  lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * (unit / area[cell]);
+  share[cell] = wall ? 0.0f : 1.0f;
+  stiffness[cell] = lift[cell] / part[cell];
+}
+
 bool ReposeTile::cover(size_t cell, float height, float unit) {
   const float side = shared::snow_side(height, up[cell], two_sided[cell] != 0);
   const bool wall = shared::is_wall(side * up[cell]) || area[cell] <= 0.0f;
-  const uint8_t before = kind[cell];
-  kind[cell] = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
-  const float a_unit = area[cell] > 0.0f ? unit / area[cell] : 0.0f;
-  held[cell] = area[cell] > 0.0f ? std::abs(height) / a_unit : 0.0f;
+  const auto now = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
+  const bool changes = now != kind[cell];
+  if (changes) set_kind(cell, now, unit);
+  held[cell] = std::abs(height) * units_a_metre[cell];
   moved[cell] = 0.0;
-  lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * a_unit;
-  share[cell] = wall ? 0.0f : 1.0f;
-  stiffness[cell] = lift[cell] / part[cell];
   // A wall is an outlet: what lies over it falls.
   bound[cell] = wall ? z[cell] : shared::kUnbounded;
   raise(cell);
-  return kind[cell] != before;
+  return changes;
 }
 
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,

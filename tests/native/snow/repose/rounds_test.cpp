@@ -70,8 +70,7 @@ ReposeTiles row_of(int count) {
   ReposeTiles tiles(1);
   tiles[0] = std::make_unique<ReposeTile>();
   ReposeTile& tile = *tiles[0];
-  tile = ReposeTile{};
-  tile.part.fill(1.0f / 8.0f);
+  tile.begin_pose();
   for (int i = 0; i < count; ++i) {
     const auto cell = static_cast<size_t>(i);
     tile.x[cell] = 0.01f * static_cast<float>(i);
