@@ -28,7 +28,7 @@ MODULES = (
     "bake.engine",
     "bake.outcome",
     "bake.preflight",
-    "bake.preview",
+    "preview.live",
     "ui.import_panels",
     "ui.import_operators",
     "ui.export_operator",

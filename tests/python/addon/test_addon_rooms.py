@@ -29,6 +29,7 @@ ROOMS = (
     "tree",
     "bake",
     "gltf",
+    "preview",
     "ui",
     "cli",
 )
@@ -71,6 +72,10 @@ WITHOUT_BLENDER = (
     "bake.simulation",
     "bake.baked_receiver",
     "bake.job",
+    "preview.history",
+    "preview.interface",
+    "preview.normals",
+    "preview.surface_mesh",
     "ui.text",
 )
 
