@@ -4,6 +4,7 @@
 #include <cstring>
 #include <glm/mat4x4.hpp>
 #include <memory>
+#include <optional>
 #include <stdexcept>
 #include <string>
 #include <utility>
@@ -93,20 +94,37 @@ void add_tree(Renderer& renderer, const std::string& name, const BoundMesh& mesh
                     {bark_depth, to_vec3(bark_dark), to_vec3(bark_light)});
 }
 
+std::vector<glm::mat4> matrices_of(const InputArray<float>& rows) {
+  require_shape(rows, {-1, 4, 4}, "matrices");
+  std::vector<glm::mat4> matrices = elements<glm::mat4>(rows);
+  for (glm::mat4& matrix : matrices) matrix = glm::transpose(matrix);
+  return matrices;
+}
+
 void set_pose(Renderer& renderer, const std::string& tree, const InputArray<float>& matrices) {
-  require_shape(matrices, {-1, 4, 4}, "matrices");
-  std::vector<glm::mat4> columns = elements<glm::mat4>(matrices);
+  const std::vector<glm::mat4> columns = matrices_of(matrices);
   const py::gil_scoped_release release;
-  for (glm::mat4& matrix : columns) matrix = glm::transpose(matrix);
   renderer.set_pose(tree, columns);
 }
 
-LeafSource::Image leaf_image(const py::object& image) {
+Image image_of(const py::object& image) {
   if (image.is_none()) return {};
   const auto rgba = py::cast<InputArray<uint8_t>>(image);
-  require_shape(rgba, {-1, -1, 4}, "a leaf's image");
+  require_shape(rgba, {-1, -1, 4}, "an image");
   return {static_cast<int32_t>(rgba.shape(1)), static_cast<int32_t>(rgba.shape(0)),
           elements<uint8_t>(rgba)};
+}
+
+std::vector<Material> materials_of(const std::vector<Vec3>& colors,
+                                   const std::vector<py::object>& images) {
+  if (!images.empty() && images.size() != colors.size()) {
+    throw std::invalid_argument("images must have one entry (or None) for each of colors");
+  }
+  std::vector<Material> materials;
+  for (size_t m = 0; m < colors.size(); ++m) {
+    materials.push_back({to_vec3(colors[m]), images.empty() ? Image{} : image_of(images[m])});
+  }
+  return materials;
 }
 
 void set_leaves(Renderer& renderer, const std::string& tree, const InputArray<float>& triangles,
@@ -130,25 +148,80 @@ void set_leaves(Renderer& renderer, const std::string& tree, const InputArray<fl
     require_shape(array, {count}, "materials");
     source.material = elements<int32_t>(array);
   }
-  if (!images.empty() && images.size() != colors.size()) {
-    throw std::invalid_argument("images must have one entry (or None) for each of colors");
-  }
-  for (size_t m = 0; m < colors.size(); ++m) {
-    source.materials.push_back(
-        {to_vec3(colors[m]), images.empty() ? LeafSource::Image{} : leaf_image(images[m])});
-  }
+  source.materials = materials_of(colors, images);
   const py::gil_scoped_release release;
   renderer.set_leaves(tree, source);
 }
 
+/// (T, 3, Columns) as one element a corner; None: none.
+template <typename Element>
+std::vector<Element> corners_of(const py::object& given, py::ssize_t triangles, const char* what) {
+  if (given.is_none()) return {};
+  const auto array = py::cast<InputArray<float>>(given);
+  require_shape(array, {triangles, 3, sizeof(Element) / sizeof(float)}, what);
+  return elements<Element>(array);
+}
+
 void add_mesh(Renderer& renderer, const std::string& name, const InputArray<float>& vertices,
-              const InputArray<int32_t>& triangles, const Vec3& color) {
+              const InputArray<int32_t>& triangles, const Vec3& color, const py::object& normals,
+              const py::object& uv, const py::object& materials, const std::vector<Vec3>& colors,
+              const std::vector<py::object>& images) {
   MeshSource source;
   source.vertices = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
   source.triangles = rows_from_numpy<std::array<int32_t, 3>, int32_t, 3>(triangles, "triangles");
-  source.color = to_vec3(color);
+  const auto count = static_cast<py::ssize_t>(source.triangles.size());
+  source.normals = corners_of<glm::vec3>(normals, count, "normals");
+  source.uv = corners_of<glm::vec2>(uv, count, "uv");
+  if (!materials.is_none()) {
+    const auto array = py::cast<InputArray<int32_t>>(materials);
+    require_shape(array, {count}, "materials");
+    source.material = elements<int32_t>(array);
+  }
+  source.materials = materials_of(colors.empty() ? std::vector<Vec3>{color} : colors, images);
   const py::gil_scoped_release release;
   renderer.add_mesh(name, source);
+}
+
+void set_places(Renderer& renderer, const std::string& mesh, const InputArray<float>& matrices) {
+  const std::vector<glm::mat4> columns = matrices_of(matrices);
+  const py::gil_scoped_release release;
+  renderer.set_places(mesh, columns);
+}
+
+void set_snow(Renderer& renderer, const std::string& mesh, const py::object& heights,
+              const py::object& uv) {
+  MeshSnow snow;
+  if (!heights.is_none()) {
+    const auto map = py::cast<InputArray<float>>(heights);
+    const auto corners = py::cast<InputArray<float>>(uv);
+    require_shape(map, {-1, -1}, "heights");
+    require_shape(corners, {-1, 3, 2}, "uv");
+    snow = {elements<glm::vec2>(corners), static_cast<int32_t>(map.shape(1)),
+            static_cast<int32_t>(map.shape(0)), elements<float>(map)};
+  }
+  const py::gil_scoped_release release;
+  renderer.set_snow(mesh, snow);
+}
+
+py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
+                                const RenderSettings& settings, int32_t samples) {
+  LightPicture picture;
+  {
+    const py::gil_scoped_release release;
+    picture = renderer.render_light(camera, settings, samples);
+  }
+  return to_numpy<float>(std::move(picture.rgba), {picture.height, picture.width, 4});
+}
+
+py::object take_frame(Renderer& renderer) {
+  std::optional<PackedFrame> frame;
+  {
+    const py::gil_scoped_release release;
+    frame = renderer.take_frame();
+  }
+  if (!frame) return py::none();
+  return py::make_tuple(frame->ticket,
+                        to_numpy<float>(std::move(frame->words), {frame->height, frame->width}));
 }
 
 py::array_t<uint8_t> render_picture(Renderer& renderer, const Camera& camera,
@@ -212,10 +285,33 @@ py::dict levels(const Renderer& renderer, const std::string& tree) {
   return dict;
 }
 
+/// A 4 x 4 matrix, rows first as numpy writes them, or None.
+template <typename Options>
+void matrix_field(OptionsClass<Options>& to, const char* name,
+                  std::optional<glm::mat4> Options::*member, const char* doc) {
+  to.python().def_property(
+      name,
+      [member](const Options& self) -> py::object {
+        const std::optional<glm::mat4>& matrix = self.*member;
+        if (!matrix) return py::none();
+        const glm::mat4 rows = glm::transpose(*matrix);
+        return py::array_t<float>({4, 4}, &rows[0][0]);
+      },
+      [member](Options& self, const py::object& value) {
+        (self.*member).reset();
+        if (value.is_none()) return;
+        const auto rows = py::cast<InputArray<float>>(value);
+        require_shape(rows, {4, 4}, "a matrix");
+        self.*member = glm::transpose(elements<glm::mat4>(rows)[0]);
+      },
+      doc);
+}
+
 void bind_options(py::module_& module) {
-  OptionsClass<Camera>(module, "Camera",
-                       "A pinhole camera, its fields set by keyword. Metres, radians.")
-      .field("eye", &Camera::eye, "Where it stands, (3,).")
+  OptionsClass<Camera> camera(module, "Camera",
+                              "A camera, its fields set by keyword: a pinhole, or whatever two "
+                              "matrices say. Metres, radians.");
+  camera.field("eye", &Camera::eye, "Where it stands, (3,).")
       .field("target", &Camera::target, "What it looks at, (3,).")
       .field("up", &Camera::up, "What is up in the picture, (3,).")
       .field("field_of_view", &Camera::field_of_view, "From the bottom to the top, radians.")
@@ -223,6 +319,12 @@ void bind_options(py::module_& module) {
       .field("far", &Camera::far, "Metres; 0: from the scene's size.")
       .field("width", &Camera::width, "Pixels.")
       .field("height", &Camera::height, "Pixels.");
+  matrix_field(
+      camera, "view", &Camera::view,
+      "(4, 4) from the world to the camera's space, as OpenGL's; with `projection` instead "
+      "of all but the size.");
+  matrix_field(camera, "projection", &Camera::projection,
+               "(4, 4) from the camera's space to clip space, in perspective or orthographic.");
   OptionsClass<RenderSettings> settings(module, "RenderSettings",
                                         "How a picture is made, its fields set by keyword.");
   settings
@@ -246,6 +348,17 @@ void bind_options(py::module_& module) {
       .field("ground_color", &RenderSettings::ground_color, "Linear light on what faces down.")
       .field("shadow_resolution", &RenderSettings::shadow_resolution,
              "Edge of the shadow map in texels; 0: no shadows.");
+  settings.python().def_property(
+      "background",
+      [](const RenderSettings& self) -> py::object {
+        if (!self.background) return py::none();
+        return py::make_tuple(self.background->x, self.background->y, self.background->z);
+      },
+      [](RenderSettings& self, const std::optional<Vec3>& value) {
+        self.background.reset();
+        if (value) self.background = to_vec3(*value);
+      },
+      "Linear light behind everything, (3,); None: the sky's.");
   settings.python().def_property(
       "metric",
       [](const RenderSettings& self) {
@@ -271,12 +384,15 @@ void bind_render(py::module_& module) {
       "RuntimeError where no context can be made, and for every call once it is closed. A context\n"
       "manager: leaving it closes the renderer.\n\n"
       "Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.4.")
-      .def(py::init([](const std::string& device) {
-             const py::gil_scoped_release release;
-             base::start_thread_pool();
-             return HeldWithoutGil<Renderer>(new Renderer(device));
-           }),
-           "device"_a = "")
+      .def(
+          py::init([](const std::string& device, bool waits) {
+            const py::gil_scoped_release release;
+            base::start_thread_pool();
+            return HeldWithoutGil<Renderer>(new Renderer(device, waits));
+          }),
+          "device"_a = "", "waits"_a = true,
+          "waits=False: returns before there is a context, and so do all calls that change what is "
+          "drawn\nbefore that is done; what goes wrong is raised by take_frame.")
       .def("add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
            "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
            "Adds a TreeMesh of lod=0, in its rest pose. bark_depth: how far bark rises and falls, "
@@ -294,15 +410,45 @@ void bind_render(py::module_& module) {
           "(linear) and images ((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). "
           "What\n"
           "is less than half there by its alpha is a hole.")
-      .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
-           "color"_a = Vec3{0.5f, 0.5f, 0.5f},
-           "Adds a mesh that is drawn as it is: vertices (N, 3), triangles (T, 3), linear colour.")
+      .def(
+          "add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
+          "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "normals"_a = py::none(), "uv"_a = py::none(),
+          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{},
+          "images"_a = std::vector<py::object>{},
+          "Adds a mesh that is drawn as it is, from both sides: vertices (N, 3), triangles (T, 3); "
+          "linear\ncolour. By corner: normals (T, 3, 3) in place of smooth ones, uv (T, 3, 2) in "
+          "its images. materials\n(T,), colors and images as set_leaves's; without colors it has "
+          "one material of `color`.")
+      .def("set_places", &set_places, "mesh"_a, "matrices"_a,
+           "Where a mesh is: (P, 4, 4), a matrix a place from its own space to the world.")
+      .def("set_snow", &set_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
+           "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
+           "(T, 3, 2)\nof its corners there. None: no snow.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<py::gil_scoped_release>(),
            "Takes a tree or a mesh away.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
            "A picture, (height, width, 4) uint8: sRGB, alpha 255 where something was drawn, row 0 "
            "at\n"
            "the bottom.")
+      .def("render_light", &render_light, "camera"_a, "settings"_a = RenderSettings{},
+           "samples"_a = 1,
+           "Linear light, (height, width, 4) float32, row 0 at the bottom: means of pictures that "
+           "are shifted\nwithin a pixel's filter. Alpha is the share in which something was drawn; "
+           "the rest shows the\nbackground's light.")
+      .def(
+          "request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
+          py::call_guard<py::gil_scoped_release>(),
+          "Asks for a picture and returns its ticket at once; one that was asked for before and is "
+          "not begun\nis forgotten.")
+      .def("take_frame", &take_frame,
+           "The newest picture that has arrived since the last call, (ticket, (height, width) "
+           "float32), or None.\nWaits for nothing; pictures arrive only while it is called from "
+           "time to time. A pixel's bits are\n0x3F000000 + red, green and blue of a byte each: 255 "
+           "* (c / (1 + c))^(1 / 2.2) of linear light c.")
+      .def_property_readonly("is_busy", &Renderer::is_busy,
+                             "Whether a picture that was asked for has not arrived yet.")
+      .def_property_readonly("is_ready", &Renderer::is_ready,
+                             "Whether `driver` can be asked without waiting.")
       .def("statistics", &statistics,
            "Of the last picture: patches 'dropped', 'plain' and 'tessellated', 'triangles' drawn "
            "(the\n"

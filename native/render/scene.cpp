@@ -19,6 +19,28 @@ const vec4 kInk(0.05f, 0.08f, 0.15f, 1.0f);
 /// How far a pose may take a tree out of its box at rest, in radii.
 constexpr float kRoomToMove = 1.25f;
 
+/// Pixels of a work group's side.
+constexpr int32_t kTileSize = 8;
+
+/// Whether a box is that of ground: it casts no shadows worth texels of the shadow map, which would
+/// have to cover all of it.
+bool is_flat(const Box& box) {
+  constexpr float kFlat = 0.02f;
+  const vec3 size = box.size();
+  return size.z < kFlat * std::max(size.x, size.y);
+}
+
+/// Where in a pixel's tent filter, two pixels wide, a sample of a frame lies.
+/// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+glm::vec2 sample_offset(int32_t index) {
+  const auto tent = [&](double step) {
+    const double share = std::fmod(0.5 + step * index, 1.0);
+    return static_cast<float>(share < 0.5 ? std::sqrt(2.0 * share) - 1.0
+                                          : 1.0 - std::sqrt(2.0 * (1.0 - share)));
+  };
+  return {tent(0.7548776662466927), tent(0.5698402909980532)};
+}
+
 /// Sets what the passes need and puts it back, because snow shares the context.
 class DrawState {
  public:
@@ -54,18 +76,29 @@ Scene::Tree::Tree(const TreePatches& patches, const TreeLook& its_look)
       bone_count(patches.bone_count),
       levels(patches.levels),
       largest_area(patches.largest_area),
-      lowest(patches.lowest),
-      highest(patches.highest),
+      rest(patches.bone_count),
       camera_view(sizeof(shared::TreeView)),
       sun_view(sizeof(shared::TreeView)) {
   for (const shared::TreePatch& patch : patches.patches) {
     patch_edges.push_back(patch.edges);
   }
+  for (const shared::TreeVertex& vertex : patches.vertices) {
+    for (int k = 0; k < 4; ++k) {
+      if (vertex.weights[k] > 0.0f) rest.add(vertex.bones[k], vec3(vertex.position));
+    }
+  }
+  bounds = rest.at_rest();
 }
 
 Scene::Tree& Scene::tree(const std::string& name) const {
   const auto found = trees_.find(name);
   if (found == trees_.end()) throw std::invalid_argument("there is no tree '" + name + "'");
+  return *found->second;
+}
+
+MeshBuffers& Scene::mesh(const std::string& name) const {
+  const auto found = meshes_.find(name);
+  if (found == meshes_.end()) throw std::invalid_argument("there is no mesh '" + name + "'");
   return *found->second;
 }
 
@@ -85,9 +118,9 @@ void Scene::set_leaves(const std::string& name, const LeafSource& leaves) {
   LeafBuffers made(leaves, of.bone_count);
   of.leaves.reset();
   of.leaves.emplace(std::move(made));
-  for (const vec3& p : leaves.positions) {
-    of.lowest = glm::min(of.lowest, p);
-    of.highest = glm::max(of.highest, p);
+  for (size_t i = 0; i < leaves.positions.size(); ++i) {
+    of.rest.add(leaves.bone[i / 3], leaves.positions[i]);
+    of.bounds.add(leaves.positions[i]);
   }
 }
 
@@ -99,11 +132,20 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
   }
   const std::vector<vec4> rows = bone_rows(matrices);
   of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
+  of.bounds = of.rest.posed(matrices);
 }
 
 void Scene::add_mesh(const std::string& name, const MeshSource& source) {
   require_new(name);
   meshes_[name] = std::make_unique<MeshBuffers>(source);
+}
+
+void Scene::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  mesh(name).set_places(matrices);
+}
+
+void Scene::set_snow(const std::string& name, const MeshSnow& snow) {
+  mesh(name).set_snow(snow);
 }
 
 void Scene::remove(const std::string& name) {
@@ -113,21 +155,24 @@ void Scene::remove(const std::string& name) {
 }
 
 Bounds Scene::bounds() const {
-  if (trees_.empty()) return {vec3(0.0f), 10.0f, 10.0f};
-  vec3 lowest(std::numeric_limits<float>::max()), highest(-lowest);
-  for (const auto& [name, of] : trees_) {
-    lowest = glm::min(lowest, of->lowest);
-    highest = glm::max(highest, of->highest);
+  Box casters, all;
+  for (const auto& [name, of] : trees_) casters.add(of->bounds);
+  for (const auto& [name, of] : meshes_) {
+    if (of->bounds().is_empty()) continue;
+    all.add(of->bounds());
+    if (!is_flat(of->bounds())) casters.add(of->bounds());
   }
-  const float radius = std::max(kRoomToMove * 0.5f * glm::distance(lowest, highest), 1e-6f);
-  return {0.5f * (lowest + highest), radius, radius};
+  if (casters.is_empty()) casters = all;
+  if (casters.is_empty()) return {vec3(0.0f), 10.0f, 10.0f};
+  const float radius = std::max(kRoomToMove * 0.5f * glm::length(casters.size()), 1e-6f);
+  return {casters.centre(), radius, radius};
 }
 
-void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
+void Scene::write_views(const Camera& camera, const RenderSettings& settings, bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
   around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
-  const shared::TreeView base = camera_view(camera, settings, around);
+  const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
   };
@@ -175,7 +220,7 @@ void Scene::draw_shadows(const RenderSettings& settings) {
     }
   }
   for (const auto& [name, mesh] : meshes_) {
-    drawables_.draw_mesh(*mesh, sun_view_, Kind::kDepth, *shadow_map_, kInk);
+    mesh_passes_.draw(*mesh, sun_view_, Kind::kDepth, *shadow_map_, kInk);
   }
 }
 
@@ -209,15 +254,16 @@ void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bo
   });
   pass("meshes", [&] {
     for (const auto& [name, mesh] : meshes_) {
-      drawables_.draw_mesh(*mesh, camera_view_, kind, shadow_map(), wire_color);
+      mesh_passes_.draw(*mesh, camera_view_, kind, shadow_map(), wire_color);
     }
   });
 }
 
-void Scene::draw_picture(const Target& target, const RenderSettings& settings) {
-  const vec3 sky = settings.sky_color;
+void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
   if (!settings.wireframe) {
-    target.begin(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    const vec3 sky = settings.background.value_or(settings.sky_color);
+    const vec3 clear = linear ? sky : vec3(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    target.begin(clear.r, clear.g, clear.b);
     draw_all(Kind::kShaded, kInk, settings.cull_back_faces, true);
     return;
   }
@@ -243,11 +289,10 @@ void Scene::count_patches() {
   }
 }
 
-Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
-  const auto started = std::chrono::steady_clock::now();
+void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                       KeptTarget& large, bool linear) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
-  timer_.take();
   Camera of_pixels = camera;
   RenderSettings for_pixels = settings;
   if (settings.antialias) {
@@ -256,17 +301,23 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
     for_pixels.target_pixels *= 2.0f;
     for_pixels.min_pixels *= 2.0f;
   }
-  write_views(of_pixels, for_pixels);
+  write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
   draw_shadows(settings);
-  const Target& picture = picture_.of_size(camera.width, camera.height);
   if (settings.antialias) {
-    const Target& large = large_.of_size(of_pixels.width, of_pixels.height);
-    draw_picture(large, settings);
-    halve(large, picture);
+    const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
+    draw_picture(twice, settings, linear);
+    halve(twice, target);
   } else {
-    draw_picture(picture, settings);
+    draw_picture(target, settings, linear);
   }
+}
+
+Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
+  const auto started = std::chrono::steady_clock::now();
+  timer_.take();
+  const Target& picture = picture_.of_size(camera.width, camera.height);
+  draw_frame(camera, settings, picture, large_, false);
   Picture made{camera.width, camera.height, read_color(picture)};
 
   statistics_.emplace();
@@ -277,6 +328,36 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
     if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
   }
   count_patches();
+  return made;
+}
+
+const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings) {
+  const Target& picture = light_.of_size(camera.width, camera.height);
+  timer_.set_enabled(false);
+  draw_frame(camera, settings, picture, large_light_, true);
+  timer_.set_enabled(true);
+  return picture.color;
+}
+
+LightPicture Scene::render_light(const Camera& camera, const RenderSettings& settings,
+                                 int32_t samples) {
+  const gpu::Texture sum(GL_RGBA32F, camera.width, camera.height);
+  Camera of_sample = camera;
+  for (int32_t i = 0; i < samples; ++i) {
+    if (samples > 1) of_sample.jitter = camera.jitter + sample_offset(i);
+    const gpu::Texture& light = draw_light(of_sample, settings);
+    sum_.use();
+    sum_.bind_texture("light", light);
+    sum_.bind_image("sum", sum, GL_READ_WRITE);
+    sum_.set("weight", 1.0f / static_cast<float>(samples));
+    sum_.dispatch(gpu::group_count(camera.width, kTileSize),
+                  gpu::group_count(camera.height, kTileSize));
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  }
+  LightPicture made{camera.width, camera.height, {}};
+  made.rgba.resize(static_cast<size_t>(camera.width) * camera.height * 4);
+  sum.read(0, GL_RGBA, GL_FLOAT, static_cast<int64_t>(made.rgba.size() * sizeof(float)),
+           made.rgba.data());
   return made;
 }
 
@@ -293,7 +374,7 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
   // Nothing is drawn, yet draws want a framebuffer.
   nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
-  write_views(camera, settings);
+  write_views(camera, settings, false);
   passes_.pose(of.buffers, of.camera_view);
   passes_.edge_levels(of.buffers, of.camera_view);
   passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);

@@ -8,6 +8,8 @@
 
 #include "gpu/timer.h"
 #include "render/drawables.h"
+#include "render/mesh_passes.h"
+#include "render/posed_bounds.h"
 #include "render/renderer.h"
 #include "render/targets.h"
 #include "render/tree_passes.h"
@@ -23,7 +25,12 @@ class Scene {
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
   void remove(const std::string& name);
+  void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
+  void set_snow(const std::string& mesh, const MeshSnow& snow);
   Picture render(const Camera& camera, const RenderSettings& settings);
+  LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+  /// Draws a picture of linear light and measures nothing, so that nobody has to wait for it.
+  const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings);
   FrameStatistics statistics() const;
   std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
                                    const RenderSettings& settings);
@@ -41,8 +48,8 @@ class Scene {
     int32_t bone_count = 0;
     int32_t levels = 1;
     float largest_area = 0.0f;
-    glm::vec3 lowest{0.0f};
-    glm::vec3 highest{0.0f};
+    PosedBounds rest;
+    Box bounds;
     /// Per quad: its edges.
     std::vector<glm::ivec4> patch_edges;
     /// A TreeView each.
@@ -51,13 +58,16 @@ class Scene {
   };
 
   Tree& tree(const std::string& name) const;
+  MeshBuffers& mesh(const std::string& name) const;
   void require_new(const std::string& name) const;
   Bounds bounds() const;
-  void write_views(const Camera& camera, const RenderSettings& settings);
+  void write_views(const Camera& camera, const RenderSettings& settings, bool linear);
   void prepare_trees(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
   void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
-  void draw_picture(const Target& target, const RenderSettings& settings);
+  void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
+  void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                  KeptTarget& large, bool linear);
   void count_patches();
   const gpu::Texture& shadow_map() const { return *shadow_map_; }
 
@@ -69,11 +79,15 @@ class Scene {
 
   TreePasses passes_;
   DrawablePasses drawables_;
+  MeshPasses mesh_passes_;
+  gpu::Program sum_{{"frame_sum.comp.glsl"}};
   gpu::VertexArray no_vertices_;
-  KeptTarget picture_{true};
-  KeptTarget large_{true};
-  KeptTarget shadow_{false};
-  KeptTarget nothing_{false};
+  KeptTarget picture_{GL_RGBA8};
+  KeptTarget large_{GL_RGBA8};
+  KeptTarget light_{GL_RGBA16F};
+  KeptTarget large_light_{GL_RGBA16F};
+  KeptTarget shadow_{GL_NONE};
+  KeptTarget nothing_{GL_NONE};
   const gpu::Texture* shadow_map_ = nullptr;
   gpu::PassTimer timer_{gpu::renders_in_software()};
   std::optional<FrameStatistics> statistics_;
