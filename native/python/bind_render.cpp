@@ -87,11 +87,13 @@ std::vector<Element> elements(const InputArray<Scalar>& array) {
   return made;
 }
 
-void add_tree(Renderer& renderer, const std::string& name, const BoundMesh& mesh, float bark_depth,
+void add_tree(Renderer& renderer, const std::string& name, const py::object& tree, float bark_depth,
               const Vec3& bark_dark, const Vec3& bark_light) {
+  const TreeSource source = py::isinstance<py::dict>(tree)
+                                ? tree_source(py::cast<py::dict>(tree))
+                                : tree_source(py::cast<const BoundMesh&>(tree).mesh);
   const py::gil_scoped_release release;
-  renderer.add_tree(name, tree_source(mesh.mesh),
-                    {bark_depth, to_vec3(bark_dark), to_vec3(bark_light)});
+  renderer.add_tree(name, source, {bark_depth, to_vec3(bark_dark), to_vec3(bark_light)});
 }
 
 std::vector<glm::mat4> matrices_of(const InputArray<float>& rows) {
@@ -376,6 +378,11 @@ void bind_options(py::module_& module) {
 void bind_render(py::module_& module) {
   using namespace py::literals;
   bind_options(module);
+  module.def(
+      "tree_arrays", [](const BoundMesh& mesh) { return tree_arrays(tree_source(mesh.mesh)); },
+      "mesh"_a,
+      "What Renderer.add_tree needs of a TreeMesh of lod=0, as arrays by name that a file can "
+      "keep.");
   py::class_<Renderer, HeldWithoutGil<Renderer>>(
       module, "Renderer",
       "Draws trees off-screen in real time: their four-sided base is uploaded once and "
@@ -395,7 +402,8 @@ void bind_render(py::module_& module) {
           "drawn\nbefore that is done; what goes wrong is raised by take_frame.")
       .def("add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
            "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
-           "Adds a TreeMesh of lod=0, in its rest pose. bark_depth: how far bark rises and falls, "
+           "Adds a TreeMesh of lod=0, or what tree_arrays gave for it, in its rest pose. "
+           "bark_depth: how far bark rises and falls, "
            "as a\n"
            "share of the limb's radius, 0 to 1; colours are linear.")
       .def("set_pose", &set_pose, "tree"_a, "matrices"_a,

@@ -28,6 +28,7 @@ ROOMS = (
     "result",
     "tree",
     "bake",
+    "realtime",
     "ui",
     "cli",
 )
@@ -54,6 +55,7 @@ WITHOUT_BLENDER = (
     "result.original_state",
     "tree.bone_names",
     "tree.wind",
+    "tree.surface_text",
     "bake.plan",
     "bake.request",
     "bake.log",
@@ -61,6 +63,11 @@ WITHOUT_BLENDER = (
     "bake.simulation",
     "bake.baked_receiver",
     "bake.job",
+    "realtime.records",
+    "realtime.sync",
+    "realtime.lights",
+    "realtime.pacing",
+    "realtime.frame_code",
     "ui.text",
 )
 

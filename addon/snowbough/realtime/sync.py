@@ -1,0 +1,120 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Hands scenes to a renderer: what is new, other or gone since the scene before, and nothing else. No ``bpy``."""
+
+import numpy as np
+
+
+class Sync:
+    """Keeps a native Renderer's content as that of the last scene."""
+
+    def __init__(self, renderer):
+        self._renderer = renderer
+        self._meshes = {}
+        self._trees = {}
+
+    def update(self, scene):
+        """Makes the renderer hold a records.Scene. Returns whether anything but the light had to be changed."""
+        changed = self._remove_gone(scene)
+        for mesh in scene.meshes:
+            changed |= self._update_mesh(mesh)
+        for tree in scene.trees:
+            changed |= self._update_tree(tree)
+        return changed
+
+    def _remove_gone(self, scene):
+        gone = False
+        for known, now in ((self._meshes, scene.meshes), (self._trees, scene.trees)):
+            for key in known.keys() - {thing.key for thing in now}:
+                self._renderer.remove(key)
+                del known[key]
+                gone = True
+        return gone
+
+    def _update_mesh(self, mesh):
+        known = self._meshes.get(mesh.key)
+        renewed = known is None or known.print != mesh.print
+        if renewed:
+            if known is not None:
+                self._renderer.remove(mesh.key)
+            self._add_mesh(mesh)
+        moved = not np.array_equal(np.eye(4)[None] if renewed else known.places, mesh.places)
+        if moved:
+            self._renderer.set_places(mesh.key, mesh.places)
+        before = "" if renewed or known.snow is None else known.snow.print
+        now = "" if mesh.snow is None else mesh.snow.print
+        if now != before:
+            self._set_snow(mesh)
+        self._meshes[mesh.key] = mesh
+        return renewed or moved or now != before
+
+    def _add_mesh(self, mesh):
+        shape = mesh.shape
+        self._renderer.add_mesh(
+            mesh.key,
+            shape.vertices,
+            shape.triangles,
+            normals=shape.normals,
+            uv=shape.uv,
+            materials=shape.paint,
+            colors=[paint.color for paint in shape.paints],
+            images=[paint.image for paint in shape.paints],
+        )
+
+    def _set_snow(self, mesh):
+        """The one place that says how a bake's snow is drawn."""
+        if mesh.snow is None:
+            self._renderer.set_snow(mesh.key)
+        else:
+            self._renderer.set_snow(mesh.key, mesh.snow.heights, mesh.snow.uv)
+
+    def _update_tree(self, tree):
+        known = self._trees.get(tree.key)
+        renewed = known is None or known.print != tree.print
+        if renewed:
+            if known is not None:
+                self._renderer.remove(tree.key)
+            bark = tree.bark
+            self._renderer.add_tree(
+                tree.key, tree.surface, bark_depth=bark.depth, bark_dark=bark.dark, bark_light=bark.light
+            )
+        leafed = tree.leaves_print != ("" if renewed else known.leaves_print)
+        if leafed:
+            self._set_leaves(tree)
+        posed = renewed or not np.array_equal(known.pose, tree.pose)
+        if posed:
+            self._renderer.set_pose(tree.key, tree.pose)
+        self._trees[tree.key] = tree
+        return renewed or leafed or posed
+
+    def _set_leaves(self, tree):
+        leaves = tree.leaves
+        if leaves is None:
+            none = np.empty((0, 3, 3), np.float32)
+            self._renderer.set_leaves(tree.key, none, np.empty(0, np.int32))
+            return
+        self._renderer.set_leaves(
+            tree.key,
+            leaves.triangles,
+            leaves.bones,
+            uv=leaves.uv,
+            materials=leaves.paint,
+            colors=[paint.color for paint in leaves.paints],
+            images=[paint.image for paint in leaves.paints],
+        )
+
+
+def camera(native, view):
+    """The native Camera of a records.View."""
+    return native.Camera(view=view.view, projection=view.projection, width=view.width, height=view.height)
+
+
+def settings(native, light, **own):
+    """The native RenderSettings under a records.Light; own: further fields."""
+    return native.RenderSettings(
+        sun_direction=light.direction,
+        sun_color=light.sun,
+        sky_color=light.sky,
+        ground_color=light.ground,
+        cull_back_faces=False,
+        **own,
+    )
