@@ -190,7 +190,7 @@ void set_places(Renderer& renderer, const std::string& mesh, const InputArray<fl
   renderer.set_places(mesh, columns);
 }
 
-void set_snow(Renderer& renderer, const std::string& mesh, const py::object& heights,
+void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object& heights,
               const py::object& uv) {
   MeshSnow snow;
   if (!heights.is_none()) {
@@ -202,7 +202,7 @@ void set_snow(Renderer& renderer, const std::string& mesh, const py::object& hei
             static_cast<int32_t>(map.shape(0)), elements<float>(map)};
   }
   const py::gil_scoped_release release;
-  renderer.set_snow(mesh, snow);
+  renderer.set_mesh_snow(mesh, snow);
 }
 
 py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
@@ -429,7 +429,7 @@ void bind_render(py::module_& module) {
           "one material of `color`.")
       .def("set_places", &set_places, "mesh"_a, "matrices"_a,
            "Where a mesh is: (P, 4, 4), a matrix a place from its own space to the world.")
-      .def("set_snow", &set_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
+      .def("set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
            "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
            "(T, 3, 2)\nof its corners there. None: no snow.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<py::gil_scoped_release>(),

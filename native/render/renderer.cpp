@@ -94,8 +94,8 @@ void Renderer::set_places(const std::string& mesh, const std::vector<glm::mat4>&
   change([mesh, matrices](Scene& scene) { scene.set_places(mesh, matrices); });
 }
 
-void Renderer::set_snow(const std::string& mesh, const MeshSnow& snow) {
-  change([mesh, snow](Scene& scene) { scene.set_snow(mesh, snow); });
+void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
+  change([mesh, snow](Scene& scene) { scene.set_mesh_snow(mesh, snow); });
 }
 
 void Renderer::remove(const std::string& name) {

@@ -94,7 +94,7 @@ class Renderer {
   /// Where a mesh is: a matrix a place, from its own space to the world; at first the identity.
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
   /// Lets snow lie on a mesh; without heights: none.
-  void set_snow(const std::string& mesh, const MeshSnow& snow);
+  void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   /// Takes a tree or a mesh away.
   void remove(const std::string& name);
 

@@ -144,7 +144,7 @@ void Scene::set_places(const std::string& name, const std::vector<glm::mat4>& ma
   mesh(name).set_places(matrices);
 }
 
-void Scene::set_snow(const std::string& name, const MeshSnow& snow) {
+void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
   mesh(name).set_snow(snow);
 }
 

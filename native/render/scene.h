@@ -26,7 +26,7 @@ class Scene {
   void add_mesh(const std::string& name, const MeshSource& source);
   void remove(const std::string& name);
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
-  void set_snow(const std::string& mesh, const MeshSnow& snow);
+  void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
   /// Draws a picture of linear light and measures nothing, so that nobody has to wait for it.

@@ -63,9 +63,9 @@ class Sync:
     def _set_snow(self, mesh):
         """The one place that says how a bake's snow is drawn."""
         if mesh.snow is None:
-            self._renderer.set_snow(mesh.key)
+            self._renderer.set_mesh_snow(mesh.key)
         else:
-            self._renderer.set_snow(mesh.key, mesh.snow.heights, mesh.snow.uv)
+            self._renderer.set_mesh_snow(mesh.key, mesh.snow.heights, mesh.snow.uv)
 
     def _update_tree(self, tree):
         known = self._trees.get(tree.key)
