@@ -296,10 +296,11 @@ def test_materials_show_the_colour_that_leads_to_the_output(scene, addon):
     assert look.paint.color == pytest.approx((0.4, 0.2, 0.0))
     assert addon("realtime.materials").bark_of(look).light == pytest.approx((0.6, 0.4, 0.0))
 
-    plain = bpy.data.materials.new("plain")
-    plain.use_nodes = False
-    plain.diffuse_color = (0.3, 0.2, 0.1, 1)
-    assert look_of(plain).paint.color == pytest.approx((0.3, 0.2, 0.1))
+    if bpy.app.version < (5, 0, 0):  # where every material has nodes
+        plain = bpy.data.materials.new("plain")
+        plain.use_nodes = False
+        plain.diffuse_color = (0.3, 0.2, 0.1, 1)
+        assert look_of(plain).paint.color == pytest.approx((0.3, 0.2, 0.1))
     assert look_of(None).paint.color == (0.8, 0.8, 0.8)
 
 

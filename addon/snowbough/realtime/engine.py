@@ -4,9 +4,11 @@
 Nothing here draws with OpenGL itself: frames come from the native renderer's own thread, see viewport.
 """
 
+import weakref
+
 import bpy
 
-from .. import native
+from .. import compat, native
 from . import viewport
 from .final import FinalRenderer
 from .reader import Reader
@@ -34,10 +36,6 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
     _view = None
     _reader = None
 
-    def __del__(self):
-        if self._view is not None:
-            self._view.close()
-
     # -- F12 --------------------------------------------------------------------------------------------
 
     def render(self, depsgraph):
@@ -54,7 +52,7 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
             return
         height, width = picture.shape[:2]
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
-        result.layers[0].passes["Combined"].rect.foreach_set(picture.reshape(-1, 4))
+        compat.set_pass_pixels(result.layers[0].passes["Combined"], picture)
         self.end_result(result)
 
     # -- 3D view ----------------------------------------------------------------------------------------
@@ -68,6 +66,8 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
                 self.report({"ERROR"}, f"Snowbough Realtime: {error}")
                 return
             self._reader = Reader(module)
+            # As the engine goes its own attributes cannot be asked any more.
+            weakref.finalize(self, self._view.close)
         self._reader.forget(depsgraph)
         space = context.space_data
         self._view.update(self._reader.read(depsgraph, lambda obj: obj.visible_in_viewport_get(space)))
