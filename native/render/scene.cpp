@@ -290,7 +290,7 @@ void Scene::count_patches() {
 }
 
 void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
-                       KeptTarget& large, bool linear) {
+                       KeptTarget& large, bool linear, bool shadows) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
   Camera of_pixels = camera;
@@ -303,7 +303,7 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
   }
   write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
-  draw_shadows(settings);
+  if (shadows) draw_shadows(settings);
   if (settings.antialias) {
     const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
     draw_picture(twice, settings, linear);
@@ -317,7 +317,7 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
   const auto started = std::chrono::steady_clock::now();
   timer_.take();
   const Target& picture = picture_.of_size(camera.width, camera.height);
-  draw_frame(camera, settings, picture, large_, false);
+  draw_frame(camera, settings, picture, large_, false, true);
   Picture made{camera.width, camera.height, read_color(picture)};
 
   statistics_.emplace();
@@ -331,10 +331,11 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
   return made;
 }
 
-const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings) {
+const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings,
+                                      bool shadows) {
   const Target& picture = light_.of_size(camera.width, camera.height);
   timer_.set_enabled(false);
-  draw_frame(camera, settings, picture, large_light_, true);
+  draw_frame(camera, settings, picture, large_light_, true, shadows);
   timer_.set_enabled(true);
   return picture.color;
 }
@@ -345,7 +346,7 @@ LightPicture Scene::render_light(const Camera& camera, const RenderSettings& set
   Camera of_sample = camera;
   for (int32_t i = 0; i < samples; ++i) {
     if (samples > 1) of_sample.jitter = camera.jitter + sample_offset(i);
-    const gpu::Texture& light = draw_light(of_sample, settings);
+    const gpu::Texture& light = draw_light(of_sample, settings, i == 0);
     sum_.use();
     sum_.bind_texture("light", light);
     sum_.bind_image("sum", sum, GL_READ_WRITE);

@@ -30,7 +30,8 @@ class Scene {
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
   /// Draws a picture of linear light and measures nothing, so that nobody has to wait for it.
-  const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings);
+  const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings,
+                                 bool shadows = true);
   FrameStatistics statistics() const;
   std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
                                    const RenderSettings& settings);
@@ -66,8 +67,9 @@ class Scene {
   void draw_shadows(const RenderSettings& settings);
   void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
+  /// `shadows`: draws the sun's picture, too, which another shift of the camera leaves as it is.
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
-                  KeptTarget& large, bool linear);
+                  KeptTarget& large, bool linear, bool shadows);
   void count_patches();
   const gpu::Texture& shadow_map() const { return *shadow_map_; }
 

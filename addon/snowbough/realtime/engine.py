@@ -9,7 +9,7 @@ import weakref
 import bpy
 
 from .. import compat, native
-from . import viewport
+from . import lights, viewport
 from .final import FinalRenderer
 from .reader import Reader
 
@@ -76,7 +76,11 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
         if self._view is None:
             return
         options = depsgraph.scene_eval.snowbough_realtime.as_render_settings()
-        self._view.draw(viewport.view_of(context.region, context.region_data), options)
+        shading = context.space_data.shading
+        light = lights.shown(
+            self._view.light, shading.use_scene_lights_render, shading.use_scene_world_render
+        )
+        self._view.draw(viewport.view_of(context.region, context.region_data), light, options)
         if self._view.error is not None:
             self.update_stats("Snowbough", self._view.error)
 

@@ -27,7 +27,8 @@ class FinalRenderer:
         options = scene.snowbough_realtime
         settings = sync.settings(self._native, content.light, **options.as_render_settings())
         transparent = scene.render.film_transparent
-        settings.background = (0.0, 0.0, 0.0) if transparent else content.light.sky
+        if transparent:
+            settings.background = (0.0, 0.0, 0.0)
         view = final_view(scene.render, camera, depsgraph)
         rgba = self._renderer.render_light(sync.camera(self._native, view), settings, options.samples)
         if not transparent:

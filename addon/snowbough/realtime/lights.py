@@ -52,6 +52,18 @@ def _irradiance(lamp, direction, away):
     return lamp.energy / (4.0 * math.pi * away * away)
 
 
+# Of a view that is to show neither the scene's lamps nor its world.
+STUDIO_SUN = Light((0.35, -0.55, 0.76), (0.9, 0.9, 0.9))
+STUDIO_SKY = (0.3, 0.3, 0.3)
+
+
+def shown(light, with_lamps, with_world):
+    """The records.Light of a 3D view, which may be told to leave out the scene's lamps or its world."""
+    sky, ground = (light.sky, light.ground) if with_world else (STUDIO_SKY, STUDIO_SKY)
+    sun = light if with_lamps else STUDIO_SUN
+    return Light(sun.direction, sun.sun, sky, ground)
+
+
 def light_of(lamps, world, centre=(0.0, 0.0, 0.0)):
     """The records.Light of lamps and of a world's colour (linear, times its strength).
 

@@ -26,23 +26,24 @@ class Pacing:
     def __init__(self):
         self.software = False
         self._changed_at = None
-        self._shown = None
+        self.last_shown = None
+        """Quality of what is on the screen, where it is of the present view and scene; else None."""
 
     def changed(self, now):
         """The view or the scene is another."""
         self._changed_at = now
-        self._shown = None
+        self.last_shown = None
 
     def shown(self, quality):
         """A picture of the present view and scene is there."""
-        self._shown = quality
+        self.last_shown = quality
 
     def wanted(self, now):
         """The Quality to ask for. A whole picture comes first, one with smooth edges once that is shown."""
         if self._changed_at is not None and now - self._changed_at < STILL_SECONDS:
             return Quality(MOVING_DIVISOR_SOFTWARE if self.software else MOVING_DIVISOR, False)
-        return FINE if self._shown in (FULL, FINE) else FULL
+        return FINE if self.last_shown in (FULL, FINE) else FULL
 
     def is_done(self):
         """Whether nothing better is to come."""
-        return self._shown == FINE
+        return self.last_shown == FINE

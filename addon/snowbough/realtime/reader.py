@@ -24,8 +24,8 @@ _Z = Vector((0.0, 0.0, 1.0))
 NO_INDEX = 0x7FFFFFFF
 # Each instance of a tree has a pose of its own on the GPU; scattered forests beyond this many are plain meshes.
 MOST_TREES = 64
-# Materials, and what they are made of: whichever changes, looks are worked out anew.
-LOOK_TYPES = (bpy.types.Material, bpy.types.NodeTree, bpy.types.Image, bpy.types.Texture)
+# Whichever changes, looks are worked out anew. Of a node group that changes, its materials say so.
+LOOK_TYPES = (bpy.types.Material, bpy.types.Image)
 
 
 class Reader:
@@ -46,16 +46,11 @@ class Reader:
                 self._looks.clear()
                 self._shapes.clear()
                 self._leaves.clear()
-            elif isinstance(block, bpy.types.Object) and (
-                update.is_updated_geometry or update.is_updated_shading
-            ):
-                self._drop(block)
-
-    def _drop(self, obj):
-        name = (obj.name, library_path(obj))
-        for kept in (self._shapes, self._leaves):
-            for key in [key for key in kept if key[:2] == name]:
-                del kept[key]
+            elif isinstance(block, bpy.types.Mesh):  # edited; where a pose bends it, only its object says so
+                _drop(self._leaves, block)
+            elif isinstance(block, bpy.types.Object):
+                if update.is_updated_geometry or update.is_updated_shading:
+                    _drop(self._shapes, block)
 
     def read(self, depsgraph, is_shown=None):
         """The records.Scene of a depsgraph. is_shown(original object) -> bool: what else decides about an object."""
@@ -128,7 +123,7 @@ class Reader:
 
     def _leaves_of(self, obj):
         original = obj.original
-        key = (original.name, library_path(original))
+        key = (original.data.name, library_path(original.data))
         if key not in self._leaves:
             looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
             leaves = trees.leaves_of(original, looks)
@@ -186,6 +181,13 @@ class Reader:
         if key not in self._looks:
             self._looks[key] = materials.look_of(material)
         return self._looks[key]
+
+
+def _drop(kept, block):
+    """Forgets what is kept under a data-block's name and library."""
+    name = (block.name, library_path(block))
+    for key in [key for key in kept if key[:2] == name]:
+        del kept[key]
 
 
 class _KeptUvs:

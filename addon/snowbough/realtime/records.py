@@ -49,7 +49,7 @@ class Shape:
         return "".join([fingerprint(*arrays), *(paint.print for paint in self.paints)])
 
 
-@dataclass
+@dataclass(frozen=True)
 class LyingSnow:
     """Snow of a bake on a shape."""
 

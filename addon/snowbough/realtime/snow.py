@@ -18,6 +18,7 @@ class BakedSnow:
         self._native = native
         self._maps = {}
         self._folders = {}
+        self._lying = {}
 
     def begin(self, scene):
         """Looks up the receivers of a scene and its frame."""
@@ -42,7 +43,11 @@ class BakedSnow:
         uv = arrays.uv(baked_uv_map(folder) or uv_map)
         if uv is None:
             return None
-        return LyingSnow(self._heights(path), uv)
+        heights = self._heights(path)
+        known = self._lying.get((obj.name, library_path(obj)))
+        if known is None or known.heights is not heights or known.uv is not uv:
+            known = self._lying[obj.name, library_path(obj)] = LyingSnow(heights, uv)
+        return known
 
     def _path(self, obj):
         """The file that shows the frame: of a frame behind the last one, the last; None before the first."""

@@ -40,12 +40,11 @@ class Sync:
         moved = not np.array_equal(np.eye(4)[None] if renewed else known.places, mesh.places)
         if moved:
             self._renderer.set_places(mesh.key, mesh.places)
-        before = "" if renewed or known.snow is None else known.snow.print
-        now = "" if mesh.snow is None else mesh.snow.print
-        if now != before:
+        snowed = not _is_same_snow(mesh.snow, None if renewed else known.snow)
+        if snowed:
             self._set_snow(mesh)
         self._meshes[mesh.key] = mesh
-        return renewed or moved or now != before
+        return renewed or moved or snowed
 
     def _add_mesh(self, mesh):
         shape = mesh.shape
@@ -101,6 +100,12 @@ class Sync:
             colors=[paint.color for paint in leaves.paints],
             images=[paint.image for paint in leaves.paints],
         )
+
+
+def _is_same_snow(one, other):
+    if one is None or other is None or one is other:
+        return one is other
+    return one.print == other.print
 
 
 def camera(native, view):

@@ -13,7 +13,7 @@ from gpu_extras.batch import batch_for_shader
 
 from . import frame_code, sync
 from .pacing import Pacing
-from .records import View
+from .records import Light, View
 
 POLL_SECONDS = 0.01
 
@@ -70,7 +70,7 @@ class Viewport:
         self._sync = sync.Sync(self._renderer)
         self._redraw = redraw
         self._pacing = Pacing()
-        self._light = None
+        self.light = Light()
         self._key = None
         self._asked = {}
         self._arrived = None
@@ -82,15 +82,15 @@ class Viewport:
 
     def update(self, scene):
         """Another moment: a records.Scene."""
-        changed = self._sync.update(scene)
-        if changed or scene.light != self._light:
-            self._light = scene.light
+        if self._sync.update(scene):
             self._generation += 1
+        self.light = scene.light
 
-    def draw(self, view, options):
-        """Draws the newest frame and asks for one of this records.View; options: fields of RenderSettings."""
+    def draw(self, view, light, options):
+        """Draws the newest frame and asks for one of this records.View under a records.Light; options: fields of
+        RenderSettings."""
         self._take()
-        key = (view, self._generation, tuple(sorted(options.items())))
+        key = (view, light, self._generation, tuple(sorted(options.items())))
         now = time.monotonic()
         if key != self._key:
             self._key = key
@@ -98,16 +98,15 @@ class Viewport:
             self._pacing.changed(now)
         self._show_arrived()
         quality = self._pacing.wanted(now)
-        if quality != self._last_wish and self._light is not None and not self._pacing.is_done():
-            self._ask(view, options, quality)
+        if quality != self._last_wish and not self._pacing.is_done():
+            self._ask(view, light, options, quality)
         if self._texture is not None:
             draw_frame(self._texture)
         if not self._is_settled():
             _start_timer()
 
-    def _ask(self, view, options, quality):
-        settings = sync.settings(self._native, self._light, antialias=quality.antialias, **options)
-        settings.background = self._light.sky
+    def _ask(self, view, light, options, quality):
+        settings = sync.settings(self._native, light, antialias=quality.antialias, **options)
         camera = sync.camera(self._native, view.divided(quality.divisor))
         ticket = self._renderer.request_frame(camera, settings)
         self._asked[ticket] = (self._key, quality)
@@ -153,7 +152,7 @@ class Viewport:
     @property
     def shown(self):
         """The Quality of what is on the screen, where it is of the present view; else None."""
-        return self._pacing._shown
+        return self._pacing.last_shown
 
     def close(self):
         if self in _open:

@@ -167,6 +167,15 @@ def test_an_area_lamp_lights_nothing_behind_it():
     assert light.sun == (0.0, 0.0, 0.0)
 
 
+def test_a_view_may_leave_out_lamps_or_world():
+    light = lights.light_of([lamp()], (0.1, 0.2, 0.4))
+    assert lights.shown(light, True, True) == light
+    assert lights.shown(light, False, True).sun == lights.STUDIO_SUN.sun
+    assert lights.shown(light, False, True).sky == light.sky
+    assert lights.shown(light, True, False).direction == light.direction
+    assert lights.shown(light, True, False).sky == lights.STUDIO_SKY
+
+
 # -- pace -------------------------------------------------------------------------------------------------
 
 
