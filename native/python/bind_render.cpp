@@ -191,7 +191,7 @@ void set_places(Renderer& renderer, const std::string& mesh, const InputArray<fl
 }
 
 void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object& heights,
-              const py::object& uv) {
+                   const py::object& uv) {
   MeshSnow snow;
   if (!heights.is_none()) {
     const auto map = py::cast<InputArray<float>>(heights);
@@ -344,6 +344,8 @@ void bind_options(py::module_& module) {
       .field("cull_back_faces", &RenderSettings::cull_back_faces,
              "Leaves out bark seen from its back.")
       .field("antialias", &RenderSettings::antialias, "Means of 2 x 2 pixels.")
+      .field("draft", &RenderSettings::draft,
+             "Of frames: keeps the shadow map of the frame before where only the camera moved.")
       .field("sun_direction", &RenderSettings::sun_direction, "Towards the sun, (3,).")
       .field("sun_color", &RenderSettings::sun_color, "Linear light on what faces the sun.")
       .field("sky_color", &RenderSettings::sky_color, "Linear light on what faces up.")

@@ -96,6 +96,14 @@ Scene::Tree& Scene::tree(const std::string& name) const {
   return *found->second;
 }
 
+bool Scene::ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
+  const bool same_sun = scene == before.scene && resolution == before.resolution &&
+                        shadow_from_world == before.shadow_from_world;
+  const bool same_levels = eye == before.eye && level == before.level && drop == before.drop &&
+                           max_level == before.max_level && thesis == before.thesis;
+  return same_sun && (roughly || same_levels);
+}
+
 MeshBuffers& Scene::mesh(const std::string& name) const {
   const auto found = meshes_.find(name);
   if (found == meshes_.end()) throw std::invalid_argument("there is no mesh '" + name + "'");
@@ -109,11 +117,13 @@ void Scene::require_new(const std::string& name) const {
 }
 
 void Scene::add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look) {
+  ++revision_;
   require_new(name);
   trees_[name] = std::make_unique<Tree>(patches, look);
 }
 
 void Scene::set_leaves(const std::string& name, const LeafSource& leaves) {
+  ++revision_;
   Tree& of = tree(name);
   LeafBuffers made(leaves, of.bone_count);
   of.leaves.reset();
@@ -125,6 +135,7 @@ void Scene::set_leaves(const std::string& name, const LeafSource& leaves) {
 }
 
 void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  ++revision_;
   Tree& of = tree(name);
   if (matrices.size() != static_cast<size_t>(of.bone_count)) {
     throw std::invalid_argument("tree '" + name + "' has " + std::to_string(of.bone_count) +
@@ -136,11 +147,13 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
 }
 
 void Scene::add_mesh(const std::string& name, const MeshSource& source) {
+  ++revision_;
   require_new(name);
   meshes_[name] = std::make_unique<MeshBuffers>(source);
 }
 
 void Scene::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  ++revision_;
   mesh(name).set_places(matrices);
 }
 
@@ -149,6 +162,7 @@ void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
 }
 
 void Scene::remove(const std::string& name) {
+  ++revision_;
   if (trees_.erase(name) + meshes_.erase(name) == 0) {
     throw std::invalid_argument("there is nothing named '" + name + "'");
   }
@@ -168,7 +182,8 @@ Bounds Scene::bounds() const {
   return {casters.centre(), radius, radius};
 }
 
-void Scene::write_views(const Camera& camera, const RenderSettings& settings, bool linear) {
+shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& settings,
+                                    bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
   around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
@@ -187,6 +202,7 @@ void Scene::write_views(const Camera& camera, const RenderSettings& settings, bo
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }
+  return base;
 }
 
 void Scene::prepare_trees(const RenderSettings& settings) {
@@ -290,7 +306,7 @@ void Scene::count_patches() {
 }
 
 void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
-                       KeptTarget& large, bool linear, bool shadows) {
+                       KeptTarget& large, bool linear, Shadows shadows) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
   Camera of_pixels = camera;
@@ -301,9 +317,22 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
     for_pixels.target_pixels *= 2.0f;
     for_pixels.min_pixels *= 2.0f;
   }
-  write_views(of_pixels, for_pixels, linear);
+  const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
-  if (shadows) draw_shadows(settings);
+  const ShadowInputs inputs{revision_,
+                            settings.shadow_resolution,
+                            view.shadow_from_world,
+                            vec3(view.eye),
+                            view.eye.w / view.tessellation.z,
+                            view.eye.w / view.tessellation.w,
+                            view.tessellation.y,
+                            view.thesis};
+  const bool stays = shadows == Shadows::kKeep || (shadows == Shadows::kIfOther && shadow_inputs_ &&
+                                                   inputs.sees(*shadow_inputs_, settings.draft));
+  if (!stays) {
+    draw_shadows(settings);
+    shadow_inputs_ = inputs;
+  }
   if (settings.antialias) {
     const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
     draw_picture(twice, settings, linear);
@@ -317,7 +346,7 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
   const auto started = std::chrono::steady_clock::now();
   timer_.take();
   const Target& picture = picture_.of_size(camera.width, camera.height);
-  draw_frame(camera, settings, picture, large_, false, true);
+  draw_frame(camera, settings, picture, large_, false, Shadows::kDraw);
   Picture made{camera.width, camera.height, read_color(picture)};
 
   statistics_.emplace();
@@ -332,7 +361,7 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
 }
 
 const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings,
-                                      bool shadows) {
+                                      Shadows shadows) {
   const Target& picture = light_.of_size(camera.width, camera.height);
   timer_.set_enabled(false);
   draw_frame(camera, settings, picture, large_light_, true, shadows);
@@ -346,7 +375,8 @@ LightPicture Scene::render_light(const Camera& camera, const RenderSettings& set
   Camera of_sample = camera;
   for (int32_t i = 0; i < samples; ++i) {
     if (samples > 1) of_sample.jitter = camera.jitter + sample_offset(i);
-    const gpu::Texture& light = draw_light(of_sample, settings, i == 0);
+    const gpu::Texture& light =
+        draw_light(of_sample, settings, i == 0 ? Shadows::kDraw : Shadows::kKeep);
     sum_.use();
     sum_.bind_texture("light", light);
     sum_.bind_image("sum", sum, GL_READ_WRITE);

@@ -29,9 +29,16 @@ class Scene {
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+  /// Whether a frame draws the sun's picture.
+  enum class Shadows : uint8_t {
+    kDraw,
+    /// Where it would be another than the frame's before.
+    kIfOther,
+    kKeep,
+  };
   /// Draws a picture of linear light and measures nothing, so that nobody has to wait for it.
   const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings,
-                                 bool shadows = true);
+                                 Shadows shadows = Shadows::kIfOther);
   FrameStatistics statistics() const;
   std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
                                    const RenderSettings& settings);
@@ -58,18 +65,33 @@ class Scene {
     gpu::Buffer sun_view;
   };
 
+  /// What the sun's picture depends on.
+  struct ShadowInputs {
+    uint64_t scene = 0;
+    int32_t resolution = 0;
+    glm::mat4 shadow_from_world{0.0f};
+    /// The levels of trees are those of the camera's picture.
+    glm::vec3 eye{0.0f};
+    float level = 0.0f;
+    float drop = 0.0f;
+    float max_level = 0.0f;
+    glm::vec4 thesis{0.0f};
+
+    /// Whether the picture before will do; `roughly`: also where only the camera has moved.
+    bool sees(const ShadowInputs& before, bool roughly) const;
+  };
+
   Tree& tree(const std::string& name) const;
   MeshBuffers& mesh(const std::string& name) const;
   void require_new(const std::string& name) const;
   Bounds bounds() const;
-  void write_views(const Camera& camera, const RenderSettings& settings, bool linear);
+  shared::TreeView write_views(const Camera& camera, const RenderSettings& settings, bool linear);
   void prepare_trees(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
   void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
-  /// `shadows`: draws the sun's picture, too, which another shift of the camera leaves as it is.
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
-                  KeptTarget& large, bool linear, bool shadows);
+                  KeptTarget& large, bool linear, Shadows shadows);
   void count_patches();
   const gpu::Texture& shadow_map() const { return *shadow_map_; }
 
@@ -91,6 +113,9 @@ class Scene {
   KeptTarget shadow_{GL_NONE};
   KeptTarget nothing_{GL_NONE};
   const gpu::Texture* shadow_map_ = nullptr;
+  /// Counts changes of what casts shadows.
+  uint64_t revision_ = 0;
+  std::optional<ShadowInputs> shadow_inputs_;
   gpu::PassTimer timer_{gpu::renders_in_software()};
   std::optional<FrameStatistics> statistics_;
 };

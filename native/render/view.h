@@ -70,6 +70,8 @@ struct RenderSettings {
   glm::vec3 ground_color{0.2f, 0.19f, 0.18f};
   /// Edge of the shadow map in texels; 0: no shadows.
   int32_t shadow_resolution = 1024;
+  /// Of frames: keeps the sun's picture of the frame before where only the camera has moved.
+  bool draft = false;
   /// Linear light of what is seen behind everything; none: the sky's.
   std::optional<glm::vec3> background;
 };

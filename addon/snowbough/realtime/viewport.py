@@ -106,7 +106,9 @@ class Viewport:
             _start_timer()
 
     def _ask(self, view, light, options, quality):
-        settings = sync.settings(self._native, light, antialias=quality.antialias, **options)
+        settings = sync.settings(
+            self._native, light, antialias=quality.antialias, draft=quality.divisor > 1, **options
+        )
         camera = sync.camera(self._native, view.divided(quality.divisor))
         ticket = self._renderer.request_frame(camera, settings)
         self._asked[ticket] = (self._key, quality)

@@ -268,6 +268,26 @@ def test_a_frame_is_the_picture_in_numbers_that_every_driver_keeps(renderer):
     assert np.allclose(corner, (0.02, 0.18, 7.0), rtol=0.01)
 
 
+def test_a_draft_keeps_the_shadows_only_while_nothing_but_the_camera_moves(renderer):
+    renderer.add_mesh("roof", 0.5 * SQUARE + np.float32((0, 0, 1)), HALVES)
+    renderer.add_mesh("ground", SQUARE, HALVES, color=(1, 1, 1))
+    sun = {**SUN, "sun_direction": (1, 0, 1), "sky_color": (0, 0, 0), "shadow_resolution": 256}
+
+    def shaded(**others):
+        camera = native.Camera(**ABOVE)
+        ticket = renderer.request_frame(camera, native.RenderSettings(**{**sun, **others}))
+        return frame_code.light(newest(renderer, ticket))[20, :, 0] < 0.01
+
+    first = shaded()
+    assert first[11:15].all() and not first[16:29].any()  # a metre beside the roof, away from the sun
+    assert np.array_equal(shaded(draft=True), first)
+    renderer.set_places("roof", [np.eye(4) + 0.5 * np.eye(4, k=3)])
+    moved = shaded(draft=True)
+    assert moved[16:19].all()
+    turned = shaded(draft=True, sun_direction=(-1, 0, 1))
+    assert not turned[16:19].any()
+
+
 def test_of_many_requests_the_last_one_is_shown_and_nobody_waits(renderer):
     renderer.add_tree("tree", native.build_tree_mesh(small_tree()))
     longest = 0.0
