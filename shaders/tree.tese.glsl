@@ -12,6 +12,13 @@ layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
 out vec3 world;
 out vec3 smooth_normal;
 out vec4 bark;
+#ifdef SNOW
+#ifndef WIRE
+/// Where the snow is on its map, and the bark in the rest pose.
+out vec2 snow_place;
+out vec3 rest_place;
+#endif
+#endif
 #endif
 #endif
 
@@ -26,6 +33,12 @@ void main() {
   world = point.position;
   smooth_normal = point.normal;
   bark = vec4(patch_bark_uv(of, at), point.limb);
+#ifdef SNOW
+#ifndef WIRE
+  snow_place = patch_snow_uv(of, at);
+  rest_place = point.rest;
+#endif
+#endif
 #endif
 #endif
   gl_Position = view.clip_from_world * vec4(point.position, 1.0);

@@ -16,6 +16,7 @@
 #include "choose.h"
 #include "numpy_arrays.h"
 #include "render/renderer.h"
+#include "snow/simulation.h"
 #include "tree_source.h"
 
 namespace py = pybind11;
@@ -85,6 +86,14 @@ std::vector<Element> elements(const InputArray<Scalar>& array) {
   std::vector<Element> made(static_cast<size_t>(array.size()) * sizeof(Scalar) / sizeof(Element));
   std::memcpy(static_cast<void*>(made.data()), array.data(), made.size() * sizeof(Element));
   return made;
+}
+
+/// Empty for None.
+std::vector<std::array<glm::vec3, 3>> corner_normals(const py::object& normals) {
+  if (normals.is_none()) return {};
+  const auto array = py::cast<InputArray<float>>(normals);
+  require_shape(array, {-1, 3, 3}, "normals");
+  return elements<std::array<glm::vec3, 3>>(array);
 }
 
 void add_tree(Renderer& renderer, const std::string& name, const py::object& tree, float bark_depth,
@@ -226,6 +235,57 @@ py::object take_frame(Renderer& renderer) {
                         to_numpy<float>(std::move(frame->words), {frame->height, frame->width}));
 }
 
+SnowSource snow_source(const InputArray<float>& positions, const InputArray<int32_t>& triangles,
+                       const InputArray<float>& uv, const py::object& normals, const Vec3& color,
+                       int32_t resolution) {
+  SnowSource source;
+  source.positions = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
+  source.triangles = rows_from_numpy<std::array<int32_t, 3>, int32_t, 3>(triangles, "triangles");
+  require_shape(uv, {triangles.shape(0), 3, 2}, "uv");
+  source.uv = elements<std::array<glm::vec2, 3>>(uv);
+  source.normals = corner_normals(normals);
+  source.color = to_vec3(color);
+  source.resolution = resolution;
+  return source;
+}
+
+void add_snow_mesh(Renderer& renderer, const std::string& name, const InputArray<float>& positions,
+                   const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                   const py::object& normals, const Vec3& color, int32_t resolution,
+                   bool draws_base) {
+  SnowSource source = snow_source(positions, triangles, uv, normals, color, resolution);
+  source.draws_base = draws_base;
+  const py::gil_scoped_release release;
+  renderer.add_snow_mesh(name, source);
+}
+
+void set_snow_pose(Renderer& renderer, const std::string& name, const InputArray<float>& positions,
+                   const py::object& normals) {
+  const auto moved = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
+  const auto corners = corner_normals(normals);
+  const py::gil_scoped_release release;
+  renderer.set_snow_pose(name, moved, corners);
+}
+
+void set_snow(Renderer& renderer, const std::string& name, const InputArray<float>& height) {
+  require_shape(height, {-1, -1}, "height");
+  const HeightMap map{static_cast<int32_t>(height.shape(1)), static_cast<int32_t>(height.shape(0)),
+                      elements<float>(height)};
+  const py::gil_scoped_release release;
+  renderer.set_snow(name, map);
+}
+
+bool take_snow(Renderer& renderer, const std::string& name, snow::SnowSimulation& simulation,
+               const std::string& object) {
+  const py::gil_scoped_release release;
+  const std::string& from = object.empty() ? name : object;
+  const auto heights = simulation.live_output(from);
+  if (heights != nullptr && renderer.share_snow(name, *heights)) return true;
+  const int32_t size = simulation.resolution(from);
+  renderer.set_snow(name, {size, size, simulation.output(from, false).height});
+  return false;
+}
+
 py::array_t<uint8_t> render_picture(Renderer& renderer, const Camera& camera,
                                     const RenderSettings& settings) {
   Picture picture;
@@ -309,6 +369,19 @@ void matrix_field(OptionsClass<Options>& to, const char* name,
       doc);
 }
 
+py::dict snow_levels(const Renderer& renderer, const std::string& mesh) {
+  SnowLevels found;
+  {
+    const py::gil_scoped_release release;
+    found = renderer.snow_levels(mesh);
+  }
+  const auto count = static_cast<py::ssize_t>(found.classes.size());
+  py::dict dict;
+  dict["class"] = to_numpy<uint32_t>(std::move(found.classes), {count});
+  dict["edge"] = to_numpy<float>(std::move(found.edges), {count, 3});
+  return dict;
+}
+
 void bind_options(py::module_& module) {
   OptionsClass<Camera> camera(module, "Camera",
                               "A camera, its fields set by keyword: a pinhole, or whatever two "
@@ -327,6 +400,16 @@ void bind_options(py::module_& module) {
       "of all but the size.");
   matrix_field(camera, "projection", &Camera::projection,
                "(4, 4) from the camera's space to clip space, in perspective or orthographic.");
+  OptionsClass<Snowfall>(module, "Snowfall",
+                         "Flakes in the air, its fields set by keyword. Metres, seconds.")
+      .field("rate", &Snowfall::rate, "Depth on open level ground in a second; 0: no flakes.")
+      .field("direction", &Snowfall::direction, "In which they fall, downwards, (3,).")
+      .field("speed", &Snowfall::speed, "Metres a second.")
+      .field("flutter", &Snowfall::flutter, "Degrees by which they stray, 0 to 45.")
+      .field("radius", &Snowfall::radius, "Of a flake, metres.")
+      .field("shutter", &Snowfall::shutter, "How long the picture is exposed, seconds.")
+      .field("time", &Snowfall::time, "Of the picture, seconds.")
+      .field("seed", &Snowfall::seed, "The same seed and time give the same flakes.");
   OptionsClass<RenderSettings> settings(module, "RenderSettings",
                                         "How a picture is made, its fields set by keyword.");
   settings
@@ -340,6 +423,8 @@ void bind_options(py::module_& module) {
              "THESIS: metres at which the level has come down to 1.")
       .field("max_area", &RenderSettings::max_area,
              "THESIS: m2 at which the level is highest; 0: the tree's largest patch.")
+      .field("snow_factor", &RenderSettings::snow_factor,
+             "THESIS, of snow: m of tf = clamp(max(n.up, 0) * m * A, 1, max).")
       .field("wireframe", &RenderSettings::wireframe, "Lines, those behind hidden.")
       .field("cull_back_faces", &RenderSettings::cull_back_faces,
              "Leaves out bark seen from its back.")
@@ -350,6 +435,8 @@ void bind_options(py::module_& module) {
       .field("sun_color", &RenderSettings::sun_color, "Linear light on what faces the sun.")
       .field("sky_color", &RenderSettings::sky_color, "Linear light on what faces up.")
       .field("ground_color", &RenderSettings::ground_color, "Linear light on what faces down.")
+      .field("snowfall", &RenderSettings::snowfall,
+             "Falling flakes, a Snowfall; not in wireframes.")
       .field("shadow_resolution", &RenderSettings::shadow_resolution,
              "Edge of the shadow map in texels; 0: no shadows.");
   settings.python().def_property(
@@ -387,12 +474,13 @@ void bind_render(py::module_& module) {
       "keep.");
   py::class_<Renderer, HeldWithoutGil<Renderer>>(
       module, "Renderer",
-      "Draws trees off-screen in real time: their four-sided base is uploaded once and "
+      "Draws trees and snow off-screen in real time: a tree's four-sided base is uploaded once and "
       "tessellated\n"
       "on the GPU, patch by patch. Needs OpenGL 4.5; works on software renderers, slowly. Raises\n"
       "RuntimeError where no context can be made, and for every call once it is closed. A context\n"
       "manager: leaving it closes the renderer.\n\n"
-      "Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.4.")
+      "Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4 and "
+      "4.2.2.")
       .def(
           py::init([](const std::string& device, bool waits) {
             const py::gil_scoped_release release;
@@ -434,6 +522,35 @@ void bind_render(py::module_& module) {
       .def("set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
            "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
            "(T, 3, 2)\nof its corners there. None: no snow.")
+      .def(
+          "add_snow_mesh", &add_snow_mesh, "name"_a, "positions"_a, "triangles"_a, "uv"_a,
+          "normals"_a = py::none(), "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "resolution"_a = 1024,
+          "draws_base"_a = true,
+          "Adds a mesh that carries snow, bare until set_snow: positions (N, 3), triangles (T, 3), "
+          "uv\n"
+          "(T, 3, 2) in [0, 1], shading normals (T, 3, 3) along which snow grows (None: smooth\n"
+          "everywhere), linear colour of the bare surface. resolution: texels of its map's edge, "
+          "which\n"
+          "decides how finely the mesh is cut; maps of other sizes are taken, too. Faces hang "
+          "together\n"
+          "by the vertices they share. draws_base=False: only snow is drawn, over a mesh that "
+          "add_mesh "
+          "draws.")
+      .def("set_snow_pose", &set_snow_pose, "name"_a, "positions"_a, "normals"_a = py::none(),
+           "Moves a mesh with snow: positions (N, 3) and shading normals (T, 3, 3) or None.")
+      .def("set_snow", &set_snow, "name"_a, "height"_a,
+           "The snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in metres "
+           "along\n"
+           "the shading normals, row 0 = v 0,\n"
+           "negative on the back, as SnowSimulation.output gives them.")
+      .def("take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
+           "The snow on a mesh as it lies now on an object of a SnowSimulation (by default that of "
+           "the\n"
+           "same name). Where the simulation's engine is GL and of the same device, the map stays "
+           "on "
+           "the\n"
+           "GPU, rounded by the thesis's Gaussian, and True is returned; else `output` is handed "
+           "over.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<py::gil_scoped_release>(),
            "Takes a tree or a mesh away.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
@@ -465,13 +582,17 @@ void bind_render(py::module_& module) {
            "sun's picture not counted), 'wall_seconds' with reading back, 'gpu_seconds', and "
            "'passes':\n"
            "by name 'gpu_seconds', 'wall_seconds' and 'primitives'.")
-      .def("triangles", &triangles, "tree"_a, "camera"_a, "settings"_a = RenderSettings{},
+      .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
            "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree's "
-           "bark.")
+           "bark\nor of a mesh with snow.")
       .def("levels", &levels, "tree"_a,
            "Of the last picture, for the quads of the tree's mesh: 'class' (F,), 0 dropped, 1 "
            "plain, 2\n"
            "tessellated, and 'edge' (F, 4), the level of the edge from each corner to the next.")
+      .def(
+          "snow_levels", &snow_levels, "name"_a,
+          "The same of a mesh with snow, for its patches (its triangles, cut where they cover many "
+          "texels):\n'class' (P,) and 'edge' (P, 3).")
       .def_property_readonly(
           "driver",
           [](const Renderer& self) {

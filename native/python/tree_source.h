@@ -29,6 +29,7 @@ inline render::TreeSource tree_source(const tree::TreeMesh& mesh) {
   source.bone_count = static_cast<int32_t>(mesh.bones.heads.size());
   source.quads = mesh.quads;
   source.bark_uv = mesh.uv_bark;
+  source.snow_uv = mesh.uv_snow;
   source.branch_level = mesh.branch_level;
   std::vector<int32_t> first_section;
   int32_t next = 0;

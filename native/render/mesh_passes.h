@@ -9,6 +9,7 @@
 
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
+#include "render/draw_kind.h"
 #include "render/posed_bounds.h"
 #include "render/sources.h"
 #include "render/tree_passes.h"
@@ -58,7 +59,7 @@ class MeshBuffers {
 /// Draws meshes. Kinds as the tree's, without kCapture. GPU thread.
 class MeshPasses {
  public:
-  using Kind = TreePasses::Kind;
+  using Kind = DrawKind;
 
   void draw(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind, const gpu::Texture& shadow_map,
             const glm::vec4& wire_color);

@@ -1,5 +1,6 @@
 #include "render/renderer.h"
 
+#include <algorithm>
 #include <optional>
 #include <stdexcept>
 #include <utility>
@@ -98,12 +99,44 @@ void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
   change([mesh, snow](Scene& scene) { scene.set_mesh_snow(mesh, snow); });
 }
 
+void Renderer::add_snow_mesh(const std::string& name, const SnowSource& source) {
+  drawing();
+  change([name, color = source.color, draws_base = source.draws_base,
+          mesh = SnowMesh(source)](Scene& scene) mutable {
+    scene.add_snow_mesh(name, std::move(mesh), color, draws_base);
+  });
+}
+
+void Renderer::set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
+                             const std::vector<std::array<glm::vec3, 3>>& normals) {
+  change(
+      [mesh, positions, normals](Scene& scene) { scene.set_snow_pose(mesh, positions, normals); });
+}
+
+void Renderer::set_snow(const std::string& mesh, const HeightMap& heights) {
+  const bool is_whole = heights.width > 0 && heights.height > 0 &&
+                        heights.values.size() == static_cast<size_t>(heights.width) *
+                                                     static_cast<size_t>(heights.height);
+  if (!is_whole || std::max(heights.width, heights.height) > 16384) {
+    throw std::invalid_argument(
+        "set_snow: a map must have height x width values, 1 to 16384 a side");
+  }
+  change([mesh, heights](Scene& scene) { scene.set_snow(mesh, heights); });
+}
+
+bool Renderer::share_snow(const std::string& mesh, const gpu::ThreadTexture& heights) {
+  Drawing& to = drawing();
+  if (heights.thread != thread_) return false;
+  return thread_->run([&] { return to.made_scene().share_snow(mesh, heights.texture); });
+}
+
 void Renderer::remove(const std::string& name) {
   change([name](Scene& scene) { scene.remove(name); });
 }
 
 Picture Renderer::render(const Camera& camera, const RenderSettings& settings) {
   check(camera, settings);
+  flake_fall(settings.snowfall);
   Drawing& of = drawing();
   return thread_->run([&] { return of.made_scene().render(camera, settings); });
 }
@@ -163,16 +196,21 @@ FrameStatistics Renderer::statistics() const {
   return thread_->run([&] { return of.made_scene().statistics(); });
 }
 
-std::vector<glm::vec3> Renderer::triangles(const std::string& tree, const Camera& camera,
+std::vector<glm::vec3> Renderer::triangles(const std::string& name, const Camera& camera,
                                            const RenderSettings& settings) {
   check(camera, settings);
   Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().triangles(tree, camera, settings); });
+  return thread_->run([&] { return of.made_scene().triangles(name, camera, settings); });
 }
 
 TreeLevels Renderer::levels(const std::string& tree) const {
   Drawing& of = drawing();
   return thread_->run([&] { return of.made_scene().levels(tree); });
+}
+
+SnowLevels Renderer::snow_levels(const std::string& mesh) const {
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().snow_levels(mesh); });
 }
 
 const gpu::GpuInfo& Renderer::info() const {

@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
+#include "gpu/thread_texture.h"
 #include "gpu/timer.h"
 #include "render/frame_queue.h"
 #include "render/sources.h"
@@ -46,7 +47,7 @@ struct LightPicture {
 
 /// Of the last picture.
 struct FrameStatistics {
-  /// Patches of all trees by class.
+  /// Patches of all trees and meshes with snow by class.
   int64_t dropped = 0;
   int64_t plain = 0;
   int64_t tessellated = 0;
@@ -66,10 +67,20 @@ struct TreeLevels {
   std::vector<std::array<float, 4>> edges;
 };
 
-/// Draws trees off-screen with tessellation shaders, on a GPU thread of its process; OpenGL 4.5, on
-/// software renderers slowly. Same input, same driver: bit-identical pictures.
+/// The tessellation of a mesh with snow in the last picture, by patch: a triangle of the mesh, or a
+/// part of one that covers many texels.
+struct SnowLevels {
+  /// As TreeLevels'.
+  std::vector<uint32_t> classes;
+  /// Level of the edge from each corner to the next.
+  std::vector<std::array<float, 3>> edges;
+};
+
+/// Draws trees and snow off-screen with tessellation shaders, on a GPU thread of its process;
+/// OpenGL 4.5, on software renderers slowly. Same input, same driver: bit-identical pictures.
 ///
-/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.4.
+/// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4
+/// and 4.2.2.
 class Renderer {
  public:
   /// `device` as GpuThread's. @throws std::runtime_error where no context can be made.
@@ -95,6 +106,17 @@ class Renderer {
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
   /// Lets snow lie on a mesh; without heights: none.
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
+  /// A mesh that carries snow: bare until it gets a map.
+  void add_snow_mesh(const std::string& name, const SnowSource& source);
+  /// Moves such a mesh; `normals` as SnowSource's.
+  void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
+                     const std::vector<std::array<glm::vec3, 3>>& normals = {});
+  /// The snow on such a mesh, or on a tree that has places for it.
+  void set_snow(const std::string& name, const HeightMap& heights);
+  /// The snow on a mesh from a texture (R32F, linear filtering) where it lies, if that is in this
+  /// renderer's context: whether it is. To be called anew when its content has changed. Trees take
+  /// no textures: false.
+  bool share_snow(const std::string& name, const gpu::ThreadTexture& heights);
   /// Takes a tree or a mesh away.
   void remove(const std::string& name);
 
@@ -116,11 +138,12 @@ class Renderer {
   /// @throws std::runtime_error before the first picture.
   FrameStatistics statistics() const;
 
-  /// World positions of the triangles of a tree as the camera would see them, three a triangle, the
-  /// plain patches first; what the camera does not see is left out.
-  std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
+  /// World positions of the triangles of a tree or of a mesh with snow as the camera would see
+  /// them, three a triangle, the plain patches first; what the camera does not see is left out.
+  std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
+  SnowLevels snow_levels(const std::string& mesh) const;
 
   /// The driver.
   const gpu::GpuInfo& info() const;

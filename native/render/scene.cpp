@@ -110,8 +110,16 @@ MeshBuffers& Scene::mesh(const std::string& name) const {
   return *found->second;
 }
 
+Scene::Receiver& Scene::receiver(const std::string& name) const {
+  const auto found = receivers_.find(name);
+  if (found == receivers_.end()) {
+    throw std::invalid_argument("there is no mesh with snow named '" + name + "'");
+  }
+  return *found->second;
+}
+
 void Scene::require_new(const std::string& name) const {
-  if (trees_.count(name) != 0 || meshes_.count(name) != 0) {
+  if (trees_.count(name) + meshes_.count(name) + receivers_.count(name) != 0) {
     throw std::invalid_argument("'" + name + "' is there already: remove it first");
   }
 }
@@ -161,20 +169,60 @@ void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
   mesh(name).set_snow(snow);
 }
 
+void Scene::add_snow_mesh(const std::string& name, SnowMesh&& mesh, const vec3& color,
+                          bool draws_base) {
+  ++revision_;
+  require_new(name);
+  receivers_[name] = std::make_unique<Receiver>(std::move(mesh), color, draws_base);
+}
+
+void Scene::set_snow_pose(const std::string& name, const std::vector<vec3>& positions,
+                          const std::vector<std::array<vec3, 3>>& normals) {
+  ++revision_;
+  Receiver& of = receiver(name);
+  of.mesh.set_pose(positions, normals);
+  of.buffers.set_pose(of.mesh.patches());
+}
+
+void Scene::set_snow(const std::string& name, const HeightMap& heights) {
+  ++revision_;
+  auto map = std::make_shared<gpu::Texture>(GL_R32F, heights.width, heights.height, 0, GL_LINEAR);
+  map->write(0, GL_RED, GL_FLOAT, heights.values.data());
+  const auto found = trees_.find(name);
+  if (found == trees_.end()) return receiver(name).buffers.set_map(std::move(map));
+  TreeBuffers& buffers = found->second->buffers;
+  buffers.snow = std::move(map);
+  buffers.deepest_snow = 0.0f;
+  for (const float h : heights.values) {
+    buffers.deepest_snow = std::max(buffers.deepest_snow, std::abs(h));
+  }
+}
+
+bool Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
+  ++revision_;
+  if (trees_.count(name) != 0) return false;
+  receiver(name).buffers.set_map(std::move(heights));
+  return true;
+}
+
 void Scene::remove(const std::string& name) {
   ++revision_;
-  if (trees_.erase(name) + meshes_.erase(name) == 0) {
+  if (trees_.erase(name) + meshes_.erase(name) + receivers_.erase(name) == 0) {
     throw std::invalid_argument("there is nothing named '" + name + "'");
   }
 }
 
 Bounds Scene::bounds() const {
   Box casters, all;
+  const auto add = [&](const Box& box) {
+    if (box.is_empty()) return;
+    all.add(box);
+    if (!is_flat(box)) casters.add(box);
+  };
   for (const auto& [name, of] : trees_) casters.add(of->bounds);
-  for (const auto& [name, of] : meshes_) {
-    if (of->bounds().is_empty()) continue;
-    all.add(of->bounds());
-    if (!is_flat(of->bounds())) casters.add(of->bounds());
+  for (const auto& [name, of] : meshes_) add(of->bounds());
+  for (const auto& [name, of] : receivers_) {
+    add({of->mesh.patches().lowest, of->mesh.patches().highest});
   }
   if (casters.is_empty()) casters = all;
   if (casters.is_empty()) return {vec3(0.0f), 10.0f, 10.0f};
@@ -186,7 +234,8 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
                                     bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
-  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
+  around.reach =
+      meshes_.empty() && receivers_.empty() ? around.radius : std::numeric_limits<float>::max();
   const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
@@ -199,6 +248,7 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
     view.thesis.z = static_cast<float>(of->levels);
     view.bark_dark = vec4(of->look.bark_dark, 1.0f);
     view.bark_light = vec4(of->look.bark_light, 1.0f);
+    view.snow.y = of->buffers.deepest_snow;
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }
@@ -217,6 +267,18 @@ void Scene::prepare_trees(const RenderSettings& settings) {
   });
 }
 
+void Scene::prepare_snow(const RenderSettings& settings) {
+  if (receivers_.empty()) return;
+  const auto each = [&](const char* pass, auto&& work) {
+    const auto measured = timer_.measure(pass);
+    for (const auto& [name, of] : receivers_) work(of->buffers);
+  };
+  each("snow lay", [&](SnowBuffers& of) { snow_.lay(of); });
+  each("snow edges", [&](SnowBuffers& of) { snow_.edge_levels(of, camera_view_); });
+  each("snow classify",
+       [&](SnowBuffers& of) { snow_.classify(of, of.camera, camera_view_, settings.max_level); });
+}
+
 void Scene::draw_shadows(const RenderSettings& settings) {
   const int32_t size = std::max(settings.shadow_resolution, 1);
   const Target& target = shadow_.of_size(size, size);
@@ -225,22 +287,48 @@ void Scene::draw_shadows(const RenderSettings& settings) {
   if (settings.shadow_resolution == 0) return;
   const auto measured = timer_.measure("shadow");
   glDisable(GL_CULL_FACE);
+  const DrawStyle style{Kind::kDepth, shadow_map_, kInk};
   for (const auto& [name, of] : trees_) {
-    TreeDrawList& list = of->buffers.sun;
+    PatchList& list = of->buffers.sun;
     passes_.classify(of->buffers, list, of->sun_view, settings.max_level);
-    passes_.draw_plain(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
-    passes_.draw_tessellated(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
+    passes_.draw_plain(of->buffers, list, of->sun_view, style);
+    passes_.draw_tessellated(of->buffers, list, of->sun_view, style);
     if (of->leaves) {
-      drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->sun_view, Kind::kDepth,
-                             *shadow_map_, kInk);
+      drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->sun_view, style.kind, *shadow_map_,
+                             kInk);
     }
   }
+  for (const auto& [name, of] : receivers_) {
+    PatchList& list = of->buffers.sun;
+    snow_.classify(of->buffers, list, sun_view_, settings.max_level);
+    snow_.draw_plain(of->buffers, list, sun_view_, style);
+    snow_.draw_tessellated(of->buffers, list, sun_view_, style);
+  }
   for (const auto& [name, mesh] : meshes_) {
-    mesh_passes_.draw(*mesh, sun_view_, Kind::kDepth, *shadow_map_, kInk);
+    mesh_passes_.draw(*mesh, sun_view_, style.kind, *shadow_map_, kInk);
   }
 }
 
-void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bool measured) {
+void Scene::draw_snow(const DrawStyle& style, bool measured) {
+  if (receivers_.empty()) return;
+  const auto pass = [&](const char* name, auto&& work) {
+    if (!measured) return work();
+    const auto timed = timer_.measure(name);
+    work();
+  };
+  pass("snow plain", [&] {
+    for (const auto& [name, of] : receivers_) {
+      snow_.draw_plain(of->buffers, of->buffers.camera, camera_view_, style);
+    }
+  });
+  pass("snow tessellated", [&] {
+    for (const auto& [name, of] : receivers_) {
+      snow_.draw_tessellated(of->buffers, of->buffers.camera, camera_view_, style);
+    }
+  });
+}
+
+void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured) {
   const auto pass = [&](const char* name, auto&& work) {
     if (!measured) return work();
     const auto timed = timer_.measure(name);
@@ -249,59 +337,68 @@ void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bo
   (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
   pass("plain", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
-                         wire_color);
+      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   pass("tessellated", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
-                               wire_color);
+      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   glDisable(GL_CULL_FACE);
   pass("leaves", [&] {
     for (const auto& [name, of] : trees_) {
       if (of->leaves) {
-        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, kind, shadow_map(),
-                               wire_color);
+        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, style.kind,
+                               *shadow_map_, style.wire_color);
       }
     }
   });
+  draw_snow(style, measured);
   pass("meshes", [&] {
     for (const auto& [name, mesh] : meshes_) {
-      mesh_passes_.draw(*mesh, camera_view_, kind, shadow_map(), wire_color);
+      mesh_passes_.draw(*mesh, camera_view_, style.kind, *shadow_map_, style.wire_color);
     }
   });
 }
 
 void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
+  DrawStyle style{Kind::kShaded, shadow_map_, kInk};
   if (!settings.wireframe) {
     const vec3 sky = settings.background.value_or(settings.sky_color);
     const vec3 clear = linear ? sky : vec3(encoded(sky.r), encoded(sky.g), encoded(sky.b));
     target.begin(clear.r, clear.g, clear.b);
-    draw_all(Kind::kShaded, kInk, settings.cull_back_faces, true);
+    draw_all(style, settings.cull_back_faces, true);
+    if (settings.snowfall.rate > 0.0f) {
+      const auto measured = timer_.measure("flakes");
+      flakes_.draw(settings.snowfall, camera_view_);
+    }
     return;
   }
   target.begin(1.0f, 1.0f, 1.0f);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.0f, 1.0f);
-  draw_all(Kind::kWire, kPaper, settings.cull_back_faces, false);
+  style.kind = Kind::kWire;
+  style.wire_color = kPaper;
+  draw_all(style, settings.cull_back_faces, false);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  draw_all(Kind::kWire, kInk, settings.cull_back_faces, true);
+  style.wire_color = kInk;
+  draw_all(style, settings.cull_back_faces, true);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void Scene::count_patches() {
+void Scene::count_all_patches() {
+  const auto add = [&](const PatchCounts& counts) {
+    statistics_->dropped += counts.dropped;
+    statistics_->plain += counts.plain;
+    statistics_->tessellated += counts.tessellated;
+  };
   for (const auto& [name, of] : trees_) {
-    const auto commands = of->buffers.camera.commands.read_all<shared::TreeDrawCommand>();
-    const int64_t plain = commands[0].count / 6;
-    int64_t tessellated = 0;
-    for (int32_t i = 1; i <= of->buffers.camera.draws; ++i) tessellated += commands[i].count;
-    statistics_->plain += plain;
-    statistics_->tessellated += tessellated;
-    statistics_->dropped += of->buffers.patch_count - plain - tessellated;
+    add(count_patches(of->buffers.camera, TreePasses::kPlainVertices));
+  }
+  for (const auto& [name, of] : receivers_) {
+    add(count_patches(of->buffers.camera, SnowPasses::kPlainVertices));
   }
 }
 
@@ -319,6 +416,7 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
   }
   const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
+  prepare_snow(settings);
   const ShadowInputs inputs{revision_,
                             settings.shadow_resolution,
                             view.shadow_from_world,
@@ -356,7 +454,7 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
   for (const gpu::PassTime& pass : statistics_->passes) {
     if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
   }
-  count_patches();
+  count_all_patches();
   return made;
 }
 
@@ -397,26 +495,9 @@ FrameStatistics Scene::statistics() const {
   return *statistics_;
 }
 
-std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
-                                   const RenderSettings& settings) {
-  Tree& of = tree(name);
-  const DrawState state;
-  glBindVertexArray(no_vertices_.id());
-  // Nothing is drawn, yet draws want a framebuffer.
-  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
-  glEnable(GL_RASTERIZER_DISCARD);
-  write_views(camera, settings, false);
-  passes_.pose(of.buffers, of.camera_view);
-  passes_.edge_levels(of.buffers, of.camera_view);
-  passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
-  const gpu::Texture none;
-  TreeDrawList& list = of.buffers.camera;
-  const auto draw_plain = [&](Kind kind) {
-    passes_.draw_plain(of.buffers, list, of.camera_view, kind, none, kInk);
-  };
-  const auto draw_tessellated = [&](Kind kind) {
-    passes_.draw_tessellated(of.buffers, list, of.camera_view, kind, none, kInk);
-  };
+std::vector<vec3> Scene::captured(const PatchList& list,
+                                  const std::function<void(Kind)>& draw_plain,
+                                  const std::function<void(Kind)>& draw_tessellated) {
   timer_.take();
   {
     const auto counted = timer_.measure("count");
@@ -424,18 +505,48 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
     draw_tessellated(Kind::kDepth);
   }
   const uint64_t count = timer_.take()[0].primitives;
-  const gpu::Buffer captured(static_cast<int64_t>(3 * count * sizeof(vec3)));
+  const gpu::Buffer positions(static_cast<int64_t>(3 * count * sizeof(vec3)));
   const auto plain_corners = list.commands.read_all<shared::TreeDrawCommand>()[0].count;
   const auto split = static_cast<int64_t>(plain_corners * sizeof(vec3));
-  const auto into = [&](int64_t offset, int64_t bytes, auto&& draw) {
+  const auto into = [&](int64_t offset, int64_t bytes, const std::function<void(Kind)>& draw) {
     if (bytes == 0) return;
-    glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.id(), offset, bytes);
+    glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, positions.id(), offset, bytes);
     draw(Kind::kCapture);
   };
   into(0, split, draw_plain);
-  into(split, captured.bytes() - split, draw_tessellated);
+  into(split, positions.bytes() - split, draw_tessellated);
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
-  return captured.read_all<vec3>();
+  return positions.read_all<vec3>();
+}
+
+std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
+                                   const RenderSettings& settings) {
+  const bool is_receiver = receivers_.count(name) != 0;
+  if (!is_receiver) tree(name);
+  const DrawState state;
+  glBindVertexArray(no_vertices_.id());
+  // Nothing is drawn, yet draws want a framebuffer.
+  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
+  glEnable(GL_RASTERIZER_DISCARD);
+  write_views(camera, settings, false);
+  const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
+  if (is_receiver) {
+    SnowBuffers& of = receiver(name).buffers;
+    snow_.lay(of);
+    snow_.edge_levels(of, camera_view_);
+    snow_.classify(of, of.camera, camera_view_, settings.max_level);
+    return captured(
+        of.camera, [&](Kind kind) { snow_.draw_plain(of, of.camera, camera_view_, style(kind)); },
+        [&](Kind kind) { snow_.draw_tessellated(of, of.camera, camera_view_, style(kind)); });
+  }
+  Tree& of = tree(name);
+  PatchList& list = of.buffers.camera;
+  passes_.pose(of.buffers, of.camera_view);
+  passes_.edge_levels(of.buffers, of.camera_view);
+  passes_.classify(of.buffers, list, of.camera_view, settings.max_level);
+  return captured(
+      list, [&](Kind kind) { passes_.draw_plain(of.buffers, list, of.camera_view, style(kind)); },
+      [&](Kind kind) { passes_.draw_tessellated(of.buffers, list, of.camera_view, style(kind)); });
 }
 
 TreeLevels Scene::levels(const std::string& name) const {
@@ -447,6 +558,19 @@ TreeLevels Scene::levels(const std::string& name) const {
   for (const glm::ivec4& patch : of.patch_edges) {
     levels.edges.push_back(
         {edges[patch.x >> 1], edges[patch.y >> 1], edges[patch.z >> 1], edges[patch.w >> 1]});
+  }
+  return levels;
+}
+
+SnowLevels Scene::snow_levels(const std::string& name) const {
+  const Receiver& of = receiver(name);
+  if (!statistics_) throw std::runtime_error("snow_levels: render a picture first");
+  const auto edges = of.buffers.edge_levels.read_all<float>();
+  SnowLevels levels;
+  levels.classes = of.buffers.camera.classes.read_all<uint32_t>();
+  for (const shared::SnowPatch& patch : of.mesh.patches().patches) {
+    const glm::ivec4& edge = patch.edges;
+    levels.edges.push_back({edges[edge.x >> 1], edges[edge.y >> 1], edges[edge.z >> 1]});
   }
   return levels;
 }

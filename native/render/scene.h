@@ -1,9 +1,11 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/timer.h"
@@ -11,6 +13,8 @@
 #include "render/mesh_passes.h"
 #include "render/posed_bounds.h"
 #include "render/renderer.h"
+#include "render/snow/flakes.h"
+#include "render/snow/snow_passes.h"
 #include "render/targets.h"
 #include "render/tree_passes.h"
 
@@ -24,6 +28,12 @@ class Scene {
   void set_leaves(const std::string& tree, const LeafSource& leaves);
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
+  void add_snow_mesh(const std::string& name, SnowMesh&& mesh, const glm::vec3& color,
+                     bool draws_base);
+  void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
+                     const std::vector<std::array<glm::vec3, 3>>& normals);
+  void set_snow(const std::string& mesh, const HeightMap& heights);
+  bool share_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
   void remove(const std::string& name);
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
@@ -40,12 +50,23 @@ class Scene {
   const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings,
                                  Shadows shadows = Shadows::kIfOther);
   FrameStatistics statistics() const;
-  std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
+  std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
+  SnowLevels snow_levels(const std::string& mesh) const;
 
  private:
-  using Kind = TreePasses::Kind;
+  using Kind = DrawKind;
+
+  /// A mesh with snow.
+  struct Receiver {
+    Receiver(SnowMesh&& its_mesh, const glm::vec3& color, bool draws_base)
+        : mesh(std::move(its_mesh)),
+          buffers(mesh.patches(), glm::vec4(color, draws_base ? 1.0f : 0.0f)) {}
+
+    SnowMesh mesh;
+    SnowBuffers buffers;
+  };
 
   struct Tree {
     Tree(const TreePatches& patches, const TreeLook& its_look);
@@ -83,25 +104,34 @@ class Scene {
 
   Tree& tree(const std::string& name) const;
   MeshBuffers& mesh(const std::string& name) const;
+  Receiver& receiver(const std::string& name) const;
   void require_new(const std::string& name) const;
   Bounds bounds() const;
   shared::TreeView write_views(const Camera& camera, const RenderSettings& settings, bool linear);
   void prepare_trees(const RenderSettings& settings);
+  void prepare_snow(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
-  void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
+  void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
+  void draw_snow(const DrawStyle& style, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
                   KeptTarget& large, bool linear, Shadows shadows);
-  void count_patches();
-  const gpu::Texture& shadow_map() const { return *shadow_map_; }
+  void count_all_patches();
+  /// Positions that two draws hand to transform feedback, the first's `list`'s plain patches.
+  std::vector<glm::vec3> captured(const PatchList& list,
+                                  const std::function<void(Kind)>& draw_plain,
+                                  const std::function<void(Kind)>& draw_tessellated);
 
   std::map<std::string, std::unique_ptr<Tree>> trees_;
   std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;
-  /// Of the meshes, whose trees bring their own.
+  std::map<std::string, std::unique_ptr<Receiver>> receivers_;
+  /// Of all but trees, which bring their own.
   gpu::Buffer camera_view_{sizeof(shared::TreeView)};
   gpu::Buffer sun_view_{sizeof(shared::TreeView)};
 
   TreePasses passes_;
+  SnowPasses snow_;
+  FlakePass flakes_;
   DrawablePasses drawables_;
   MeshPasses mesh_passes_;
   gpu::Program sum_{{"frame_sum.comp.glsl"}};

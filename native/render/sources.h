@@ -43,6 +43,8 @@ struct TreeSource {
   std::vector<std::array<int32_t, 4>> quads;
   /// Per corner: u once round a limb from 0 to 1, v along it in circumferences.
   std::vector<std::array<glm::vec2, 4>> bark_uv;
+  /// Per corner: its place on the map of the snow on the tree, 0 to 1; empty: it carries none.
+  std::vector<std::array<glm::vec2, 4>> snow_uv;
   /// Per quad: branch level (0 the trunk), branch, section (any number for caps) and kind.
   std::vector<int32_t> branch_level;
   std::vector<int32_t> branch;
@@ -99,6 +101,31 @@ struct MeshSnow {
   int32_t width = 0;
   int32_t height = 0;
   std::vector<float> heights;
+};
+
+/// A mesh with a map of the snow on it. Metres, Z up; triangles run anticlockwise seen from the
+/// front. Faces that share an edge share its two vertices: only those hang together.
+struct SnowSource {
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<int32_t, 3>> triangles;
+  /// Per corner: its place on the map, 0 to 1, (0, 0) at its lower left.
+  std::vector<std::array<glm::vec2, 3>> uv;
+  /// Per corner: the shading normal, along which snow grows; empty: smooth everywhere.
+  std::vector<std::array<glm::vec3, 3>> normals;
+  /// Of the bare surface, linear.
+  glm::vec3 color{0.5f};
+  /// Whether the bare surface is drawn, too; else only where snow hides it, over a mesh that
+  /// somebody else draws there.
+  bool draws_base = true;
+  /// Texels of the map's edge: decides how finely the mesh is cut for the tessellator.
+  int32_t resolution = 1024;
+};
+
+/// Heights of snow in metres, width x height, row 0 = v 0, below 0 on the back of the surface.
+struct HeightMap {
+  int32_t width = 0;
+  int32_t height = 0;
+  std::vector<float> values;
 };
 
 }  // namespace snowbough::render

@@ -98,6 +98,7 @@ void check(const Camera& camera, const RenderSettings& settings) {
   check_range("min_pixels", settings.min_pixels, 0.0, 1e6);
   check_range("max_distance", settings.max_distance, 1e-6, 1e9);
   check_range("max_area", settings.max_area, 0.0, 1e9);
+  check_range("snow_factor", settings.snow_factor, 0.0, 1e9);
   check_range("shadow_resolution", settings.shadow_resolution, 0, 8192);
   if (camera.far != 0.0f && !(camera.far > camera.near)) {
     throw std::invalid_argument("far must be larger than near, or 0");
@@ -143,6 +144,7 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
   view.sun_color = vec4(settings.sun_color, 1.0f);
   view.sky_color = vec4(settings.sky_color, linear ? 1.0f : 0.0f);
   view.ground_color = vec4(settings.ground_color, 1.0f);
+  view.snow = vec4(settings.snow_factor, 0.0f, 0.0f, 0.0f);
   return view;
 }
 

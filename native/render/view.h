@@ -40,6 +40,23 @@ enum class Metric : uint8_t {
   kScreen,
 };
 
+/// Flakes in the air. Metres, seconds.
+struct Snowfall {
+  /// Depth that falls on open level ground in a second; 0: none are drawn.
+  float rate = 0.0f;
+  /// In which they fall, downwards; need not be unit.
+  glm::vec3 direction{0.0f, 0.0f, -1.0f};
+  float speed = 1.2f;
+  /// Degrees by which they stray.
+  float flutter = 10.0f;
+  float radius = 0.004f;
+  /// How long the picture is exposed: flakes are drawn out by their way in that time.
+  float shutter = 1.0f / 100.0f;
+  /// Of the picture; the same seed and time give the same flakes.
+  float time = 0.0f;
+  uint32_t seed = 0;
+};
+
 /// How a picture is made.
 struct RenderSettings {
   Metric metric = Metric::kScreen;
@@ -53,6 +70,9 @@ struct RenderSettings {
   /// which it is highest (0: the tree's largest patch).
   float max_distance = 80.0f;
   float max_area = 0.0f;
+  /// THESIS, of snow: its factor m, parts of a triangle's edges for each part of the picture's area
+  /// that the triangle covers.
+  float snow_factor = 2000.0f;
 
   /// Lines over white paper, those behind hidden, instead of a shaded picture.
   bool wireframe = false;
@@ -74,6 +94,8 @@ struct RenderSettings {
   bool draft = false;
   /// Linear light of what is seen behind everything; none: the sky's.
   std::optional<glm::vec3> background;
+  /// Not in wireframes.
+  Snowfall snowfall;
 };
 
 /// @throws std::invalid_argument naming the value that is out of range.

@@ -124,6 +124,10 @@ class SnowSimulation {
   /// What `output` would give now, to be worked out later. Before the object's first step
   /// std::invalid_argument.
   OutputSnapshot snapshot(const std::string& name, bool with_normals);
+  /// Much the same as a texture that the real-time renderer draws from, without reading the map
+  /// back (see LiveFilter); the next call changes its content. Null where the heights do not lie on
+  /// a GPU: `output` has them. Before the object's first step std::invalid_argument.
+  std::shared_ptr<const gpu::ThreadTexture> live_output(const std::string& name);
   /// Begins with what `output` of a receiver needs to build first, in threads beside the next
   /// steps, and returns at once. Changes no result. @throws std::invalid_argument for a receiver
   /// that was added without its rest pose and has had no step yet.

@@ -5,6 +5,7 @@
 #include <sstream>
 #include <stdexcept>
 
+#include "gpu/thread_texture.h"
 #include "snow/simulation.h"
 #include "snow/state/checkpoint.h"
 
@@ -164,6 +165,23 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
   snapshot.stored_ = stored_height(name);
   snapshot.memory_ = map_memory_;
   return snapshot;
+}
+
+std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  const std::shared_ptr<SceneObject>& object = find_receiver(name);
+  if (object->positions.empty()) {
+    throw std::invalid_argument("object '" + name +
+                                "' has no positions yet: output is known after its first step");
+  }
+  if (!scene_is_current_ || engine().name() != "GL") return nullptr;
+  const double blur_radius = blur_radius_of(*object);
+  const SeamTable& seams = outputs_.get(object, blur_radius)->seams();
+  const size_t index = index_of(name);
+  std::shared_ptr<const gpu::ThreadTexture> made;
+  engine().run([&] { made = engine().live_output(index, *object, seams, blur_radius); });
+  return made;
 }
 
 void SnowSimulation::save(const std::string& path) {

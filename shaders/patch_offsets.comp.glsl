@@ -4,10 +4,11 @@
 layout(local_size_x = 64) in;
 /// Replaced by the sums over the work groups before.
 layout(std430) buffer GroupCounts { uvec2 group_counts[]; };
-/// Of the plain patches (two triangles each), then of the tessellated ones (one control point each) in `draws` parts.
+/// Of the plain patches (`plain_vertices` each), then of the tessellated ones (one control point each) in `draws` parts.
 layout(std430) writeonly buffer DrawCommands { TreeDrawCommand commands[]; };
 uniform int count;
 uniform int draws;
+uniform int plain_vertices;
 uniform int patches_a_draw;
 
 shared uvec2 sums[64];
@@ -38,7 +39,7 @@ void main() {
   }
   barrier();
   if (self == 0) {
-    commands[0] = TreeDrawCommand(6u * total.x, 1u, 0u, 0u);
+    commands[0] = TreeDrawCommand(uint(plain_vertices) * total.x, 1u, 0u, 0u);
   }
   for (int i = self; i < draws; i += 64) {
     const int first = i * patches_a_draw;
