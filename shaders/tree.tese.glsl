@@ -3,6 +3,8 @@
 // CAPTURE: hands world positions to transform feedback. SHADOW: the sun's picture, of depth alone.
 #include "glsl/tree_surface.glsl"
 
+/// Plain and tessellated patches meet: both programs compute it to the same bits.
+invariant gl_Position;
 layout(quads, fractional_odd_spacing, ccw) in;
 patch in uint patch_index;
 #ifdef CAPTURE

@@ -3,6 +3,8 @@
 // CAPTURE: hands world positions to transform feedback. SHADOW: the sun's picture, of depth alone.
 #include "glsl/tree_view.glsl"
 
+/// Plain and tessellated patches meet: both programs compute it to the same bits.
+invariant gl_Position;
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };

@@ -20,7 +20,7 @@ float snow_on(TreeVertex vertex) {
   const int end = floatBitsToInt(vertex.bark_uv.w);
   float sum = 0.0;
   for (int i = begin; i < end; ++i) {
-    sum += height_at(vertex_snow[i]);
+    sum += height_between(vertex_snow[i]);
   }
   return sum / float(max(end - begin, 1));
 }

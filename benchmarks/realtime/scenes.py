@@ -150,6 +150,13 @@ def turned(profile, around=48, resolution=512, color=(0.35, 0.32, 0.28)):
     )
 
 
+def rounded(profile):
+    """A profile with its corners cut (G. Chaikin, An Algorithm for High-Speed Curve Generation, 1974)."""
+    at = np.asarray(profile, np.float64)
+    cut = np.stack([0.75 * at[:-1] + 0.25 * at[1:], 0.25 * at[:-1] + 0.75 * at[1:]], axis=1).reshape(-1, 2)
+    return np.concatenate([at[:1], cut[1:-1], at[-1:]])
+
+
 def ball(radius=0.4, rings=24, around=48, **options):
     rise = np.linspace(-0.5 * np.pi, 0.5 * np.pi, rings + 1)
     return turned(radius * np.stack([np.cos(rise), np.sin(rise)], axis=1), around, **options)
@@ -177,7 +184,7 @@ def urn():
         (0.2, 0.74),
         (0, 0.72),
     ]
-    return turned(profile, 64, 512, (0.38, 0.35, 0.31))
+    return turned(rounded(profile), 48, 512, (0.38, 0.35, 0.31))
 
 
 def maple(resolution=1024):
@@ -197,10 +204,10 @@ def maple(resolution=1024):
     )
 
 
-def fallen(things, depth, steps=36, blur_radius=0.012, engine="AUTO"):
+def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="AUTO"):
     """Heights by name after a fall that lays `depth` metres, and a while in which it comes to rest."""
     with native.SnowSimulation(
-        pixel_size=0.01, flutter=10.0, blur_radius=blur_radius, engine=engine
+        pixel_size=pixel_size, flutter=10.0, blur_radius=blur_radius, engine=engine
     ) as snow:
         for name, thing in things.items():
             snow.add_object(
@@ -212,8 +219,9 @@ def fallen(things, depth, steps=36, blur_radius=0.012, engine="AUTO"):
         return {name: snow.output(name, normal=False)["height"] for name in things}
 
 
-def show(renderer, things, heights, trees=None):
-    """Puts things with their snow into a renderer; `trees`: those that are trees, by name their mesh."""
+def show(renderer, things, heights, trees=None, cut=1.0):
+    """Puts things with their snow into a renderer; `trees`: those that are trees, by name their mesh; `cut`: how
+    finely triangles of many texels are cut, as a share of the map's size."""
     for name, thing in things.items():
         if trees and name in trees:
             renderer.add_tree(name, trees[name])
@@ -225,6 +233,6 @@ def show(renderer, things, heights, trees=None):
                 thing.uv,
                 thing.normals,
                 thing.color,
-                thing.resolution,
+                int(cut * thing.resolution),
             )
         renderer.set_snow(name, heights[name])

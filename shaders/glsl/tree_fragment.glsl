@@ -16,10 +16,15 @@ in vec4 bark;
 in vec2 snow_place;
 in vec3 rest_place;
 
+/// Share of the map's own slopes that shows on limbs.
+const float kTwigRelief = 0.6;
+
 /// Light of the snow on the limb over that of its bark. Snow on its back, as maps may have it, is none of a limb's.
 vec3 with_snow(vec3 bare) {
-  const float depth = max(height_at(snow_place), 0.0);
-  const vec3 normal = with_relief(world, normalize(smooth_normal), depth);
+  const float depth = max(height_between(snow_place), 0.0);
+  const vec3 limb = normalize(smooth_normal);
+  // Twigs are a few texels wide: their steps are softened.
+  const vec3 normal = normalize(mix(limb, with_relief(world, limb, depth), kTwigRelief));
   const float pixel = distance(view.eye.xyz, world) / view.eye.w;
   return mix(bare, lit_snow(world, normal, depth, rest_place), snow_cover(depth, rest_place, pixel));
 }

@@ -88,8 +88,8 @@ SurfacePoint edge_point(int index, float t) {
   rest.bark = mix(a.position.w, b.position.w, s) * edge.metric.z;
   rest.snow = 0.0;
 #ifdef SNOW
-  rest.snow = 0.5 * (height_at(mix(edge.snow_uv.xy, edge.snow_uv.zw, t)) +
-                     height_at(mix(edge.other_snow_uv.xy, edge.other_snow_uv.zw, t)));
+  rest.snow = 0.5 * (height_between(mix(edge.snow_uv.xy, edge.snow_uv.zw, t)) +
+                     height_between(mix(edge.other_snow_uv.xy, edge.other_snow_uv.zw, t)));
 #endif
   rest.row_x = mix(pose_a.row_x, pose_b.row_x, s);
   rest.row_y = mix(pose_a.row_y, pose_b.row_y, s);
@@ -136,7 +136,7 @@ SurfacePoint inner_point(TreePatch of, vec2 at) {
   rest.bark = p.w;
   rest.snow = 0.0;
 #ifdef SNOW
-  rest.snow = height_at(patch_snow_uv(of, at));
+  rest.snow = height_between(patch_snow_uv(of, at));
 #endif
   rest.row_x = bilinear(posed[v.x].row_x, posed[v.y].row_x, posed[v.z].row_x, posed[v.w].row_x, s);
   rest.row_y = bilinear(posed[v.x].row_y, posed[v.y].row_y, posed[v.z].row_y, posed[v.w].row_y, s);

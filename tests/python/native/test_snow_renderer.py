@@ -1,6 +1,7 @@
 """Snow in the real-time renderer: no cracks at seams and rims, levels against NumPy, one look that stays put."""
 
 import math
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -337,6 +338,39 @@ def test_snow_of_a_simulation_on_the_processor_is_handed_over(renderer):
         live = renderer.render(camera, settings)
         renderer.set_snow("it", sim.output("it", normal=False)["height"])
     assert np.array_equal(live, renderer.render(camera, settings))
+
+
+MAPLE = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
+
+
+@pytest.fixture(scope="module")
+def maple():
+    return native.build_tree_mesh(native.read_tree(MAPLE), snow_resolution=256)
+
+
+def test_a_tree_with_snow_is_closed_to_the_bit(renderer, maple):
+    renderer.add_tree("tree", maple)
+    camera = native.Camera(eye=(1.5, -2.5, 1.5), target=(0, 0, 1.5), field_of_view=2.4, height=600)
+    settings = native.RenderSettings(target_pixels=6, **WHOLE)
+    bare = renderer.triangles("tree", camera, settings)
+    renderer.set_snow("tree", lumps(256, 0.04))
+    found = renderer.triangles("tree", camera, settings)
+    assert found.shape == bare.shape and closed(bare) and closed(found)
+    risen = np.linalg.norm(found - bare, axis=2)
+    assert 0.015 < np.median(risen) < 0.025 and risen.max() < 0.04
+
+
+def test_snow_on_a_tree_looks_as_on_a_mesh(renderer, maple):
+    renderer.add_tree("tree", maple)
+    camera = native.Camera(eye=(0.3, -0.9, 0.8), target=(0, 0, 0.6), field_of_view=0.3, width=200, height=200)
+    bare = renderer.render(camera, native.RenderSettings(**WHOLE))
+    renderer.set_snow("tree", np.full((256, 256), 0.03, np.float32))
+    snowed = renderer.render(camera, native.RenderSettings(**WHOLE)).astype(int)
+    on_tree = bare[..., 3] == 255
+    assert on_tree.mean() > 0.1
+    assert snowed[on_tree][:, :3].mean() > bare[on_tree][:, :3].mean() + 60
+    spread = snowed[on_tree][:, :3].max(axis=1) - snowed[on_tree][:, :3].min(axis=1)
+    assert np.quantile(spread, 0.9) < 60, "white, not bark"
 
 
 @pytest.mark.parametrize(

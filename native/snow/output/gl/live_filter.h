@@ -25,7 +25,7 @@ class LiveFilter {
              const SeamTable& seams, double blur_radius);
 
   /// Where the heights as stored go before run(): resolution^2 floats, metres, row 0 = v 0.
-  const gpu::Buffer& map() const { return buffers_.map; }
+  gpu::Buffer& map() { return buffers_.map; }
   /// The output of what lies in map(): R32F, resolution x resolution, linear filtering. It is the
   /// same texture each time, with new content.
   const gpu::ThreadTexture& run();
