@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
+from ..names import DISPLACE_MODIFIER
 from ..scene.pose import library_path
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
@@ -57,6 +58,7 @@ class Reader:
         self._snow.begin(depsgraph.scene_eval)
         self._meshes, self._trees, lamps = {}, {}, []
         self._trees_left = MOST_TREES
+        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         for instance in depsgraph.object_instances:
             obj = instance.object
             if not (instance.is_instance or instance.show_self):
@@ -66,7 +68,7 @@ class Reader:
                 continue
             if obj.type == "LIGHT":
                 lamps.append(_lamp(obj, instance.matrix_world))
-            elif obj.type in SURFACE_TYPES:
+            elif obj.type in SURFACE_TYPES and not self._is_shell_of_ours(obj.original):
                 self._add(instance, obj, depsgraph)
         self._join_leaves()
         world = world_color(depsgraph.scene_eval.world)
@@ -75,6 +77,9 @@ class Reader:
             mesh.places = np.array(mesh.places, np.float32)
         light = light_of(lamps, world, _centre(made))
         return Scene(made, [tree for _, tree in sorted(self._trees.items())], light)
+
+    def _is_shell_of_ours(self, original):
+        return original.snowbough.is_shell and self._snow.is_drawn_otherwise(original)
 
     # -- trees ------------------------------------------------------------------------------------------
 
@@ -170,6 +175,7 @@ class Reader:
             else:
                 looks = meshes.looks_of(obj, mesh, self._look, materials.PLAIN)
             shape = meshes.shape_of(mesh, looks)
+            shape.is_displaced = _is_displaced(obj.original, self._switch)
             arrays = _KeptUvs(meshes.MeshArrays(mesh), mesh) if self._snow.is_on(obj.original) else None
             return shape, shape.print, arrays
         finally:
@@ -209,6 +215,10 @@ def _instance_name(instance, obj):
     # The last of them says which object of the collection it is: bark and leaves of one tree differ there.
     order = [index for index in instance.persistent_id if index != NO_INDEX][1:]
     return f"{name} in {parent} {order}"
+
+
+def _is_displaced(obj, switch):
+    return any(modifier.name == DISPLACE_MODIFIER and getattr(modifier, switch) for modifier in obj.modifiers)
 
 
 def _lamp(obj, matrix):

@@ -21,6 +21,10 @@ class Paint:
     """(H, W, 4) uint8, sRGB and alpha, row 0 = v 0; holes where alpha is below a half."""
 
     @property
+    def has_holes(self):
+        return self.image is not None and bool((self.image[..., 3] < 128).any())
+
+    @property
     def print(self):
         image = np.empty(0, np.uint8) if self.image is None else self.image
         return fingerprint(np.array(self.color, np.float64), image)
@@ -42,6 +46,8 @@ class Shape:
     """(T,) int32, index into paints."""
     paints: tuple
     """At least one Paint."""
+    is_displaced: bool = False
+    """Whether snow has already moved the vertices: Snowbough's own modifiers, seen with them."""
 
     @property
     def print(self):

@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 
 from ..cache.files import frame_file
+from ..result import snow_shell
 from ..result.baked_images import baked_uv_map, frames_on_disk
 from ..scene.pose import library_path, metres_per_unit
 from .records import LyingSnow
@@ -22,6 +23,7 @@ class BakedSnow:
 
     def begin(self, scene):
         """Looks up the receivers of a scene and its frame."""
+        self._shells = set()
         self._unit = metres_per_unit(scene)
         self._frame = scene.frame_current
         self._folders = {
@@ -29,6 +31,18 @@ class BakedSnow:
             for entry in scene.snowbough.receivers
             if entry.object is not None and entry.enabled and entry.folder
         }
+
+        for entry in scene.snowbough.receivers:
+            if (
+                entry.object is not None
+                and entry.object.type == "MESH"
+                and self._path(entry.object) is not None
+            ):
+                self._shells |= {shell.name for shell in snow_shell.find(entry)}
+
+    def is_drawn_otherwise(self, shell):
+        """Whether a shell shows what this draws: that of a mesh which has a map."""
+        return shell.name in self._shells
 
     def is_on(self, obj):
         """Whether there is a map for an original object and the frame."""
