@@ -7,7 +7,7 @@ layout(location = 0) out vec4 color;
 
 const vec3 kFlakeAlbedo = vec3(0.9, 0.93, 0.97);
 /// Flakes tumble: what meets the eye of the sun, on average.
-const float kSunShare = 0.4;
+const float kSunShare = 0.6;
 
 void main() {
   const float round_part = 1.0 - smoothstep(0.3, 1.0, length(on_card));

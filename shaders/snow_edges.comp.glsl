@@ -49,7 +49,7 @@ void main() {
     const vec3 a = vertices[edge.ends.x].position.xyz;
     const vec3 b = vertices[edge.ends.y].position.xyz;
     const float most = clamp(kPartsATexel * edge.metric.x, 1.0, view.tessellation.y);
-    level = screen_level(distance(view.eye.xyz, 0.5 * (a + b)), distance(a, b), depth, view.eye.w,
+    level = screen_level(distance(view.eye.xyz, 0.5 * (a + b)), distance(a, b), 0.0, view.eye.w,
                          view.tessellation.z, most);
   }
   edge_levels[index] = level;

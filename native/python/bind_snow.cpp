@@ -258,6 +258,7 @@ py::dict memory_estimate(const SnowSimulation& simulation) {
   dict["tile"] = estimate.tile;
   dict["output"] = estimate.output;
   dict["seams"] = estimate.seams;
+  dict["repose"] = estimate.repose;
   dict["text"] = estimate.text();
   return dict;
 }

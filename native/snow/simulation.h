@@ -162,6 +162,7 @@ class SnowSimulation {
   const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
   std::vector<float> stored_height(const std::string& name);
   std::vector<const SceneObject*> all_objects() const;
+  MemoryEstimate estimate() const;
   void require_open() const;
   SceneObject make_object(ObjectDescription description);
   /// Takes the maps and sums off the engine, before the set of objects changes.

@@ -6,7 +6,7 @@
 // a round is a part of what the height difference is over its limit, and it keeps its momentum from round to
 // round: heavy-ball relaxation (B. T. Polyak, Some methods of speeding up the convergence of iteration methods,
 // 1964, with the growing momentum k / (k + 3) of Y. Nesterov, 1983), which comes to rest on a bank of L texels in
-// about 3 L rounds where plain relaxation takes L^2. Snow starts to flow over the limit and comes to rest a little
+// a few L rounds where plain relaxation takes L^2. Snow starts to flow over the limit and comes to rest a little
 // under it, so that a round without flow is rest. Flows are whole units of volume, so that what leaves one texel
 // arrives at the other to the last bit; where more is wanted of a texel than it holds, all get their part of it.
 #include "shared_functions.h"
@@ -22,8 +22,14 @@ KERNEL_CONSTANT float kWallHalfLife = 0.0595f;
 /// Metres below which it is gone.
 KERNEL_CONSTANT float kWallLeast = 1e-5f;
 /// Parts of a link's limit at which snow that flows would rest, and below which it stops at once.
-KERNEL_CONSTANT float kRests = 0.94f;
-KERNEL_CONSTANT float kStops = 0.86f;
+KERNEL_CONSTANT float kRests = 0.96f;
+KERNEL_CONSTANT float kStops = 0.92f;
+/// Part of a link's limit that snow over an outlet (a rim or a wall) is cut to; and by which part of its thickness snow
+/// may be thinner than that and still count as cut.
+KERNEL_CONSTANT float kCuts = 0.98f;
+KERNEL_CONSTANT float kNearlyCut = 0.2f;
+/// Metres that no surface reaches.
+KERNEL_CONSTANT float kUnbounded = 3e38f;
 /// Units in which volumes flow: parts of a metre on a texel of the object's mean area; and the most that a link
 /// carries in a round, so that sums over a texel's links are whole in a float.
 KERNEL_CONSTANT float kUnitsAMetre = 16777216.0f;
@@ -35,12 +41,6 @@ KERNEL_CONSTANT float kRate = 0.2f;
 /// Links in eight directions let a slope between two of them be up to 1 / cos(22.5 degrees) = 1.08 times as steep: by
 /// this much each allows less, so that all directions have the angle of repose in the mean.
 KERNEL_CONSTANT float kEven = 0.95f;
-/// Part of the way between two bare points that snow on them is reckoned to be apart at least, in hollows and where
-/// it hangs over; and at most: on a ridge, where snow's surface fans out along the normals, it reaches out a little
-/// beyond what carries it, but does not hold itself up by its own thickness.
-KERNEL_CONSTANT float kLeastWay = 0.25f;
-KERNEL_CONSTANT float kMostWay = 1.3f;
-
 /// On which side of a surface snow lies: 1 along the normal, -1 against it. `height`: signed; `up`: upward part of
 /// the normal. A bare surface that takes snow on both sides shows the one that faces up.
 SNOWBOUGH_SHARED_FUNCTION float snow_side(float height, float up, bool both_sides) {
@@ -50,12 +50,19 @@ SNOWBOUGH_SHARED_FUNCTION float snow_side(float height, float up, bool both_side
 /// `up`: upward part of the normal on the side of the snow, as a TexelSurface has it.
 SNOWBOUGH_SHARED_FUNCTION bool is_wall(float up) { return up < kWallUp; }
 
-/// Metres by which the surface of the snow may fall between two neighbours. `way_x`, `way_y`: from one bare point
-/// to the other, level; `snow_x`, `snow_y`: from one snow's surface to the other's; `slope`: tangent of the angle.
-SNOWBOUGH_SHARED_FUNCTION float link_limit(float way_x, float way_y, float snow_x, float snow_y, float slope) {
-  const float way = sqrt(way_x * way_x + way_y * way_y);
-  const float along = way > 0.0f ? (snow_x * way_x + snow_y * way_y) / way : 0.0f;
-  return kEven * slope * clamp(along, kLeastWay * way, kMostWay * way);
+/// Metres of snow's surface, straight up, for a metre of thickness along the normal: a column over the same part of the
+/// ground holds as much. `up`: upward part of the normal on the side of the snow.
+SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, kWallUp); }
+
+/// Metres by which the surface of the snow may fall between two neighbours. `way`: from one bare point to the other,
+/// level; `slope`: tangent of the angle.
+SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope) { return kEven * slope * way; }
+
+/// The height that the snow's surface may have on a texel over an outlet, as far as it bounds its neighbours too: it
+/// does where it cuts the snow, or nearly. `top`: height of the snow's surface, `bare`: of the surface below.
+SNOWBOUGH_SHARED_FUNCTION float passed_bound(float bound, float top, float bare) {
+  const float least = max(bound, bare);
+  return bound - kNearlyCut * (least - bare) <= top ? least : kUnbounded;
 }
 
 /// Units of volume that flow for a metre of excess. `stiffness` of an end: metres by which a unit lifts its

@@ -332,6 +332,12 @@ class LinkFinder {
     std::partial_sum(links_.end_begin.begin(), links_.end_begin.end(), links_.end_begin.begin());
   }
 
+  bool has_texels(int32_t block) const {
+    bool any = false;
+    links_.for_texels(block, table_.texel, [&](int32_t, size_t) { any = true; });
+    return any;
+  }
+
   void find_near_blocks() {
     const int32_t side = links_.blocks_a_side;
     std::vector<std::pair<int32_t, int32_t>> pairs;
@@ -350,6 +356,9 @@ class LinkFinder {
       pairs.emplace_back(a, b);
       pairs.emplace_back(b, a);
     }
+    std::erase_if(pairs, [&](const auto& pair) {
+      return !has_texels(pair.first) || !has_texels(pair.second);
+    });
     std::sort(pairs.begin(), pairs.end());
     pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
     links_.near_begin.assign(links_.end_begin.size(), 0);

@@ -64,7 +64,8 @@ struct ReposeLinks {
   /// Ends in block b: [end_begin[b], end_begin[b + 1]).
   std::vector<int32_t> end_begin;
   std::vector<End> ends;
-  /// Blocks that share links with block b, itself included: [near_begin[b], near_begin[b + 1]).
+  /// Blocks with texels that share links with block b, itself included: [near_begin[b],
+  /// near_begin[b + 1]).
   std::vector<int32_t> near_begin;
   std::vector<int32_t> near;
 

@@ -41,6 +41,7 @@ double Repose::run(std::vector<float>& height, float patience, bool on_all_cores
   if (chosen_.empty()) return 0.0;
   on_all_cores_ = on_all_cores;
   set_up(height);
+  empty_over_outlets();
   run_rounds(doubtful_, patience);
   double fallen = 0.0;
   std::vector<double> parts(has_changed_ ? links_.block_count() : 0, 0.0);
@@ -54,6 +55,74 @@ double Repose::run(std::vector<float>& height, float patience, bool on_all_cores
   return fallen * static_cast<double>(surface_.unit());
 }
 
+/// Brings a tile's links up to date. Those of tiles to which nothing comes are not asked for.
+void Repose::link_tile(int32_t block) {
+  if (tiles_[static_cast<size_t>(block)]->has_links) return;
+  set_up_tile_links(tiles_, block, links_.blocks_a_side, slope_);
+}
+
+/// Lowers bounds across seams; wakes the blocks in which any changed.
+bool Repose::lower_across(Marks& awake) {
+  bool changes = false;
+  const auto lower = [&](int32_t from_cell, int32_t to_cell, float limit) {
+    const ReposeTile& from = *tiles_[static_cast<size_t>(from_cell / kTileCells)];
+    ReposeTile& to = *tiles_[static_cast<size_t>(to_cell / kTileCells)];
+    const auto a = static_cast<size_t>(from_cell % kTileCells);
+    const auto b = static_cast<size_t>(to_cell % kTileCells);
+    const float over =
+        shared::passed_bound(from.bound[a], from.top[a], from.z[a]) + shared::kCuts * limit;
+    if (!(over < to.bound[b])) return;
+    to.bound[b] = over;
+    mark_near(to_cell / kTileCells, awake);
+    changes = true;
+  };
+  for (size_t link = 0; link < across_.size(); ++link) {
+    const auto& [a, b] = links_.across_cells[link];
+    const bool is_open = tiles_[static_cast<size_t>(a / kTileCells)] != nullptr &&
+                         tiles_[static_cast<size_t>(b / kTileCells)] != nullptr &&
+                         across_[link].limit < std::numeric_limits<float>::infinity();
+    if (!is_open) continue;
+    lower(a, b, across_[link].limit);
+    lower(b, a, across_[link].limit);
+  }
+  return changes;
+}
+
+/// What lies higher over rims and walls than the slope allows falls at once.
+void Repose::empty_over_outlets() {
+  Marks awake(links_.block_count(), 0);
+  for (const int32_t block : doubtful_) awake[static_cast<size_t>(block)] = 1;
+  const int32_t side = links_.blocks_a_side;
+  for (bool goes_on = true; goes_on;) {
+    goes_on = false;
+    for (int32_t colour = 0; colour < 4; ++colour) {
+      Blocks blocks;
+      for (const int32_t block : chosen_) {
+        const int32_t own = block / side % 2 * 2 + block % side % 2;
+        if (own == colour && awake[static_cast<size_t>(block)] != 0) blocks.push_back(block);
+      }
+      std::vector<TileBounds> done(links_.block_count());
+      for_blocks(blocks, [&](int32_t block) {
+        link_tile(block);
+        done[static_cast<size_t>(block)] =
+            lower_tile_bounds(tiles_, block, side, rims_[static_cast<size_t>(block)]);
+      });
+      for (const int32_t block : blocks) {
+        if (done[static_cast<size_t>(block)].border_has_changed) mark_near(block, awake);
+        goes_on = goes_on || done[static_cast<size_t>(block)].has_changed;
+      }
+      for (const int32_t block : blocks) awake[static_cast<size_t>(block)] = 0;
+    }
+    goes_on = lower_across(awake) || goes_on;
+  }
+  Marks cuts(links_.block_count(), 0);
+  for_blocks(chosen_, [&](int32_t block) {
+    cuts[static_cast<size_t>(block)] = tiles_[static_cast<size_t>(block)]->cut() ? 1 : 0;
+  });
+  has_changed_ =
+      has_changed_ || std::any_of(cuts.begin(), cuts.end(), [](uint8_t c) { return c != 0; });
+}
+
 /// Lets blocks that do not touch each other do their rounds; marks those to which snow goes on, in
 /// `seams` also those whose links across seams it may concern. Returns the rounds that were done.
 double Repose::run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams) {
@@ -62,9 +131,14 @@ double Repose::run_colour(const Blocks& blocks, int first_round, Marks& awake, M
   for (size_t i = 0; i < order.size(); ++i) order[i] = static_cast<int32_t>(i);
   for_blocks(order, [&](int32_t i) {
     const int32_t block = blocks[static_cast<size_t>(i)];
-    done[static_cast<size_t>(i)] =
-        run_tile_rounds(tiles_, block, links_.blocks_a_side, rims_[static_cast<size_t>(block)],
-                        first_round, kRounds);
+    std::vector<RimLink>& rims = rims_[static_cast<size_t>(block)];
+    link_tile(block);
+    // Most blocks are at rest: to see it takes less than a round.
+    uint8_t& rests = rests_[static_cast<size_t>(block)];
+    if (rests != 0 && is_at_rest(tiles_, block, links_.blocks_a_side, rims)) return;
+    TileRounds& own = done[static_cast<size_t>(i)];
+    own = run_tile_rounds(tiles_, block, links_.blocks_a_side, rims, first_round, kRounds);
+    rests = own.flows ? 0 : 1;
   });
   double rounds = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
@@ -146,6 +220,7 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
   Marks awake(links_.block_count(), 0);
   for (const int32_t block : doubtful) awake[static_cast<size_t>(block)] = 1;
   Marks seams = awake;
+  rests_.assign(links_.block_count(), 1);
   for (Flow& link : across_) link.flow = 0.0f;
   const auto any = [](const Marks& marks) {
     return std::any_of(marks.begin(), marks.end(), [](uint8_t mark) { return mark != 0; });

@@ -50,11 +50,12 @@ class Repose {
  private:
   /// What is known of a block's links while the surface stands still, in metres: by how much they
   /// are under their limits where it is bare, at least; the same of links over edges that do not
-  /// hold; by how much normals differ across them. See is_level.
+  /// hold; shared::column_height at most, and by how much it differs across them. See is_level.
   struct BlockSlack {
     bool is_known = false;
     float inside = 0.0f;
     float at_edges = 0.0f;
+    float column = 0.0f;
     float turn = 0.0f;
   };
   struct Relief {
@@ -84,17 +85,25 @@ class Repose {
 
   // setup.cpp
   void take_pose();
+  bool is_bare(int32_t block, const std::vector<float>& height) const;
   Relief relief_of(int32_t block, const std::vector<float>& height) const;
   bool is_level(int32_t block, const Relief& relief) const;
+  void forget_links();
+  void take_tiles(Marks& changes);
+  bool cover_tile(int32_t block, const std::vector<float>& height);
   void set_up(const std::vector<float>& height);
   void set_up_ends(int32_t block);
   struct Cell;
   RimLink rim_link(const Cell& a, const glm::vec3& at) const;
   Cell across_end(int32_t link, size_t end) const;
+  float link_limit(const glm::vec3& way) const;
   void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
   void find_slack(int32_t block);
 
   // repose.cpp
+  void link_tile(int32_t block);
+  void empty_over_outlets();
+  bool lower_across(Marks& awake);
   void run_rounds(const Blocks& doubtful, float patience);
   double run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams);
   void flow_across(float momentum, Marks& awake, Marks& seams);
@@ -113,9 +122,13 @@ class Repose {
   /// Blocks to look at closely, and these with those near them.
   Blocks doubtful_;
   Blocks chosen_;
+  /// Per block, during a run: nothing flows in it.
+  Marks rests_;
   /// Of the chosen blocks, during a run; all that there are, between runs.
   ReposeTiles tiles_;
   ReposeTiles kept_;
+  /// By block, in the run before.
+  Marks was_chosen_;
   /// By block.
   std::vector<std::vector<RimLink>> rims_;
   /// By link across a seam.

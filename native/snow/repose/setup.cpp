@@ -22,7 +22,8 @@ struct Repose::Cell {
   bool is_there() const { return tile != nullptr && tile->area[at] > 0.0f; }
   bool is_wall() const { return (tile->kind[at] & kWall) != 0; }
   glm::vec3 point() const { return {tile->x[at], tile->y[at], tile->z[at]}; }
-  glm::vec3 normal() const { return {tile->normal_x[at], tile->normal_y[at], tile->normal_z[at]}; }
+  /// See shared::column_height.
+  float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
 };
 
 void Repose::take_pose() {
@@ -34,6 +35,7 @@ void Repose::take_pose() {
     kept_.resize(links_.block_count());
     rims_.resize(links_.block_count());
     across_.resize(links_.across.size());
+    was_chosen_.assign(links_.block_count(), 0);
   }
   surface_.set_pose(*object_);
   slack_.assign(links_.block_count(), {});
@@ -41,6 +43,16 @@ void Repose::take_pose() {
     if (tile != nullptr) tile->has_pose = false;
   }
   has_pose_ = true;
+}
+
+/// Whether snow lies in a block.
+bool Repose::is_bare(int32_t block, const std::vector<float>& height) const {
+  const std::vector<int32_t>& places = object_->table.texel;
+  bool bare = true;
+  links_.for_texels(block, places, [&](int32_t texel, size_t) {
+    bare = bare && height[static_cast<size_t>(places[static_cast<size_t>(texel)])] == 0.0f;
+  });
+  return bare;
 }
 
 /// The highest snow in a block and beside it, and the largest difference across a link that it
@@ -75,15 +87,20 @@ Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height
   return relief;
 }
 
-/// Whether no link of the block can be over its limit. Two points whose heights differ by at most
-/// `step` and their normals by `turn`, fall by at most step + high * turn more than bare and come
-/// nearer by as much.
+/// Whether no link of a block with known slack can be over its limit. Two columns over snow whose
+/// thickness differs by at most `step`, each up to `column` times as high as it is thick and the
+/// two of them by `turn`, differ by step * column + high * turn at most.
 bool Repose::is_level(int32_t block, const Relief& relief) const {
   if (relief.high <= 0.0f) return true;
   const BlockSlack& slack = slack_[static_cast<size_t>(block)];
-  return slack.is_known &&
-         (1.0f + slope_) * (relief.step + relief.high * slack.turn) <= slack.inside &&
-         (1.0f + slope_) * relief.high <= slack.at_edges;
+  return slack.is_known && relief.step * slack.column + relief.high * slack.turn <= slack.inside &&
+         relief.high * slack.column <= slack.at_edges;
+}
+
+void Repose::forget_links() {
+  slack_.assign(slack_.size(), {});
+  // As if all had not been there.
+  was_chosen_.assign(was_chosen_.size(), 0);
 }
 
 size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
@@ -95,31 +112,39 @@ size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
     if (is_bare) return 0;
     take_pose();
   }
-  if (slope != slope_) slack_.assign(slack_.size(), {});
+  if (slope != slope_) forget_links();
   slope_ = slope;
   doubtful_.clear();
   for (size_t b = 0; b < slack_.size(); ++b) {
     const auto block = static_cast<int32_t>(b);
-    if (!is_level(block, relief_of(block, height))) doubtful_.push_back(block);
+    const bool rests =
+        slack_[b].is_known ? is_level(block, relief_of(block, height)) : is_bare(block, height);
+    if (!rests) doubtful_.push_back(block);
   }
   chosen_ = near(doubtful_);
   return chosen_.size();
+}
+
+/// `way`: between bare points.
+float Repose::link_limit(const glm::vec3& way) const {
+  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope_);
 }
 
 /// Takes note of a link for is_level.
 void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
   if (!a.is_there() || !b.is_there() || (a.is_wall() && b.is_wall())) return;
   const glm::vec3 way = b.point() - a.point();
-  const float bare =
-      shared::kEven * slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
+  const float bare = link_limit(way) - std::abs(way.z);
+  for (const Cell& cell : {a, b}) {
+    if (!cell.is_wall()) slack.column = std::max(slack.column, cell.column());
+  }
   if (a.is_wall() || b.is_wall()) {
     const bool falls = a.is_wall() ? way.z > 0.0f : way.z < 0.0f;
     if (falls) slack.at_edges = std::min(slack.at_edges, bare);
     return;
   }
   slack.inside = std::min(slack.inside, bare);
-  const glm::vec3 turn = b.normal() - a.normal();
-  slack.turn = std::max(slack.turn, std::sqrt(turn.x * turn.x + turn.y * turn.y + turn.z * turn.z));
+  slack.turn = std::max(slack.turn, std::abs(b.column() - a.column()));
 }
 
 Repose::Cell Repose::across_end(int32_t link, size_t end) const {
@@ -131,7 +156,7 @@ Repose::Cell Repose::across_end(int32_t link, size_t end) const {
 /// What is known of a block from now on, until its surface moves. Only where all that it is linked
 /// with was looked at.
 void Repose::find_slack(int32_t block) {
-  BlockSlack slack{true, kNoLink, kNoLink, 0.0f};
+  BlockSlack slack{true, kNoLink, kNoLink, 0.0f, 0.0f};
   const ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
   links_.for_texels(block, object_->table.texel, [&](int32_t texel, size_t cell) {
     const int32_t column = static_cast<int32_t>(cell) % kReposeBlock;
@@ -168,10 +193,9 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   link.limit = link.slack = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
   const glm::vec3 way = at - a.point();
-  link.limit = shared::link_limit(way.x, way.y, way.x - a.tile->cover_x[a.at],
-                                  way.y - a.tile->cover_y[a.at], slope_);
+  link.limit = link_limit(way);
   link.rate = shared::link_rate(a.tile->stiffness[a.at], 0.0f);
-  link.slack = shared::kEven * slope_ * std::sqrt(way.x * way.x + way.y * way.y) - std::abs(way.z);
+  link.slack = link.limit - std::abs(way.z);
   return link;
 }
 
@@ -200,31 +224,58 @@ void Repose::set_up_ends(int32_t block) {
       continue;
     }
     if (end.sign > 0) continue;
-    const glm::vec3 way = b.point() - a.point();
-    flow.limit =
-        shared::link_limit(way.x, way.y, way.x + b.tile->cover_x[b.at] - a.tile->cover_x[a.at],
-                           way.y + b.tile->cover_y[b.at] - a.tile->cover_y[a.at], slope_);
+    flow.limit = link_limit(b.point() - a.point());
     flow.rate = shared::link_rate(a.tile->stiffness[a.at], b.tile->stiffness[b.at]);
   }
 }
 
-void Repose::set_up(const std::vector<float>& height) {
+/// Takes the tiles of the chosen blocks; marks those that were not there, or are not any more.
+void Repose::take_tiles(Marks& changes) {
+  Marks is_chosen(links_.block_count(), 0);
+  for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
+  for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
+  for (size_t b = 0; b < is_chosen.size(); ++b) {
+    if (is_chosen[b] == 0) kept_[b].reset();
+  }
+  was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
     std::unique_ptr<ReposeTile>& kept = kept_[static_cast<size_t>(block)];
     if (kept == nullptr) kept = std::make_unique<ReposeTile>();
     tiles_[static_cast<size_t>(block)] = std::move(kept);
   }
+}
+
+/// Brings a tile up to date; returns whether it is another than before but for its snow.
+bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
+  ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  bool changes = !tile.has_pose;
+  if (changes) surface_.fill_block(links_, block, tile);
   const std::vector<int32_t>& places = object_->table.texel;
-  for_blocks(chosen_, [&](int32_t b) {
-    ReposeTile& tile = *tiles_[static_cast<size_t>(b)];
-    if (!tile.has_pose) surface_.fill_block(links_, b, tile);
-    links_.for_texels(b, places, [&](int32_t texel, size_t cell) {
-      const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
-      tile.cover(cell, height[place], surface_.unit());
-    });
+  links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
+    const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
+    changes |= tile.cover(cell, height[place], surface_.unit());
   });
+  for (ReposeTile::Plane& flow : tile.flow) flow.fill(0.0f);
+  for (RimLink& rim : rims_[static_cast<size_t>(block)]) rim.flow = 0.0f;
+  return changes;
+}
+
+void Repose::set_up(const std::vector<float>& height) {
+  Marks changes(links_.block_count(), 0);
+  take_tiles(changes);
   for_blocks(chosen_, [&](int32_t b) {
-    set_up_tile_links(tiles_, b, links_.blocks_a_side, slope_);
+    if (cover_tile(b, height)) changes[static_cast<size_t>(b)] = 1;
+  });
+  Blocks changed;
+  for (size_t b = 0; b < changes.size(); ++b) {
+    if (changes[b] != 0) changed.push_back(static_cast<int32_t>(b));
+  }
+  Blocks unlinked;
+  for (const int32_t block : near(changed)) {
+    if (tiles_[static_cast<size_t>(block)] != nullptr) unlinked.push_back(block);
+  }
+  for_blocks(unlinked, [&](int32_t b) {
+    tiles_[static_cast<size_t>(b)]->has_links = false;
     set_up_ends(b);
   });
   // On a surface that moves all is new in the next step.

@@ -86,16 +86,12 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
 }
 
 void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTile& tile) const {
-  tile.area.fill(0.0f);
-  tile.forward.fill(0);
-  tile.part.fill(1.0f / shared::kLinks);
+  tile.begin_pose();
   links.for_texels(block, object_->table.texel, [&](int32_t index, size_t cell) {
     const Texel own = texel(index);
     tile.x[cell] = own.point.x;
     tile.y[cell] = own.point.y;
     tile.z[cell] = own.point.z;
-    tile.normal_x[cell] = own.normal.x;
-    tile.normal_y[cell] = own.normal.y;
     tile.normal_z[cell] = own.normal.z;
     tile.up[cell] = own.up;
     tile.area[cell] = own.area;
@@ -108,7 +104,6 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
     tile.part[static_cast<size_t>(end.cell % kTileCells)] =
         1.0f / std::max(shared::kLinks, static_cast<float>(end.links));
   }
-  tile.has_pose = true;
 }
 
 }  // namespace snowbough::snow

@@ -6,6 +6,7 @@
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/tile.h"
+#include "snow/repose/window.h"
 
 #if defined(__GNUC__)
 #define SNOWBOUGH_ROW SNOWBOUGH_WIDE __attribute__((flatten))
@@ -16,26 +17,14 @@
 namespace snowbough::snow {
 namespace {
 
-/// A block with the cells that its links lead to: a column on either side and a row behind the
-/// last.
-constexpr int32_t kRows = kReposeBlock + 1;
-constexpr int32_t kStride = 48;
-constexpr int32_t kFirst = 8;
-using Local = std::array<float, kRows * kStride>;
+using Local = TileWindow::Plane;
 
 constexpr float kNoLink = std::numeric_limits<float>::infinity();
-
-constexpr size_t local(int32_t column, int32_t row) {
-  return static_cast<size_t>(row * kStride + kFirst + column);
-}
-constexpr int32_t local_step(int32_t k) {
-  return kForwardRow[k] * kStride + kForwardColumn[k];
-}
 
 struct alignas(64) Window {
   Local top, gives, z, lift, share, held, gain, wanted, part;
   /// Units that have come in these rounds.
-  std::array<int32_t, kRows * kStride> come;
+  std::array<int32_t, TileWindow::kRows * TileWindow::kStride> come;
 };
 
 /// A number's bits without its sign: 0 only for 0. Or-ed, they say whether any is another; looking
@@ -99,64 +88,47 @@ SNOWBOUGH_ROW void move_row(int32_t cells, float* __restrict gain, int32_t* __re
   }
 }
 
-/// Calls visit(tile, cell, local) for the cells of the window that the block at (column, row) of
-/// blocks has, or those around it.
-template <typename Visit>
-void for_part(const ReposeTiles& tiles, int32_t blocks, int32_t column, int32_t row, int32_t dx,
-              int32_t dy, const Visit& visit) {
-  if (column + dx < 0 || column + dx >= blocks || row + dy >= blocks) return;
-  ReposeTile* const tile = tiles[static_cast<size_t>((row + dy) * blocks + column + dx)].get();
-  if (tile == nullptr) return;
-  const int32_t last = kReposeBlock - 1;
-  const int32_t begin_x = dx < 0 ? last : 0;
-  const int32_t end_x = dx > 0 ? 0 : last;
-  const int32_t end_y = dy > 0 ? 0 : last;
-  for (int32_t y = 0; y <= end_y; ++y) {
-    for (int32_t x = begin_x; x <= end_x; ++x) {
-      visit(*tile, static_cast<size_t>(y * kReposeBlock + x),
-            local(x + dx * kReposeBlock, y + dy * kReposeBlock));
-    }
-  }
-}
-
-template <typename Visit>
-void for_window(const ReposeTiles& tiles, int32_t blocks, int32_t block, const Visit& visit) {
-  for (int32_t dy = 0; dy <= 1; ++dy) {
-    for (int32_t dx = -1; dx <= 1; ++dx) {
-      for_part(tiles, blocks, block % blocks, block / blocks, dx, dy, visit);
-    }
-  }
-}
-
 void load(const ReposeTiles& tiles, int32_t blocks, int32_t block, Window& window) {
   window = Window{};
-  for_window(tiles, blocks, block, [&](const ReposeTile& tile, size_t cell, size_t at) {
-    window.top[at] = tile.top[cell];
-    window.gives[at] = tile.gives[cell];
-    window.z[at] = tile.z[cell];
-    window.lift[at] = tile.lift[cell];
-    window.share[at] = tile.share[cell];
-    window.held[at] = tile.held[cell] + static_cast<float>(tile.moved[cell]);
-  });
+  TileWindow::for_runs(
+      tiles, blocks, block, [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+        TileWindow::copy_run(tile.top, cell, count, window.top, at);
+        TileWindow::copy_run(tile.gives, cell, count, window.gives, at);
+        TileWindow::copy_run(tile.z, cell, count, window.z, at);
+        TileWindow::copy_run(tile.lift, cell, count, window.lift, at);
+        TileWindow::copy_run(tile.share, cell, count, window.share, at);
+        for (size_t i = 0; i < count; ++i) {
+          window.held[at + i] = tile.held[cell + i] + static_cast<float>(tile.moved[cell + i]);
+        }
+      });
+}
+
+/// Whether a fall from a row of cells to their neighbours is over its limit.
+SNOWBOUGH_ROW bool is_row_over(int32_t step, const float* __restrict top,
+                               const float* __restrict limit) {
+  int32_t over = 0;
+  for (int32_t i = 0; i < kReposeBlock; ++i)
+    over |= std::abs(top[i] - top[i + step]) > limit[i] ? 1 : 0;
+  return over != 0;
 }
 
 bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, float momentum) {
   bool is_wanted[kReposeBlock][kForwardLinks];
   bool flows = false;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
-    const size_t at = local(0, row);
+    const size_t at = TileWindow::at(0, row);
     const auto cells = static_cast<size_t>(row * kReposeBlock);
     for (int32_t k = 0; k < kForwardLinks; ++k) {
       const auto link = static_cast<size_t>(k);
       is_wanted[row][k] =
-          want_row(local_step(k), window.top.data() + at, tile.limit[link].data() + cells,
+          want_row(TileWindow::step(k), window.top.data() + at, tile.limit[link].data() + cells,
                    tile.rate[link].data() + cells, tile.flow[link].data() + cells, momentum,
                    window.wanted.data() + at);
       flows = flows || is_wanted[row][k];
     }
   }
   for (RimLink& rim : rims) {
-    const size_t at = local(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
+    const size_t at = TileWindow::at(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
     rim.flow = std::max(
         shared::wanted_flow(rim.flow, window.top[at] - rim.top, rim.limit, rim.rate, momentum),
         0.0f);
@@ -164,30 +136,31 @@ bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, flo
     flows = flows || rim.flow > 0.0f;
   }
   if (!flows) return false;
-  for (int32_t row = 0; row < kRows; ++row) {
-    const size_t at = local(-1, row);
+  for (int32_t row = 0; row < TileWindow::kRows; ++row) {
+    const size_t at = TileWindow::at(-1, row);
     part_row(kReposeBlock + 2, window.gives.data() + at, window.wanted.data() + at,
              window.part.data() + at);
   }
   flows = false;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
-    const size_t at = local(0, row);
+    const size_t at = TileWindow::at(0, row);
     for (int32_t k = 0; k < kForwardLinks; ++k) {
       if (!is_wanted[row][k]) continue;
       float* const flow =
           tile.flow[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
-      flows |= give_row(local_step(k), flow, window.part.data() + at, window.gain.data() + at);
+      flows |=
+          give_row(TileWindow::step(k), flow, window.part.data() + at, window.gain.data() + at);
     }
   }
   for (RimLink& rim : rims) {
-    const size_t at = local(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
+    const size_t at = TileWindow::at(rim.cell % kReposeBlock, rim.cell / kReposeBlock);
     rim.flow = shared::given_flow(rim.flow, window.part[at], 1.0f);
     window.gain[at] -= rim.flow;
     flows = flows || rim.flow > 0.0f;
   }
   if (!flows) return false;
-  for (int32_t row = 0; row < kRows; ++row) {
-    const size_t at = local(-1, row);
+  for (int32_t row = 0; row < TileWindow::kRows; ++row) {
+    const size_t at = TileWindow::at(-1, row);
     move_row(kReposeBlock + 2, window.gain.data() + at, window.come.data() + at,
              window.held.data() + at, window.z.data() + at, window.lift.data() + at,
              window.share.data() + at, window.top.data() + at, window.gives.data() + at);
@@ -197,7 +170,7 @@ bool run_round(ReposeTile& tile, Window& window, std::vector<RimLink>& rims, flo
 
 /// What the links of a block are set up from, cell by cell of a window.
 struct alignas(64) Bare {
-  Local x, y, z, cover_x, cover_y, stiffness, area;
+  Local x, y, z, stiffness, area;
   /// 1 on walls, else 0.
   Local wall;
 };
@@ -210,8 +183,6 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const z = bare.z.data() + at;
-  const float* const cover_x = bare.cover_x.data() + at;
-  const float* const cover_y = bare.cover_y.data() + at;
   const float* const stiffness = bare.stiffness.data() + at;
   const float* const area = bare.area.data() + at;
   const float* const wall = bare.wall.data() + at;
@@ -220,8 +191,7 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
     const float way_x = x[j] - x[i];
     const float way_y = y[j] - y[i];
     const float falls = z[i] - z[j];
-    const float allowed = shared::link_limit(way_x, way_y, way_x + cover_x[j] - cover_x[i],
-                                             way_y + cover_y[j] - cover_y[i], slope);
+    const float allowed = shared::link_limit(std::sqrt(way_x * way_x + way_y * way_y), slope);
     // One of them a wall, and the other not over it; or both.
     const float over_wall = wall[j] > wall[i] ? falls : (wall[i] > wall[j] ? -falls : 1.0f);
     const bool is_open = (over_wall > 0.0f) & (wall[i] + wall[j] < 1.5f) & (area[i] > 0.0f) &
@@ -233,44 +203,84 @@ SNOWBOUGH_ROW void set_up_row(const Bare& bare, size_t at, int32_t step, const u
 
 }  // namespace
 
-void ReposeTile::cover(size_t cell, float height, float unit) {
-  const float side = shared::snow_side(height, up[cell], two_sided[cell] != 0);
-  const bool wall = shared::is_wall(side * up[cell]) || area[cell] <= 0.0f;
-  kind[cell] = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
-  const float a_unit = area[cell] > 0.0f ? unit / area[cell] : 0.0f;
-  held[cell] = area[cell] > 0.0f ? std::abs(height) / a_unit : 0.0f;
-  moved[cell] = 0.0;
-  cover_x[cell] = wall ? 0.0f : height * normal_x[cell];
-  cover_y[cell] = wall ? 0.0f : height * normal_y[cell];
-  lift[cell] = wall ? 0.0f : std::max(side * normal_z[cell], 0.0f) * a_unit;
+void ReposeTile::begin_pose() {
+  area.fill(0.0f);
+  forward.fill(0);
+  two_sided.fill(0);
+  part.fill(1.0f / shared::kLinks);
+  kind.fill(kUnknown);
+  bound.fill(shared::kUnbounded);
+  has_pose = true;
+  has_links = false;
+}
+
+void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {
+  kind[cell] = now;
+  const bool wall = (now & kWall) != 0;
+  const float side = (now & kBack) != 0 ? -1.0f : 1.0f;
+  units_a_metre[cell] = area[cell] / unit;
+  lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * (unit / area[cell]);
   share[cell] = wall ? 0.0f : 1.0f;
   stiffness[cell] = lift[cell] / part[cell];
+}
+
+bool ReposeTile::cover(size_t cell, float height, float unit) {
+  const float side = shared::snow_side(height, up[cell], two_sided[cell] != 0);
+  const bool wall = shared::is_wall(side * up[cell]) || area[cell] <= 0.0f;
+  const auto now = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
+  const bool changes = now != kind[cell];
+  if (changes) set_kind(cell, now, unit);
+  held[cell] = std::abs(height) * units_a_metre[cell];
+  moved[cell] = 0.0;
+  // A wall is an outlet: what lies over it falls.
+  bound[cell] = wall ? z[cell] : shared::kUnbounded;
   raise(cell);
+  return changes;
 }
 
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                        float slope) {
   Bare bare{};
-  for_window(tiles, blocks_a_side, block, [&](const ReposeTile& tile, size_t cell, size_t at) {
-    bare.x[at] = tile.x[cell];
-    bare.y[at] = tile.y[cell];
-    bare.z[at] = tile.z[cell];
-    bare.cover_x[at] = tile.cover_x[cell];
-    bare.cover_y[at] = tile.cover_y[cell];
-    bare.stiffness[at] = tile.stiffness[cell];
-    bare.area[at] = tile.area[cell];
-    bare.wall[at] = (tile.kind[cell] & kWall) != 0 ? 1.0f : 0.0f;
-  });
+  TileWindow::for_cells(tiles, blocks_a_side, block,
+                        [&](const ReposeTile& tile, size_t cell, size_t at) {
+                          bare.x[at] = tile.x[cell];
+                          bare.y[at] = tile.y[cell];
+                          bare.z[at] = tile.z[cell];
+                          bare.stiffness[at] = tile.stiffness[cell];
+                          bare.area[at] = tile.area[cell];
+                          bare.wall[at] = (tile.kind[cell] & kWall) != 0 ? 1.0f : 0.0f;
+                        });
   ReposeTile& tile = *tiles[static_cast<size_t>(block)];
+  tile.has_links = true;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const auto cells = static_cast<size_t>(row * kReposeBlock);
     for (int32_t k = 0; k < kForwardLinks; ++k) {
       const auto link = static_cast<size_t>(k);
-      set_up_row(bare, local(0, row), local_step(k), tile.forward.data() + cells, k, slope,
-                 tile.limit[link].data() + cells, tile.rate[link].data() + cells);
-      std::fill_n(tile.flow[link].data() + cells, kReposeBlock, 0.0f);
+      set_up_row(bare, TileWindow::at(0, row), TileWindow::step(k), tile.forward.data() + cells, k,
+                 slope, tile.limit[link].data() + cells, tile.rate[link].data() + cells);
     }
   }
+}
+
+bool is_at_rest(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
+                const std::vector<RimLink>& rims) {
+  Local top{};
+  TileWindow::for_runs(tiles, blocks_a_side, block,
+                       [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
+                         TileWindow::copy_run(tile.top, cell, count, top, at);
+                       });
+  const ReposeTile& tile = *tiles[static_cast<size_t>(block)];
+  for (int32_t row = 0; row < kReposeBlock; ++row) {
+    const auto cells = static_cast<size_t>(row * kReposeBlock);
+    for (int32_t k = 0; k < kForwardLinks; ++k) {
+      const float* const limit = tile.limit[static_cast<size_t>(k)].data() + cells;
+      if (is_row_over(TileWindow::step(k), top.data() + TileWindow::at(0, row), limit))
+        return false;
+    }
+  }
+  return std::none_of(rims.begin(), rims.end(), [&](const RimLink& rim) {
+    return tile.top[static_cast<size_t>(rim.cell)] - rim.top > rim.limit;
+  });
 }
 
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
@@ -287,14 +297,11 @@ TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t bloc
     result.has_changed = result.has_changed || result.flows;
   }
   if (!result.has_changed) return result;
-  for_window(tiles, blocks_a_side, block, [&](ReposeTile& part, size_t cell, size_t at) {
+  TileWindow::for_cells(tiles, blocks_a_side, block, [&](ReposeTile& part, size_t cell, size_t at) {
     if (window.come[at] == 0) return;
     part.moved[cell] += static_cast<double>(window.come[at]);
     part.raise(cell);
-    const auto row = static_cast<int32_t>(at) / kStride;
-    const int32_t column = static_cast<int32_t>(at) % kStride - kFirst;
-    result.border_has_changed = result.border_has_changed || row == 0 || row >= kReposeBlock - 1 ||
-                                column <= 0 || column >= kReposeBlock - 1;
+    result.border_has_changed = result.border_has_changed || TileWindow::is_border(at);
   });
   return result;
 }

@@ -30,4 +30,14 @@ void choose_texels(Scene& scene) {
   });
 }
 
+void find_snow(Receiver& receiver) {
+  base::for_each_item(receiver.group_count(), 64, [&](size_t group) {
+    uint8_t& holds = receiver.holds_snow[group];
+    const size_t end = receiver.first_texel(group + 1);
+    for (size_t i = receiver.first_texel(group); i < end && holds == 0; ++i) {
+      holds = receiver.height[receiver.places[i]] != 0.0f ? 1 : 0;
+    }
+  });
+}
+
 }  // namespace snowbough::snow::cpu

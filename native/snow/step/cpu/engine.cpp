@@ -80,8 +80,7 @@ class CpuEngine final : public Engine {
       Receiver& receiver = scene_.receivers[slot];
       receiver.sums.slid += maps[slot].slid;
       receiver.sums.held -= maps[slot].slid;
-      // Snow may have come to any of them.
-      std::fill(receiver.holds_snow.begin(), receiver.holds_snow.end(), uint8_t{1});
+      cpu::find_snow(receiver);
     }
   }
   void close_statistics(float pixel_area) override {

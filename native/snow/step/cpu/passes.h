@@ -31,6 +31,9 @@ void set_up_smooth_points(Scene& scene);
 /// which have a triangle that faces the fall. The passes would change nothing on the others.
 void choose_texels(Scene& scene);
 
+/// Marks the groups on which snow lies, after it has moved.
+void find_snow(Receiver& receiver);
+
 /// Evaluates area and upward parts of the chosen texels on the current triangles, in steps in which
 /// nothing falls; sets what they gain to 0.
 void evaluate_texels(Scene& scene);
