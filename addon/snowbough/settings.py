@@ -386,6 +386,26 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
     )
 
 
+class SnowboughArmatureData(bpy.types.PropertyGroup):
+    """``armature.snowbough``, of an imported tree."""
+
+    surface: StringProperty(
+        name="Surface",
+        description="The tree's four-sided base, which Snowbough Realtime subdivides as finely as a picture needs",
+        options={"HIDDEN"},
+    )
+
+
+class SnowboughMeshData(bpy.types.PropertyGroup):
+    """``mesh.snowbough``, of an imported tree's bark."""
+
+    bark_vertices: IntProperty(
+        name="Vertices of the Bark",
+        description="As many as the import made: with others it has been edited",
+        options={"HIDDEN"},
+    )
+
+
 class SnowboughPreferences(bpy.types.AddonPreferences):
     """The add-on's preferences: what is the machine's and not the shot's."""
 
@@ -436,7 +456,14 @@ def preview_limits():
     return 0 if resolution == "AUTO" else int(resolution), _preference("preview_memory", 1024) << 20
 
 
-CLASSES = (SnowboughReceiver, SnowboughSceneSettings, SnowboughObjectSettings, SnowboughPreferences)
+CLASSES = (
+    SnowboughReceiver,
+    SnowboughSceneSettings,
+    SnowboughObjectSettings,
+    SnowboughArmatureData,
+    SnowboughMeshData,
+    SnowboughPreferences,
+)
 
 
 def register():
@@ -444,9 +471,13 @@ def register():
         bpy.utils.register_class(cls)
     bpy.types.Scene.snowbough = PointerProperty(type=SnowboughSceneSettings)
     bpy.types.Object.snowbough = PointerProperty(type=SnowboughObjectSettings)
+    bpy.types.Armature.snowbough = PointerProperty(type=SnowboughArmatureData)
+    bpy.types.Mesh.snowbough = PointerProperty(type=SnowboughMeshData)
 
 
 def unregister():
+    del bpy.types.Mesh.snowbough
+    del bpy.types.Armature.snowbough
     del bpy.types.Object.snowbough
     del bpy.types.Scene.snowbough
     for cls in reversed(CLASSES):

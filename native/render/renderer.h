@@ -1,15 +1,18 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <glm/mat4x4.hpp>
 #include <glm/vec3.hpp>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "gpu/gpu_thread.h"
 #include "gpu/thread_texture.h"
 #include "gpu/timer.h"
+#include "render/frame_queue.h"
 #include "render/sources.h"
 #include "render/view.h"
 
@@ -32,6 +35,14 @@ struct Picture {
   int32_t width = 0;
   int32_t height = 0;
   std::vector<uint8_t> rgba;
+};
+
+/// Linear light, height x width x 4, row 0 at the bottom; alpha is the share of a pixel in which
+/// something was drawn, and elsewhere there is the background's light.
+struct LightPicture {
+  int32_t width = 0;
+  int32_t height = 0;
+  std::vector<float> rgba;
 };
 
 /// Of the last picture.
@@ -73,7 +84,11 @@ struct SnowLevels {
 class Renderer {
  public:
   /// `device` as GpuThread's. @throws std::runtime_error where no context can be made.
-  explicit Renderer(const std::string& device = "");
+  ///
+  /// With `waits` off it returns before there is a context, and so do all functions that change
+  /// what is drawn before that is done; what goes wrong on the way, the missing context included,
+  /// is thrown by `take_frame`. All else waits for its answer, and for what was handed in before.
+  explicit Renderer(const std::string& device = "", bool waits = true);
   ~Renderer();
   Renderer(const Renderer&) = delete;
   Renderer& operator=(const Renderer&) = delete;
@@ -87,6 +102,10 @@ class Renderer {
   /// A matrix a bone from the rest pose to the pose; the only upload of a frame.
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
+  /// Where a mesh is: a matrix a place, from its own space to the world; at first the identity.
+  void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
+  /// Lets snow lie on a mesh; without heights: none.
+  void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   /// A mesh that carries snow: bare until it gets a map.
   void add_snow_mesh(const std::string& name, const SnowSource& source);
   /// Moves such a mesh; `normals` as SnowSource's.
@@ -102,6 +121,20 @@ class Renderer {
   void remove(const std::string& name);
 
   Picture render(const Camera& camera, const RenderSettings& settings);
+  /// Means of `samples` pictures (1 to 4096), shifted within a pixel's filter.
+  LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+
+  /// Asks for a picture and waits for nothing; one that was asked for before and is not begun is
+  /// forgotten. Returns its ticket.
+  uint64_t request_frame(const Camera& camera, const RenderSettings& settings);
+  /// The newest picture that has arrived since the last call, if any. Waits for nothing; a picture
+  /// arrives only while this is called from time to time.
+  std::optional<PackedFrame> take_frame();
+  /// Whether a picture that was asked for has not arrived yet.
+  bool is_busy() const;
+  /// Whether the context is made, or could not be: `info` does not wait then.
+  bool is_ready() const;
+
   /// @throws std::runtime_error before the first picture.
   FrameStatistics statistics() const;
 
@@ -118,10 +151,18 @@ class Renderer {
   void close();
 
  private:
-  Scene& scene() const;
+  /// What lives on the GPU thread.
+  struct Drawing;
 
+  Drawing& drawing() const;
+  /// Has `work` done with the scene; `waits_` says whether it is over when this returns.
+  void change(std::function<void(Scene&)> work);
+  void post_pump();
+
+  bool waits_ = true;
   std::shared_ptr<gpu::GpuThread> thread_;
-  std::unique_ptr<Scene> scene_;
+  std::unique_ptr<Drawing> drawing_;
+  mutable FrameQueue queue_;
 };
 
 }  // namespace snowbough::render

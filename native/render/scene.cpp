@@ -19,6 +19,28 @@ const vec4 kInk(0.05f, 0.08f, 0.15f, 1.0f);
 /// How far a pose may take a tree out of its box at rest, in radii.
 constexpr float kRoomToMove = 1.25f;
 
+/// Pixels of a work group's side.
+constexpr int32_t kTileSize = 8;
+
+/// Whether a box is that of ground: it casts no shadows worth texels of the shadow map, which would
+/// have to cover all of it.
+bool is_flat(const Box& box) {
+  constexpr float kFlat = 0.02f;
+  const vec3 size = box.size();
+  return size.z < kFlat * std::max(size.x, size.y);
+}
+
+/// Where in a pixel's tent filter, two pixels wide, a sample of a frame lies.
+/// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+glm::vec2 sample_offset(int32_t index) {
+  const auto tent = [&](double step) {
+    const double share = std::fmod(0.5 + step * index, 1.0);
+    return static_cast<float>(share < 0.5 ? std::sqrt(2.0 * share) - 1.0
+                                          : 1.0 - std::sqrt(2.0 * (1.0 - share)));
+  };
+  return {tent(0.7548776662466927), tent(0.5698402909980532)};
+}
+
 /// Sets what the passes need and puts it back, because snow shares the context.
 class DrawState {
  public:
@@ -54,18 +76,37 @@ Scene::Tree::Tree(const TreePatches& patches, const TreeLook& its_look)
       bone_count(patches.bone_count),
       levels(patches.levels),
       largest_area(patches.largest_area),
-      lowest(patches.lowest),
-      highest(patches.highest),
+      rest(patches.bone_count),
       camera_view(sizeof(shared::TreeView)),
       sun_view(sizeof(shared::TreeView)) {
   for (const shared::TreePatch& patch : patches.patches) {
     patch_edges.push_back(patch.edges);
   }
+  for (const shared::TreeVertex& vertex : patches.vertices) {
+    for (int k = 0; k < 4; ++k) {
+      if (vertex.weights[k] > 0.0f) rest.add(vertex.bones[k], vec3(vertex.position));
+    }
+  }
+  bounds = rest.at_rest();
 }
 
 Scene::Tree& Scene::tree(const std::string& name) const {
   const auto found = trees_.find(name);
   if (found == trees_.end()) throw std::invalid_argument("there is no tree '" + name + "'");
+  return *found->second;
+}
+
+bool Scene::ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
+  const bool same_sun = scene == before.scene && resolution == before.resolution &&
+                        shadow_from_world == before.shadow_from_world;
+  const bool same_levels = eye == before.eye && level == before.level && drop == before.drop &&
+                           max_level == before.max_level && thesis == before.thesis;
+  return same_sun && (roughly || same_levels);
+}
+
+MeshBuffers& Scene::mesh(const std::string& name) const {
+  const auto found = meshes_.find(name);
+  if (found == meshes_.end()) throw std::invalid_argument("there is no mesh '" + name + "'");
   return *found->second;
 }
 
@@ -84,22 +125,25 @@ void Scene::require_new(const std::string& name) const {
 }
 
 void Scene::add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look) {
+  ++revision_;
   require_new(name);
   trees_[name] = std::make_unique<Tree>(patches, look);
 }
 
 void Scene::set_leaves(const std::string& name, const LeafSource& leaves) {
+  ++revision_;
   Tree& of = tree(name);
   LeafBuffers made(leaves, of.bone_count);
   of.leaves.reset();
   of.leaves.emplace(std::move(made));
-  for (const vec3& p : leaves.positions) {
-    of.lowest = glm::min(of.lowest, p);
-    of.highest = glm::max(of.highest, p);
+  for (size_t i = 0; i < leaves.positions.size(); ++i) {
+    of.rest.add(leaves.bone[i / 3], leaves.positions[i]);
+    of.bounds.add(leaves.positions[i]);
   }
 }
 
 void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  ++revision_;
   Tree& of = tree(name);
   if (matrices.size() != static_cast<size_t>(of.bone_count)) {
     throw std::invalid_argument("tree '" + name + "' has " + std::to_string(of.bone_count) +
@@ -107,26 +151,41 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
   }
   const std::vector<vec4> rows = bone_rows(matrices);
   of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
+  of.bounds = of.rest.posed(matrices);
 }
 
 void Scene::add_mesh(const std::string& name, const MeshSource& source) {
+  ++revision_;
   require_new(name);
   meshes_[name] = std::make_unique<MeshBuffers>(source);
 }
 
-void Scene::add_snow_mesh(const std::string& name, SnowMesh&& mesh, const vec3& color) {
+void Scene::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  ++revision_;
+  mesh(name).set_places(matrices);
+}
+
+void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
+  mesh(name).set_snow(snow);
+}
+
+void Scene::add_snow_mesh(const std::string& name, SnowMesh&& mesh, const vec3& color,
+                          bool draws_base) {
+  ++revision_;
   require_new(name);
-  receivers_[name] = std::make_unique<Receiver>(std::move(mesh), color);
+  receivers_[name] = std::make_unique<Receiver>(std::move(mesh), color, draws_base);
 }
 
 void Scene::set_snow_pose(const std::string& name, const std::vector<vec3>& positions,
                           const std::vector<std::array<vec3, 3>>& normals) {
+  ++revision_;
   Receiver& of = receiver(name);
   of.mesh.set_pose(positions, normals);
   of.buffers.set_pose(of.mesh.patches());
 }
 
 void Scene::set_snow(const std::string& name, const HeightMap& heights) {
+  ++revision_;
   auto map = std::make_shared<gpu::Texture>(GL_R32F, heights.width, heights.height, 0, GL_LINEAR);
   map->write(0, GL_RED, GL_FLOAT, heights.values.data());
   const auto found = trees_.find(name);
@@ -140,36 +199,44 @@ void Scene::set_snow(const std::string& name, const HeightMap& heights) {
 }
 
 bool Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
+  ++revision_;
   if (trees_.count(name) != 0) return false;
   receiver(name).buffers.set_map(std::move(heights));
   return true;
 }
 
 void Scene::remove(const std::string& name) {
+  ++revision_;
   if (trees_.erase(name) + meshes_.erase(name) + receivers_.erase(name) == 0) {
     throw std::invalid_argument("there is nothing named '" + name + "'");
   }
 }
 
 Bounds Scene::bounds() const {
-  if (trees_.empty() && receivers_.empty()) return {vec3(0.0f), 10.0f, 10.0f};
-  vec3 lowest(std::numeric_limits<float>::max()), highest(-lowest);
-  const auto add = [&](const auto& of) {
-    lowest = glm::min(lowest, of.lowest);
-    highest = glm::max(highest, of.highest);
+  Box casters, all;
+  const auto add = [&](const Box& box) {
+    if (box.is_empty()) return;
+    all.add(box);
+    if (!is_flat(box)) casters.add(box);
   };
-  for (const auto& [name, of] : trees_) add(*of);
-  for (const auto& [name, of] : receivers_) add(of->mesh.patches());
-  const float radius = std::max(kRoomToMove * 0.5f * glm::distance(lowest, highest), 1e-6f);
-  return {0.5f * (lowest + highest), radius, radius};
+  for (const auto& [name, of] : trees_) casters.add(of->bounds);
+  for (const auto& [name, of] : meshes_) add(of->bounds());
+  for (const auto& [name, of] : receivers_) {
+    add({of->mesh.patches().lowest, of->mesh.patches().highest});
+  }
+  if (casters.is_empty()) casters = all;
+  if (casters.is_empty()) return {vec3(0.0f), 10.0f, 10.0f};
+  const float radius = std::max(kRoomToMove * 0.5f * glm::length(casters.size()), 1e-6f);
+  return {casters.centre(), radius, radius};
 }
 
-void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
+shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& settings,
+                                    bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
   around.reach =
       meshes_.empty() && receivers_.empty() ? around.radius : std::numeric_limits<float>::max();
-  const shared::TreeView base = camera_view(camera, settings, around);
+  const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
   };
@@ -185,6 +252,7 @@ void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }
+  return base;
 }
 
 void Scene::prepare_trees(const RenderSettings& settings) {
@@ -237,7 +305,7 @@ void Scene::draw_shadows(const RenderSettings& settings) {
     snow_.draw_tessellated(of->buffers, list, sun_view_, style);
   }
   for (const auto& [name, mesh] : meshes_) {
-    drawables_.draw_mesh(*mesh, sun_view_, style.kind, *shadow_map_, kInk);
+    mesh_passes_.draw(*mesh, sun_view_, style.kind, *shadow_map_, kInk);
   }
 }
 
@@ -289,16 +357,17 @@ void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured
   draw_snow(style, measured);
   pass("meshes", [&] {
     for (const auto& [name, mesh] : meshes_) {
-      drawables_.draw_mesh(*mesh, camera_view_, style.kind, *shadow_map_, style.wire_color);
+      mesh_passes_.draw(*mesh, camera_view_, style.kind, *shadow_map_, style.wire_color);
     }
   });
 }
 
-void Scene::draw_picture(const Target& target, const RenderSettings& settings) {
-  const vec3 sky = settings.sky_color;
+void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
   DrawStyle style{Kind::kShaded, shadow_map_, kInk};
   if (!settings.wireframe) {
-    target.begin(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    const vec3 sky = settings.background.value_or(settings.sky_color);
+    const vec3 clear = linear ? sky : vec3(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    target.begin(clear.r, clear.g, clear.b);
     draw_all(style, settings.cull_back_faces, true);
     if (settings.snowfall.rate > 0.0f) {
       const auto measured = timer_.measure("flakes");
@@ -333,11 +402,10 @@ void Scene::count_all_patches() {
   }
 }
 
-Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
-  const auto started = std::chrono::steady_clock::now();
+void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                       KeptTarget& large, bool linear, Shadows shadows) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
-  timer_.take();
   Camera of_pixels = camera;
   RenderSettings for_pixels = settings;
   if (settings.antialias) {
@@ -346,18 +414,37 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
     for_pixels.target_pixels *= 2.0f;
     for_pixels.min_pixels *= 2.0f;
   }
-  write_views(of_pixels, for_pixels);
+  const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
   prepare_snow(settings);
-  draw_shadows(settings);
-  const Target& picture = picture_.of_size(camera.width, camera.height);
-  if (settings.antialias) {
-    const Target& large = large_.of_size(of_pixels.width, of_pixels.height);
-    draw_picture(large, settings);
-    halve(large, picture);
-  } else {
-    draw_picture(picture, settings);
+  const ShadowInputs inputs{revision_,
+                            settings.shadow_resolution,
+                            view.shadow_from_world,
+                            vec3(view.eye),
+                            view.eye.w / view.tessellation.z,
+                            view.eye.w / view.tessellation.w,
+                            view.tessellation.y,
+                            view.thesis};
+  const bool stays = shadows == Shadows::kKeep || (shadows == Shadows::kIfOther && shadow_inputs_ &&
+                                                   inputs.sees(*shadow_inputs_, settings.draft));
+  if (!stays) {
+    draw_shadows(settings);
+    shadow_inputs_ = inputs;
   }
+  if (settings.antialias) {
+    const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
+    draw_picture(twice, settings, linear);
+    halve(twice, target);
+  } else {
+    draw_picture(target, settings, linear);
+  }
+}
+
+Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
+  const auto started = std::chrono::steady_clock::now();
+  timer_.take();
+  const Target& picture = picture_.of_size(camera.width, camera.height);
+  draw_frame(camera, settings, picture, large_, false, Shadows::kDraw);
   Picture made{camera.width, camera.height, read_color(picture)};
 
   statistics_.emplace();
@@ -368,6 +455,38 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
     if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
   }
   count_all_patches();
+  return made;
+}
+
+const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings,
+                                      Shadows shadows) {
+  const Target& picture = light_.of_size(camera.width, camera.height);
+  timer_.set_enabled(false);
+  draw_frame(camera, settings, picture, large_light_, true, shadows);
+  timer_.set_enabled(true);
+  return picture.color;
+}
+
+LightPicture Scene::render_light(const Camera& camera, const RenderSettings& settings,
+                                 int32_t samples) {
+  const gpu::Texture sum(GL_RGBA32F, camera.width, camera.height);
+  Camera of_sample = camera;
+  for (int32_t i = 0; i < samples; ++i) {
+    if (samples > 1) of_sample.jitter = camera.jitter + sample_offset(i);
+    const gpu::Texture& light =
+        draw_light(of_sample, settings, i == 0 ? Shadows::kDraw : Shadows::kKeep);
+    sum_.use();
+    sum_.bind_texture("light", light);
+    sum_.bind_image("sum", sum, GL_READ_WRITE);
+    sum_.set("weight", 1.0f / static_cast<float>(samples));
+    sum_.dispatch(gpu::group_count(camera.width, kTileSize),
+                  gpu::group_count(camera.height, kTileSize));
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  }
+  LightPicture made{camera.width, camera.height, {}};
+  made.rgba.resize(static_cast<size_t>(camera.width) * camera.height * 4);
+  sum.read(0, GL_RGBA, GL_FLOAT, static_cast<int64_t>(made.rgba.size() * sizeof(float)),
+           made.rgba.data());
   return made;
 }
 
@@ -409,7 +528,7 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
   // Nothing is drawn, yet draws want a framebuffer.
   nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
-  write_views(camera, settings);
+  write_views(camera, settings, false);
   const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
   if (is_receiver) {
     SnowBuffers& of = receiver(name).buffers;

@@ -2,14 +2,17 @@
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {
 
-/// A pinhole camera. Metres, radians.
+/// A camera: a pinhole that is looked through from `eye`, or whatever two matrices say. Metres,
+/// radians.
 struct Camera {
   glm::vec3 eye{0.0f, -10.0f, 2.0f};
   glm::vec3 target{0.0f, 0.0f, 2.0f};
@@ -22,6 +25,12 @@ struct Camera {
   /// Pixels.
   int32_t width = 640;
   int32_t height = 480;
+  /// Instead of all of the above but the size: OpenGL's matrices from the world to the camera's
+  /// space and from there to clip space, in perspective or orthographic, off the axis or not.
+  std::optional<glm::mat4> view;
+  std::optional<glm::mat4> projection;
+  /// Moves the picture, in pixels.
+  glm::vec2 jitter{0.0f};
 };
 
 enum class Metric : uint8_t {
@@ -81,6 +90,10 @@ struct RenderSettings {
   glm::vec3 ground_color{0.2f, 0.19f, 0.18f};
   /// Edge of the shadow map in texels; 0: no shadows.
   int32_t shadow_resolution = 1024;
+  /// Of frames: keeps the sun's picture of the frame before where only the camera has moved.
+  bool draft = false;
+  /// Linear light of what is seen behind everything; none: the sky's.
+  std::optional<glm::vec3> background;
   /// Not in wireframes.
   Snowfall snowfall;
 };
@@ -96,9 +109,10 @@ struct Bounds {
   float reach = 1.0f;
 };
 
-/// What a picture's passes are told; `camera` of the pixels that are drawn.
+/// What a picture's passes are told; `camera` of the pixels that are drawn. `linear`: they keep
+/// light linear for a target of floats, instead of encoding it as sRGB.
 shared::TreeView camera_view(const Camera& camera, const RenderSettings& settings,
-                             const Bounds& bounds);
+                             const Bounds& bounds, bool linear);
 /// The same for the sun's picture: its matrix and planes, but the camera's eye, so that the levels
 /// are those of the picture.
 shared::TreeView sun_view(const shared::TreeView& camera);

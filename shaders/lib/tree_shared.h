@@ -108,6 +108,7 @@ struct TreeView {
   /// Unit vector towards the sun; w: 1 where there is a shadow map.
   vec4 sun_direction;
   vec4 sun_color;
+  /// w: 1 where the target takes linear light, not sRGB.
   vec4 sky_color;
   vec4 ground_color;
   vec4 bark_dark;

@@ -28,11 +28,11 @@ void bind_shading(gpu::Program& program, SnowBuffers& mesh) {
 
 }  // namespace
 
-SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec3& base_color)
+SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
     : vertex_count(static_cast<int32_t>(mesh.vertices.size())),
       edge_count(static_cast<int32_t>(mesh.edges.size())),
       patch_count(static_cast<int32_t>(mesh.patches.size())),
-      color(base_color, 1.0f),
+      color(base_color),
       vertices(mesh.vertices),
       vertex_corners(mesh.vertex_corners),
       corner_normals(mesh.corner_normals),

@@ -16,7 +16,8 @@ namespace snowbough::render {
 
 /// A receiver on the GPU: uploaded once, but for its pose and its map.
 struct SnowBuffers {
-  SnowBuffers(const SnowPatches& mesh, const glm::vec3& base_color);
+  /// `base_color`: linear; w: 1 where the bare surface is drawn, 0 where others draw it.
+  SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color);
 
   void set_pose(const SnowPatches& mesh);
   /// Height map in metres, R32F, row 0 = v 0, below 0 on the back; linear filtering.

@@ -30,6 +30,7 @@ ROOMS = (
     "bake",
     "gltf",
     "preview",
+    "realtime",
     "ui",
     "cli",
 )
@@ -65,6 +66,7 @@ WITHOUT_BLENDER = (
     "gltf.texels",
     "gltf.thinning",
     "gltf.tree_file",
+    "tree.surface_text",
     "bake.plan",
     "bake.request",
     "bake.log",
@@ -76,6 +78,11 @@ WITHOUT_BLENDER = (
     "preview.interface",
     "preview.normals",
     "preview.surface_mesh",
+    "realtime.records",
+    "realtime.sync",
+    "realtime.lights",
+    "realtime.pacing",
+    "realtime.frame_code",
     "ui.text",
 )
 
