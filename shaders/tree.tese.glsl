@@ -3,6 +3,8 @@
 // CAPTURE: hands world positions to transform feedback. SHADOW: the sun's picture, of depth alone.
 #include "glsl/tree_surface.glsl"
 
+/// Plain and tessellated patches meet: both programs compute it to the same bits.
+invariant gl_Position;
 layout(quads, fractional_odd_spacing, ccw) in;
 patch in uint patch_index;
 #ifdef CAPTURE
@@ -12,6 +14,13 @@ layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
 out vec3 world;
 out vec3 smooth_normal;
 out vec4 bark;
+#ifdef SNOW
+#ifndef WIRE
+/// Where the snow is on its map, and the bark in the rest pose.
+out vec2 snow_place;
+out vec3 rest_place;
+#endif
+#endif
 #endif
 #endif
 
@@ -26,6 +35,12 @@ void main() {
   world = point.position;
   smooth_normal = point.normal;
   bark = vec4(patch_bark_uv(of, at), point.limb);
+#ifdef SNOW
+#ifndef WIRE
+  snow_place = patch_snow_uv(of, at);
+  rest_place = point.rest;
+#endif
+#endif
 #endif
 #endif
   gl_Position = view.clip_from_world * vec4(point.position, 1.0);

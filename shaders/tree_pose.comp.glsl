@@ -1,4 +1,6 @@
 // Poses the vertices of the base and lays bark on them.
+//
+// SNOW: and snow, as much as the places on the map that meet there say on average.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 
@@ -9,6 +11,20 @@ layout(std430) writeonly buffer PosedVertices { PosedVertex posed[]; };
 /// Three rows of a matrix a bone, from the rest pose to the pose.
 layout(std430) readonly buffer BoneRows { vec4 bone_rows[]; };
 uniform int count;
+#ifdef SNOW
+#include "glsl/snow_map.glsl"
+layout(std430) readonly buffer VertexSnow { vec2 vertex_snow[]; };
+
+float snow_on(TreeVertex vertex) {
+  const int begin = floatBitsToInt(vertex.bark_uv.z);
+  const int end = floatBitsToInt(vertex.bark_uv.w);
+  float sum = 0.0;
+  for (int i = begin; i < end; ++i) {
+    sum += height_between(vertex_snow[i]);
+  }
+  return sum / float(max(end - begin, 1));
+}
+#endif
 
 void main() {
   const int index = item_index();
@@ -34,7 +50,10 @@ void main() {
   const float away = max(distance(bare, view.eye.xyz), 1e-6);
   const float samples = vertex.normal.w * view.eye.w / (away * view.tessellation.z);
   const float bark = vertex.position.w;
-  const float height = bark > 0.0 ? bark * bark_height(vertex.bark_uv.xy, samples) : 0.0;
+  float height = bark > 0.0 ? bark * bark_height(vertex.bark_uv.xy, samples) : 0.0;
+#ifdef SNOW
+  height += snow_on(vertex);
+#endif
   result.position = vec4(bare + normal * height, bark);
   result.normal = vec4(normal, vertex.normal.w);
   posed[index] = result;

@@ -324,6 +324,19 @@ def ensure_triangles(mesh):
 
 
 # --------------------------------------------------------------------------------------------------
+# Rendered pixels
+
+
+def set_pass_pixels(render_pass, pixels):
+    """Writes (height, width, channels) float32 into a render pass of that size."""
+    try:
+        # 3.4 crashes on a flat array; 5.0 refuses any other.
+        render_pass.rect.foreach_set(pixels.reshape(-1, pixels.shape[2]))
+    except TypeError:
+        render_pass.rect.foreach_set(pixels.reshape(-1))
+
+
+# --------------------------------------------------------------------------------------------------
 # Panels
 
 

@@ -38,6 +38,9 @@ SNOW_KINDS = (
     ("OLD", "Old", "Weathered: coarse grains, deeper relief, greyer"),
 )
 
+# On the points of an imported tree's leaves: the bone that a leaf hangs on, as the number of its vertex group.
+LEAF_BONE_ATTRIBUTE = "snowbough_bone"
+
 # On the points of an object that is told to keep it: where they are undeformed. Blender's own name.
 REST_ATTRIBUTE = "rest_position"
 

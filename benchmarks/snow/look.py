@@ -125,6 +125,18 @@ def ball():
     balances("ball", scene)
 
 
+def slopes():
+    """A ball's cap at rest: how much neighbouring texels take turns in height, which shows as grit at its edge."""
+    mesh = sphere(0.4, 64, 32)
+    scene = Scene({"it": (mesh, 256)}).fall(0.1, 24).fall(0.0, 4, seconds=4.0)
+    held = scene.held("it")[:, 20:236]
+    middle = (held[:-2] + held[1:-1] + held[2:]) / 3.0
+    teeth = np.abs(held[:-2] - 2.0 * held[1:-1] + held[2:])
+    share = np.percentile((teeth / np.maximum(middle, 1e-9))[2:-2][middle[2:-2] > 0.02], 95)
+    row("ball's cap at rest: teeth of its slopes", "10 % of the snow", f"{share:.1%}", share < 0.1)
+    balances("ball's cap", scene)
+
+
 def shoulder_radius(profile, step):
     """The least radius of curvature where a profile is convex; its lowest fifth, the foot at the rim, is
     left out."""
@@ -314,6 +326,7 @@ def cost():
 TOPICS = {
     "planes": planes,
     "ball": ball,
+    "slopes": slopes,
     "box": capped_box,
     "post": post,
     "twig": twig,

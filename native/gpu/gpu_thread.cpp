@@ -2,9 +2,11 @@
 
 #include <epoxy/gl.h>
 
+#include <chrono>
 #include <map>
 #include <optional>
 #include <stdexcept>
+#include <utility>
 
 namespace snowbough::gpu {
 
@@ -42,6 +44,21 @@ GpuThread::~GpuThread() {
   }
   wake_.notify_one();
   thread_.join();
+}
+
+void GpuThread::post(std::function<void()> work, std::function<void(std::exception_ptr)> failed) {
+  enqueue([work = std::move(work), failed = std::move(failed)] {
+    try {
+      work();
+      throw_gl_errors();
+    } catch (...) {
+      failed(std::current_exception());
+    }
+  });
+}
+
+bool GpuThread::is_ready() const {
+  return info_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
 void GpuThread::enqueue(std::function<void()> task) {

@@ -2,6 +2,7 @@
 
 #include <condition_variable>
 #include <deque>
+#include <exception>
 #include <functional>
 #include <future>
 #include <map>
@@ -60,6 +61,13 @@ class GpuThread {
     enqueue([task] { (*task)(); });
     return future.get();
   }
+
+  /// Has `work` run on the thread and returns at once; a GL error that it leaves behind counts as
+  /// an exception of its. What it throws is handed to `failed`, on the thread. Without a context
+  /// neither ever runs: see `is_ready`.
+  void post(std::function<void()> work, std::function<void(std::exception_ptr)> failed);
+  /// Whether the context is made, or could not be: `info` does not wait then.
+  bool is_ready() const;
 
   /// The context's one object of type T (programs, say), made on first use and destroyed with the
   /// context. Only on the thread itself.

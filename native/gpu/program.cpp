@@ -254,10 +254,10 @@ void Program::dispatch_indirect(const Buffer& groups, int64_t offset) {
   glBindBuffer(GL_DISPATCH_INDIRECT_BUFFER, 0);
 }
 
-void Program::draw(GLenum mode, int32_t first, int32_t count) {
+void Program::draw(GLenum mode, int32_t first, int32_t count, int32_t instances) {
   require_ready();
-  if (count > 0) {
-    glDrawArrays(mode, first, count);
+  if (count > 0 && instances > 0) {
+    glDrawArraysInstanced(mode, first, count, instances);
   }
 }
 

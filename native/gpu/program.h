@@ -68,8 +68,8 @@ class Program {
   /// Runs a compute program with the numbers of groups (three uint32) that lie in the buffer,
   /// `offset` bytes from its start.
   void dispatch_indirect(const Buffer& groups, int64_t offset = 0);
-  /// Draws `count` vertices with the bound vertex array. @throws as dispatch.
-  void draw(GLenum mode, int32_t first, int32_t count);
+  /// Draws `count` vertices with the bound vertex array, `instances` times. @throws as dispatch.
+  void draw(GLenum mode, int32_t first, int32_t count, int32_t instances = 1);
   /// Draws `draws` times with the arguments (four uint32 each: vertices, instances, first vertex,
   /// first instance) that lie in the buffer, `offset` bytes from its start. @throws as dispatch.
   void draw_indirect(GLenum mode, const Buffer& arguments, int64_t offset = 0, int32_t draws = 1);

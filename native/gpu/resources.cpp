@@ -167,6 +167,15 @@ void Texture::read(int32_t layer, GLenum format, GLenum type, int64_t bytes, voi
                        static_cast<GLsizei>(bytes), data);
 }
 
+void Texture::copy_to(int32_t layer, GLenum format, GLenum type, const Buffer& target) const {
+  glMemoryBarrier(GL_TEXTURE_UPDATE_BARRIER_BIT | GL_PIXEL_BUFFER_BARRIER_BIT);
+  glPixelStorei(GL_PACK_ALIGNMENT, 1);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, target.id());
+  glGetTextureSubImage(id_, 0, 0, 0, layer, width_, height_, 1, format, type,
+                       static_cast<GLsizei>(target.bytes()), nullptr);
+  glBindBuffer(GL_PIXEL_PACK_BUFFER, 0);
+}
+
 BufferTexture::BufferTexture(const Buffer& buffer, GLenum internal_format) {
   glCreateTextures(GL_TEXTURE_BUFFER, 1, &id_);
   glTextureBuffer(id_, internal_format, buffer.id());

@@ -90,6 +90,8 @@ class Texture : public Handle {
   void write_rows(int32_t layer, int32_t first, int32_t count, GLenum format, GLenum type,
                   const void* data);
   void read(int32_t layer, GLenum format, GLenum type, int64_t bytes, void* data) const;
+  /// Copies one layer to a buffer's beginning, on the GPU.
+  void copy_to(int32_t layer, GLenum format, GLenum type, const Buffer& target) const;
 
  private:
   GLenum format_ = 0;

@@ -28,6 +28,7 @@ uint64_t Query::result() const {
 }
 
 PassTimer::Pass PassTimer::measure(std::string name) {
+  if (!enabled_) return Pass(*this);
   if (running_) {
     throw std::logic_error("pass '" + name + "' begins before '" + measurements_[used_].name +
                            "' has ended");
@@ -45,6 +46,7 @@ PassTimer::Pass PassTimer::measure(std::string name) {
 }
 
 void PassTimer::end() {
+  if (!running_) return;
   Measurement& measurement = measurements_[used_];
   glEndQuery(GL_PRIMITIVES_GENERATED);
   if (waits_) glFinish();

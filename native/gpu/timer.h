@@ -62,6 +62,8 @@ class PassTimer {
   /// it must, so only then is a pass's time its own; elsewhere it would keep the GPU idle.
   explicit PassTimer(bool waits = false) : waits_(waits) {}
 
+  /// Without being enabled `measure` measures nothing: what is taken would have to be waited for.
+  void set_enabled(bool enabled) { enabled_ = enabled; }
   /// Begins a pass. @throws std::logic_error while another is being measured: OpenGL counts
   /// primitives for one at a time.
   [[nodiscard]] Pass measure(std::string name);
@@ -86,6 +88,7 @@ class PassTimer {
   std::vector<Measurement> measurements_;
   size_t used_ = 0;
   bool waits_;
+  bool enabled_ = true;
   bool running_ = false;
 };
 

@@ -41,12 +41,14 @@ void check(const LeafSource& source, int32_t bone_count) {
   }
 }
 
-gpu::Texture image_texture(const LeafSource::Image& image) {
+}  // namespace
+
+gpu::Texture image_texture(const Image& image, const char* what) {
   const bool empty = image.rgba.empty();
   const int32_t width = empty ? 1 : image.width, height = empty ? 1 : image.height;
   require(width > 0 && height > 0 &&
               (empty || image.rgba.size() == static_cast<size_t>(width) * height * 4),
-          "leaves: an image must have height x width x 4 bytes");
+          std::string(what) + ": an image must have height x width x 4 bytes");
   const std::vector<uint8_t> white(4, 255);
   gpu::Texture texture(GL_SRGB8_ALPHA8, width, height, 0, GL_LINEAR);
   texture.write(0, GL_RGBA, GL_UNSIGNED_BYTE, empty ? white.data() : image.rgba.data());
@@ -54,8 +56,6 @@ gpu::Texture image_texture(const LeafSource::Image& image) {
   glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
   return texture;
 }
-
-}  // namespace
 
 LeafBuffers::LeafBuffers(const LeafSource& source, int32_t bone_count) {
   check(source, bone_count);
@@ -65,7 +65,7 @@ LeafBuffers::LeafBuffers(const LeafSource& source, int32_t bone_count) {
     Part part;
     part.first_vertex = static_cast<int32_t>(made.size());
     part.color = source.materials[m].color;
-    part.image = image_texture(source.materials[m].image);
+    part.image = image_texture(source.materials[m].image, "leaves");
     for (size_t i = 0; i < source.bone.size(); ++i) {
       if (source.material[i] != static_cast<int32_t>(m)) continue;
       const vec3* p = &source.positions[3 * i];
@@ -80,30 +80,6 @@ LeafBuffers::LeafBuffers(const LeafSource& source, int32_t bone_count) {
     parts.push_back(std::move(part));
   }
   vertices = gpu::Buffer(made);
-}
-
-MeshBuffers::MeshBuffers(const MeshSource& source)
-    : corner_count(3 * static_cast<int32_t>(source.triangles.size())), color(source.color) {
-  std::vector<vec3> normals(source.vertices.size(), vec3(0.0f));
-  for (const auto& triangle : source.triangles) {
-    for (const int32_t v : triangle) {
-      require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
-              "a triangle names vertex " + std::to_string(v) + " of " +
-                  std::to_string(source.vertices.size()));
-    }
-    const vec3 a = source.vertices[triangle[0]];
-    const vec3 across =
-        glm::cross(source.vertices[triangle[1]] - a, source.vertices[triangle[2]] - a);
-    for (const int32_t v : triangle) normals[v] += across;
-  }
-  std::vector<vec4> made;
-  made.reserve(2 * normals.size());
-  for (size_t v = 0; v < normals.size(); ++v) {
-    made.emplace_back(source.vertices[v], 1.0f);
-    made.emplace_back(unit(normals[v]), 0.0f);
-  }
-  vertices = gpu::Buffer(made);
-  corners = gpu::Buffer(source.triangles);
 }
 
 void DrawablePasses::draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones,
@@ -124,21 +100,6 @@ void DrawablePasses::draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones,
     if (kind == Kind::kWire) program.set("wire_color", wire_color);
     program.draw(GL_TRIANGLES, 0, part.vertex_count);
   }
-}
-
-void DrawablePasses::draw_mesh(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind,
-                               const gpu::Texture& shadow_map, const glm::vec4& wire_color) {
-  gpu::Program& program = mesh_.with(defines_of(kind));
-  program.use();
-  program.bind("ViewBlock", view);
-  program.bind("MeshVertices", mesh.vertices);
-  program.bind("MeshCorners", mesh.corners);
-  if (kind == Kind::kShaded) {
-    program.bind_texture("shadow_map", shadow_map);
-    program.set("mesh_color", vec4(mesh.color, 1.0f));
-  }
-  if (kind == Kind::kWire) program.set("wire_color", wire_color);
-  program.draw(GL_TRIANGLES, 0, mesh.corner_count);
 }
 
 }  // namespace snowbough::render

@@ -27,18 +27,11 @@ struct LeafBuffers {
   gpu::Buffer vertices;
 };
 
-/// A mesh on the GPU, with smooth normals.
-struct MeshBuffers {
-  /// @throws std::invalid_argument for indices out of range.
-  explicit MeshBuffers(const MeshSource& source);
+/// An image as shaders sample it: repeated, filtered, linear. `what` names it in messages. GPU
+/// thread. @throws std::invalid_argument where its bytes do not fit its size.
+gpu::Texture image_texture(const Image& image, const char* what);
 
-  int32_t corner_count = 0;
-  glm::vec3 color{1.0f};
-  gpu::Buffer vertices;
-  gpu::Buffer corners;
-};
-
-/// Draws what is not tessellated. Kinds as the tree's, without kCapture. GPU thread.
+/// Draws leaves. Kinds as the tree's, without kCapture. GPU thread.
 class DrawablePasses {
  public:
   using Kind = TreePasses::Kind;
@@ -46,12 +39,9 @@ class DrawablePasses {
   /// `bones`: three rows a bone.
   void draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones, const gpu::Buffer& view,
                    Kind kind, const gpu::Texture& shadow_map, const glm::vec4& wire_color);
-  void draw_mesh(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind,
-                 const gpu::Texture& shadow_map, const glm::vec4& wire_color);
 
  private:
   gpu::ProgramVariants leaves_{{"leaves.vert.glsl", "leaves.frag.glsl"}};
-  gpu::ProgramVariants mesh_{{"plain_mesh.vert.glsl", "plain_mesh.frag.glsl"}};
 };
 
 }  // namespace snowbough::render

@@ -1,13 +1,44 @@
 #include "render/renderer.h"
 
+#include <algorithm>
+#include <optional>
 #include <stdexcept>
+#include <utility>
 
 #include "render/scene.h"
 
 namespace snowbough::render {
 
-Renderer::Renderer(const std::string& device) : thread_(gpu::GpuThread::shared(device)) {
-  scene_ = thread_->run([] { return std::make_unique<Scene>(); });
+struct Renderer::Drawing {
+  // Made and destroyed on the GPU thread, one after the other.
+  std::optional<Scene> scene;
+  std::optional<FrameReader> reader;
+
+  void make() {
+    scene.emplace();
+    reader.emplace();
+  }
+  /// @throws std::runtime_error where making it failed.
+  Scene& made_scene() {
+    if (!reader) throw std::runtime_error("the renderer could not be made: see the error before");
+    return *scene;
+  }
+  void destroy() {
+    reader.reset();
+    scene.reset();
+  }
+};
+
+Renderer::Renderer(const std::string& device, bool waits)
+    : waits_(waits),
+      thread_(waits ? gpu::GpuThread::shared(device) : gpu::GpuThread::begin(device)),
+      drawing_(std::make_unique<Drawing>()) {
+  if (waits) {
+    thread_->run([&] { drawing_->make(); });
+  } else {
+    thread_->post([made = drawing_.get()] { made->make(); },
+                  [this](const std::exception_ptr& error) { queue_.fail(error); });
+  }
 }
 
 Renderer::~Renderer() {
@@ -16,66 +47,174 @@ Renderer::~Renderer() {
 
 void Renderer::close() {
   if (thread_ == nullptr) return;
-  thread_->run([&] { scene_.reset(); });
+  try {
+    // Behind all that was handed in before, so that nothing of it finds the scene gone.
+    thread_->run([&] { drawing_->destroy(); });
+  } catch (const std::exception&) {
+    // There was never a context, and so nothing to destroy.
+  }
+  drawing_.reset();
   thread_.reset();
 }
 
-Scene& Renderer::scene() const {
-  if (scene_ == nullptr) throw std::runtime_error("the renderer is closed: make a new one");
-  return *scene_;
+Renderer::Drawing& Renderer::drawing() const {
+  if (drawing_ == nullptr) throw std::runtime_error("the renderer is closed: make a new one");
+  return *drawing_;
+}
+
+void Renderer::change(std::function<void(Scene&)> work) {
+  Drawing& of = drawing();
+  if (waits_) {
+    thread_->run([&] { work(of.made_scene()); });
+    return;
+  }
+  thread_->post([&of, work = std::move(work)] { work(of.made_scene()); },
+                [this](const std::exception_ptr& error) { queue_.fail(error); });
 }
 
 void Renderer::add_tree(const std::string& name, const TreeSource& source, const TreeLook& look) {
-  Scene& to = scene();
-  const TreePatches patches = make_tree_patches(source, look.bark_depth);
-  thread_->run([&] { to.add_tree(name, patches, look); });
+  drawing();
+  change([name, look, patches = make_tree_patches(source, look.bark_depth)](Scene& scene) {
+    scene.add_tree(name, patches, look);
+  });
 }
 
 void Renderer::set_leaves(const std::string& tree, const LeafSource& leaves) {
-  Scene& to = scene();
-  thread_->run([&] { to.set_leaves(tree, leaves); });
+  change([tree, leaves](Scene& scene) { scene.set_leaves(tree, leaves); });
 }
 
 void Renderer::set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices) {
-  Scene& to = scene();
-  thread_->run([&] { to.set_pose(tree, matrices); });
+  change([tree, matrices](Scene& scene) { scene.set_pose(tree, matrices); });
 }
 
 void Renderer::add_mesh(const std::string& name, const MeshSource& source) {
-  Scene& to = scene();
-  thread_->run([&] { to.add_mesh(name, source); });
+  change([name, source](Scene& scene) { scene.add_mesh(name, source); });
+}
+
+void Renderer::set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices) {
+  change([mesh, matrices](Scene& scene) { scene.set_places(mesh, matrices); });
+}
+
+void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
+  change([mesh, snow](Scene& scene) { scene.set_mesh_snow(mesh, snow); });
+}
+
+void Renderer::add_snow_mesh(const std::string& name, const SnowSource& source) {
+  drawing();
+  change([name, color = source.color, draws_base = source.draws_base,
+          mesh = SnowMesh(source)](Scene& scene) mutable {
+    scene.add_snow_mesh(name, std::move(mesh), color, draws_base);
+  });
+}
+
+void Renderer::set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
+                             const std::vector<std::array<glm::vec3, 3>>& normals) {
+  change(
+      [mesh, positions, normals](Scene& scene) { scene.set_snow_pose(mesh, positions, normals); });
+}
+
+void Renderer::set_snow(const std::string& mesh, const HeightMap& heights) {
+  const bool is_whole = heights.width > 0 && heights.height > 0 &&
+                        heights.values.size() == static_cast<size_t>(heights.width) *
+                                                     static_cast<size_t>(heights.height);
+  if (!is_whole || std::max(heights.width, heights.height) > 16384) {
+    throw std::invalid_argument(
+        "set_snow: a map must have height x width values, 1 to 16384 a side");
+  }
+  change([mesh, heights](Scene& scene) { scene.set_snow(mesh, heights); });
+}
+
+bool Renderer::share_snow(const std::string& mesh, const gpu::ThreadTexture& heights) {
+  Drawing& to = drawing();
+  if (heights.thread != thread_) return false;
+  return thread_->run([&] { return to.made_scene().share_snow(mesh, heights.texture); });
 }
 
 void Renderer::remove(const std::string& name) {
-  Scene& from = scene();
-  thread_->run([&] { from.remove(name); });
+  change([name](Scene& scene) { scene.remove(name); });
 }
 
 Picture Renderer::render(const Camera& camera, const RenderSettings& settings) {
   check(camera, settings);
-  Scene& of = scene();
-  return thread_->run([&] { return of.render(camera, settings); });
+  flake_fall(settings.snowfall);
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().render(camera, settings); });
+}
+
+LightPicture Renderer::render_light(const Camera& camera, const RenderSettings& settings,
+                                    int32_t samples) {
+  check(camera, settings);
+  if (samples < 1 || samples > 4096) {
+    throw std::invalid_argument("samples must be from 1 to 4096, not " + std::to_string(samples));
+  }
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().render_light(camera, settings, samples); });
+}
+
+uint64_t Renderer::request_frame(const Camera& camera, const RenderSettings& settings) {
+  check(camera, settings);
+  drawing();
+  const uint64_t ticket = queue_.request(camera, settings);
+  post_pump();
+  return ticket;
+}
+
+std::optional<PackedFrame> Renderer::take_frame() {
+  drawing();
+  // Throws where there is no context: what was posted never runs then.
+  if (thread_->is_ready()) thread_->info();
+  std::optional<PackedFrame> frame = queue_.take();
+  if (queue_.is_busy()) post_pump();
+  return frame;
+}
+
+void Renderer::post_pump() {
+  if (!queue_.claim_pump()) return;
+  Drawing& of = drawing();
+  thread_->post(
+      [this, &of] {
+        of.made_scene();
+        queue_.pump(*of.reader, [&](const FrameQueue::Request& asked) -> const gpu::Texture& {
+          return of.made_scene().draw_light(asked.camera, asked.settings);
+        });
+      },
+      [this](const std::exception_ptr& error) { queue_.fail(error); });
+}
+
+bool Renderer::is_busy() const {
+  drawing();
+  return queue_.is_busy();
+}
+
+bool Renderer::is_ready() const {
+  drawing();
+  return thread_->is_ready();
 }
 
 FrameStatistics Renderer::statistics() const {
-  const Scene& of = scene();
-  return thread_->run([&] { return of.statistics(); });
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().statistics(); });
 }
 
-std::vector<glm::vec3> Renderer::triangles(const std::string& tree, const Camera& camera,
+std::vector<glm::vec3> Renderer::triangles(const std::string& name, const Camera& camera,
                                            const RenderSettings& settings) {
   check(camera, settings);
-  Scene& of = scene();
-  return thread_->run([&] { return of.triangles(tree, camera, settings); });
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().triangles(name, camera, settings); });
 }
 
 TreeLevels Renderer::levels(const std::string& tree) const {
-  const Scene& of = scene();
-  return thread_->run([&] { return of.levels(tree); });
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().levels(tree); });
+}
+
+SnowLevels Renderer::snow_levels(const std::string& mesh) const {
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().snow_levels(mesh); });
 }
 
 const gpu::GpuInfo& Renderer::info() const {
-  scene();
+  drawing();
   return thread_->info();
 }
 

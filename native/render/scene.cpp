@@ -19,6 +19,28 @@ const vec4 kInk(0.05f, 0.08f, 0.15f, 1.0f);
 /// How far a pose may take a tree out of its box at rest, in radii.
 constexpr float kRoomToMove = 1.25f;
 
+/// Pixels of a work group's side.
+constexpr int32_t kTileSize = 8;
+
+/// Whether a box is that of ground: it casts no shadows worth texels of the shadow map, which would
+/// have to cover all of it.
+bool is_flat(const Box& box) {
+  constexpr float kFlat = 0.02f;
+  const vec3 size = box.size();
+  return size.z < kFlat * std::max(size.x, size.y);
+}
+
+/// Where in a pixel's tent filter, two pixels wide, a sample of a frame lies.
+/// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+glm::vec2 sample_offset(int32_t index) {
+  const auto tent = [&](double step) {
+    const double share = std::fmod(0.5 + step * index, 1.0);
+    return static_cast<float>(share < 0.5 ? std::sqrt(2.0 * share) - 1.0
+                                          : 1.0 - std::sqrt(2.0 * (1.0 - share)));
+  };
+  return {tent(0.7548776662466927), tent(0.5698402909980532)};
+}
+
 /// Sets what the passes need and puts it back, because snow shares the context.
 class DrawState {
  public:
@@ -54,13 +76,18 @@ Scene::Tree::Tree(const TreePatches& patches, const TreeLook& its_look)
       bone_count(patches.bone_count),
       levels(patches.levels),
       largest_area(patches.largest_area),
-      lowest(patches.lowest),
-      highest(patches.highest),
+      rest(patches.bone_count),
       camera_view(sizeof(shared::TreeView)),
       sun_view(sizeof(shared::TreeView)) {
   for (const shared::TreePatch& patch : patches.patches) {
     patch_edges.push_back(patch.edges);
   }
+  for (const shared::TreeVertex& vertex : patches.vertices) {
+    for (int k = 0; k < 4; ++k) {
+      if (vertex.weights[k] > 0.0f) rest.add(vertex.bones[k], vec3(vertex.position));
+    }
+  }
+  bounds = rest.at_rest();
 }
 
 Scene::Tree& Scene::tree(const std::string& name) const {
@@ -69,29 +96,54 @@ Scene::Tree& Scene::tree(const std::string& name) const {
   return *found->second;
 }
 
+bool Scene::ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
+  const bool same_sun = scene == before.scene && resolution == before.resolution &&
+                        shadow_from_world == before.shadow_from_world;
+  const bool same_levels = eye == before.eye && level == before.level && drop == before.drop &&
+                           max_level == before.max_level && thesis == before.thesis;
+  return same_sun && (roughly || same_levels);
+}
+
+MeshBuffers& Scene::mesh(const std::string& name) const {
+  const auto found = meshes_.find(name);
+  if (found == meshes_.end()) throw std::invalid_argument("there is no mesh '" + name + "'");
+  return *found->second;
+}
+
+Scene::Receiver& Scene::receiver(const std::string& name) const {
+  const auto found = receivers_.find(name);
+  if (found == receivers_.end()) {
+    throw std::invalid_argument("there is no mesh with snow named '" + name + "'");
+  }
+  return *found->second;
+}
+
 void Scene::require_new(const std::string& name) const {
-  if (trees_.count(name) != 0 || meshes_.count(name) != 0) {
+  if (trees_.count(name) + meshes_.count(name) + receivers_.count(name) != 0) {
     throw std::invalid_argument("'" + name + "' is there already: remove it first");
   }
 }
 
 void Scene::add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look) {
+  ++revision_;
   require_new(name);
   trees_[name] = std::make_unique<Tree>(patches, look);
 }
 
 void Scene::set_leaves(const std::string& name, const LeafSource& leaves) {
+  ++revision_;
   Tree& of = tree(name);
   LeafBuffers made(leaves, of.bone_count);
   of.leaves.reset();
   of.leaves.emplace(std::move(made));
-  for (const vec3& p : leaves.positions) {
-    of.lowest = glm::min(of.lowest, p);
-    of.highest = glm::max(of.highest, p);
+  for (size_t i = 0; i < leaves.positions.size(); ++i) {
+    of.rest.add(leaves.bone[i / 3], leaves.positions[i]);
+    of.bounds.add(leaves.positions[i]);
   }
 }
 
 void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  ++revision_;
   Tree& of = tree(name);
   if (matrices.size() != static_cast<size_t>(of.bone_count)) {
     throw std::invalid_argument("tree '" + name + "' has " + std::to_string(of.bone_count) +
@@ -99,35 +151,92 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
   }
   const std::vector<vec4> rows = bone_rows(matrices);
   of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
+  of.bounds = of.rest.posed(matrices);
 }
 
 void Scene::add_mesh(const std::string& name, const MeshSource& source) {
+  ++revision_;
   require_new(name);
   meshes_[name] = std::make_unique<MeshBuffers>(source);
 }
 
+void Scene::set_places(const std::string& name, const std::vector<glm::mat4>& matrices) {
+  ++revision_;
+  mesh(name).set_places(matrices);
+}
+
+void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
+  mesh(name).set_snow(snow);
+}
+
+void Scene::add_snow_mesh(const std::string& name, SnowMesh&& mesh, const vec3& color,
+                          bool draws_base) {
+  ++revision_;
+  require_new(name);
+  receivers_[name] = std::make_unique<Receiver>(std::move(mesh), color, draws_base);
+}
+
+void Scene::set_snow_pose(const std::string& name, const std::vector<vec3>& positions,
+                          const std::vector<std::array<vec3, 3>>& normals) {
+  ++revision_;
+  Receiver& of = receiver(name);
+  of.mesh.set_pose(positions, normals);
+  of.buffers.set_pose(of.mesh.patches());
+}
+
+void Scene::set_snow(const std::string& name, const HeightMap& heights) {
+  ++revision_;
+  auto map = std::make_shared<gpu::Texture>(GL_R32F, heights.width, heights.height, 0, GL_LINEAR);
+  map->write(0, GL_RED, GL_FLOAT, heights.values.data());
+  const auto found = trees_.find(name);
+  if (found == trees_.end()) return receiver(name).buffers.set_map(std::move(map));
+  TreeBuffers& buffers = found->second->buffers;
+  buffers.snow = std::move(map);
+  buffers.deepest_snow = 0.0f;
+  for (const float h : heights.values) {
+    buffers.deepest_snow = std::max(buffers.deepest_snow, std::abs(h));
+  }
+}
+
+bool Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
+  ++revision_;
+  if (trees_.count(name) != 0) return false;
+  receiver(name).buffers.set_map(std::move(heights));
+  return true;
+}
+
 void Scene::remove(const std::string& name) {
-  if (trees_.erase(name) + meshes_.erase(name) == 0) {
+  ++revision_;
+  if (trees_.erase(name) + meshes_.erase(name) + receivers_.erase(name) == 0) {
     throw std::invalid_argument("there is nothing named '" + name + "'");
   }
 }
 
 Bounds Scene::bounds() const {
-  if (trees_.empty()) return {vec3(0.0f), 10.0f, 10.0f};
-  vec3 lowest(std::numeric_limits<float>::max()), highest(-lowest);
-  for (const auto& [name, of] : trees_) {
-    lowest = glm::min(lowest, of->lowest);
-    highest = glm::max(highest, of->highest);
+  Box casters, all;
+  const auto add = [&](const Box& box) {
+    if (box.is_empty()) return;
+    all.add(box);
+    if (!is_flat(box)) casters.add(box);
+  };
+  for (const auto& [name, of] : trees_) casters.add(of->bounds);
+  for (const auto& [name, of] : meshes_) add(of->bounds());
+  for (const auto& [name, of] : receivers_) {
+    add({of->mesh.patches().lowest, of->mesh.patches().highest});
   }
-  const float radius = std::max(kRoomToMove * 0.5f * glm::distance(lowest, highest), 1e-6f);
-  return {0.5f * (lowest + highest), radius, radius};
+  if (casters.is_empty()) casters = all;
+  if (casters.is_empty()) return {vec3(0.0f), 10.0f, 10.0f};
+  const float radius = std::max(kRoomToMove * 0.5f * glm::length(casters.size()), 1e-6f);
+  return {casters.centre(), radius, radius};
 }
 
-void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
+shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& settings,
+                                    bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
-  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
-  const shared::TreeView base = camera_view(camera, settings, around);
+  around.reach =
+      meshes_.empty() && receivers_.empty() ? around.radius : std::numeric_limits<float>::max();
+  const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
   };
@@ -139,9 +248,11 @@ void Scene::write_views(const Camera& camera, const RenderSettings& settings) {
     view.thesis.z = static_cast<float>(of->levels);
     view.bark_dark = vec4(of->look.bark_dark, 1.0f);
     view.bark_light = vec4(of->look.bark_light, 1.0f);
+    view.snow.y = of->buffers.deepest_snow;
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }
+  return base;
 }
 
 void Scene::prepare_trees(const RenderSettings& settings) {
@@ -156,6 +267,18 @@ void Scene::prepare_trees(const RenderSettings& settings) {
   });
 }
 
+void Scene::prepare_snow(const RenderSettings& settings) {
+  if (receivers_.empty()) return;
+  const auto each = [&](const char* pass, auto&& work) {
+    const auto measured = timer_.measure(pass);
+    for (const auto& [name, of] : receivers_) work(of->buffers);
+  };
+  each("snow lay", [&](SnowBuffers& of) { snow_.lay(of); });
+  each("snow edges", [&](SnowBuffers& of) { snow_.edge_levels(of, camera_view_); });
+  each("snow classify",
+       [&](SnowBuffers& of) { snow_.classify(of, of.camera, camera_view_, settings.max_level); });
+}
+
 void Scene::draw_shadows(const RenderSettings& settings) {
   const int32_t size = std::max(settings.shadow_resolution, 1);
   const Target& target = shadow_.of_size(size, size);
@@ -164,22 +287,48 @@ void Scene::draw_shadows(const RenderSettings& settings) {
   if (settings.shadow_resolution == 0) return;
   const auto measured = timer_.measure("shadow");
   glDisable(GL_CULL_FACE);
+  const DrawStyle style{Kind::kDepth, shadow_map_, kInk};
   for (const auto& [name, of] : trees_) {
-    TreeDrawList& list = of->buffers.sun;
+    PatchList& list = of->buffers.sun;
     passes_.classify(of->buffers, list, of->sun_view, settings.max_level);
-    passes_.draw_plain(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
-    passes_.draw_tessellated(of->buffers, list, of->sun_view, Kind::kDepth, *shadow_map_, kInk);
+    passes_.draw_plain(of->buffers, list, of->sun_view, style);
+    passes_.draw_tessellated(of->buffers, list, of->sun_view, style);
     if (of->leaves) {
-      drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->sun_view, Kind::kDepth,
-                             *shadow_map_, kInk);
+      drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->sun_view, style.kind, *shadow_map_,
+                             kInk);
     }
   }
+  for (const auto& [name, of] : receivers_) {
+    PatchList& list = of->buffers.sun;
+    snow_.classify(of->buffers, list, sun_view_, settings.max_level);
+    snow_.draw_plain(of->buffers, list, sun_view_, style);
+    snow_.draw_tessellated(of->buffers, list, sun_view_, style);
+  }
   for (const auto& [name, mesh] : meshes_) {
-    drawables_.draw_mesh(*mesh, sun_view_, Kind::kDepth, *shadow_map_, kInk);
+    mesh_passes_.draw(*mesh, sun_view_, style.kind, *shadow_map_, kInk);
   }
 }
 
-void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bool measured) {
+void Scene::draw_snow(const DrawStyle& style, bool measured) {
+  if (receivers_.empty()) return;
+  const auto pass = [&](const char* name, auto&& work) {
+    if (!measured) return work();
+    const auto timed = timer_.measure(name);
+    work();
+  };
+  pass("snow plain", [&] {
+    for (const auto& [name, of] : receivers_) {
+      snow_.draw_plain(of->buffers, of->buffers.camera, camera_view_, style);
+    }
+  });
+  pass("snow tessellated", [&] {
+    for (const auto& [name, of] : receivers_) {
+      snow_.draw_tessellated(of->buffers, of->buffers.camera, camera_view_, style);
+    }
+  });
+}
+
+void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured) {
   const auto pass = [&](const char* name, auto&& work) {
     if (!measured) return work();
     const auto timed = timer_.measure(name);
@@ -188,66 +337,75 @@ void Scene::draw_all(Kind kind, const vec4& wire_color, bool cull_back_faces, bo
   (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
   pass("plain", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
-                         wire_color);
+      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   pass("tessellated", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, kind, shadow_map(),
-                               wire_color);
+      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   glDisable(GL_CULL_FACE);
   pass("leaves", [&] {
     for (const auto& [name, of] : trees_) {
       if (of->leaves) {
-        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, kind, shadow_map(),
-                               wire_color);
+        drawables_.draw_leaves(*of->leaves, of->buffers.bones, of->camera_view, style.kind,
+                               *shadow_map_, style.wire_color);
       }
     }
   });
+  draw_snow(style, measured);
   pass("meshes", [&] {
     for (const auto& [name, mesh] : meshes_) {
-      drawables_.draw_mesh(*mesh, camera_view_, kind, shadow_map(), wire_color);
+      mesh_passes_.draw(*mesh, camera_view_, style.kind, *shadow_map_, style.wire_color);
     }
   });
 }
 
-void Scene::draw_picture(const Target& target, const RenderSettings& settings) {
-  const vec3 sky = settings.sky_color;
+void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
+  DrawStyle style{Kind::kShaded, shadow_map_, kInk};
   if (!settings.wireframe) {
-    target.begin(encoded(sky.r), encoded(sky.g), encoded(sky.b));
-    draw_all(Kind::kShaded, kInk, settings.cull_back_faces, true);
+    const vec3 sky = settings.background.value_or(settings.sky_color);
+    const vec3 clear = linear ? sky : vec3(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    target.begin(clear.r, clear.g, clear.b);
+    draw_all(style, settings.cull_back_faces, true);
+    if (settings.snowfall.rate > 0.0f) {
+      const auto measured = timer_.measure("flakes");
+      flakes_.draw(settings.snowfall, camera_view_);
+    }
     return;
   }
   target.begin(1.0f, 1.0f, 1.0f);
   glEnable(GL_POLYGON_OFFSET_FILL);
   glPolygonOffset(1.0f, 1.0f);
-  draw_all(Kind::kWire, kPaper, settings.cull_back_faces, false);
+  style.kind = Kind::kWire;
+  style.wire_color = kPaper;
+  draw_all(style, settings.cull_back_faces, false);
   glDisable(GL_POLYGON_OFFSET_FILL);
   glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
-  draw_all(Kind::kWire, kInk, settings.cull_back_faces, true);
+  style.wire_color = kInk;
+  draw_all(style, settings.cull_back_faces, true);
   glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
 }
 
-void Scene::count_patches() {
+void Scene::count_all_patches() {
+  const auto add = [&](const PatchCounts& counts) {
+    statistics_->dropped += counts.dropped;
+    statistics_->plain += counts.plain;
+    statistics_->tessellated += counts.tessellated;
+  };
   for (const auto& [name, of] : trees_) {
-    const auto commands = of->buffers.camera.commands.read_all<shared::TreeDrawCommand>();
-    const int64_t plain = commands[0].count / 6;
-    int64_t tessellated = 0;
-    for (int32_t i = 1; i <= of->buffers.camera.draws; ++i) tessellated += commands[i].count;
-    statistics_->plain += plain;
-    statistics_->tessellated += tessellated;
-    statistics_->dropped += of->buffers.patch_count - plain - tessellated;
+    add(count_patches(of->buffers.camera, TreePasses::kPlainVertices));
+  }
+  for (const auto& [name, of] : receivers_) {
+    add(count_patches(of->buffers.camera, SnowPasses::kPlainVertices));
   }
 }
 
-Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
-  const auto started = std::chrono::steady_clock::now();
+void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                       KeptTarget& large, bool linear, Shadows shadows) {
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
-  timer_.take();
   Camera of_pixels = camera;
   RenderSettings for_pixels = settings;
   if (settings.antialias) {
@@ -256,17 +414,37 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
     for_pixels.target_pixels *= 2.0f;
     for_pixels.min_pixels *= 2.0f;
   }
-  write_views(of_pixels, for_pixels);
+  const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
-  draw_shadows(settings);
-  const Target& picture = picture_.of_size(camera.width, camera.height);
-  if (settings.antialias) {
-    const Target& large = large_.of_size(of_pixels.width, of_pixels.height);
-    draw_picture(large, settings);
-    halve(large, picture);
-  } else {
-    draw_picture(picture, settings);
+  prepare_snow(settings);
+  const ShadowInputs inputs{revision_,
+                            settings.shadow_resolution,
+                            view.shadow_from_world,
+                            vec3(view.eye),
+                            view.eye.w / view.tessellation.z,
+                            view.eye.w / view.tessellation.w,
+                            view.tessellation.y,
+                            view.thesis};
+  const bool stays = shadows == Shadows::kKeep || (shadows == Shadows::kIfOther && shadow_inputs_ &&
+                                                   inputs.sees(*shadow_inputs_, settings.draft));
+  if (!stays) {
+    draw_shadows(settings);
+    shadow_inputs_ = inputs;
   }
+  if (settings.antialias) {
+    const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
+    draw_picture(twice, settings, linear);
+    halve(twice, target);
+  } else {
+    draw_picture(target, settings, linear);
+  }
+}
+
+Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
+  const auto started = std::chrono::steady_clock::now();
+  timer_.take();
+  const Target& picture = picture_.of_size(camera.width, camera.height);
+  draw_frame(camera, settings, picture, large_, false, Shadows::kDraw);
   Picture made{camera.width, camera.height, read_color(picture)};
 
   statistics_.emplace();
@@ -276,7 +454,39 @@ Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
   for (const gpu::PassTime& pass : statistics_->passes) {
     if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
   }
-  count_patches();
+  count_all_patches();
+  return made;
+}
+
+const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings,
+                                      Shadows shadows) {
+  const Target& picture = light_.of_size(camera.width, camera.height);
+  timer_.set_enabled(false);
+  draw_frame(camera, settings, picture, large_light_, true, shadows);
+  timer_.set_enabled(true);
+  return picture.color;
+}
+
+LightPicture Scene::render_light(const Camera& camera, const RenderSettings& settings,
+                                 int32_t samples) {
+  const gpu::Texture sum(GL_RGBA32F, camera.width, camera.height);
+  Camera of_sample = camera;
+  for (int32_t i = 0; i < samples; ++i) {
+    if (samples > 1) of_sample.jitter = camera.jitter + sample_offset(i);
+    const gpu::Texture& light =
+        draw_light(of_sample, settings, i == 0 ? Shadows::kDraw : Shadows::kKeep);
+    sum_.use();
+    sum_.bind_texture("light", light);
+    sum_.bind_image("sum", sum, GL_READ_WRITE);
+    sum_.set("weight", 1.0f / static_cast<float>(samples));
+    sum_.dispatch(gpu::group_count(camera.width, kTileSize),
+                  gpu::group_count(camera.height, kTileSize));
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  }
+  LightPicture made{camera.width, camera.height, {}};
+  made.rgba.resize(static_cast<size_t>(camera.width) * camera.height * 4);
+  sum.read(0, GL_RGBA, GL_FLOAT, static_cast<int64_t>(made.rgba.size() * sizeof(float)),
+           made.rgba.data());
   return made;
 }
 
@@ -285,26 +495,9 @@ FrameStatistics Scene::statistics() const {
   return *statistics_;
 }
 
-std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
-                                   const RenderSettings& settings) {
-  Tree& of = tree(name);
-  const DrawState state;
-  glBindVertexArray(no_vertices_.id());
-  // Nothing is drawn, yet draws want a framebuffer.
-  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
-  glEnable(GL_RASTERIZER_DISCARD);
-  write_views(camera, settings);
-  passes_.pose(of.buffers, of.camera_view);
-  passes_.edge_levels(of.buffers, of.camera_view);
-  passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
-  const gpu::Texture none;
-  TreeDrawList& list = of.buffers.camera;
-  const auto draw_plain = [&](Kind kind) {
-    passes_.draw_plain(of.buffers, list, of.camera_view, kind, none, kInk);
-  };
-  const auto draw_tessellated = [&](Kind kind) {
-    passes_.draw_tessellated(of.buffers, list, of.camera_view, kind, none, kInk);
-  };
+std::vector<vec3> Scene::captured(const PatchList& list,
+                                  const std::function<void(Kind)>& draw_plain,
+                                  const std::function<void(Kind)>& draw_tessellated) {
   timer_.take();
   {
     const auto counted = timer_.measure("count");
@@ -312,18 +505,48 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
     draw_tessellated(Kind::kDepth);
   }
   const uint64_t count = timer_.take()[0].primitives;
-  const gpu::Buffer captured(static_cast<int64_t>(3 * count * sizeof(vec3)));
+  const gpu::Buffer positions(static_cast<int64_t>(3 * count * sizeof(vec3)));
   const auto plain_corners = list.commands.read_all<shared::TreeDrawCommand>()[0].count;
   const auto split = static_cast<int64_t>(plain_corners * sizeof(vec3));
-  const auto into = [&](int64_t offset, int64_t bytes, auto&& draw) {
+  const auto into = [&](int64_t offset, int64_t bytes, const std::function<void(Kind)>& draw) {
     if (bytes == 0) return;
-    glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, captured.id(), offset, bytes);
+    glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, positions.id(), offset, bytes);
     draw(Kind::kCapture);
   };
   into(0, split, draw_plain);
-  into(split, captured.bytes() - split, draw_tessellated);
+  into(split, positions.bytes() - split, draw_tessellated);
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
-  return captured.read_all<vec3>();
+  return positions.read_all<vec3>();
+}
+
+std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
+                                   const RenderSettings& settings) {
+  const bool is_receiver = receivers_.count(name) != 0;
+  if (!is_receiver) tree(name);
+  const DrawState state;
+  glBindVertexArray(no_vertices_.id());
+  // Nothing is drawn, yet draws want a framebuffer.
+  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
+  glEnable(GL_RASTERIZER_DISCARD);
+  write_views(camera, settings, false);
+  const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
+  if (is_receiver) {
+    SnowBuffers& of = receiver(name).buffers;
+    snow_.lay(of);
+    snow_.edge_levels(of, camera_view_);
+    snow_.classify(of, of.camera, camera_view_, settings.max_level);
+    return captured(
+        of.camera, [&](Kind kind) { snow_.draw_plain(of, of.camera, camera_view_, style(kind)); },
+        [&](Kind kind) { snow_.draw_tessellated(of, of.camera, camera_view_, style(kind)); });
+  }
+  Tree& of = tree(name);
+  PatchList& list = of.buffers.camera;
+  passes_.pose(of.buffers, of.camera_view);
+  passes_.edge_levels(of.buffers, of.camera_view);
+  passes_.classify(of.buffers, list, of.camera_view, settings.max_level);
+  return captured(
+      list, [&](Kind kind) { passes_.draw_plain(of.buffers, list, of.camera_view, style(kind)); },
+      [&](Kind kind) { passes_.draw_tessellated(of.buffers, list, of.camera_view, style(kind)); });
 }
 
 TreeLevels Scene::levels(const std::string& name) const {
@@ -335,6 +558,19 @@ TreeLevels Scene::levels(const std::string& name) const {
   for (const glm::ivec4& patch : of.patch_edges) {
     levels.edges.push_back(
         {edges[patch.x >> 1], edges[patch.y >> 1], edges[patch.z >> 1], edges[patch.w >> 1]});
+  }
+  return levels;
+}
+
+SnowLevels Scene::snow_levels(const std::string& name) const {
+  const Receiver& of = receiver(name);
+  if (!statistics_) throw std::runtime_error("snow_levels: render a picture first");
+  const auto edges = of.buffers.edge_levels.read_all<float>();
+  SnowLevels levels;
+  levels.classes = of.buffers.camera.classes.read_all<uint32_t>();
+  for (const shared::SnowPatch& patch : of.mesh.patches().patches) {
+    const glm::ivec4& edge = patch.edges;
+    levels.edges.push_back({edges[edge.x >> 1], edges[edge.y >> 1], edges[edge.z >> 1]});
   }
   return levels;
 }

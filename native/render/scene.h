@@ -1,14 +1,20 @@
 #pragma once
 
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gpu/timer.h"
 #include "render/drawables.h"
+#include "render/mesh_passes.h"
+#include "render/posed_bounds.h"
 #include "render/renderer.h"
+#include "render/snow/flakes.h"
+#include "render/snow/snow_passes.h"
 #include "render/targets.h"
 #include "render/tree_passes.h"
 
@@ -22,15 +28,45 @@ class Scene {
   void set_leaves(const std::string& tree, const LeafSource& leaves);
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
+  void add_snow_mesh(const std::string& name, SnowMesh&& mesh, const glm::vec3& color,
+                     bool draws_base);
+  void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
+                     const std::vector<std::array<glm::vec3, 3>>& normals);
+  void set_snow(const std::string& mesh, const HeightMap& heights);
+  bool share_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
   void remove(const std::string& name);
+  void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
+  void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   Picture render(const Camera& camera, const RenderSettings& settings);
+  LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+  /// Whether a frame draws the sun's picture.
+  enum class Shadows : uint8_t {
+    kDraw,
+    /// Where it would be another than the frame's before.
+    kIfOther,
+    kKeep,
+  };
+  /// Draws a picture of linear light and measures nothing, so that nobody has to wait for it.
+  const gpu::Texture& draw_light(const Camera& camera, const RenderSettings& settings,
+                                 Shadows shadows = Shadows::kIfOther);
   FrameStatistics statistics() const;
-  std::vector<glm::vec3> triangles(const std::string& tree, const Camera& camera,
+  std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
+  SnowLevels snow_levels(const std::string& mesh) const;
 
  private:
-  using Kind = TreePasses::Kind;
+  using Kind = DrawKind;
+
+  /// A mesh with snow.
+  struct Receiver {
+    Receiver(SnowMesh&& its_mesh, const glm::vec3& color, bool draws_base)
+        : mesh(std::move(its_mesh)),
+          buffers(mesh.patches(), glm::vec4(color, draws_base ? 1.0f : 0.0f)) {}
+
+    SnowMesh mesh;
+    SnowBuffers buffers;
+  };
 
   struct Tree {
     Tree(const TreePatches& patches, const TreeLook& its_look);
@@ -41,8 +77,8 @@ class Scene {
     int32_t bone_count = 0;
     int32_t levels = 1;
     float largest_area = 0.0f;
-    glm::vec3 lowest{0.0f};
-    glm::vec3 highest{0.0f};
+    PosedBounds rest;
+    Box bounds;
     /// Per quad: its edges.
     std::vector<glm::ivec4> patch_edges;
     /// A TreeView each.
@@ -50,31 +86,66 @@ class Scene {
     gpu::Buffer sun_view;
   };
 
+  /// What the sun's picture depends on.
+  struct ShadowInputs {
+    uint64_t scene = 0;
+    int32_t resolution = 0;
+    glm::mat4 shadow_from_world{0.0f};
+    /// The levels of trees are those of the camera's picture.
+    glm::vec3 eye{0.0f};
+    float level = 0.0f;
+    float drop = 0.0f;
+    float max_level = 0.0f;
+    glm::vec4 thesis{0.0f};
+
+    /// Whether the picture before will do; `roughly`: also where only the camera has moved.
+    bool sees(const ShadowInputs& before, bool roughly) const;
+  };
+
   Tree& tree(const std::string& name) const;
+  MeshBuffers& mesh(const std::string& name) const;
+  Receiver& receiver(const std::string& name) const;
   void require_new(const std::string& name) const;
   Bounds bounds() const;
-  void write_views(const Camera& camera, const RenderSettings& settings);
+  shared::TreeView write_views(const Camera& camera, const RenderSettings& settings, bool linear);
   void prepare_trees(const RenderSettings& settings);
+  void prepare_snow(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
-  void draw_all(Kind kind, const glm::vec4& wire_color, bool cull_back_faces, bool measured);
-  void draw_picture(const Target& target, const RenderSettings& settings);
-  void count_patches();
-  const gpu::Texture& shadow_map() const { return *shadow_map_; }
+  void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
+  void draw_snow(const DrawStyle& style, bool measured);
+  void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
+  void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                  KeptTarget& large, bool linear, Shadows shadows);
+  void count_all_patches();
+  /// Positions that two draws hand to transform feedback, the first's `list`'s plain patches.
+  std::vector<glm::vec3> captured(const PatchList& list,
+                                  const std::function<void(Kind)>& draw_plain,
+                                  const std::function<void(Kind)>& draw_tessellated);
 
   std::map<std::string, std::unique_ptr<Tree>> trees_;
   std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;
-  /// Of the meshes, whose trees bring their own.
+  std::map<std::string, std::unique_ptr<Receiver>> receivers_;
+  /// Of all but trees, which bring their own.
   gpu::Buffer camera_view_{sizeof(shared::TreeView)};
   gpu::Buffer sun_view_{sizeof(shared::TreeView)};
 
   TreePasses passes_;
+  SnowPasses snow_;
+  FlakePass flakes_;
   DrawablePasses drawables_;
+  MeshPasses mesh_passes_;
+  gpu::Program sum_{{"frame_sum.comp.glsl"}};
   gpu::VertexArray no_vertices_;
-  KeptTarget picture_{true};
-  KeptTarget large_{true};
-  KeptTarget shadow_{false};
-  KeptTarget nothing_{false};
+  KeptTarget picture_{GL_RGBA8};
+  KeptTarget large_{GL_RGBA8};
+  KeptTarget light_{GL_RGBA16F};
+  KeptTarget large_light_{GL_RGBA16F};
+  KeptTarget shadow_{GL_NONE};
+  KeptTarget nothing_{GL_NONE};
   const gpu::Texture* shadow_map_ = nullptr;
+  /// Counts changes of what casts shadows.
+  uint64_t revision_ = 0;
+  std::optional<ShadowInputs> shadow_inputs_;
   gpu::PassTimer timer_{gpu::renders_in_software()};
   std::optional<FrameStatistics> statistics_;
 };

@@ -43,6 +43,8 @@ struct TreeSource {
   std::vector<std::array<int32_t, 4>> quads;
   /// Per corner: u once round a limb from 0 to 1, v along it in circumferences.
   std::vector<std::array<glm::vec2, 4>> bark_uv;
+  /// Per corner: its place on the map of the snow on the tree, 0 to 1; empty: it carries none.
+  std::vector<std::array<glm::vec2, 4>> snow_uv;
   /// Per quad: branch level (0 the trunk), branch, section (any number for caps) and kind.
   std::vector<int32_t> branch_level;
   std::vector<int32_t> branch;
@@ -50,6 +52,19 @@ struct TreeSource {
   std::vector<QuadKind> kind;
 
   std::vector<LimbSection> sections;
+};
+
+/// sRGB and alpha, row 0 at the bottom; empty: opaque white.
+struct Image {
+  int32_t width = 0;
+  int32_t height = 0;
+  std::vector<uint8_t> rgba;
+};
+
+/// `color` is linear and multiplies the image's; where the image is less than half there is a hole.
+struct Material {
+  glm::vec3 color{0.5f};
+  Image image;
 };
 
 /// Leaves as cards: triangles of three corners each. Metres, Z up, rest pose.
@@ -61,26 +76,56 @@ struct LeafSource {
   std::vector<int32_t> bone;
   std::vector<int32_t> material;
 
-  /// sRGB and alpha, row 0 at the bottom; empty: opaque white.
-  struct Image {
-    int32_t width = 0;
-    int32_t height = 0;
-    std::vector<uint8_t> rgba;
-  };
-  /// Per material; `color` is linear and multiplies the image's.
-  struct Material {
-    glm::vec3 color{0.1f, 0.25f, 0.05f};
-    Image image;
-  };
   std::vector<Material> materials;
 };
 
-/// A mesh that is drawn as it is. Metres, Z up.
+/// A mesh that is drawn as it is, seen from both sides. Metres, Z up, in a space of its own.
 struct MeshSource {
   std::vector<glm::vec3> vertices;
   std::vector<std::array<int32_t, 3>> triangles;
-  /// Linear.
+  /// Per corner of the triangles, unit vectors; empty: smooth normals, from the triangles' areas.
+  std::vector<glm::vec3> normals;
+  /// Per corner, coordinates of the material's image; empty: (0, 0).
+  std::vector<glm::vec2> uv;
+  /// Per triangle; empty: the first.
+  std::vector<int32_t> material;
+  /// At least one.
+  std::vector<Material> materials{1};
+};
+
+/// Snow that lies on a mesh, see MeshSource: where, and how deep.
+struct MeshSnow {
+  /// Per corner of the triangles, coordinates of the map.
+  std::vector<glm::vec2> uv;
+  /// Metres along the normal, row 0 at v = 0.
+  int32_t width = 0;
+  int32_t height = 0;
+  std::vector<float> heights;
+};
+
+/// A mesh with a map of the snow on it. Metres, Z up; triangles run anticlockwise seen from the
+/// front. Faces that share an edge share its two vertices: only those hang together.
+struct SnowSource {
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<int32_t, 3>> triangles;
+  /// Per corner: its place on the map, 0 to 1, (0, 0) at its lower left.
+  std::vector<std::array<glm::vec2, 3>> uv;
+  /// Per corner: the shading normal, along which snow grows; empty: smooth everywhere.
+  std::vector<std::array<glm::vec3, 3>> normals;
+  /// Of the bare surface, linear.
   glm::vec3 color{0.5f};
+  /// Whether the bare surface is drawn, too; else only where snow hides it, over a mesh that
+  /// somebody else draws there.
+  bool draws_base = true;
+  /// Texels of the map's edge: decides how finely the mesh is cut for the tessellator.
+  int32_t resolution = 1024;
+};
+
+/// Heights of snow in metres, width x height, row 0 = v 0, below 0 on the back of the surface.
+struct HeightMap {
+  int32_t width = 0;
+  int32_t height = 0;
+  std::vector<float> values;
 };
 
 }  // namespace snowbough::render

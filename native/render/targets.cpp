@@ -11,10 +11,11 @@ gpu::Framebuffer framebuffer_of(const gpu::Texture& color, const gpu::Texture& d
 
 }  // namespace
 
-Target::Target(int32_t target_width, int32_t target_height, bool with_color)
+Target::Target(int32_t target_width, int32_t target_height, GLenum color_format)
     : width(target_width),
       height(target_height),
-      color(with_color ? gpu::Texture(GL_RGBA8, width, height, 0, GL_LINEAR) : gpu::Texture()),
+      color(color_format != GL_NONE ? gpu::Texture(color_format, width, height, 0, GL_LINEAR)
+                                    : gpu::Texture()),
       depth(GL_DEPTH_COMPONENT32F, width, height),
       framebuffer(framebuffer_of(color, depth)) {}
 
@@ -30,7 +31,7 @@ void Target::begin(float red, float green, float blue) const {
 Target& KeptTarget::of_size(int32_t width, int32_t height) {
   if (!target_ || target_->width != width || target_->height != height) {
     target_.reset();
-    target_.emplace(width, height, with_color_);
+    target_.emplace(width, height, color_format_);
   }
   return *target_;
 }

@@ -10,8 +10,8 @@ namespace snowbough::render {
 
 /// What is drawn into: a colour and a depth texture. Its content is undefined until cleared.
 struct Target {
-  /// Colour of 8 bits a channel; without it, depth alone.
-  Target(int32_t width, int32_t height, bool with_color);
+  /// `color_format` sized, as GL_RGBA8; GL_NONE: depth alone.
+  Target(int32_t width, int32_t height, GLenum color_format);
 
   /// Draws go here from now on, with the viewport at its size; both are cleared.
   void begin(float red, float green, float blue) const;
@@ -26,11 +26,11 @@ struct Target {
 /// A target that is kept as long as its size stays.
 class KeptTarget {
  public:
-  explicit KeptTarget(bool with_color) : with_color_(with_color) {}
+  explicit KeptTarget(GLenum color_format) : color_format_(color_format) {}
   Target& of_size(int32_t width, int32_t height);
 
  private:
-  bool with_color_;
+  GLenum color_format_;
   std::optional<Target> target_;
 };
 

@@ -1,6 +1,7 @@
 #include "render/tree_patches.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -38,6 +39,8 @@ void check(const TreeSource& source) {
               source.branch.size() == quads && source.section.size() == quads &&
               source.kind.size() == quads,
           "bark_uv, branch_level, branch, section and kind must have one entry a quad");
+  require(source.snow_uv.empty() || source.snow_uv.size() == quads,
+          "snow_uv must have one entry a quad, or none at all");
   require(source.bone_indices.size() == source.vertices.size() &&
               source.bone_weights.size() == source.vertices.size(),
           "bone_indices and bone_weights must have one entry a vertex");
@@ -90,6 +93,7 @@ class PatchBuilder {
     add_normals();
     add_edges();
     limit_bark();
+    list_snow();
     bound_patches(made_);
     made_.bone_count = source_.bone_count;
     made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
@@ -164,6 +168,9 @@ class PatchBuilder {
                      source_.kind[f] == QuadKind::kWall ? 1 : 0};
       patch.bark_uv_01 = vec4(uv[0], uv[1]);
       patch.bark_uv_23 = vec4(uv[2], uv[3]);
+      const std::array<vec2, 4> snow = snow_uv(f);
+      patch.snow_uv_01 = vec4(snow[0], snow[1]);
+      patch.snow_uv_23 = vec4(snow[2], snow[3]);
       for (int k = 0; k < 4; ++k) {
         const vec3 p = position(quad[k]);
         const vec3 round = section >= 0 ? shared::on_limb(made_.sections[section], p) : p;
@@ -227,9 +234,12 @@ class PatchBuilder {
     }
   }
 
-  /// Bark coordinates of a side, from its lower vertex to the other.
-  std::array<vec2, 2> bark_of(const Side& side) const {
-    const auto& uv = source_.bark_uv[side.quad];
+  std::array<vec2, 4> snow_uv(size_t quad) const {
+    return source_.snow_uv.empty() ? std::array<vec2, 4>{} : source_.snow_uv[quad];
+  }
+
+  /// Coordinates of a side, from its lower vertex to the other, out of those of its quad's corners.
+  std::array<vec2, 2> along(const Side& side, const std::array<vec2, 4>& uv) const {
     const bool reversed = source_.quads[side.quad][side.corner] != side.a;
     const vec2 from = uv[side.corner], to = uv[(side.corner + 1) % 4];
     return reversed ? std::array<vec2, 2>{to, from} : std::array<vec2, 2>{from, to};
@@ -257,7 +267,11 @@ class PatchBuilder {
     };
     edge.first_rest = vec4(missing(left.a), runs_round(left) || runs_round(right) ? 1.0f : 0.0f);
     edge.last_rest = vec4(missing(left.b), 0.0f);
-    const auto uv = bark_of(left), other = bark_of(right);
+    const auto uv = along(left, source_.bark_uv[left.quad]);
+    const auto other = along(right, source_.bark_uv[right.quad]);
+    const auto snow = along(left, snow_uv(left.quad)), beside = along(right, snow_uv(right.quad));
+    edge.snow_uv = vec4(snow[0], snow[1]);
+    edge.other_snow_uv = vec4(beside[0], beside[1]);
     edge.bark_uv = vec4(uv[0], uv[1]);
     const bool goes_on = same_bark(uv[0], other[0]) && same_bark(uv[1], other[1]);
     edge.metric =
@@ -270,6 +284,23 @@ class PatchBuilder {
       made_.patches[side->quad].edges[side->corner] = 2 * index + (reversed ? 1 : 0);
     }
     made_.edges.push_back(edge);
+  }
+
+  void list_snow() {
+    std::vector<std::vector<vec2>> places(made_.vertices.size());
+    for (size_t f = 0; f < source_.quads.size(); ++f) {
+      for (int k = 0; k < 4; ++k) {
+        auto& known = places[source_.quads[f][k]];
+        const vec2 place = snow_uv(f)[k];
+        if (std::find(known.begin(), known.end(), place) == known.end()) known.push_back(place);
+      }
+    }
+    for (size_t v = 0; v < places.size(); ++v) {
+      vec4& packed = made_.vertices[v].bark_uv;
+      packed.z = std::bit_cast<float>(static_cast<int32_t>(made_.vertex_snow.size()));
+      made_.vertex_snow.insert(made_.vertex_snow.end(), places[v].begin(), places[v].end());
+      packed.w = std::bit_cast<float>(static_cast<int32_t>(made_.vertex_snow.size()));
+    }
   }
 
   /// Bark that ended beside the rim of a child's hole would be a step there. An inset's outer side

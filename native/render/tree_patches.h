@@ -1,5 +1,6 @@
 #pragma once
 
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -14,6 +15,8 @@ struct TreePatches {
   std::vector<shared::TreeSection> sections;
   std::vector<shared::TreeEdge> edges;
   std::vector<shared::TreePatch> patches;
+  /// Places on the snow map that meet at the vertices, see TreeVertex.
+  std::vector<glm::vec2> vertex_snow;
   int32_t bone_count = 0;
   /// Number of branch levels.
   int32_t levels = 1;

@@ -46,6 +46,46 @@ mat4 sun_matrix(const vec3& to_sun, const Bounds& bounds) {
   return glm::ortho(-r, r, -r, r, r, 3.0f * r) * look;
 }
 
+void check_matrix(const char* name, const mat4& matrix) {
+  const float of = glm::determinant(matrix);
+  if (!std::isfinite(of) || of == 0.0f) {
+    throw std::invalid_argument(std::string("the camera's ") + name + " matrix has no inverse");
+  }
+}
+
+void look_from_eye(const Camera& camera, const Bounds& bounds, shared::TreeView& view) {
+  const float to_centre = glm::distance(camera.eye, bounds.centre);
+  const float far =
+      camera.far > 0.0f ? camera.far : std::max(to_centre + 20.0f * bounds.radius, 1e-3f);
+  const float near =
+      camera.near > 0.0f ? camera.near : std::max(to_centre - 1.2f * bounds.reach, 1e-4f * far);
+  const float aspect = static_cast<float>(camera.width) / static_cast<float>(camera.height);
+  view.clip_from_world =
+      glm::perspective(camera.field_of_view, aspect, std::min(near, 0.5f * far), far) *
+      glm::lookAt(camera.eye, camera.target, camera.up);
+  const float pixels =
+      static_cast<float>(camera.height) / (2.0f * std::tan(0.5f * camera.field_of_view));
+  view.eye = vec4(camera.eye, pixels);
+}
+
+/// How far away, in radii of the scene, the eye of an orthographic camera is put: the passes know
+/// distances only, and from there they hardly differ.
+constexpr float kOrthographicEye = 1e3f;
+
+void look_through_matrices(const Camera& camera, const Bounds& bounds, shared::TreeView& view) {
+  const mat4& projection = *camera.projection;
+  view.clip_from_world = projection * *camera.view;
+  const mat4 world_from_camera = glm::inverse(*camera.view);
+  float pixels = 0.5f * static_cast<float>(camera.height) * std::abs(projection[1][1]);
+  vec3 eye = vec3(world_from_camera[3]);
+  if (projection[2][3] == 0.0f) {
+    const float away = kOrthographicEye * bounds.radius;
+    eye = bounds.centre + away * glm::normalize(vec3(world_from_camera[2]));
+    pixels *= away;
+  }
+  view.eye = vec4(eye, pixels);
+}
+
 }  // namespace
 
 void check(const Camera& camera, const RenderSettings& settings) {
@@ -58,13 +98,21 @@ void check(const Camera& camera, const RenderSettings& settings) {
   check_range("min_pixels", settings.min_pixels, 0.0, 1e6);
   check_range("max_distance", settings.max_distance, 1e-6, 1e9);
   check_range("max_area", settings.max_area, 0.0, 1e9);
+  check_range("snow_factor", settings.snow_factor, 0.0, 1e9);
   check_range("shadow_resolution", settings.shadow_resolution, 0, 8192);
   if (camera.far != 0.0f && !(camera.far > camera.near)) {
     throw std::invalid_argument("far must be larger than near, or 0");
   }
+  if (camera.view.has_value() != camera.projection.has_value()) {
+    throw std::invalid_argument("a camera has both a view and a projection matrix, or neither");
+  }
+  if (camera.view) {
+    check_matrix("view", *camera.view);
+    check_matrix("projection", *camera.projection);
+  }
   const vec3 forward = camera.target - camera.eye;
-  if (!(glm::length(glm::cross(forward, camera.up)) >
-        1e-6f * glm::length(forward) * glm::length(camera.up))) {
+  if (!camera.view && !(glm::length(glm::cross(forward, camera.up)) >
+                        1e-6f * glm::length(forward) * glm::length(camera.up))) {
     throw std::invalid_argument("eye and target must be apart, and up must not point along them");
   }
   if (!(glm::length(settings.sun_direction) > 0.0f)) {
@@ -73,21 +121,17 @@ void check(const Camera& camera, const RenderSettings& settings) {
 }
 
 shared::TreeView camera_view(const Camera& camera, const RenderSettings& settings,
-                             const Bounds& bounds) {
+                             const Bounds& bounds, bool linear) {
   shared::TreeView view{};
-  const float to_centre = glm::distance(camera.eye, bounds.centre);
-  const float far =
-      camera.far > 0.0f ? camera.far : std::max(to_centre + 20.0f * bounds.radius, 1e-3f);
-  const float near =
-      camera.near > 0.0f ? camera.near : std::max(to_centre - 1.2f * bounds.reach, 1e-4f * far);
-  const float aspect = static_cast<float>(camera.width) / static_cast<float>(camera.height);
-  view.clip_from_world =
-      glm::perspective(camera.field_of_view, aspect, std::min(near, 0.5f * far), far) *
-      glm::lookAt(camera.eye, camera.target, camera.up);
+  if (camera.view) {
+    look_through_matrices(camera, bounds, view);
+  } else {
+    look_from_eye(camera, bounds, view);
+  }
+  const vec3 shift(2.0f * camera.jitter.x / static_cast<float>(camera.width),
+                   2.0f * camera.jitter.y / static_cast<float>(camera.height), 0.0f);
+  view.clip_from_world = glm::translate(mat4(1.0f), shift) * view.clip_from_world;
   put_planes(view.clip_from_world, view);
-  const float pixels =
-      static_cast<float>(camera.height) / (2.0f * std::tan(0.5f * camera.field_of_view));
-  view.eye = vec4(camera.eye, pixels);
   view.tessellation =
       vec4(settings.metric == Metric::kThesis ? static_cast<float>(shared::kMetricThesis)
                                               : static_cast<float>(shared::kMetricScreen),
@@ -98,8 +142,9 @@ shared::TreeView camera_view(const Camera& camera, const RenderSettings& setting
   view.shadow_from_world = sun_matrix(to_sun, bounds);
   view.sun_direction = vec4(to_sun, settings.shadow_resolution > 0 ? 1.0f : 0.0f);
   view.sun_color = vec4(settings.sun_color, 1.0f);
-  view.sky_color = vec4(settings.sky_color, 1.0f);
+  view.sky_color = vec4(settings.sky_color, linear ? 1.0f : 0.0f);
   view.ground_color = vec4(settings.ground_color, 1.0f);
+  view.snow = vec4(settings.snow_factor, 0.0f, 0.0f, 0.0f);
   return view;
 }
 

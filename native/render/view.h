@@ -2,14 +2,17 @@
 
 #include <cstdint>
 #include <glm/mat4x4.hpp>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <optional>
 #include <string>
 
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {
 
-/// A pinhole camera. Metres, radians.
+/// A camera: a pinhole that is looked through from `eye`, or whatever two matrices say. Metres,
+/// radians.
 struct Camera {
   glm::vec3 eye{0.0f, -10.0f, 2.0f};
   glm::vec3 target{0.0f, 0.0f, 2.0f};
@@ -22,6 +25,12 @@ struct Camera {
   /// Pixels.
   int32_t width = 640;
   int32_t height = 480;
+  /// Instead of all of the above but the size: OpenGL's matrices from the world to the camera's
+  /// space and from there to clip space, in perspective or orthographic, off the axis or not.
+  std::optional<glm::mat4> view;
+  std::optional<glm::mat4> projection;
+  /// Moves the picture, in pixels.
+  glm::vec2 jitter{0.0f};
 };
 
 enum class Metric : uint8_t {
@@ -29,6 +38,23 @@ enum class Metric : uint8_t {
   kThesis,
   /// Parts of an edge cover `target_pixels`.
   kScreen,
+};
+
+/// Flakes in the air. Metres, seconds.
+struct Snowfall {
+  /// Depth that falls on open level ground in a second; 0: none are drawn.
+  float rate = 0.0f;
+  /// In which they fall, downwards; need not be unit.
+  glm::vec3 direction{0.0f, 0.0f, -1.0f};
+  float speed = 1.2f;
+  /// Degrees by which they stray.
+  float flutter = 10.0f;
+  float radius = 0.004f;
+  /// How long the picture is exposed: flakes are drawn out by their way in that time.
+  float shutter = 1.0f / 100.0f;
+  /// Of the picture; the same seed and time give the same flakes.
+  float time = 0.0f;
+  uint32_t seed = 0;
 };
 
 /// How a picture is made.
@@ -44,6 +70,9 @@ struct RenderSettings {
   /// which it is highest (0: the tree's largest patch).
   float max_distance = 80.0f;
   float max_area = 0.0f;
+  /// THESIS, of snow: its factor m, parts of a triangle's edges for each part of the picture's area
+  /// that the triangle covers.
+  float snow_factor = 2000.0f;
 
   /// Lines over white paper, those behind hidden, instead of a shaded picture.
   bool wireframe = false;
@@ -61,6 +90,12 @@ struct RenderSettings {
   glm::vec3 ground_color{0.2f, 0.19f, 0.18f};
   /// Edge of the shadow map in texels; 0: no shadows.
   int32_t shadow_resolution = 1024;
+  /// Of frames: keeps the sun's picture of the frame before where only the camera has moved.
+  bool draft = false;
+  /// Linear light of what is seen behind everything; none: the sky's.
+  std::optional<glm::vec3> background;
+  /// Not in wireframes.
+  Snowfall snowfall;
 };
 
 /// @throws std::invalid_argument naming the value that is out of range.
@@ -74,9 +109,10 @@ struct Bounds {
   float reach = 1.0f;
 };
 
-/// What a picture's passes are told; `camera` of the pixels that are drawn.
+/// What a picture's passes are told; `camera` of the pixels that are drawn. `linear`: they keep
+/// light linear for a target of floats, instead of encoding it as sRGB.
 shared::TreeView camera_view(const Camera& camera, const RenderSettings& settings,
-                             const Bounds& bounds);
+                             const Bounds& bounds, bool linear);
 /// The same for the sun's picture: its matrix and planes, but the camera's eye, so that the levels
 /// are those of the picture.
 shared::TreeView sun_view(const shared::TreeView& camera);

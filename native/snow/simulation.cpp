@@ -8,6 +8,7 @@
 #include <stdexcept>
 
 #include "base/thread_pool.h"
+#include "snow/repose/pass.h"
 
 namespace snowbough::snow {
 
@@ -93,9 +94,7 @@ Engine& SnowSimulation::engine() {
 
 void SnowSimulation::build_scene() {
   Engine& engine = choice_->engine();
-  require_memory(estimate_memory(all_objects(), settings_.tile_size,
-                                 settings_.mapping == gl::DepositMapping::kGeometry),
-                 engine.free_memory());
+  require_memory(estimate(), engine.free_memory());
   engine.build_scene(all_objects());
   for (auto& [name, object] : objects_) {
     object->moved = true;
@@ -151,6 +150,19 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
     step_on(choice_->fall_back(error.what()), frame);
   }
   ++step_number_;
+}
+
+void SnowSimulation::change_settings(const SimulationSettings& settings) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  SimulationSettings changed = settings;
+  changed.pixel_size = settings_.pixel_size;
+  changed.mapping = settings_.mapping;
+  changed.tile_size = settings_.tile_size;
+  changed.engine = settings_.engine;
+  changed.device = settings_.device;
+  check_settings(changed);
+  settings_ = std::move(changed);
 }
 
 const std::shared_ptr<SceneObject>& SnowSimulation::find_receiver(const std::string& name) const {
@@ -254,8 +266,15 @@ SnowStatistics SnowSimulation::statistics() {
 
 MemoryEstimate SnowSimulation::memory_estimate() const {
   const std::scoped_lock lock(mutex_);
-  return estimate_memory(all_objects(), settings_.tile_size,
-                         settings_.mapping == gl::DepositMapping::kGeometry);
+  return estimate();
+}
+
+MemoryEstimate SnowSimulation::estimate() const {
+  const std::vector<const SceneObject*> objects = all_objects();
+  MemoryEstimate result = estimate_memory(objects, settings_.tile_size,
+                                          settings_.mapping == gl::DepositMapping::kGeometry);
+  if (ReposeSettings{settings_.repose}.is_on()) result.repose = ReposePass::memory(objects);
+  return result;
 }
 
 EngineInfo SnowSimulation::engine_info() {

@@ -115,6 +115,15 @@ class SnowSimulation {
   /// is too small or not that of the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);
 
+  /// Takes other settings from the next step on; the snow stays. pixel_size, mapping, tile_size,
+  /// engine and device stay what they were, whatever `settings` says.
+  /// @throws std::invalid_argument for settings out of range.
+  void change_settings(const SimulationSettings& settings);
+  const SimulationSettings& settings() const { return settings_; }
+  /// Another sigma, in metres, for the blur of a receiver's output; the stored map stays.
+  /// @throws std::invalid_argument for no receiver, or what is not 0 or more.
+  void set_blur_radius(const std::string& name, double blur_radius);
+
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);
   /// What the outside sees: smoothed by blur_radius, continued by 4 texels beyond the charts, level
@@ -124,6 +133,10 @@ class SnowSimulation {
   /// What `output` would give now, to be worked out later. Before the object's first step
   /// std::invalid_argument.
   OutputSnapshot snapshot(const std::string& name, bool with_normals);
+  /// Much the same as a texture that the real-time renderer draws from, without reading the map
+  /// back (see LiveFilter); the next call changes its content. Null where the heights do not lie on
+  /// a GPU: `output` has them. Before the object's first step std::invalid_argument.
+  std::shared_ptr<const gpu::ThreadTexture> live_output(const std::string& name);
   /// Begins with what `output` of a receiver needs to build first, in threads beside the next
   /// steps, and returns at once. Changes no result. @throws std::invalid_argument for a receiver
   /// that was added without its rest pose and has had no step yet.
@@ -158,6 +171,7 @@ class SnowSimulation {
   const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
   std::vector<float> stored_height(const std::string& name);
   std::vector<const SceneObject*> all_objects() const;
+  MemoryEstimate estimate() const;
   void require_open() const;
   SceneObject make_object(ObjectDescription description);
   /// Takes the maps and sums off the engine, before the set of objects changes.

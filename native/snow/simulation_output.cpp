@@ -1,10 +1,12 @@
 // The outside of a simulation: smoothed maps and checkpoints.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <sstream>
 #include <stdexcept>
 
+#include "gpu/thread_texture.h"
 #include "snow/simulation.h"
 #include "snow/state/checkpoint.h"
 
@@ -131,6 +133,19 @@ void SnowSimulation::prepare_output(const std::string& name) {
   outputs_.begin(object, blur_radius_of(*object));
 }
 
+void SnowSimulation::set_blur_radius(const std::string& name, double blur_radius) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  find_receiver(name);
+  if (!std::isfinite(blur_radius) || blur_radius < 0.0) {
+    throw std::invalid_argument("object '" + name + "': blur_radius must be 0 metres or more");
+  }
+  SceneObject& object = *objects_.at(name);
+  if (blur_radius == blur_radius_of(object)) return;
+  object.description.blur_radius = blur_radius;
+  outputs_.forget(name);
+}
+
 MapOutput OutputSnapshot::output() {
   return filter_->run(std::move(stored_), surface_);
 }
@@ -164,6 +179,23 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
   snapshot.stored_ = stored_height(name);
   snapshot.memory_ = map_memory_;
   return snapshot;
+}
+
+std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std::string& name) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  const std::shared_ptr<SceneObject>& object = find_receiver(name);
+  if (object->positions.empty()) {
+    throw std::invalid_argument("object '" + name +
+                                "' has no positions yet: output is known after its first step");
+  }
+  if (!scene_is_current_ || engine().name() != "GL") return nullptr;
+  const double blur_radius = blur_radius_of(*object);
+  const SeamTable& seams = outputs_.get(object, blur_radius)->seams();
+  const size_t index = index_of(name);
+  std::shared_ptr<const gpu::ThreadTexture> made;
+  engine().run([&] { made = engine().live_output(index, *object, seams, blur_radius); });
+  return made;
 }
 
 void SnowSimulation::save(const std::string& path) {

@@ -2,20 +2,10 @@
 // not show, so nothing pops where the level changes.
 #include "glsl/bark.glsl"
 #include "glsl/lighting.glsl"
+#include "glsl/relief.glsl"
 
-/// Source of the normal: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
-vec3 with_relief(vec3 position, vec3 normal, float height) {
-  const vec3 x = dFdx(position);
-  const vec3 y = dFdy(position);
-  const vec3 r1 = cross(y, normal);
-  const vec3 r2 = cross(normal, x);
-  const float det = dot(x, r1);
-  const vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
-  return normalize(abs(det) * normal - gradient);
-}
-
-/// `bark`: coordinates, circumference and rise (m).
-vec4 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
+/// Linear light of a pixel. `bark`: coordinates, circumference and rise (m).
+vec3 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
   const vec3 normal = normalize(smooth_normal);
   const float away = max(distance(position, view.eye.xyz), 1e-6);
   const float samples = bark.z * view.eye.w / away;
@@ -29,5 +19,5 @@ vec4 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
     shaded = normal;
   }
   const vec3 albedo = mix(view.bark_dark.rgb, view.bark_light.rgb, clamp(0.5 + 0.6 * height, 0.0, 1.0));
-  return encoded(lit(albedo, position, normal, shaded, 0.0));
+  return lit(albedo, position, normal, shaded, 0.0);
 }

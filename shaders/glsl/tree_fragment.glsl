@@ -1,6 +1,6 @@
 // A pixel of the tree, plain or tessellated alike.
 //
-// SHADOW: depth alone. WIRE: the lines of a wireframe, or the paper that hides those behind.
+// SNOW: with the snow of its map. SHADOW: depth alone. WIRE: the lines of a wireframe, or the paper that hides those behind.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
 #ifdef WIRE
@@ -10,6 +10,25 @@ uniform vec4 wire_color;
 in vec3 world;
 in vec3 smooth_normal;
 in vec4 bark;
+#ifdef SNOW
+#include "glsl/snow_map.glsl"
+#include "glsl/snow_shading.glsl"
+in vec2 snow_place;
+in vec3 rest_place;
+
+/// Share of the map's own slopes that shows on limbs.
+const float kTwigRelief = 0.6;
+
+/// Light of the snow on the limb over that of its bark. Snow on its back, as maps may have it, is none of a limb's.
+vec3 with_snow(vec3 bare) {
+  const float depth = max(height_between(snow_place), 0.0);
+  const vec3 limb = normalize(smooth_normal);
+  // Twigs are a few texels wide: their steps are softened.
+  const vec3 normal = normalize(mix(limb, with_relief(world, limb, depth), kTwigRelief));
+  const float pixel = distance(view.eye.xyz, world) / view.eye.w;
+  return mix(bare, lit_snow(world, normal, depth, rest_place), snow_cover(depth, rest_place, pixel));
+}
+#endif
 #endif
 #endif
 
@@ -18,7 +37,11 @@ void main() {
 #ifdef WIRE
   color = wire_color;
 #else
-  color = shaded_bark(world, smooth_normal, bark);
+  vec3 light = shaded_bark(world, smooth_normal, bark);
+#ifdef SNOW
+  light = with_snow(light);
+#endif
+  color = encoded(light);
 #endif
 #endif
 }

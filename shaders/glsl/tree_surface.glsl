@@ -1,8 +1,13 @@
 // The tree's surface: vertices from their pose, points of edges from the edge's record alone (both faces of an edge
 // find the same bits), points within a patch from the patch.
+//
+// SNOW: the map's snow lies on the bark.
 #include "glsl/bark.glsl"
 #include "glsl/tree_view.glsl"
 #include "lib/limb_section.h"
+#ifdef SNOW
+#include "glsl/snow_map.glsl"
+#endif
 
 layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
@@ -17,6 +22,8 @@ struct SurfacePoint {
   vec3 normal;
   /// Circumference of the limb, and how far its bark rises and falls (m).
   vec2 limb;
+  /// In the rest pose, without bark.
+  vec3 rest;
 };
 
 /// What a point of the rest pose is made of.
@@ -26,6 +33,8 @@ struct RestPoint {
   vec2 bark_uv;
   float circumference;
   float bark;
+  /// Metres.
+  float snow;
   vec4 row_x;
   vec4 row_y;
   vec4 row_z;
@@ -44,13 +53,14 @@ SurfacePoint on_bark(RestPoint rest) {
   if (rest.bark > 0.0) {
     height = rest.bark * bark_height(rest.bark_uv, samples);
   }
-  precise vec3 position = bare + normal * height;
-  return SurfacePoint(position, normal, vec2(rest.circumference, rest.bark));
+  precise vec3 position = bare + normal * (height + rest.snow);
+  return SurfacePoint(position, normal, vec2(rest.circumference, rest.bark), rest.position);
 }
 
 SurfacePoint vertex_point(int index) {
   const PosedVertex at = posed[index];
-  return SurfacePoint(vec3(at.position), vec3(at.normal), vec2(at.normal.w, at.position.w));
+  return SurfacePoint(vec3(at.position), vec3(at.normal), vec2(at.normal.w, at.position.w),
+                      vec3(vertices[index].position));
 }
 
 /// The point at a share t, within 0 and 1, from an edge's first to its last vertex.
@@ -76,6 +86,11 @@ SurfacePoint edge_point(int index, float t) {
   rest.bark_uv = mix(edge.bark_uv.xy, edge.bark_uv.zw, t);
   rest.circumference = mix(a.normal.w, b.normal.w, s);
   rest.bark = mix(a.position.w, b.position.w, s) * edge.metric.z;
+  rest.snow = 0.0;
+#ifdef SNOW
+  rest.snow = 0.5 * (height_between(mix(edge.snow_uv.xy, edge.snow_uv.zw, t)) +
+                     height_between(mix(edge.other_snow_uv.xy, edge.other_snow_uv.zw, t)));
+#endif
   rest.row_x = mix(pose_a.row_x, pose_b.row_x, s);
   rest.row_y = mix(pose_a.row_y, pose_b.row_y, s);
   rest.row_z = mix(pose_a.row_z, pose_b.row_z, s);
@@ -89,6 +104,11 @@ vec4 bilinear(vec4 a, vec4 b, vec4 c, vec4 d, vec2 at) {
 /// The bark's coordinates, those of the patch's own side of a seam.
 vec2 patch_bark_uv(TreePatch of, vec2 at) {
   return mix(mix(of.bark_uv_01.xy, of.bark_uv_01.zw, at.x), mix(of.bark_uv_23.zw, of.bark_uv_23.xy, at.x), at.y);
+}
+
+/// Its place on the snow map.
+vec2 patch_snow_uv(TreePatch of, vec2 at) {
+  return mix(mix(of.snow_uv_01.xy, of.snow_uv_01.zw, at.x), mix(of.snow_uv_23.zw, of.snow_uv_23.xy, at.x), at.y);
 }
 
 /// A point within a patch.
@@ -114,6 +134,10 @@ SurfacePoint inner_point(TreePatch of, vec2 at) {
   rest.bark_uv = patch_bark_uv(of, at);
   rest.circumference = n.w;
   rest.bark = p.w;
+  rest.snow = 0.0;
+#ifdef SNOW
+  rest.snow = height_between(patch_snow_uv(of, at));
+#endif
   rest.row_x = bilinear(posed[v.x].row_x, posed[v.y].row_x, posed[v.z].row_x, posed[v.w].row_x, s);
   rest.row_y = bilinear(posed[v.x].row_y, posed[v.y].row_y, posed[v.z].row_y, posed[v.w].row_y, s);
   rest.row_z = bilinear(posed[v.x].row_z, posed[v.y].row_z, posed[v.z].row_z, posed[v.w].row_z, s);

@@ -24,6 +24,7 @@ using glm::floor;
 using glm::length;
 using glm::max;
 using glm::min;
+using glm::pow;
 using glm::sqrt;
 using glm::tan;
 using glm::vec3;

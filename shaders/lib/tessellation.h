@@ -1,6 +1,6 @@
 #pragma once
 
-// Into how many parts an edge of the tree's base is cut.
+// Into how many parts an edge of a base is cut.
 #include "shared_functions.h"
 #include "tree_shared.h"
 
@@ -16,6 +16,13 @@ SNOWBOUGH_SHARED_FUNCTION float thesis_level(float away, float area, float branc
   const float near_share = max(1.0f - away / thesis.x, 0.0f);
   const float level_share = 1.0f - branch_level / thesis.z;
   return clamp(near_share * (area / thesis.y) * highest * level_share, 1.0f, highest);
+}
+
+/// The thesis's level tf of a receiver's triangle, from the upward part of its normal, its area in normalised device
+/// coordinates (the whole picture: 4) and the factor m: clamp(max(n . up, 0) * m * area / 4, 1, highest).
+/// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 4.2.2.
+SNOWBOUGH_SHARED_FUNCTION float thesis_snow_level(float up, float area, float factor, float highest) {
+  return clamp(max(up, 0.0f) * factor * 0.25f * area, 1.0f, highest);
 }
 
 /// The level at which parts of an edge cover `target` pixels: its length with the bark's rise and fall (m), seen

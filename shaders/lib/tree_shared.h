@@ -26,7 +26,7 @@ struct TreeVertex {
   vec4 position;
   /// Unit; w: circumference of the limb in metres.
   vec4 normal;
-  /// The bark's coordinates; z, w unused.
+  /// The bark's coordinates; z, w: as bits of integers, where in a list its places on the snow map begin and end.
   vec4 bark_uv;
   ivec4 bones;
   vec4 weights;
@@ -65,8 +65,11 @@ struct TreeEdge {
   vec4 bark_uv;
   /// Mean area of its faces (m2), their lowest branch level, 1 where the bark's coordinates go on across it.
   vec4 metric;
+  /// Places on the snow map at t = 0 and 1, of one face and of the other.
+  vec4 snow_uv;
+  vec4 other_snow_uv;
 };
-SNOWBOUGH_SHARED_SIZE(TreeEdge, 80)
+SNOWBOUGH_SHARED_SIZE(TreeEdge, 112)
 
 /// Four control points, anticlockwise seen from outside: (u, v) = (0, 0), (1, 0), (1, 1), (0, 1).
 struct TreePatch {
@@ -78,13 +81,16 @@ struct TreePatch {
   /// The bark's coordinates of corners 0 and 1, 2 and 3.
   vec4 bark_uv_01;
   vec4 bark_uv_23;
+  /// Places on the snow map of corners 0 and 1, 2 and 3.
+  vec4 snow_uv_01;
+  vec4 snow_uv_23;
   /// What is added near each corner, so that the patch reaches its vertices; w of the first: its area (m2), of the
   /// second: how far its inside can stand off the corners' hull, bark included.
   vec4 rest[4];
   /// What is added to the normal in the middle: caps point along their limb.
   vec4 normal;
 };
-SNOWBOUGH_SHARED_SIZE(TreePatch, 160)
+SNOWBOUGH_SHARED_SIZE(TreePatch, 192)
 
 /// Where a picture is taken from, and all that its passes are told; lies in a uniform block.
 struct TreeView {
@@ -102,12 +108,15 @@ struct TreeView {
   /// Unit vector towards the sun; w: 1 where there is a shadow map.
   vec4 sun_direction;
   vec4 sun_color;
+  /// w: 1 where the target takes linear light, not sRGB.
   vec4 sky_color;
   vec4 ground_color;
   vec4 bark_dark;
   vec4 bark_light;
+  /// Factor m of the thesis's 4.2.2, deepest snow on the tree (m); z, w: unused.
+  vec4 snow;
 };
-SNOWBOUGH_SHARED_SIZE(TreeView, 368)
+SNOWBOUGH_SHARED_SIZE(TreeView, 384)
 
 /// glDrawArraysIndirect's arguments.
 struct TreeDrawCommand {

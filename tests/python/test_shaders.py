@@ -14,7 +14,7 @@ import snowbough_native
 
 FOLDER = Path(__file__).resolve().parents[2] / "shaders"
 # Folders of the passes that run the shaders.
-PASSES = ["native/snow/*/gl/*", "native/render/*"]
+PASSES = ["native/snow/*/gl/*", "native/render/*", "native/render/*/*"]
 # The order in which a program's stages follow each other, and what glslangValidator calls them.
 STAGES = ["vert", "tesc", "tese", "geom", "frag", "comp"]
 # What is defined with a value, and values that it has.

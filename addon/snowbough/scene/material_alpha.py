@@ -60,7 +60,7 @@ def of_material(material):
     if (pixels >= THRESHOLD).all():
         return None
     extension = image.extension
-    uv_map, transform = _coordinates(image.inputs["Vector"])
+    uv_map, transform = coordinates(image.inputs["Vector"])
     printed = fingerprint(
         pixels >= THRESHOLD,
         np.frombuffer(f"{extension} {uv_map}".encode(), np.uint8),
@@ -74,7 +74,7 @@ def of_material(material):
 # group nodes around, the innermost last.
 
 
-def _source(socket, groups):
+def source(socket, groups):
     """(output socket that an input gets its value from or None, the group nodes around that)."""
     while socket.is_linked:
         link = socket.links[0]
@@ -105,7 +105,7 @@ def _same(sockets, wanted):
 
 def _shader(socket, groups):
     """Opacity of what a shader input shows."""
-    output, groups, _ = _source(socket, groups)
+    output, groups, _ = source(socket, groups)
     node = output.node if output is not None else None
     if node is None:
         return None, 1.0
@@ -153,20 +153,20 @@ ONE_INPUT = ("ROUND", "ABSOLUTE")
 
 def _value(socket, groups):
     """What a float or colour input holds, colours as their luminance."""
-    output, groups, end = _source(socket, groups)
+    output, groups, end = source(socket, groups)
     if output is None:
         given = end.default_value
         return None, float(given) if isinstance(given, (int, float)) else float(np.dot(given[:3], LUMINANCE))
     node = output.node
     if node.type == "TEX_IMAGE":
-        channels = _channels(node)
+        channels = channels_of(node)
         if output.name == "Alpha":
             return node, channels[..., 3]
         return node, channels[..., :3] @ np.array(LUMINANCE, np.float32)
     if node.type in ("SEPARATE_COLOR", "SEPRGB") and getattr(node, "mode", "RGB") == "RGB":
-        image, _, _ = _source(node.inputs[0], groups)
+        image, _, _ = source(node.inputs[0], groups)
         if image is not None and image.node.type == "TEX_IMAGE" and image.name == "Color":
-            return image.node, _channels(image.node)[..., list(node.outputs).index(output)]
+            return image.node, channels_of(image.node)[..., list(node.outputs).index(output)]
     if node.type == "RGBTOBW":
         return _value(node.inputs[0], groups)
     if node.type == "VALUE":
@@ -190,7 +190,7 @@ def _shape(image):
     return image.size[1], image.size[0]
 
 
-def _channels(node):
+def channels_of(node):
     """(H, W, 4) float32 of an image texture node: linear colour and alpha."""
     image = node.image
     if image is None:
@@ -228,9 +228,9 @@ def _shrunk(opacity):
     return np.floor(np.clip(opacity, 0.0, 1.0) * 255.0 + 0.5).astype(np.uint8)
 
 
-def _coordinates(socket):
+def coordinates(socket):
     """(UV map or "", transform) of an image texture's Vector input. Raises UnknownAlpha."""
-    output, groups, _ = _source(socket, ())
+    output, groups, _ = source(socket, ())
     if output is None:
         return "", IDENTITY
     node = output.node
@@ -252,7 +252,7 @@ def _mapped(node):
     location, rotation, scale = (part.default_value for part in parts)
     if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
         raise UnknownAlpha(f"its alpha image is turned out of its plane by the node '{node.name}'")
-    uv_map, inner = _coordinates(node.inputs["Vector"])
+    uv_map, inner = coordinates(node.inputs["Vector"])
     cosine, sine = float(np.cos(rotation[2])), float(np.sin(rotation[2]))
     own = np.array(
         [

@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import compat, native
 from ..names import BARK_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
-from . import armature, materials, objects, thumbnail, wind_attributes
+from . import armature, kept_skeleton, materials, objects, surface_text, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
 
@@ -62,6 +62,7 @@ def _create_bark(name, tree, options, bone_names):
         )
         if lod != BY_DETAIL:
             bark[LOD_PROPERTY] = lod
+        bark.data.snowbough.bark_vertices = len(bark.data.vertices)
         bark[SNOW_RESOLUTION_PROPERTY] = options.snow_resolution
         if options.wind_attributes:
             wind_attributes.add_to_bark(bark.data, tree.skeleton, made.native)
@@ -106,6 +107,8 @@ def create_tree(context, title, tree, options):
 
         bones = armature.bone_arrays(tree.meshes[0].native)
         rig = armature.create_armature(context, name, bones, collection)
+        kept_skeleton.keep(rig.data, tree, options)
+        rig.data.snowbough.surface = surface_text.pack(tree.surface)
         barks = _create_bark(name, tree, options, bones.names)
         leaves = [_create_leaves(name, tree, options, bones.names)] if tree.leaf_bones is not None else []
         for obj in (*barks, *leaves):

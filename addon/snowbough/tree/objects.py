@@ -9,7 +9,7 @@ import bpy
 import numpy as np
 
 from .. import compat
-from ..names import BARK_UV, LEAF_UV, ORIGINAL_UV, SNOW_UV
+from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, LEAF_UV, ORIGINAL_UV, SNOW_UV
 from . import armature
 from .bone_names import NAME_BYTES, clip_utf8
 
@@ -162,6 +162,7 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
         bones=bones,
         weights=np.ones(bones.shape, dtype=np.float32),
     )
+    mesh.attributes.new(LEAF_BONE_ATTRIBUTE, "INT", "POINT").data.foreach_set("value", bones.reshape(-1))
     # -1, no material, is the last one.
     _fill_slots(mesh, materials, np.asarray(foliage.face_material) % len(materials))
     return create_object(name, mesh, bone_names)

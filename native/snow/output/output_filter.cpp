@@ -19,6 +19,11 @@ void OutputFilter::build() {
   });
 }
 
+const SeamTable& OutputFilter::seams() {
+  build();
+  return seams_;
+}
+
 MapOutput OutputFilter::run(std::vector<float> stored, const OutputSurface& surface) {
   build();
   return cpu_filter_->run(std::move(stored), surface);

@@ -27,6 +27,8 @@ class OutputFilter {
   /// Builds unless that is done, or waits for the thread that is at it. run() builds first.
   /// @throws std::invalid_argument as build_seam_table and check_smoothing.
   void build();
+  /// How the receiver's texels hang together; builds first.
+  const SeamTable& seams();
 
   /// See CpuFilter::run.
   MapOutput run(std::vector<float> stored, const OutputSurface& surface);

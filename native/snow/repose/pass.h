@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,9 @@ class ReposePass {
     /// Out: whether heights changed.
     bool has_changed = false;
   };
+
+  /// Bytes that repose takes at most, where snow lies all over these objects.
+  static int64_t memory(const std::vector<const SceneObject*>& objects);
 
   /// `objects` must live until the next call.
   void lay_out(const std::vector<const SceneObject*>& objects);

@@ -234,6 +234,9 @@ void Repose::take_tiles(Marks& changes) {
   Marks is_chosen(links_.block_count(), 0);
   for (const int32_t block : chosen_) is_chosen[static_cast<size_t>(block)] = 1;
   for (size_t b = 0; b < is_chosen.size(); ++b) changes[b] = is_chosen[b] ^ was_chosen_[b];
+  for (size_t b = 0; b < is_chosen.size(); ++b) {
+    if (is_chosen[b] == 0) kept_[b].reset();
+  }
   was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
     std::unique_ptr<ReposeTile>& kept = kept_[static_cast<size_t>(block)];

@@ -47,7 +47,7 @@ int64_t machine_memory() {
 std::string MemoryEstimate::text() const {
   return mebibytes(total()) + " MiB (maps " + mebibytes(maps) + ", texels " + mebibytes(texels) +
          ", geometry " + mebibytes(geometry) + ", occlusion tile " + mebibytes(tile) + ", output " +
-         mebibytes(output) + ", seams " + mebibytes(seams) + ")";
+         mebibytes(output) + ", seams " + mebibytes(seams) + ", repose " + mebibytes(repose) + ")";
 }
 
 MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, int32_t tile_size,

@@ -25,7 +25,10 @@ struct MemoryEstimate {
   /// it is little.
   int64_t seams = 0;
 
-  int64_t total() const { return maps + texels + geometry + tile + output + seams; }
+  /// What repose keeps, where snow moves, in main memory; the caller adds it.
+  int64_t repose = 0;
+
+  int64_t total() const { return maps + texels + geometry + tile + output + seams + repose; }
   /// One line for people: "812 MiB (maps 512, ...)".
   std::string text() const;
 };

@@ -11,7 +11,13 @@
 #include "snow/scene/scene_layout.h"
 #include "snow/scene/triangle_range.h"
 
+namespace snowbough::gpu {
+struct ThreadTexture;
+}  // namespace snowbough::gpu
+
 namespace snowbough::snow {
+
+struct SeamTable;
 
 /// What decides how much snow a slope holds.
 struct StabilitySettings {
@@ -77,6 +83,14 @@ class Engine {
   /// A receiver's stored heights, resolution x resolution.
   virtual void read_height(size_t object, std::vector<float>& height) = 0;
   virtual void write_height(size_t object, const std::vector<float>& height) = 0;
+  /// A receiver's output as a texture, made where the heights lie (see LiveFilter): its tables in
+  /// the first call, which `blur_radius` (metres) belongs to. Null where the engine has none.
+  virtual std::shared_ptr<const gpu::ThreadTexture> live_output(size_t /*object*/,
+                                                                const SceneObject& /*receiver*/,
+                                                                const SeamTable& /*seams*/,
+                                                                double /*blur_radius*/) {
+    return nullptr;
+  }
   /// A receiver's balance.
   virtual shared::ObjectSums read_sums(size_t object) = 0;
   virtual void write_sums(size_t object, const shared::ObjectSums& sums) = 0;

@@ -277,3 +277,29 @@ def test_both_engines_move_the_same_snow():
             maps.append(chart_of_box(sim.height("box"), 5))
             assert_balanced(sim)
     assert np.abs(maps[0] - maps[1]).max() < 1e-4
+
+
+def test_slopes_of_a_ball_do_not_become_combs():
+    """Neighbouring texels on a bank may not take turns in height."""
+    mesh = sphere(0.4, 64, 32)
+    with simulation({"ball": mesh}, resolution=256) as sim:
+        fall(sim, {"ball": mesh}, 0.1, 24)
+        come_to_rest(sim)
+        height = sim.height("ball").astype(np.float64)
+    # Rows run from pole to pole: the second difference along the slope, in parts of the thickness around.
+    inner = height[140:250, 20:236]
+    teeth = np.abs(inner[:-2] - 2.0 * inner[1:-1] + inner[2:])
+    around = (inner[:-2] + inner[1:-1] + inner[2:]) / 3.0
+    covered = around > 0.02
+    assert covered.sum() > 10_000
+    assert np.percentile(teeth[covered] / around[covered], 95) < 0.1
+
+
+def test_the_memory_estimate_counts_repose():
+    mesh = grid(1.0, 1.0)
+    with (
+        simulation({"ground": mesh}, resolution=512) as moves,
+        simulation({"ground": mesh}, resolution=512, repose=STAYS) as stays,
+    ):
+        kept = moves.memory_estimate()["total"] - stays.memory_estimate()["total"]
+    assert 512 * 512 * 100 < kept < 512 * 512 * 200

@@ -40,8 +40,6 @@ struct OutputBuffers {
   RowBuffers dilation;
   /// The output heights, resolution^2 floats.
   gpu::Buffer map;
-  /// vec4 an owned texel.
-  gpu::Buffer normals;
 };
 
 /// Uploads a receiver's tables. GPU thread.

@@ -1,7 +1,9 @@
 #include "snow/step/gl/engine.h"
 
+#include <map>
 #include <utility>
 
+#include "snow/output/gl/live_filter.h"
 #include "snow/repose/pass.h"
 #include "snow/step/gl/driver.h"
 #include "snow/step/gl/occlusion.h"
@@ -25,6 +27,8 @@ struct Passes {
   StabilityPass stability;
   StatisticsPass statistics;
   OcclusionTarget target;
+  /// By object.
+  std::map<size_t, std::unique_ptr<LiveFilter>> live_filters;
   gpu::Buffer projection{static_cast<int64_t>(sizeof(shared::ProjectionFrame))};
   bool has_noise = false;
 };
@@ -50,6 +54,7 @@ class GlEngine final : public Engine {
   void build_scene(const std::vector<const SceneObject*>& objects) override {
     if (passes_ == nullptr) passes_ = std::make_unique<Passes>();
     passes_->scene = SceneBuffers{};
+    passes_->live_filters.clear();
     passes_->scene = build_scene_buffers(objects, thread_->info(), by_geometry_);
     repose_.lay_out(objects);
   }
@@ -126,6 +131,16 @@ class GlEngine final : public Engine {
   void write_height(size_t object, const std::vector<float>& height) override {
     group_of(object).write_height(layer_of(object), height);
     TexelGroupsPass::forget(passes_->scene);
+  }
+  std::shared_ptr<const gpu::ThreadTexture> live_output(size_t object, const SceneObject& receiver,
+                                                        const SeamTable& seams,
+                                                        double blur_radius) override {
+    std::unique_ptr<LiveFilter>& filter = passes_->live_filters[object];
+    if (filter == nullptr) {
+      filter = std::make_unique<LiveFilter>(thread_, receiver.table, seams, blur_radius);
+    }
+    group_of(object).height.copy_to(layer_of(object), GL_RED, GL_FLOAT, filter->map());
+    return std::make_shared<const gpu::ThreadTexture>(filter->run());
   }
   shared::ObjectSums read_sums(size_t object) override {
     shared::ObjectSums sums;

@@ -5,9 +5,7 @@
 
 #include <glm/mat2x2.hpp>
 
-#include "gpu/gpu_thread.h"
 #include "native/snow/layouts.h"
-#include "snow/output/gl/normals_pass.h"
 
 namespace snowbough::snow {
 namespace {
@@ -102,30 +100,6 @@ TEST(Normals, goOnAcrossASeam) {
         6.2831853f * ((static_cast<float>(table.texel[i] % 256) + 0.5f) / 256.0f - 0.1f) / 0.8f;
     const glm::vec3 expected = glm::normalize(glm::vec3(-0.2f * std::cos(angle), 0.0f, 1.0f));
     ASSERT_LT(glm::length(normals[i] - expected), 6e-3f) << "column " << table.texel[i] % 256;
-  }
-}
-
-TEST(Normals, onTheGpuAgreeWithTheProcessor) {
-  const LaidOutMesh mesh = cylinder(24, 8, 0.5f, 2.0f, 128);
-  const TexelTable table = build_texel_table(mesh.topology);
-  const SeamTable seams = build_seam_table(mesh.topology, table, mesh.positions);
-  const auto metrics = surface_metrics(mesh.topology, mesh.positions);
-  std::vector<float> height;
-  std::vector<float> map(128 * 128, 0.0f);
-  for (const int32_t texel : table.texel) {
-    height.push_back(0.1f + 0.01f * static_cast<float>(texel * 7 % 13));
-    map[texel] = height.back();
-  }
-  const auto normals = gpu::GpuThread::shared()->run([&] {
-    OutputBuffers buffers = make_output_buffers(table, seams);
-    buffers.map.write(0, buffers.map.bytes(), map.data());
-    NormalsPass().run(buffers, table, metrics);
-    return buffers.normals.read_all<glm::vec4>();
-  });
-  const auto expected = normals_on_cpu(table, seams, metrics, height);
-  ASSERT_EQ(normals.size(), expected.size());
-  for (size_t i = 0; i < normals.size(); ++i) {
-    EXPECT_LT(glm::length(glm::vec3(normals[i]) - expected[i]), 1e-4f);
   }
 }
 

@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The render engine ``SNOWBOUGH_REALTIME``, as Blender calls it: in a 3D view and for F12.
+
+Nothing here draws with OpenGL itself: frames come from the native renderer's own thread, see viewport.
+"""
+
+import weakref
+
+import bpy
+
+from .. import compat, native
+from . import lights, viewport
+from .final import FinalRenderer
+from .reader import Reader
+
+ENGINE = "SNOWBOUGH_REALTIME"
+
+_final = None
+
+
+def _final_renderer():
+    """One for all frames of a session's renders."""
+    global _final
+    if _final is None:
+        _final = FinalRenderer(native.load())
+    return _final
+
+
+class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
+    bl_idname = ENGINE
+    bl_label = "Snowbough Realtime"
+    bl_use_preview = False
+    bl_use_eevee_viewport = True
+    bl_use_shading_nodes_custom = False
+
+    _view = None
+    _reader = None
+
+    # -- F12 --------------------------------------------------------------------------------------------
+
+    def render(self, depsgraph):
+        scene = depsgraph.scene_eval
+        camera = self.camera_override or scene.camera
+        if camera is None:
+            self.error_set("The scene has no camera: add one to render")
+            return
+        try:
+            self.update_stats("Snowbough", "Drawing")
+            picture = _final_renderer().render(depsgraph, camera.evaluated_get(depsgraph))
+        except (RuntimeError, ValueError, OSError) as error:
+            self.error_set(f"Snowbough Realtime: {error}")
+            return
+        height, width = picture.shape[:2]
+        result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
+        compat.set_pass_pixels(result.layers[0].passes["Combined"], picture)
+        self.end_result(result)
+
+    # -- 3D view ----------------------------------------------------------------------------------------
+
+    def view_update(self, context, depsgraph):
+        if self._view is None:
+            try:
+                module = native.load()
+                self._view = viewport.Viewport(module, self.tag_redraw)
+            except RuntimeError as error:
+                self.report({"ERROR"}, f"Snowbough Realtime: {error}")
+                return
+            self._reader = Reader(module)
+            # As the engine goes its own attributes cannot be asked any more.
+            weakref.finalize(self, self._view.close)
+        self._reader.forget(depsgraph)
+        space = context.space_data
+        self._view.update(self._reader.read(depsgraph, lambda obj: obj.visible_in_viewport_get(space)))
+
+    def view_draw(self, context, depsgraph):
+        if self._view is None:
+            return
+        options = depsgraph.scene_eval.snowbough_realtime.as_render_settings()
+        shading = context.space_data.shading
+        light = lights.shown(
+            self._view.light, shading.use_scene_lights_render, shading.use_scene_world_render
+        )
+        self._view.draw(viewport.view_of(context.region, context.region_data), light, options)
+        if self._view.error is not None:
+            self.update_stats("Snowbough", self._view.error)
+
+
+def register():
+    bpy.utils.register_class(SNOWBOUGH_REALTIME)
+
+
+def unregister():
+    global _final
+    bpy.utils.unregister_class(SNOWBOUGH_REALTIME)
+    viewport.close_all()
+    if _final is not None:
+        _final.close()
+        _final = None

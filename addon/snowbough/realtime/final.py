@@ -1,0 +1,67 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A rendered picture: F12, animations, and ``blender -b``."""
+
+import numpy as np
+
+from . import sync
+from .reader import Reader
+from .records import View
+
+
+class FinalRenderer:
+    """Draws scenes as Blender's render evaluates them; what does not change from frame to frame stays uploaded."""
+
+    def __init__(self, native):
+        self._native = native
+        self._renderer = native.Renderer()
+        self._sync = sync.Sync(self._renderer)
+
+    def render(self, depsgraph, camera):
+        """(height, width, 4) float32, row 0 at the bottom: scene-linear light, premultiplied, as Blender wants it.
+
+        camera: the evaluated object that is looked through. Of a border, only that is there.
+        """
+        scene = depsgraph.scene_eval
+        content = Reader(self._native).read(depsgraph)
+        self._sync.update(content)
+        options = scene.snowbough_realtime
+        settings = sync.settings(self._native, content.light, **options.as_render_settings())
+        transparent = scene.render.film_transparent
+        if transparent:
+            settings.background = (0.0, 0.0, 0.0)
+        view = final_view(scene.render, camera, depsgraph)
+        rgba = self._renderer.render_light(sync.camera(self._native, view), settings, options.samples)
+        if not transparent:
+            rgba[..., 3] = 1.0
+        columns, rows = border_of(scene.render, view.width, view.height)
+        return np.ascontiguousarray(rgba[rows, columns])
+
+    def close(self):
+        self._renderer.close()
+
+
+def picture_size(render):
+    """(width, height) of what is rendered, in pixels."""
+    share = render.resolution_percentage / 100.0
+    return max(1, int(render.resolution_x * share)), max(1, int(render.resolution_y * share))
+
+
+def border_of(render, width, height):
+    """Slices of columns and rows within the render's border; of everything without one."""
+    if not render.use_border:
+        return slice(0, width), slice(0, height)
+    left, right = int(render.border_min_x * width), int(render.border_max_x * width)
+    low, high = int(render.border_min_y * height), int(render.border_max_y * height)
+    return slice(left, max(right, left + 1)), slice(low, max(high, low + 1))
+
+
+def final_view(render, camera, depsgraph):
+    """The records.View of a camera: its lens, shift, sensor and pixels' aspect as Blender counts them."""
+    width, height = picture_size(render)
+    projection = camera.calc_matrix_camera(
+        depsgraph, x=width, y=height, scale_x=render.pixel_aspect_x, scale_y=render.pixel_aspect_y
+    )
+    # A scaled camera sees what it would see unscaled.
+    view = camera.matrix_world.normalized().inverted()
+    rows = [tuple(tuple(row) for row in matrix) for matrix in (view, projection)]
+    return View(*rows, width, height)

@@ -1,0 +1,82 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From Blender's lamps and world to the sun and the sky of the real-time renderer. No ``bpy``.
+
+Blender's sun has a strength of watts per square metre: a white matt surface that faces it sends back strength / pi.
+A world of one colour lights from all around with that colour.
+"""
+
+import math
+from dataclasses import dataclass
+
+from .records import Light
+
+# Light from below, against that from above: what stands there mostly keeps the sky off.
+GROUND_SHARE = 0.5
+
+
+@dataclass(frozen=True)
+class Lamp:
+    """A lamp as Blender has it."""
+
+    kind: str
+    """SUN, POINT, SPOT or AREA."""
+    location: tuple
+    direction: tuple
+    """In which it shines, unit."""
+    color: tuple
+    """Linear."""
+    energy: float
+    """Watts per square metre of a sun, else watts."""
+
+
+def _brightness(color):
+    return 0.2126 * color[0] + 0.7152 * color[1] + 0.0722 * color[2]
+
+
+def _towards(lamp, centre):
+    """Unit vector from the centre to where a lamp's light comes from, and the lamp's distance."""
+    if lamp.kind == "SUN":
+        return tuple(-d for d in lamp.direction), 1.0
+    offset = [a - b for a, b in zip(lamp.location, centre)]
+    away = math.sqrt(sum(d * d for d in offset))
+    return (tuple(d / away for d in offset), away) if away > 0.0 else ((0.0, 0.0, 1.0), 1e-3)
+
+
+def _irradiance(lamp, direction, away):
+    """Watts per square metre of what faces the lamp there."""
+    if lamp.kind == "SUN":
+        return lamp.energy
+    if lamp.kind == "AREA":
+        facing = -sum(a * b for a, b in zip(lamp.direction, direction))
+        return max(facing, 0.0) * lamp.energy / (math.pi * away * away)
+    return lamp.energy / (4.0 * math.pi * away * away)
+
+
+# Of a view that is to show neither the scene's lamps nor its world.
+STUDIO_SUN = Light((0.35, -0.55, 0.76), (0.9, 0.9, 0.9))
+STUDIO_SKY = (0.3, 0.3, 0.3)
+
+
+def shown(light, with_lamps, with_world):
+    """The records.Light of a 3D view, which may be told to leave out the scene's lamps or its world."""
+    sky, ground = (light.sky, light.ground) if with_world else (STUDIO_SKY, STUDIO_SKY)
+    sun = light if with_lamps else STUDIO_SUN
+    return Light(sun.direction, sun.sun, sky, ground)
+
+
+def light_of(lamps, world, centre=(0.0, 0.0, 0.0)):
+    """The records.Light of lamps and of a world's colour (linear, times its strength).
+
+    The brightest sun is the sun; where there is none, the lamp that is brightest at `centre`, shining from there
+    as if from far away. The renderer has one sun: other lamps are left out.
+    """
+    suns = [lamp for lamp in lamps if lamp.kind == "SUN"] or list(lamps)
+    best = Light(sky=tuple(world), ground=tuple(GROUND_SHARE * c for c in world))
+    brightest = 0.0
+    for lamp in suns:
+        direction, away = _towards(lamp, centre)
+        sun = tuple(c * _irradiance(lamp, direction, away) / math.pi for c in lamp.color)
+        if _brightness(sun) > brightest:
+            brightest = _brightness(sun)
+            best = Light(direction, sun, best.sky, best.ground)
+    return best

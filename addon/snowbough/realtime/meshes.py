@@ -1,0 +1,80 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From an evaluated mesh of Blender's to a records.Shape."""
+
+import numpy as np
+
+from .. import compat
+from ..scene.mesh_record import materials_of
+from .records import Paint, Shape
+
+
+class MeshArrays:
+    """What is read of a mesh once, however many of its parts are asked for. Valid as long as the mesh is."""
+
+    def __init__(self, mesh):
+        self._mesh = mesh
+        compat.ensure_triangles(mesh)
+        flat = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
+        mesh.loop_triangles.foreach_get("loops", flat)
+        self.triangle_corners = flat.reshape(-1, 3)
+        self._uv = {}
+
+    @property
+    def triangles(self):
+        """(T, 3) int32 vertices."""
+        return compat.read_corner_vertices(self._mesh)[self.triangle_corners]
+
+    @property
+    def normals(self):
+        """(T, 3, 3) float32."""
+        return compat.read_corner_normals(self._mesh)[self.triangle_corners]
+
+    def materials(self, count):
+        """(T,) int32 indices below `count`."""
+        indices = np.empty(len(self.triangle_corners), dtype=np.int32)
+        self._mesh.loop_triangles.foreach_get("material_index", indices)
+        return np.clip(indices, 0, count - 1)
+
+    def uv(self, name):
+        """(T, 3, 2) float32 of a UV map, of that for rendering where the name is empty; None without."""
+        layers = self._mesh.uv_layers
+        if not name:
+            name = next((layer.name for layer in layers if layer.active_render), "")
+        if name not in layers:
+            return None
+        if name not in self._uv:
+            corners = compat.read_uv(layers[name], len(self._mesh.loops))
+            self._uv[name] = corners[self.triangle_corners]
+        return self._uv[name]
+
+
+def painted(arrays, looks):
+    """(uv (T, 3, 2), paint (T,), paints) of MeshArrays whose materials have these Looks.
+
+    A material whose UV map the mesh does not have shows its colour without its image.
+    """
+    paint = arrays.materials(len(looks))
+    uv = np.zeros((len(paint), 3, 2), dtype=np.float32)
+    paints = []
+    for index, look in enumerate(looks):
+        own = paint == index
+        layer = arrays.uv(look.uv_map) if look.paint.image is not None else None
+        if layer is None:
+            paints.append(Paint(look.paint.color))
+            continue
+        (a, b, c), (d, e, f) = np.array(look.transform, dtype=np.float32)
+        u, v = layer[own, :, 0], layer[own, :, 1]
+        uv[own] = np.stack([a * u + b * v + c, d * u + e * v + f], axis=-1)
+        paints.append(look.paint)
+    return uv, paint, tuple(paints)
+
+
+def looks_of(obj, mesh, look_of, plain):
+    """The Look of each material index of an evaluated object's mesh; `plain` where there is no material."""
+    return [look_of(material) for material in materials_of(obj, mesh)] or [plain]
+
+
+def shape_of(mesh, looks):
+    """The Shape of a mesh whose materials have these Looks."""
+    arrays = MeshArrays(mesh)
+    return Shape(compat.read_positions(mesh), arrays.triangles, arrays.normals, *painted(arrays, looks))

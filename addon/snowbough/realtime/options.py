@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The engine's own settings: ``scene.snowbough_realtime``."""
+
+import bpy
+from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+
+
+class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
+    samples: IntProperty(
+        name="Samples",
+        description="Pictures that a rendered one is the mean of: more make edges and leaves smoother",
+        default=16,
+        min=1,
+        soft_max=64,
+        max=4096,
+    )
+    target_pixels: FloatProperty(
+        name="Detail",
+        description="How long the edges of bark are that trees are subdivided into (pixels)",
+        default=4.0,
+        min=0.5,
+        soft_max=32.0,
+    )
+    shadow_resolution: EnumProperty(
+        name="Shadows",
+        description="Texels a side of the sun's shadow map",
+        items=tuple((str(size), f"{size} px" if size else "None", "") for size in (0, 512, 1024, 2048, 4096)),
+        default="2048",
+    )
+
+    def as_render_settings(self):
+        """Fields of the native RenderSettings."""
+        return {"target_pixels": self.target_pixels, "shadow_resolution": int(self.shadow_resolution)}
+
+
+def register():
+    bpy.utils.register_class(SnowboughRealtimeSettings)
+    bpy.types.Scene.snowbough_realtime = PointerProperty(type=SnowboughRealtimeSettings)
+
+
+def unregister():
+    del bpy.types.Scene.snowbough_realtime
+    bpy.utils.unregister_class(SnowboughRealtimeSettings)

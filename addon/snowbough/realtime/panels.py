@@ -1,0 +1,61 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's own panels under our engine, and those of its settings."""
+
+import bpy
+
+from .engine import ENGINE
+
+# Panels that every engine shares say so by naming Blender's old one; of EEVEE's, those that hold for us, too.
+SHARED = "BLENDER_RENDER"
+FROM_EEVEE = {
+    "EEVEE_MATERIAL_PT_context_material",
+    "EEVEE_MATERIAL_PT_surface",
+    "EEVEE_WORLD_PT_surface",
+    "EEVEE_WORLD_PT_context_world",
+    "DATA_PT_EEVEE_light",
+    "RENDER_PT_color_management",
+}
+# They set what we do not heed.
+NOT_OURS = {"RENDER_PT_freestyle", "RENDER_PT_simplify_grease_pencil", "VIEWLAYER_PT_filter"}
+
+
+def _fitting_panels():
+    for panel in bpy.types.Panel.__subclasses__():
+        engines = getattr(panel, "COMPAT_ENGINES", None)
+        if engines is None or panel.__name__ in NOT_OURS:
+            continue
+        if SHARED in engines or panel.__name__ in FROM_EEVEE:
+            yield panel
+
+
+class SNOWBOUGH_PT_realtime(bpy.types.Panel):
+    bl_label = "Snowbough Realtime"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    COMPAT_ENGINES = {ENGINE}
+
+    @classmethod
+    def poll(cls, context):
+        return context.engine in cls.COMPAT_ENGINES
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.snowbough_realtime
+        layout.use_property_split = True
+        layout.use_property_decorate = False
+        column = layout.column(align=True)
+        column.prop(settings, "samples", text="Render Samples")
+        column.prop(settings, "target_pixels")
+        column.prop(settings, "shadow_resolution")
+
+
+def register():
+    bpy.utils.register_class(SNOWBOUGH_PT_realtime)
+    for panel in _fitting_panels():
+        panel.COMPAT_ENGINES.add(ENGINE)
+
+
+def unregister():
+    for panel in bpy.types.Panel.__subclasses__():
+        getattr(panel, "COMPAT_ENGINES", set()).discard(ENGINE)
+    bpy.utils.unregister_class(SNOWBOUGH_PT_realtime)

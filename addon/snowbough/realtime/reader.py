@@ -1,0 +1,244 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From Blender's evaluated scene to a records.Scene.
+
+All that the depsgraph shows is there: meshes, and curves, texts and metaballs as the meshes that it makes of them;
+many instances of one object are one mesh in many places. Bark and leaves of imported trees become records.Tree,
+one an instance, as long as the armature is all that moves them; else, and where snow of a bake lies on them, they
+are meshes like others.
+
+What is read stays until `forget` hears that it changed: geometry is read once for all views of it.
+"""
+
+import bpy
+import numpy as np
+from mathutils import Vector
+
+from ..names import DISPLACE_MODIFIER
+from ..scene.pose import library_path
+from . import materials, meshes, trees
+from .lights import Lamp, light_of
+from .records import Mesh, Scene, Shape
+from .snow import BakedSnow
+
+SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
+_Z = Vector((0.0, 0.0, 1.0))
+NO_INDEX = 0x7FFFFFFF
+# Each instance of a tree has a pose of its own on the GPU; scattered forests beyond this many are plain meshes.
+MOST_TREES = 64
+# Whichever changes, looks are worked out anew. Of a node group that changes, its materials say so.
+LOOK_TYPES = (bpy.types.Material, bpy.types.Image)
+
+
+class Reader:
+    """Reads one scene again and again. native: the module."""
+
+    def __init__(self, native):
+        self._snow = BakedSnow(native)
+        self._surfaces = trees.Surfaces()
+        self._looks = {}
+        self._shapes = {}
+        self._leaves = {}
+
+    def forget(self, depsgraph):
+        """Drops what the depsgraph says has changed."""
+        for update in depsgraph.updates:
+            block = update.id
+            if isinstance(block, LOOK_TYPES):
+                self._looks.clear()
+                self._shapes.clear()
+                self._leaves.clear()
+            elif isinstance(block, bpy.types.Mesh):  # edited; where a pose bends it, only its object says so
+                _drop(self._leaves, block)
+            elif isinstance(block, bpy.types.Object):
+                if update.is_updated_geometry or update.is_updated_shading:
+                    _drop(self._shapes, block)
+
+    def read(self, depsgraph, is_shown=None):
+        """The records.Scene of a depsgraph. is_shown(original object) -> bool: what else decides about an object."""
+        self._snow.begin(depsgraph.scene_eval)
+        self._meshes, self._trees, lamps = {}, {}, []
+        self._trees_left = MOST_TREES
+        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+        for instance in depsgraph.object_instances:
+            obj = instance.object
+            if not (instance.is_instance or instance.show_self):
+                continue
+            shown = (instance.parent if instance.is_instance and instance.parent else obj).original
+            if is_shown is not None and not is_shown(shown):
+                continue
+            if obj.type == "LIGHT":
+                lamps.append(_lamp(obj, instance.matrix_world))
+            elif obj.type in SURFACE_TYPES and not self._is_shell_of_ours(obj.original):
+                self._add(instance, obj, depsgraph)
+        self._join_leaves()
+        world = world_color(depsgraph.scene_eval.world)
+        made = [Mesh(key, *parts) for key, parts in sorted(self._meshes.items())]
+        for mesh in made:
+            mesh.places = np.array(mesh.places, np.float32)
+        light = light_of(lamps, world, _centre(made))
+        return Scene(made, [tree for _, tree in sorted(self._trees.items())], light)
+
+    def _is_shell_of_ours(self, original):
+        return original.snowbough.is_shell and self._snow.is_drawn_otherwise(original)
+
+    # -- trees ------------------------------------------------------------------------------------------
+
+    def _add(self, instance, obj, depsgraph):
+        original = obj.original
+        rig = None if self._snow.is_on(original) else trees.rig_of(original, depsgraph.mode)
+        if rig is not None and self._trees_left > 0 and self._add_to_tree(instance, obj, rig, depsgraph):
+            return
+        self._add_mesh(instance, obj)
+
+    def _add_to_tree(self, instance, obj, rig, depsgraph):
+        """Draws bark or leaves as part of a tree; False where they cannot be."""
+        original = obj.original
+        is_leaves = trees.is_leaves(original)
+        if not is_leaves and not trees.is_unedited_bark(original):
+            return False
+        arrays, print_ = self._surfaces.of(rig)
+        if arrays is None:
+            return False
+        key = f"tree {_instance_name(instance, rig)}"
+        slot = self._trees.setdefault(key, {})
+        place = np.array(instance.matrix_world)
+        if is_leaves:
+            slot["leaves"] = (obj, place)
+            return True
+        pose = trees.pose_of(obj, rig.evaluated_get(depsgraph), place)
+        if len(pose) != arrays["bone_count"]:
+            return False
+        look = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)[0]
+        slot["tree"] = trees.tree_of(key, arrays, print_, look, pose)
+        self._trees_left -= 1
+        return True
+
+    def _join_leaves(self):
+        """Gives leaves to their trees; those without bark to hang on are meshes."""
+        slots, self._trees = self._trees, {}
+        for key, slot in slots.items():
+            tree, leaves = slot.get("tree"), slot.get("leaves")
+            if tree is None:
+                if leaves is not None:
+                    self._add_shape(leaves[0], leaves[1])
+                continue
+            if leaves is not None:
+                tree.leaves, tree.leaves_print = self._leaves_of(leaves[0])
+            self._trees[key] = tree
+
+    def _leaves_of(self, obj):
+        original = obj.original
+        key = (original.data.name, library_path(original.data))
+        if key not in self._leaves:
+            looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
+            leaves = trees.leaves_of(original, looks)
+            self._leaves[key] = (leaves, leaves.print)
+        return self._leaves[key]
+
+    # -- meshes -----------------------------------------------------------------------------------------
+
+    def _add_mesh(self, instance, obj):
+        self._add_shape(obj, np.array(instance.matrix_world))
+
+    def _add_shape(self, obj, place):
+        """Draws an evaluated object in a place."""
+        original = obj.original
+        data = original.data.name if original.data is not None else ""
+        # Instances that geometry nodes make of nothing but a mesh share their object, not their mesh.
+        key = (
+            original.name,
+            library_path(original),
+            data,
+            obj.data.as_pointer() if obj.type == "MESH" else 0,
+        )
+        if key not in self._shapes:
+            self._shapes[key] = self._read_shape(obj)
+        shape, print_, snow_arrays = self._shapes[key]
+        if not len(shape.triangles):
+            return
+        name = f"mesh {' '.join(map(str, key[:3]))} {print_}"
+        if name not in self._meshes:
+            snow = self._snow.of(original, snow_arrays) if snow_arrays is not None else None
+            self._meshes[name] = (shape, print_, [], snow)
+        self._meshes[name][2].append(place)
+
+    def _read_shape(self, obj):
+        """(Shape, its print, what BakedSnow asks for UV maps or None) of an evaluated object."""
+        temporary = obj.type != "MESH"
+        mesh = obj.to_mesh() if temporary else obj.data
+        try:
+            if mesh is None or not len(mesh.polygons):
+                nothing = np.empty(0, np.float32)
+                return Shape(nothing, nothing, nothing, nothing, nothing, ()), "", None
+            if obj.original.snowbough.is_shell:
+                looks = [materials.SNOW]
+            else:
+                looks = meshes.looks_of(obj, mesh, self._look, materials.PLAIN)
+            shape = meshes.shape_of(mesh, looks)
+            shape.is_displaced = _is_displaced(obj.original, self._switch)
+            arrays = _KeptUvs(meshes.MeshArrays(mesh), mesh) if self._snow.is_on(obj.original) else None
+            return shape, shape.print, arrays
+        finally:
+            if temporary:
+                obj.to_mesh_clear()
+
+    def _look(self, material):
+        key = (material.name, library_path(material)) if material is not None else None
+        if key not in self._looks:
+            self._looks[key] = materials.look_of(material)
+        return self._looks[key]
+
+
+def _drop(kept, block):
+    """Forgets what is kept under a data-block's name and library."""
+    name = (block.name, library_path(block))
+    for key in [key for key in kept if key[:2] == name]:
+        del kept[key]
+
+
+class _KeptUvs:
+    """The UV maps of a mesh that may be gone."""
+
+    def __init__(self, arrays, mesh):
+        self._uvs = {layer.name: arrays.uv(layer.name) for layer in mesh.uv_layers}
+
+    def uv(self, name):
+        return self._uvs.get(name)
+
+
+def _instance_name(instance, obj):
+    """A name of an object's instance that stays from frame to frame."""
+    name = f"{obj.name} {library_path(obj)}"
+    if not instance.is_instance:
+        return name
+    parent = instance.parent.original.name if instance.parent else ""
+    # The last of them says which object of the collection it is: bark and leaves of one tree differ there.
+    order = [index for index in instance.persistent_id if index != NO_INDEX][1:]
+    return f"{name} in {parent} {order}"
+
+
+def _is_displaced(obj, switch):
+    return any(modifier.name == DISPLACE_MODIFIER and getattr(modifier, switch) for modifier in obj.modifiers)
+
+
+def _lamp(obj, matrix):
+    lamp = obj.data
+    direction = -(matrix.to_3x3() @ _Z).normalized()
+    color = tuple(lamp.color)
+    return Lamp(lamp.type, tuple(matrix.translation), tuple(direction), color, lamp.energy)
+
+
+def _centre(made):
+    """Mean of where meshes are."""
+    places = [mesh.places[:, :3, 3] for mesh in made]
+    return tuple(np.concatenate(places).mean(axis=0).tolist()) if places else (0.0, 0.0, 0.0)
+
+
+def world_color(world):
+    """Linear light of a world; of one with an image or a sky texture, a mean."""
+    if world is None:
+        return (0.0, 0.0, 0.0)
+    output = world.node_tree.get_output_node("ALL") if world.use_nodes and world.node_tree else None
+    if output is None:
+        return tuple(world.color)
+    return materials.background_color(output) or tuple(world.color)

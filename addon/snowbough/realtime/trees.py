@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From an imported tree's objects to a records.Tree: its base as the importer kept it, its pose as the rig has it."""
+
+import numpy as np
+
+from ..names import LEAF_BONE_ATTRIBUTE
+from ..scene.inputs import fingerprint
+from ..tree import surface_text
+from .materials import bark_of
+from .meshes import MeshArrays, painted
+from .records import Leaves, Tree
+
+
+def rig_of(obj, mode):
+    """The armature that moves an object of an imported tree, if that is all that moves it; else None.
+
+    obj: the original object. mode: the depsgraph's. What somebody has put other modifiers on, or has edited, is
+    not the tree any more that the importer kept.
+    """
+    shown = "show_render" if mode == "RENDER" else "show_viewport"
+    modifiers = [modifier for modifier in obj.modifiers if getattr(modifier, shown)]
+    if obj.type != "MESH" or [modifier.type for modifier in modifiers] != ["ARMATURE"]:
+        return None
+    rig = modifiers[0].object
+    if rig is None or rig.type != "ARMATURE" or not rig.data.snowbough.surface or obj.data.shape_keys:
+        return None
+    return rig
+
+
+def is_leaves(obj):
+    return LEAF_BONE_ATTRIBUTE in obj.data.attributes
+
+
+def is_unedited_bark(obj):
+    """Whether an object is bark with the vertices that the import gave it."""
+    return obj.data.snowbough.bark_vertices == len(obj.data.vertices) > 0
+
+
+class Surfaces:
+    """Bases of trees by their armature, unpacked once."""
+
+    def __init__(self):
+        self._known = {}
+
+    def of(self, rig):
+        """(arrays, fingerprint) of an armature object; (None, "") where it keeps none that can be read."""
+        text = rig.data.snowbough.surface
+        if text not in self._known:
+            arrays = surface_text.unpack(text)
+            print_ = "" if arrays is None else fingerprint(np.frombuffer(text.encode(), np.uint8))
+            self._known[text] = (arrays, print_)
+        return self._known[text]
+
+
+def pose_of(obj, rig, place):
+    """(B, 4, 4) float32: what takes each bone's rest pose, in the object's space, to the world.
+
+    obj, rig: evaluated; the object's vertex groups are the bones in the order of the tree's arrays. place: where
+    this instance of the object is, (4, 4). Groups whose bone is gone are left out.
+    """
+    bones, posed = rig.data.bones, rig.pose.bones
+    count = len(bones)
+    matrices = np.empty(16 * count, np.float32)
+    posed.foreach_get("matrix", matrices)
+    rest = np.empty(16 * count, np.float32)
+    bones.foreach_get("matrix_local", rest)
+    matrices, rest = (m.reshape(-1, 4, 4).transpose(0, 2, 1).astype(np.float64) for m in (matrices, rest))
+    number = {bone.name: index for index, bone in enumerate(bones)}
+    order = [number[group.name] for group in obj.vertex_groups if group.name in number]
+    moved = matrices[order] @ np.linalg.inv(rest[order])
+    to_rig = np.linalg.inv(np.array(rig.matrix_world)) @ np.array(obj.matrix_world)
+    back = np.linalg.inv(to_rig)
+    return (np.asarray(place, np.float64) @ back @ moved @ to_rig).astype(np.float32)
+
+
+def leaves_of(obj, looks):
+    """The Leaves of a tree's leaf object, in the rest pose."""
+    mesh = obj.data
+    arrays = MeshArrays(mesh)
+    vertices = np.empty((len(mesh.vertices), 3), np.float32)
+    mesh.vertices.foreach_get("co", vertices.reshape(-1))
+    bones = np.empty(len(mesh.vertices), np.int32)
+    mesh.attributes[LEAF_BONE_ATTRIBUTE].data.foreach_get("value", bones)
+    triangles = arrays.triangles
+    return Leaves(vertices[triangles], bones[triangles[:, 0]], *painted(arrays, looks))
+
+
+def tree_of(key, surface, surface_print, look, pose):
+    """A records.Tree without leaves; look: the bark's."""
+    bark = bark_of(look)
+    return Tree(key, surface, surface_print + repr(bark), bark, pose)

@@ -1,0 +1,195 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A 3D view that shows the renderer's frames.
+
+Blender's main thread asks for a frame, goes on, and draws the newest that has arrived; our own OpenGL is on the
+renderer's thread alone. A timer looks for frames between the draws and has the view redrawn when there is one.
+"""
+
+import time
+
+import bpy
+import gpu
+from gpu_extras.batch import batch_for_shader
+
+from . import frame_code, sync
+from .pacing import Pacing
+from .records import Light, View
+
+POLL_SECONDS = 0.01
+
+_shader = None
+_open = []
+
+
+def _frame_shader():
+    """The shader that shows a packed frame, made on first use, while Blender draws."""
+    global _shader
+    if _shader is None:
+        interface = gpu.types.GPUStageInterfaceInfo("snowbough_frame_interface")
+        interface.smooth("VEC2", "uv")
+        info = gpu.types.GPUShaderCreateInfo()
+        info.vertex_in(0, "VEC2", "position")
+        info.vertex_out(interface)
+        info.sampler(0, "FLOAT_2D", "frame")
+        info.fragment_out(0, "VEC4", "color")
+        info.vertex_source(frame_code.VERTEX)
+        info.fragment_source(frame_code.FRAGMENT)
+        _shader = gpu.shader.create_from_info(info)
+    return _shader
+
+
+def texture_of(frame):
+    """A GPUTexture of one channel, 32 bits, from (H, W) float32."""
+    height, width = frame.shape
+    pixels = gpu.types.Buffer("FLOAT", height * width, frame.reshape(-1))
+    return gpu.types.GPUTexture((width, height), format="R32F", data=pixels)
+
+
+def draw_frame(texture):
+    """Fills the region with a packed frame."""
+    shader = _frame_shader()
+    corners = {"position": [(-1.0, -1.0), (3.0, -1.0), (-1.0, 3.0)]}
+    batch = batch_for_shader(shader, "TRIS", corners)
+    gpu.state.blend_set("NONE")
+    gpu.state.depth_test_set("NONE")
+    gpu.state.depth_mask_set(False)
+    shader.bind()
+    shader.uniform_sampler("frame", texture)
+    batch.draw(shader)
+
+
+class Viewport:
+    """One 3D view's renderer, and what it shows.
+
+    redraw: called when there is something new to draw. Raises what the native Renderer raises.
+    """
+
+    def __init__(self, native, redraw):
+        self._native = native
+        self._renderer = native.Renderer(waits=False)
+        self._sync = sync.Sync(self._renderer)
+        self._redraw = redraw
+        self._pacing = Pacing()
+        self.light = Light()
+        self._key = None
+        self._asked = {}
+        self._arrived = None
+        self._texture = None
+        self._last_wish = None
+        self._generation = 0
+        self.error = None
+        _open.append(self)
+
+    def update(self, scene):
+        """Another moment: a records.Scene."""
+        if self._sync.update(scene):
+            self._generation += 1
+        self.light = scene.light
+
+    def draw(self, view, light, options):
+        """Draws the newest frame and asks for one of this records.View under a records.Light; options: fields of
+        RenderSettings."""
+        self._take()
+        key = (view, light, self._generation, tuple(sorted(options.items())))
+        now = time.monotonic()
+        if key != self._key:
+            self._key = key
+            self._last_wish = None
+            self._pacing.changed(now)
+        self._show_arrived()
+        quality = self._pacing.wanted(now)
+        if quality != self._last_wish and not self._pacing.is_done():
+            self._ask(view, light, options, quality)
+        if self._texture is not None:
+            draw_frame(self._texture)
+        if not self._is_settled():
+            _start_timer()
+
+    def _ask(self, view, light, options, quality):
+        settings = sync.settings(
+            self._native, light, antialias=quality.antialias, draft=quality.divisor > 1, **options
+        )
+        camera = sync.camera(self._native, view.divided(quality.divisor))
+        ticket = self._renderer.request_frame(camera, settings)
+        self._asked[ticket] = (self._key, quality)
+        self._last_wish = quality
+
+    def _take(self):
+        try:
+            frame = self._renderer.take_frame()
+        except (RuntimeError, ValueError) as error:
+            self.error = str(error)
+            return False
+        if frame is None:
+            return False
+        self._arrived = frame
+        return True
+
+    def _show_arrived(self):
+        if self._arrived is None:
+            return
+        ticket, frame = self._arrived
+        self._arrived = None
+        self._texture = texture_of(frame)
+        if self._renderer.is_ready:
+            self._pacing.software = "llvmpipe" in self._renderer.driver or "softpipe" in self._renderer.driver
+        key, quality = self._asked.get(ticket, (None, None))
+        self._asked = {later: what for later, what in self._asked.items() if later > ticket}
+        if key == self._key:
+            self._pacing.shown(quality)
+
+    def _is_settled(self):
+        return self._pacing.is_done() or self.error is not None
+
+    def poll(self):
+        """Between draws: whether to look again soon."""
+        if self._is_settled():
+            return False
+        if self._take() or self.error is not None:
+            self._redraw()
+        elif not self._renderer.is_busy and self._pacing.wanted(time.monotonic()) != self._last_wish:
+            self._redraw()
+        return True
+
+    @property
+    def shown(self):
+        """The Quality of what is on the screen, where it is of the present view; else None."""
+        return self._pacing.last_shown
+
+    def close(self):
+        if self in _open:
+            _open.remove(self)
+        self._renderer.close()
+
+
+def _start_timer():
+    if not bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
+
+
+def _poll():
+    waiting = False
+    for viewport in list(_open):
+        try:
+            waiting |= viewport.poll()
+        except ReferenceError:  # Blender has freed the view
+            viewport.close()
+    return POLL_SECONDS if waiting else None
+
+
+def view_of(region, region_data):
+    """The records.View of a 3D view."""
+
+    def rows(matrix):
+        return tuple(tuple(row) for row in matrix)
+
+    return View(rows(region_data.view_matrix), rows(region_data.window_matrix), region.width, region.height)
+
+
+def close_all():
+    global _shader
+    for viewport in list(_open):
+        viewport.close()
+    _shader = None
+    if bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.unregister(_poll)

@@ -1,0 +1,171 @@
+#include "render/mesh_passes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+#include <string>
+#include <utility>
+
+#include "render/drawables.h"
+#include "shaders/lib/mesh_corner.h"
+
+namespace snowbough::render {
+namespace {
+
+using glm::vec2;
+using glm::vec3;
+using glm::vec4;
+
+/// Triangles of a piece: their corners take 48 MiB, and software renderers' storage blocks hold
+/// 128.
+constexpr size_t kPieceTriangles = size_t{1} << 19;
+
+void require(bool right, const std::string& what) {
+  if (!right) throw std::invalid_argument("mesh: " + what);
+}
+
+vec3 unit(const vec3& v) {
+  const float length = glm::length(v);
+  return length > 0.0f ? v / length : vec3(0.0f, 0.0f, 1.0f);
+}
+
+void check(const MeshSource& source) {
+  const size_t triangles = source.triangles.size();
+  require(!source.materials.empty(), "it needs a material");
+  require((source.normals.empty() || source.normals.size() == 3 * triangles) &&
+              (source.uv.empty() || source.uv.size() == 3 * triangles),
+          "normals and uv need three entries a triangle, or none");
+  require(source.material.empty() || source.material.size() == triangles,
+          "material needs one entry a triangle, or none");
+  for (const auto& triangle : source.triangles) {
+    for (const int32_t v : triangle) {
+      require(v >= 0 && v < static_cast<int32_t>(source.vertices.size()),
+              "a triangle names vertex " + std::to_string(v) + " of " +
+                  std::to_string(source.vertices.size()));
+    }
+  }
+  for (const int32_t m : source.material) {
+    require(m >= 0 && m < static_cast<int32_t>(source.materials.size()),
+            "a triangle names material " + std::to_string(m) + " of " +
+                std::to_string(source.materials.size()));
+  }
+}
+
+/// Per vertex, means of its triangles' normals by their areas.
+std::vector<vec3> smooth_normals(const MeshSource& source) {
+  std::vector<vec3> normals(source.vertices.size(), vec3(0.0f));
+  for (const auto& triangle : source.triangles) {
+    const vec3 a = source.vertices[triangle[0]];
+    const vec3 across =
+        glm::cross(source.vertices[triangle[1]] - a, source.vertices[triangle[2]] - a);
+    for (const int32_t v : triangle) normals[v] += across;
+  }
+  for (vec3& normal : normals) normal = unit(normal);
+  return normals;
+}
+
+/// Triangles by material, as many together as a piece holds.
+std::vector<std::pair<int32_t, std::vector<int32_t>>> pieces_of(const MeshSource& source) {
+  std::vector<std::vector<int32_t>> by_material(source.materials.size());
+  for (size_t i = 0; i < source.triangles.size(); ++i) {
+    by_material[source.material.empty() ? 0 : source.material[i]].push_back(
+        static_cast<int32_t>(i));
+  }
+  std::vector<std::pair<int32_t, std::vector<int32_t>>> pieces;
+  for (size_t m = 0; m < by_material.size(); ++m) {
+    const std::vector<int32_t>& all = by_material[m];
+    for (size_t first = 0; first < all.size(); first += kPieceTriangles) {
+      const size_t end = std::min(first + kPieceTriangles, all.size());
+      pieces.emplace_back(static_cast<int32_t>(m),
+                          std::vector<int32_t>(all.begin() + static_cast<int64_t>(first),
+                                               all.begin() + static_cast<int64_t>(end)));
+    }
+  }
+  return pieces;
+}
+
+}  // namespace
+
+MeshBuffers::MeshBuffers(const MeshSource& source) {
+  check(source);
+  const std::vector<vec3> smooth =
+      source.normals.empty() ? smooth_normals(source) : std::vector<vec3>();
+  for (auto& [material, triangles] : pieces_of(source)) {
+    std::vector<shared::MeshCorner> corners;
+    corners.reserve(3 * triangles.size());
+    for (const int32_t t : triangles) {
+      for (size_t k = 0; k < 3; ++k) {
+        const size_t at = 3 * static_cast<size_t>(t) + k;
+        const int32_t v = source.triangles[t][k];
+        const vec3 normal = source.normals.empty() ? smooth[v] : source.normals[at];
+        const vec2 uv = source.uv.empty() ? vec2(0.0f) : source.uv[at];
+        corners.push_back({vec4(source.vertices[v], uv.x), vec4(normal, uv.y)});
+        own_.add(source.vertices[v]);
+      }
+    }
+    pieces_.push_back({material, std::move(triangles), gpu::Buffer(corners), {}});
+  }
+  for (const Material& material : source.materials) {
+    materials_.push_back({material.color, image_texture(material.image, "mesh")});
+  }
+  set_places({glm::mat4(1.0f)});
+}
+
+void MeshBuffers::set_places(const std::vector<glm::mat4>& matrices) {
+  places_ = gpu::Buffer(bone_rows(matrices));
+  place_count_ = static_cast<int32_t>(matrices.size());
+  bounds_ = Box();
+  for (const glm::mat4& matrix : matrices) bounds_.add(own_.moved(matrix));
+}
+
+void MeshBuffers::set_snow(const MeshSnow& snow) {
+  snow_heights_ = gpu::Texture();
+  if (snow.heights.empty()) return;
+  require(snow.width > 0 && snow.height > 0 &&
+              snow.heights.size() == static_cast<size_t>(snow.width) * snow.height,
+          "a snow map must have height x width heights");
+  size_t triangles = 0;
+  for (const Piece& piece : pieces_) triangles += piece.triangles.size();
+  require(snow.uv.size() == 3 * triangles, "snow needs three uv entries a triangle");
+  for (Piece& piece : pieces_) {
+    std::vector<vec2> corners;
+    corners.reserve(3 * piece.triangles.size());
+    for (const int32_t t : piece.triangles) {
+      for (size_t k = 0; k < 3; ++k) corners.push_back(snow.uv[3 * static_cast<size_t>(t) + k]);
+    }
+    piece.snow_corners = gpu::Buffer(corners);
+  }
+  gpu::Texture heights(GL_R32F, snow.width, snow.height, 0, GL_LINEAR);
+  heights.write(0, GL_RED, GL_FLOAT, snow.heights.data());
+  snow_heights_ = std::move(heights);
+}
+
+void MeshPasses::draw(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind,
+                      const gpu::Texture& shadow_map, const glm::vec4& wire_color) {
+  std::vector<std::string> defines = defines_of(kind);
+  const bool snow = kind == Kind::kShaded && mesh.snow_heights_.id() != 0;
+  if (snow) defines.emplace_back("SNOW");
+  gpu::Program& program = mesh_.with(defines);
+  for (MeshBuffers::Piece& piece : mesh.pieces_) {
+    const MeshBuffers::DrawnMaterial& material = mesh.materials_[piece.material];
+    program.use();
+    program.bind("ViewBlock", view);
+    program.bind("MeshCorners", piece.corners);
+    program.bind("MeshPlaces", mesh.places_);
+    program.bind_texture("image", material.image);
+    if (kind == Kind::kShaded) {
+      program.bind_texture("shadow_map", shadow_map);
+      program.set("mesh_color", vec4(material.color, 1.0f));
+    }
+    if (kind == Kind::kWire) program.set("wire_color", wire_color);
+    if (snow) {
+      program.bind("SnowCorners", piece.snow_corners);
+      program.bind_texture("snow_heights", mesh.snow_heights_);
+    }
+    program.draw(GL_TRIANGLES, 0, 3 * static_cast<int32_t>(piece.triangles.size()),
+                 mesh.place_count_);
+  }
+}
+
+}  // namespace snowbough::render

@@ -1,0 +1,71 @@
+#include "render/snow/flakes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <stdexcept>
+
+namespace snowbough::render {
+namespace {
+
+using glm::dvec3;
+using glm::vec4;
+
+/// Edge in metres of the box around the eye in which flakes are drawn.
+constexpr double kBox = 12.0;
+/// Lying snow that a flake of a metre's radius would make, m3: a loose heap is mostly air.
+constexpr double kLaidVolume = 4.18879 * 0.5;
+/// Swings a second of a fluttering flake.
+constexpr float kSwings = 0.7f;
+/// Least share of its speed with which a flake sinks, however slanting the fall.
+constexpr double kLeastSinking = 0.01;
+
+void require(bool right, const char* what) {
+  if (!right) throw std::invalid_argument(what);
+}
+
+}  // namespace
+
+shared::FlakeFall flake_fall(const Snowfall& fall) {
+  const dvec3 direction(fall.direction);
+  require(fall.rate >= 0.0f && std::isfinite(fall.rate), "snowfall: rate must not be negative");
+  require(glm::length(direction) > 0.0 && direction.z <= 0.0,
+          "snowfall: direction must point downwards");
+  require(fall.speed > 0.0f && fall.speed < 100.0f, "snowfall: speed must be over 0, to 100 m/s");
+  require(fall.radius > 0.0f && fall.radius < 0.1f, "snowfall: radius must be over 0, to 0.1 m");
+  require(fall.flutter >= 0.0f && fall.flutter <= 45.0f, "snowfall: flutter must be from 0 to 45");
+  require(fall.shutter >= 0.0f && fall.shutter <= 1.0f, "snowfall: shutter must be from 0 to 1 s");
+  const dvec3 along = glm::normalize(direction);
+  const double sinking = fall.speed * std::max(-along.z, kLeastSinking);
+  const double laid = kLaidVolume * std::pow(static_cast<double>(fall.radius), 3.0);
+  const double flakes = fall.rate / (sinking * laid) * kBox * kBox * kBox;
+  dvec3 drift = along * static_cast<double>(fall.speed) * static_cast<double>(fall.time);
+  drift -= kBox * glm::floor(drift / kBox);
+  // A swing of this width has the angle of flutter where it is steepest.
+  const double aside = fall.speed * std::tan(fall.flutter * 3.14159265 / 180.0) /
+                       (2.0 * 3.14159265 * static_cast<double>(kSwings));
+  shared::FlakeFall made{};
+  made.drift = vec4(glm::vec3(drift), static_cast<float>(kBox));
+  made.velocity = vec4(glm::vec3(along * static_cast<double>(fall.speed)), fall.radius);
+  made.flutter = vec4(static_cast<float>(aside), kSwings, fall.shutter, fall.time);
+  made.counts = {fall.seed, static_cast<uint32_t>(std::min(std::ceil(flakes), double{kMostFlakes})),
+                 0, 0};
+  return made;
+}
+
+void FlakePass::draw(const Snowfall& fall, const gpu::Buffer& view) {
+  const shared::FlakeFall block = flake_fall(fall);
+  if (block.counts.y == 0) return;
+  block_.write(0, sizeof block, &block);
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glDepthMask(GL_FALSE);
+  program_.use();
+  program_.bind("ViewBlock", view);
+  program_.bind("FallBlock", block_);
+  program_.draw(GL_TRIANGLES, 0, 6 * static_cast<int32_t>(block.counts.y));
+  glDepthMask(GL_TRUE);
+  glDisable(GL_BLEND);
+}
+
+}  // namespace snowbough::render

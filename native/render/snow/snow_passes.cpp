@@ -1,0 +1,153 @@
+#include "render/snow/snow_passes.h"
+
+#include <utility>
+
+#include "shaders/lib/tree_shared.h"
+
+namespace snowbough::render {
+namespace {
+
+constexpr int32_t kLocalSize = 64;
+
+int64_t bytes_of(int64_t count, size_t size) {
+  return count * static_cast<int64_t>(size);
+}
+
+template <typename Element>
+void overwrite(gpu::Buffer& buffer, const std::vector<Element>& elements) {
+  buffer.write(0, bytes_of(static_cast<int64_t>(elements.size()), sizeof(Element)),
+               elements.data());
+}
+
+/// What points between vertices, and pixels, are computed from.
+void bind_shading(gpu::Program& program, SnowBuffers& mesh) {
+  program.bind("SnowVertices", mesh.vertices);
+  program.bind("CornerNormals", mesh.corner_normals);
+  program.bind_texture("height_map", *mesh.map);
+}
+
+}  // namespace
+
+SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
+    : vertex_count(static_cast<int32_t>(mesh.vertices.size())),
+      edge_count(static_cast<int32_t>(mesh.edges.size())),
+      patch_count(static_cast<int32_t>(mesh.patches.size())),
+      color(base_color),
+      vertices(mesh.vertices),
+      vertex_corners(mesh.vertex_corners),
+      corner_normals(mesh.corner_normals),
+      edges(mesh.edges),
+      patches(mesh.patches),
+      points(bytes_of(vertex_count, sizeof(shared::SnowPoint))),
+      patch_depths(bytes_of(patch_count, sizeof(float))),
+      edge_levels(bytes_of(edge_count, sizeof(float))),
+      camera(mesh.patches.size()),
+      sun(mesh.patches.size()) {
+  set_map(std::make_shared<gpu::Texture>(GL_R32F, 1, 1));
+}
+
+void SnowBuffers::set_pose(const SnowPatches& mesh) {
+  overwrite(vertices, mesh.vertices);
+  overwrite(corner_normals, mesh.corner_normals);
+  pose_is_new = true;
+}
+
+void SnowBuffers::set_map(std::shared_ptr<const gpu::Texture> heights) {
+  const int64_t tiles = int64_t{gpu::group_count(heights->width(), shared::kSnowTile)} *
+                        gpu::group_count(heights->height(), shared::kSnowTile);
+  if (tile_depths.bytes() != bytes_of(tiles, sizeof(float))) {
+    tile_depths = gpu::Buffer(bytes_of(tiles, sizeof(float)));
+  }
+  map = std::move(heights);
+  map_is_new = true;
+}
+
+void SnowPasses::find_depths(SnowBuffers& mesh) {
+  tiles_.use();
+  tiles_.bind_texture("height_map", *mesh.map);
+  tiles_.bind("TileDepths", mesh.tile_depths);
+  tiles_.dispatch(gpu::group_count(mesh.map->width(), shared::kSnowTile),
+                  gpu::group_count(mesh.map->height(), shared::kSnowTile));
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  depths_.use();
+  depths_.bind("SnowPatches", mesh.patches);
+  depths_.bind("TileDepths", mesh.tile_depths);
+  depths_.bind("PatchDepths", mesh.patch_depths);
+  depths_.set("count", mesh.patch_count);
+  depths_.set("map_size", glm::ivec2(mesh.map->width(), mesh.map->height()));
+  depths_.dispatch_items(mesh.patch_count, kLocalSize);
+  mesh.map_is_new = false;
+}
+
+void SnowPasses::lay(SnowBuffers& mesh) {
+  if (!mesh.map_is_new && !mesh.pose_is_new) return;
+  if (mesh.map_is_new) find_depths(mesh);
+  vertices_.use();
+  vertices_.bind_texture("height_map", *mesh.map);
+  vertices_.bind("SnowVertices", mesh.vertices);
+  vertices_.bind("VertexCorners", mesh.vertex_corners);
+  vertices_.bind("SnowEdges", mesh.edges);
+  vertices_.bind("SnowPatches", mesh.patches);
+  vertices_.bind("CornerNormals", mesh.corner_normals);
+  vertices_.bind("SnowPoints", mesh.points);
+  vertices_.set("count", mesh.vertex_count);
+  vertices_.dispatch_items(mesh.vertex_count, kLocalSize);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  mesh.pose_is_new = false;
+}
+
+void SnowPasses::edge_levels(SnowBuffers& mesh, const gpu::Buffer& view) {
+  edges_.use();
+  edges_.bind("ViewBlock", view);
+  edges_.bind("SnowVertices", mesh.vertices);
+  edges_.bind("SnowEdges", mesh.edges);
+  edges_.bind("SnowPatches", mesh.patches);
+  edges_.bind("PatchDepths", mesh.patch_depths);
+  edges_.bind("EdgeLevels", mesh.edge_levels);
+  edges_.set("count", mesh.edge_count);
+  edges_.dispatch_items(mesh.edge_count, kLocalSize);
+  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+}
+
+void SnowPasses::classify(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
+                          float max_level) {
+  classify_.use();
+  classify_.bind("ViewBlock", view);
+  classify_.bind("SnowVertices", mesh.vertices);
+  classify_.bind("SnowPatches", mesh.patches);
+  classify_.bind("PatchDepths", mesh.patch_depths);
+  classify_.bind("EdgeLevels", mesh.edge_levels);
+  lists_.run(classify_, list, kPlainVertices, max_level);
+}
+
+void SnowPasses::draw_plain(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
+                            const DrawStyle& style) {
+  gpu::Program& program = begin_draw(plain_, plain_capture_, style);
+  program.bind("SnowPatches", mesh.patches);
+  program.bind("SnowPoints", mesh.points);
+  program.bind("PlainPatches", list.plain);
+  program.bind("ViewBlock", view);
+  if (style.kind == DrawKind::kShaded) {
+    bind_shading(program, mesh);
+    program.set("base_color", mesh.color);
+  }
+  draw_indirect(program, style.kind, GL_TRIANGLES, list.commands, 0, 1);
+}
+
+void SnowPasses::draw_tessellated(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
+                                  const DrawStyle& style) {
+  gpu::Program& program = begin_draw(snow_, snow_capture_, style);
+  program.bind("ViewBlock", view);
+  program.bind("SnowPatches", mesh.patches);
+  program.bind("SnowPoints", mesh.points);
+  program.bind("SnowEdges", mesh.edges);
+  program.bind("EdgeLevels", mesh.edge_levels);
+  program.bind("TessellatedPatches", list.tessellated);
+  bind_shading(program, mesh);
+  if (style.kind == DrawKind::kShaded) program.set("base_color", mesh.color);
+  glPatchParameteri(GL_PATCH_VERTICES, 1);
+  draw_indirect(program, style.kind, GL_PATCHES, list.commands, sizeof(shared::TreeDrawCommand),
+                list.draws);
+}
+
+}  // namespace snowbough::render

@@ -1,0 +1,25 @@
+#pragma once
+
+// Where falling flakes are: a lattice of cells that the fall carries through a box around the eye, the same for the
+// same seed and time wherever the camera is.
+#include "shared_types.h"
+#ifndef SNOWBOUGH_GLSL
+namespace snowbough::shared {
+#endif
+
+/// What falls, as a picture's draw of flakes is told; lies in a uniform block.
+struct FlakeFall {
+  /// Metres that the fall has come by now, wrapped to the box; w: edge of the box in metres.
+  vec4 drift;
+  /// Metres a second; w: radius of a flake in metres.
+  vec4 velocity;
+  /// Metres that flutter takes a flake aside, swings a second, seconds that the shutter is open, time in seconds.
+  vec4 flutter;
+  /// Seed and number of flakes; z, w: unused.
+  uvec4 counts;
+};
+SNOWBOUGH_SHARED_SIZE(FlakeFall, 64)
+
+#ifndef SNOWBOUGH_GLSL
+}  // namespace snowbough::shared
+#endif

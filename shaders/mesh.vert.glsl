@@ -1,0 +1,40 @@
+// A mesh without tessellation, as often as it has places in the world.
+//
+// SHADOW: the sun's picture, of depth alone. SNOW: with coordinates on the map of its snow.
+#include "glsl/tree_view.glsl"
+#include "lib/mesh_corner.h"
+
+layout(std430) readonly buffer MeshCorners { MeshCorner mesh_corners[]; };
+/// Three rows of a matrix for each place.
+layout(std430) readonly buffer MeshPlaces { vec4 place_rows[]; };
+out vec2 image_uv;
+#ifdef SNOW
+layout(std430) readonly buffer SnowCorners { vec2 snow_corners[]; };
+out vec2 snow_uv;
+#endif
+#ifndef SHADOW
+out vec3 world;
+out vec3 smooth_normal;
+#endif
+
+void main() {
+  const MeshCorner at = mesh_corners[gl_VertexID];
+  const int row = 3 * gl_InstanceID;
+  const vec3 x = place_rows[row].xyz;
+  const vec3 y = place_rows[row + 1].xyz;
+  const vec3 z = place_rows[row + 2].xyz;
+  const vec3 p = at.position.xyz;
+  const vec3 position =
+      vec3(dot(x, p), dot(y, p), dot(z, p)) + vec3(place_rows[row].w, place_rows[row + 1].w, place_rows[row + 2].w);
+  image_uv = vec2(at.position.w, at.normal.w);
+#ifdef SNOW
+  snow_uv = snow_corners[gl_VertexID];
+#endif
+#ifndef SHADOW
+  world = position;
+  // By the matrix of cofactors, which keeps normals upright whatever the place's scale.
+  const vec3 n = at.normal.xyz;
+  smooth_normal = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
+#endif
+  gl_Position = view.clip_from_world * vec4(position, 1.0);
+}

@@ -1,0 +1,1 @@
+#include "glsl/snow_fragment.glsl"

@@ -1,0 +1,48 @@
+#include "render/snow/flakes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+namespace snowbough::render {
+namespace {
+
+Snowfall fall(float rate) {
+  Snowfall made;
+  made.rate = rate;
+  return made;
+}
+
+TEST(Flakes, asManyAreInTheAirAsLayTheDepth) {
+  const Snowfall of = fall(1e-6f);
+  const shared::FlakeFall made = flake_fall(of);
+  const double box = made.drift.w;
+  const double each = 4.18879 * 0.5 * std::pow(static_cast<double>(of.radius), 3.0);
+  // What passes level ground in a second: flakes a m3, times their speed, times the snow in one.
+  EXPECT_NEAR(made.counts.y / (box * box * box) * static_cast<double>(of.speed) * each, 1e-6, 1e-9);
+}
+
+TEST(Flakes, aSlantingFallOfTheSameDepthNeedsMore) {
+  Snowfall slanting = fall(1e-6f);
+  slanting.direction = {1.0f, 0.0f, -1.0f};
+  EXPECT_NEAR(flake_fall(slanting).counts.y, std::sqrt(2.0) * flake_fall(fall(1e-6f)).counts.y,
+              2.0);
+}
+
+TEST(Flakes, areNoMoreThanCanBeDrawn) {
+  EXPECT_EQ(flake_fall(fall(1.0f)).counts.y, static_cast<uint32_t>(kMostFlakes));
+  EXPECT_EQ(flake_fall(fall(0.0f)).counts.y, 0u);
+}
+
+TEST(Flakes, driftAlongTheirDirectionWithinTheBox) {
+  Snowfall of = fall(1e-6f);
+  of.direction = {3.0f, 0.0f, -4.0f};
+  of.speed = 2.0f;
+  of.time = 1.0f;
+  const shared::FlakeFall made = flake_fall(of);
+  EXPECT_NEAR(made.drift.x, 1.2f, 1e-5f);
+  EXPECT_NEAR(made.drift.z, made.drift.w - 1.6f, 1e-4f);
+}
+
+}  // namespace
+}  // namespace snowbough::render

@@ -1,0 +1,283 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The room `realtime` without Blender: what is handed to the renderer, light, the pace of a viewport, frames."""
+
+import math
+
+import numpy as np
+import pytest
+from snowbough.realtime import frame_code, lights, pacing, records, sync
+from snowbough.tree import surface_text
+
+
+class Recorder:
+    """Stands for a native Renderer: notes the calls and the names in them."""
+
+    def __init__(self):
+        self.calls = []
+
+    def __getattr__(self, name):
+        def note(key, *_given, **_named):
+            self.calls.append((name, key))
+
+        return note
+
+    def take(self):
+        calls, self.calls = self.calls, []
+        return calls
+
+
+PLACE = np.eye(4, dtype=np.float32)[None]
+
+
+def shape(size=1.0, color=(1, 0, 0)):
+    vertices = size * np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], np.float32)
+    normals = np.tile(np.float32((0, 0, 1)), (1, 3, 1))
+    return records.Shape(
+        vertices,
+        np.array([(0, 1, 2)], np.int32),
+        normals,
+        np.zeros((1, 3, 2), np.float32),
+        np.zeros(1, np.int32),
+        (records.Paint(color),),
+    )
+
+
+def mesh(key="a", places=PLACE, snow=None, **of_shape):
+    made = shape(**of_shape)
+    return records.Mesh(key, made, made.print, places, snow)
+
+
+def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print=""):
+    return records.Tree(
+        key, {}, print_, records.Bark(), np.full((2, 4, 4), pose, np.float32), leaves, leaves_print
+    )
+
+
+@pytest.fixture
+def renderer():
+    return Recorder()
+
+
+def test_what_is_new_is_added_once(renderer):
+    keeper = sync.Sync(renderer)
+    assert keeper.update(records.Scene([mesh()], [tree()]))
+    assert renderer.take() == [("add_mesh", "a"), ("add_tree", "t"), ("set_pose", "t")]
+    assert not keeper.update(records.Scene([mesh()], [tree()]))
+    assert renderer.take() == []
+
+
+def test_what_moves_is_not_uploaded_again(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh()], [tree()]))
+    renderer.take()
+    assert keeper.update(records.Scene([mesh(places=2 * PLACE)], [tree(pose=1.0)]))
+    assert renderer.take() == [("set_places", "a"), ("set_pose", "t")]
+
+
+@pytest.mark.parametrize("other", [{"size": 2.0}, {"color": (0, 1, 0)}])
+def test_what_has_another_shape_or_colour_is_replaced(renderer, other):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh()]))
+    renderer.take()
+    keeper.update(records.Scene([mesh(**other)]))
+    assert renderer.take() == [("remove", "a"), ("add_mesh", "a")]
+
+
+def test_what_is_replaced_goes_back_to_its_place(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh(places=2 * PLACE)]))
+    renderer.take()
+    keeper.update(records.Scene([mesh(places=2 * PLACE, size=3.0)]))
+    assert renderer.take() == [("remove", "a"), ("add_mesh", "a"), ("set_places", "a")]
+
+
+def test_what_is_gone_is_removed(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh(), mesh("b")], [tree()]))
+    renderer.take()
+    assert keeper.update(records.Scene([mesh("b")]))
+    assert renderer.take() == [("remove", "a"), ("remove", "t")]
+
+
+def snow(depth):
+    return records.LyingSnow(np.full((4, 4), depth, np.float32), np.zeros((1, 3, 2), np.float32))
+
+
+LAYER = "snow on a"
+
+
+def test_snow_is_a_layer_that_comes_changes_and_goes_without_the_mesh(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh()]))
+    renderer.take()
+    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
+    assert renderer.take() == [("add_snow_mesh", LAYER), ("set_snow", LAYER)]
+    keeper.update(records.Scene([mesh(snow=snow(0.2))]))
+    assert renderer.take() == [("set_snow", LAYER)]
+    keeper.update(records.Scene([mesh(snow=snow(0.2))]))
+    assert renderer.take() == []
+    keeper.update(records.Scene([mesh()]))
+    assert renderer.take() == [("remove", LAYER), ("set_mesh_snow", "a")]
+
+
+def test_a_layer_of_snow_moves_and_goes_with_its_mesh(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
+    renderer.take()
+    keeper.update(records.Scene([mesh(snow=snow(0.1), places=2 * PLACE)]))
+    assert renderer.take() == [("set_places", "a"), ("set_snow_pose", LAYER), ("set_snow", LAYER)]
+    keeper.update(records.Scene([mesh(snow=snow(0.1), places=2 * PLACE, size=2.0)]))
+    again = [("remove", "a"), ("add_mesh", "a"), ("set_places", "a")]
+    assert renderer.take() == [*again, ("remove", LAYER), ("add_snow_mesh", LAYER), ("set_snow", LAYER)]
+    keeper.update(records.Scene([mesh(places=2 * PLACE, size=3.0)]))
+    assert renderer.take() == [*again, ("remove", LAYER), ("set_mesh_snow", "a")]
+    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
+    renderer.take()
+    keeper.update(records.Scene())
+    assert renderer.take() == [("remove", "a"), ("remove", LAYER)]
+
+
+def test_snow_is_painted_on_what_cannot_bear_a_layer(renderer):
+    cut_out = mesh("leaf", snow=snow(0.1))
+    holes = np.zeros((1, 1, 4), np.uint8)
+    cut_out.shape.paints = (records.Paint((1, 1, 1), holes),)
+    scattered = mesh("stone", snow=snow(0.1), places=np.repeat(PLACE, 2, axis=0))
+    raised = mesh("drift", snow=snow(0.1))
+    raised.shape.is_displaced = True
+    sync.Sync(renderer).update(records.Scene([cut_out, scattered, raised]))
+    painted = [key for name, key in renderer.take() if name == "set_mesh_snow"]
+    assert painted == ["leaf", "stone", "drift"]
+
+
+def test_snow_is_painted_where_the_renderer_refuses_a_layer(renderer):
+    def refuse(*_given, **_named):
+        raise ValueError("an edge of more than two triangles")
+
+    renderer.add_snow_mesh = refuse
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
+    assert renderer.take() == [("add_mesh", "a"), ("set_mesh_snow", "a")]
+
+
+def test_a_layers_positions_and_normals_are_the_worlds():
+    place = np.array([(0, -2, 0, 1), (1, 0, 0, 2), (0, 0, 4, 3), (0, 0, 0, 1)], np.float32)
+    positions, normals = sync.in_place(shape(), place)
+    assert positions.tolist() == [[1, 2, 3], [1, 3, 3], [-1, 2, 3]]
+    assert normals[0, 0].tolist() == [0, 0, 1]
+
+
+def test_a_tree_of_other_wood_is_replaced_with_its_leaves(renderer):
+    triangles = np.zeros((1, 3, 3), np.float32)
+    leaves = records.Leaves(
+        triangles,
+        np.zeros(1, np.int32),
+        triangles[..., :2],
+        np.zeros(1, np.int32),
+        (records.Paint((0, 1, 0)),),
+    )
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([], [tree(leaves=leaves, leaves_print="l")]))
+    assert renderer.take() == [("add_tree", "t"), ("set_leaves", "t"), ("set_pose", "t")]
+    keeper.update(records.Scene([], [tree(print_="q", leaves=leaves, leaves_print="l")]))
+    assert renderer.take() == [("remove", "t"), ("add_tree", "t"), ("set_leaves", "t"), ("set_pose", "t")]
+    keeper.update(records.Scene([], [tree(print_="q")]))
+    assert renderer.take() == [("set_leaves", "t")]
+
+
+# -- light ------------------------------------------------------------------------------------------------
+
+
+def lamp(kind="SUN", energy=math.pi, location=(0, 0, 2), direction=(0, 0, -1), color=(1.0, 0.5, 0.25)):
+    return lights.Lamp(kind, location, direction, color, energy)
+
+
+def test_a_sun_of_pi_watts_makes_white_white():
+    light = lights.light_of([lamp()], (0.1, 0.2, 0.4))
+    assert light.direction == (0, 0, 1)
+    assert light.sun == pytest.approx((1.0, 0.5, 0.25))
+    assert light.sky == (0.1, 0.2, 0.4)
+    assert light.ground == pytest.approx((0.05, 0.1, 0.2))
+
+
+def test_the_brightest_sun_shines_and_lamps_only_without_one():
+    weak, strong = lamp(energy=1.0), lamp(energy=2.0, direction=(0, -1, 0))
+    near = lamp("POINT", energy=1e6)
+    assert lights.light_of([weak, near, strong], (0, 0, 0)).direction == (0, 1, 0)
+    assert lights.light_of([near], (0, 0, 0)).direction == pytest.approx((0, 0, 1))
+
+
+@pytest.mark.parametrize(
+    ("kind", "watts"), [("POINT", 16 * math.pi**2), ("SPOT", 16 * math.pi**2), ("AREA", 4 * math.pi**2)]
+)
+def test_a_lamp_two_metres_off_spreads_its_watts_over_the_sphere(kind, watts):
+    light = lights.light_of([lamp(kind, watts, color=(1, 1, 1))], (0, 0, 0))
+    assert light.sun == pytest.approx((1, 1, 1))
+
+
+def test_an_area_lamp_lights_nothing_behind_it():
+    light = lights.light_of([lamp("AREA", 100.0, direction=(0, 0, 1))], (0, 0, 0))
+    assert light.sun == (0.0, 0.0, 0.0)
+
+
+def test_a_view_may_leave_out_lamps_or_world():
+    light = lights.light_of([lamp()], (0.1, 0.2, 0.4))
+    assert lights.shown(light, True, True) == light
+    assert lights.shown(light, False, True).sun == lights.STUDIO_SUN.sun
+    assert lights.shown(light, False, True).sky == light.sky
+    assert lights.shown(light, True, False).direction == light.direction
+    assert lights.shown(light, True, False).sky == lights.STUDIO_SKY
+
+
+# -- pace -------------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize(("software", "divisor"), [(False, 2), (True, 4)])
+def test_pictures_are_coarse_until_the_view_has_stood_still(software, divisor):
+    pace = pacing.Pacing()
+    pace.software = software
+    pace.changed(10.0)
+    assert pace.wanted(10.14) == pacing.Quality(divisor, False)
+    assert pace.wanted(10.16) == pacing.FULL
+    assert not pace.is_done()
+
+
+def test_smooth_edges_come_after_the_whole_picture_is_shown():
+    pace = pacing.Pacing()
+    pace.changed(10.0)
+    pace.shown(pacing.Quality(2, False))
+    assert pace.wanted(11.0) == pacing.FULL
+    pace.shown(pacing.FULL)
+    assert pace.wanted(11.0) == pacing.FINE
+    pace.shown(pacing.FINE)
+    assert pace.is_done()
+    pace.changed(12.0)
+    assert not pace.is_done() and pace.wanted(12.0).divisor == 2
+
+
+def test_a_coarse_view_covers_the_region():
+    view = records.View((), (), 1001, 3).divided(4)
+    assert (view.width, view.height) == (251, 1)
+
+
+# -- frames and trees as they are kept --------------------------------------------------------------------
+
+
+def test_a_frames_bytes_become_light():
+    words = np.array([[0x3F000000, 0x3F000000 + (254 << 16) + (128 << 8) + 1]], np.uint32)
+    light = frame_code.light(words.view(np.float32))
+    assert light.shape == (1, 2, 3)
+    assert light[0, 0].tolist() == [0, 0, 0]
+    share = np.array([254, 128, 1]) / 255
+    assert light[0, 1] == pytest.approx(share**2.2 / (1 - share**2.2), rel=1e-4)
+
+
+def test_a_trees_base_comes_back_from_its_text():
+    arrays = {"vertices": np.arange(6, dtype=np.float32).reshape(2, 3), "bone_count": 7}
+    found = surface_text.unpack(surface_text.pack(arrays))
+    assert found["bone_count"] == 7
+    assert np.array_equal(found["vertices"], arrays["vertices"])
+
+
+@pytest.mark.parametrize("text", ["", "no base85 \x7f", "abcd", surface_text.pack({"a": np.zeros(9)})[:-40]])
+def test_a_damaged_text_is_no_tree(text):
+    assert surface_text.unpack(text) is None

@@ -1,0 +1,66 @@
+"""A flight from 80 m to 2 m: what of a frame's change is due to the level of detail stays under a bound."""
+
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+import snowbough_native as native
+
+ROOT = Path(__file__).resolve().parents[3]
+sys.path.append(str(ROOT / "benchmarks" / "realtime"))
+import flight  # noqa: E402
+import scenes  # noqa: E402
+
+#: Pairs of neighbouring frames that are looked at, of all of the flight's.
+PAIRS = np.linspace(0, flight.FRAMES - 2, 7).astype(int)
+SIZE = (160, 120)
+#: Of 255, over blocks of 8 x 8 pixels: most that the level of detail may add to a block in a frame, and on average.
+MOST = 6.0
+MOST_MEAN = 0.12
+
+
+@pytest.fixture(scope="module")
+def renderer():
+    things, trees = flight.scene(resolution=256)
+    heights = scenes.fallen(things, 0.06, steps=2, pixel_size=0.04, engine="CPU")
+    with native.Renderer() as made:
+        scenes.show(made, things, heights, trees)
+        yield made
+
+
+def settings(target_pixels=6.0):
+    return flight.settings(target_pixels=target_pixels, shadow_resolution=0)
+
+
+def added_changes(renderer, settings_of, pairs=PAIRS):
+    """By pair and block: how much more (or less) a block changes than where the level stays what it is."""
+    found = []
+    for number in pairs:
+        cameras = [flight.camera(number + k, SIZE) for k in (0, 1)]
+        own = [renderer.render(cameras[k], settings_of(number + k)) for k in (0, 1)]
+        fixed = [renderer.render(at, settings(2.0)) for at in cameras]
+        found.append(flight.block_change(*own) - flight.block_change(*fixed))
+    return abs(np.array(found))
+
+
+def test_nothing_pops_on_a_flight_from_far_to_near(renderer):
+    added = added_changes(renderer, lambda number: settings())
+    assert added.max() < MOST
+    assert added.mean() < MOST_MEAN
+
+
+def test_a_level_that_jumps_is_over_the_bound(renderer):
+    added = added_changes(renderer, lambda number: settings(4.0 if number % 2 else 60.0), PAIRS[-2:])
+    assert added.max() > MOST
+    assert added.mean() > MOST_MEAN
+
+
+def test_the_flight_goes_from_80_m_to_2_m_through_all_levels(renderer):
+    counts = []
+    for number in (0, flight.FRAMES - 1):
+        renderer.render(flight.camera(number, SIZE), settings())
+        counts.append(renderer.statistics())
+    assert [flight.distance(number) for number in (0, flight.FRAMES - 1)] == pytest.approx([80, 2])
+    assert counts[0]["tessellated"] == 0 and counts[1]["tessellated"] > 1000
+    assert counts[1]["triangles"] > 3 * counts[0]["triangles"]

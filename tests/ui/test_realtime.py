@@ -1,0 +1,152 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snowbough Realtime in a 3D view: it shows the scene, follows the view and the scene, and goes without a trace."""
+
+import time
+from pathlib import Path
+
+from PIL import ImageChops, ImageStat
+
+MAPLE = Path(__file__).resolve().parent.parent / "data" / "small_maple.obj"
+
+# A red cube on a green ground, a tree behind it, a sun, and a view from the front.
+SCENE = """
+import math
+import sys
+from mathutils import Euler
+
+def paint(obj, color):
+    material = bpy.data.materials.new(obj.name)
+    material.use_nodes = True
+    shader = material.node_tree.nodes["Principled BSDF"]
+    shader.inputs["Base Color"].default_value = (*color, 1.0)
+    obj.data.materials.clear()
+    obj.data.materials.append(material)
+
+scene = bpy.context.scene
+bpy.ops.import_scene.xfrog_tree(filepath={tree!r})
+bpy.data.objects["small_maple"].location = (2.5, 2.0, 0.0)
+bpy.ops.mesh.primitive_plane_add(size=40.0)
+paint(bpy.context.object, (0.05, 0.4, 0.05))
+cube = bpy.data.objects["Cube"]
+cube.location.z = 1.0
+paint(cube, (0.8, 0.02, 0.02))
+light = bpy.data.objects["Light"]
+light.data.type = "SUN"
+light.data.energy = 3.0
+scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.2, 0.4, 0.8, 1.0)
+scene.view_settings.view_transform = "Standard"
+for obj in bpy.context.selected_objects:
+    obj.select_set(False)
+scene.render.engine = {engine!r}
+area = view3d()[1]
+space = area.spaces.active
+space.overlay.show_overlays = False
+space.show_gizmo = False
+view = space.region_3d
+view.view_location, view.view_distance = (0.0, 0.0, 1.5), 14.0
+view.view_rotation = Euler((math.radians(78), 0, 0)).to_quaternion()
+view.view_perspective = "PERSP"
+space.shading.type = "RENDERED"
+result = True
+"""
+
+VIEWPORTS = "__import__('sys').modules[addon + '.realtime.viewport']._open"
+SHOWN = f"[v.error or v.shown for v in {VIEWPORTS}] == [__import__('sys').modules[addon + '.realtime.pacing'].FINE]"
+
+
+def show(window, engine="SNOWBOUGH_REALTIME"):
+    window.run(SCENE.format(tree=str(MAPLE), engine=engine), timeout=120)
+
+
+def settled(window):
+    """The 3D view once its picture has all of its pixels and smooth edges."""
+    time.sleep(0.5)
+    window.wait_until(SHOWN, timeout=120)
+    time.sleep(1.0)
+    return window.view()
+
+
+def color(image, x, y):
+    """Mean colour around a place, in shares of the picture from its upper left."""
+    at = int(x * image.width), int(y * image.height)
+    return ImageStat.Stat(image.convert("RGB").crop((at[0] - 3, at[1] - 3, at[0] + 3, at[1] + 3))).mean
+
+
+def difference(first, second):
+    return sum(ImageStat.Stat(ImageChops.difference(first.convert("RGB"), second.convert("RGB"))).mean)
+
+
+def test_the_view_shows_the_scene_and_follows_an_orbit(window):
+    show(window)
+    before = settled(window)
+    window.screenshot("realtime")
+    red, green, blue = color(before, 0.5, 0.55)
+    assert red > 2 * green and red > 2 * blue  # the cube
+    red, green, blue = color(before, 0.5, 0.95)
+    assert green > 1.5 * red and green > 1.5 * blue  # the ground
+    # The sky is the world's colour: 0.2, 0.4 and 0.8 as sRGB.
+    assert all(abs(a - b) <= 4 for a, b in zip(color(before, 0.05, 0.04), (124, 170, 231)))
+
+    x, y = window.run("a = view3d()[1]\nresult = [a.x + a.width // 2, a.y + a.height // 2]")
+    window.move(x, 900 - y)
+    for _ in range(3):
+        window.key("KP_4")
+    after = settled(window)
+    window.screenshot("realtime_orbit")
+    assert difference(before, after) > 5
+
+
+def test_the_view_follows_the_scene(window):
+    show(window)
+    before = settled(window)
+    window.run("cube.location.x = 4.0\nresult = True")
+    moved = settled(window)
+    red, green, _blue = color(moved, 0.5, 0.55)
+    assert red < green  # the cube is gone from the middle
+    window.run("cube.location.x = 0.0\nresult = True")
+    assert difference(settled(window), before) < 0.5
+
+
+def test_the_windows_thread_goes_on_while_a_picture_is_drawn(window):
+    show(window)
+    settled(window)
+    longest = window.run(
+        f"""
+import time
+viewport = {VIEWPORTS}[0]
+calls, draw = [], viewport.draw
+
+def timed(*given):
+    begun = time.perf_counter()
+    draw(*given)
+    calls.append(time.perf_counter() - begun)
+
+viewport.draw = timed
+result = True
+"""
+    )
+    for angle in (0.2, 0.4, 0.6):
+        window.run(
+            f"view.view_rotation = Euler((1.3, 0, {angle})).to_quaternion()\narea.tag_redraw()\nresult = True"
+        )
+        settled(window)
+    calls = window.run("result = calls")
+    print(f"{len(calls)} draws, longest {1e3 * max(calls):.1f} ms")
+    assert len(calls) >= 6
+    assert sorted(calls)[len(calls) // 2] < 0.05
+    assert longest
+
+
+def test_another_shading_and_switching_the_addon_off_end_it(window):
+    show(window)
+    settled(window)
+    window.run("space.shading.type = 'SOLID'\nresult = True")
+    window.wait_until(f"len({VIEWPORTS}) == 0")
+    window.run("space.shading.type = 'RENDERED'\nresult = True")
+    settled(window)
+    window.run("bpy.ops.preferences.addon_disable(module=addon)\nresult = True")
+    time.sleep(1.0)
+    assert window.run("result = bpy.context.scene.render.engine") != "SNOWBOUGH_REALTIME"
+    window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
+    window.run("bpy.context.scene.render.engine = 'SNOWBOUGH_REALTIME'\nresult = True")
+    settled(window)
