@@ -2,11 +2,10 @@
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/flight.py [--out PICTURE.png] [--every N]
 
-The picture has frames of the flight, the same as wireframes (with parts of edges twice as long, or small ones would be
-black), and below them a curve: the mean change of a pixel from
-frame to frame, of 255, over the whole flight. A level of detail that pops would be a spike in it. The distances shrink
-by the same part from frame to frame; `tests/python/native/test_lod_flight.py` bounds what the levels add to a frame's
-change.
+The picture has frames of the flight, the same as wireframes (with parts of edges twice as long, or small ones would
+be black), and below them a curve: the mean change of a pixel from frame to frame, of 255, over the whole flight. A
+level of detail that pops would be a spike in it. The distances shrink by the same part from frame to frame;
+`tests/python/native/test_lod_flight.py` bounds what the levels add to a frame's change.
 """
 
 import argparse
