@@ -15,6 +15,8 @@ constexpr double kFilletHeight = 0.25;
 constexpr int kMostSteps = 60;
 constexpr double kShortestStep = 0.03;
 constexpr double kNear = 2e-3;
+/// What is a jump between a rim's points, in the same radii.
+constexpr double kJump = 0.35;
 /// Where a rim's place on the parent is looked for, in reaches of the fork.
 constexpr double kWindow = 2.0;
 /// How far a side of the child that begins outside of its parent is followed, in the same radii.
@@ -87,24 +89,17 @@ class Side {
 };
 
 /// Takes jumps out of lengths around a rim: sides that graze the parent leave it here or much
-/// further out. First the median of each and its neighbours, then their mean.
-void smooth(std::vector<double>& lengths) {
+/// further out. The median of each and its neighbours, where that is more than `jump` away.
+void take_out_jumps(double jump, std::vector<double>& lengths) {
   const size_t count = lengths.size();
-  const auto filter = [&](const auto& middle) {
-    const std::vector<double> from(lengths);
-    for (size_t i = 0; i < count; ++i) {
-      lengths[i] = middle(from[(i + count - 1) % count], from[i], from[(i + 1) % count]);
-    }
-  };
-  const auto median = [](double a, double b, double c) {
-    return std::max(std::min(a, b), std::min(std::max(a, b), c));
-  };
-  const auto mean = [](double a, double b, double c) { return 0.25 * (a + 2.0 * b + c); };
   // A rim of eight points has no more than its own shape.
-  for (size_t pass = 8; pass < count; pass *= 2) {
-    filter(median);
-    filter(median);
-    filter(mean);
+  for (size_t pass = 8; pass < 2 * count; pass *= 2) {
+    const std::vector<double> from(lengths);
+    for (size_t i = 0; i < count && count > 8; ++i) {
+      const double a = from[(i + count - 1) % count], b = from[i], c = from[(i + 1) % count];
+      const double median = std::max(std::min(a, b), std::min(std::max(a, b), c));
+      if (std::abs(b - median) > jump) lengths[i] = median;
+    }
   }
 }
 
@@ -128,7 +123,7 @@ void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& 
     const double met = std::clamp(base, std::min(low, high), high);
     lengths.push_back(std::max(met, std::min(base - kInwards * fork.radius, farthest)));
   }
-  smooth(lengths);
+  take_out_jumps(kJump * fork.radius, lengths);
   for (size_t i = 0; i < rim.size(); ++i) {
     RimPoint& point = rim[i];
     point.length = lengths[i];
