@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <vector>
 
 namespace snowbough::tree {
 namespace {
@@ -14,12 +15,18 @@ constexpr double kFilletHeight = 0.25;
 constexpr int kMostSteps = 60;
 constexpr double kShortestStep = 0.03;
 constexpr double kNear = 2e-3;
+/// What is a jump between a rim's points, in the same radii.
+constexpr double kJump = 0.35;
+/// Where a rim's place on the parent is looked for, in reaches of the fork.
+constexpr double kWindow = 2.0;
 /// How far a side of the child that begins outside of its parent is followed, in the same radii.
 constexpr double kOutside = 2.0;
 /// Where both limbs part at a flat angle the line between them may lie anywhere as long as it is
 /// so many radii inside of the parent at most, or outside.
 constexpr double kDeepest = 0.1;
 constexpr double kHighest = 0.3;
+/// It begins at most so many radii further inwards than the base has it.
+constexpr double kInwards = 1.2;
 
 /// One of the child's straight sides, lifted off it.
 class Side {
@@ -81,6 +88,21 @@ class Side {
   double quarter_;
 };
 
+/// Takes jumps out of lengths around a rim: sides that graze the parent leave it here or much
+/// further out. The median of each and its neighbours, where that is more than `jump` away.
+void take_out_jumps(double jump, std::vector<double>& lengths) {
+  const size_t count = lengths.size();
+  // A rim of eight points has no more than its own shape.
+  for (size_t pass = 8; pass < 2 * count; pass *= 2) {
+    const std::vector<double> from(lengths);
+    for (size_t i = 0; i < count && count > 8; ++i) {
+      const double a = from[(i + count - 1) % count], b = from[i], c = from[(i + 1) % count];
+      const double median = std::max(std::min(a, b), std::min(std::max(a, b), c));
+      if (std::abs(b - median) > jump) lengths[i] = median;
+    }
+  }
+}
+
 /// Arc length on the child beside which the base has a rim's point.
 double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& point) {
   const glm::dvec3 start = tubes.centre(fork.child_chain, 0.0);
@@ -92,14 +114,22 @@ double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& poi
 }  // namespace
 
 void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& rim) {
-  const double window = 2.0 * fork.reach;
-  for (RimPoint& point : rim) {
+  std::vector<double> lengths;
+  for (const RimPoint& point : rim) {
     const Side side(fork, tubes, point.quarter);
     const double low = side.rises_to(-kDeepest * fork.radius, farthest);
     const double high = side.rises_to(kHighest * fork.radius, farthest);
-    point.length = std::clamp(base_length(fork, tubes, point), std::min(low, high), high);
-    point.position = side.at(point.length);
-    point.target = tubes.nearest(fork.parent_chain, point.position, point.base, window);
+    const double base = base_length(fork, tubes, point);
+    const double met = std::clamp(base, std::min(low, high), high);
+    lengths.push_back(std::max(met, std::min(base - kInwards * fork.radius, farthest)));
+  }
+  take_out_jumps(kJump * fork.radius, lengths);
+  for (size_t i = 0; i < rim.size(); ++i) {
+    RimPoint& point = rim[i];
+    point.length = lengths[i];
+    point.position = Side(fork, tubes, point.quarter).at(point.length);
+    point.target =
+        tubes.nearest(fork.parent_chain, point.position, point.base, kWindow * fork.reach);
   }
 }
 

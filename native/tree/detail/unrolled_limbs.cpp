@@ -183,6 +183,7 @@ class Membrane {
       }
       reach.spread =
           std::min(kSpread, 2.0 * M_PI / static_cast<double>(rims_[j].size())) * forks_[j].radius;
+      reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rims_[j].size()) / 6);
       reach.radius = extent + kReachOfWay * way + kReach * forks_[j].radius;
       steps = std::max(steps, way / std::max(kStep * reach.spread, 1e-30));
     }
@@ -387,7 +388,8 @@ class Membrane {
     for (Node& node : nodes_) node.velocity = glm::dvec2(0.0);
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       for (size_t i = rim_count_; i < nodes_.size(); ++i) {
-        if (nodes_[i].depth <= kSpreadDepth) to_middle(nodes_[i].vertex);
+        if (nodes_[i].depth <= reaches_[nodes_[i].junction].spread_depth)
+          to_middle(nodes_[i].vertex);
       }
     }
     find_turned();
@@ -429,6 +431,7 @@ class Membrane {
     double quarter_length = 1.0;
     /// Length of the faces beside the rim that the fillet asks for.
     double spread = 0.0;
+    int spread_depth = kSpreadDepth;
 
     double metres(const glm::dvec2& way) const { return std::hypot(way.x * quarter_length, way.y); }
     double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }

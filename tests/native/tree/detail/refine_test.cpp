@@ -214,7 +214,8 @@ TEST(Refine, TheFilletIsAsWideAsTheThinnerLimb) {
 }
 
 TEST(Refine, AForkDoesNotCrossItself) {
-  for (const glm::vec3 direction : {glm::vec3(1, 0, 0), glm::vec3(0.8f, 0, 0.6f)}) {
+  for (const glm::vec3 direction :
+       {glm::vec3(1, 0, 0), glm::vec3(0.8f, 0, 0.6f), glm::vec3(0.45f, 0, 0.9f)}) {
     const Skeleton skeleton = make_skeleton({trunk(), side_branch(5.5f, 0.1f, direction)});
     for (const Detail detail : kAll) {
       const TreeMesh mesh = build_at(skeleton, detail);
