@@ -17,8 +17,9 @@ namespace snowbough::shared {
 
 /// What faces less upwards than this holds no snow: what moves there falls.
 KERNEL_CONSTANT float kWallUp = 0.1f;
-/// Seconds in which what sticks on a wall halves: after a second less than a hundred-thousandth is left.
-KERNEL_CONSTANT float kWallHalfLife = 0.0595f;
+/// Seconds in which what sticks on a wall halves: after a frame, a twentieth is left. With more, the walls of round
+/// things show a stripe while it snows, above which they are bare: what is steep but no wall sheds its snow at once.
+KERNEL_CONSTANT float kWallHalfLife = 0.01f;
 /// Metres below which it is gone.
 KERNEL_CONSTANT float kWallLeast = 1e-5f;
 /// Parts of a link's limit at which snow that flows would rest, and below which it stops at once.
