@@ -50,7 +50,7 @@ def build():
     paint(cube, (1.0, 1.0, 1.0), grid)
 
     sun = bpy.data.objects.new("Sun", bpy.data.lights.new("Sun", "SUN"))
-    sun.data.energy = 3.0
+    sun.data.energy = 2.4
     sun.rotation_euler = (math.radians(50), 0.0, math.radians(40))
     scene.collection.objects.link(sun)
     scene.world = bpy.data.worlds.new("Sky")
@@ -58,8 +58,8 @@ def build():
     background = scene.world.node_tree.nodes["Background"].inputs
     background["Color"].default_value, background["Strength"].default_value = (0.35, 0.5, 0.75, 1.0), 0.6
     scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-    scene.camera.location = (2.6, -8.2, 2.3)
-    scene.camera.rotation_euler = (math.radians(86), 0.0, math.radians(17))
+    scene.camera.location = (3.3, -10.4, 2.5)
+    scene.camera.rotation_euler = (math.radians(87), 0.0, math.radians(17))
     scene.collection.objects.link(scene.camera)
     for obj in bpy.context.selected_objects:
         obj.select_set(False)
@@ -74,6 +74,7 @@ def snow(scene, cache):
     bpy.ops.snowbough.add_receivers()
     scene.snowbough.cache_directory = cache
     scene.snowbough.end_depth = 0.12
+    scene.snowbough.flutter = math.radians(2)
     for entry in scene.snowbough.receivers:
         entry.resolution = 512
     bpy.ops.snowbough.bake()
