@@ -2,10 +2,10 @@
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/flight.py [--out PICTURE.png] [--every N]
 
-The picture has frames of the flight, the same as wireframes, and below them a curve: the mean change of a pixel from
-frame to frame, of 255, over the whole flight. A level of detail that pops would be a spike in it. The distances shrink
-by the same part from frame to frame; `tests/python/native/test_lod_flight.py` bounds what the levels add to a frame's
-change.
+The picture has frames of the flight, the same as wireframes (with parts of edges twice as long, or small ones would
+be black), and below them a curve: the mean change of a pixel from frame to frame, of 255, over the whole flight. A
+level of detail that pops would be a spike in it. The distances shrink by the same part from frame to frame;
+`tests/python/native/test_lod_flight.py` bounds what the levels add to a frame's change.
 """
 
 import argparse
@@ -33,7 +33,7 @@ def distance(number):
 def camera(number, size):
     eye = TARGET + FROM / np.linalg.norm(FROM) * distance(number)
     return native.Camera(
-        eye=eye, target=TARGET, width=size[0], height=size[1], field_of_view=0.5, near=0.2, far=400.0
+        eye=eye, target=TARGET, width=size[0], height=size[1], field_of_view=0.5, near=0.2, far=1500.0
     )
 
 
@@ -45,11 +45,21 @@ def scene(resolution=1024):
     """Things, and which of them are trees."""
     tree, mesh = scenes.maple(resolution)
     things = {
-        "ground": scenes.ground(40.0, 80, resolution),
-        "ball": scenes.ball(0.25, resolution=resolution // 2).moved((0.75, -0.55, 0.22)),
+        "ground": scenes.ground(40.0, 32, resolution),
+        "stone": scenes.boxes([((0, 0, 0.16), (0.5, 0.36, 0.34))], resolution // 4, (0.3, 0.29, 0.27)).moved(
+            (0.75, -0.55, 0), 35
+        ),
         "tree": tree,
     }
     return things, {"tree": mesh}
+
+
+def put(renderer, heights, things, trees):
+    """The scene in a renderer, with a plain as far as the eye sees around it."""
+    scenes.show(renderer, things, heights, trees, cut=0.5)
+    g = 1000.0
+    corners = [(-g, -g, -0.05), (g, -g, -0.05), (g, g, -0.05), (-g, g, -0.05)]
+    renderer.add_mesh("plain", corners, [(0, 1, 2), (0, 2, 3)], (0.97, 0.99, 1.0))
 
 
 def block_change(one, other, edge=8):
@@ -85,14 +95,15 @@ def picture(every):
     things, trees = scene()
     heights = scenes.fallen(things, 0.08, pixel_size=0.02)
     with native.Renderer() as renderer:
-        scenes.show(renderer, things, heights, trees)
+        put(renderer, heights, things, trees)
         rows = []
         for wire in (False, True):
             row = []
             for metres in SHOWN:
                 number = (FRAMES - 1) * np.log(metres / FARTHEST) / np.log(NEAREST / FARTHEST)
                 at = camera(number, CELL)
-                row.append(renderer.render(at, settings(wireframe=wire, antialias=not wire))[..., :3])
+                options = {"antialias": False, "target_pixels": 12.0, "wireframe": True} if wire else {}
+                row.append(renderer.render(at, settings(**options))[..., :3])
                 if not wire:
                     counts = renderer.statistics()
                     kinds = ", ".join(
@@ -112,7 +123,7 @@ def picture(every):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--out", default=scenes.ROOT / "docs" / "images" / "flight.png")
-    parser.add_argument("--every", type=int, default=3, help="frames of the curve that are drawn")
+    parser.add_argument("--every", type=int, default=6, help="frames of the curve that are drawn")
     arguments = parser.parse_args()
     native.write_png(str(Path(arguments.out)), picture(arguments.every))
 
