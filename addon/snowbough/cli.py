@@ -3,6 +3,7 @@
 
     blender -b [file.blend] --python-exit-code 1 -P addon/snowbough/cli.py -- import FILE.obj --out F.blend
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- bake --frames 1-48 --cache DIR
+    blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- export TREE.glb --snow FRAME
     blender -b [file.blend] -c snowbough import ...        (Blender 4.2 on, add-on installed)
 
 The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender itself ends with 0
@@ -17,17 +18,19 @@ import sys
 
 
 def parser():
-    """The parser of both subcommands; `args.command` says which."""
+    """The parser of all subcommands; `args.command` says which."""
     from .bake import cli as bake_cli
+    from .gltf import cli as gltf_cli
     from .tree import cli as tree_cli
 
     top = argparse.ArgumentParser(
-        prog="snowbough", description="Imports trees and bakes snow without a window."
+        prog="snowbough", description="Imports trees, bakes snow and exports for engines without a window."
     )
     commands = top.add_subparsers(dest="command", required=True)
 
     tree_cli.add_arguments(commands.add_parser("import", help="import an OBJ tree and save a .blend"))
     bake_cli.add_arguments(commands.add_parser("bake", help="bake the snow of the loaded file"))
+    gltf_cli.add_arguments(commands.add_parser("export", help="write an imported tree for game engines"))
     return top
 
 
@@ -44,6 +47,10 @@ def run(arguments):
             from .bake import cli as bake_cli
 
             return bake_cli.run(args)
+        if args.command == "export":
+            from .gltf import cli as gltf_cli
+
+            return gltf_cli.run(args)
         from .tree import cli as tree_cli
 
         # Blender takes Ctrl-C for itself; while Python computes, it must stop the work.

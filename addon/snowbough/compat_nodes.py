@@ -79,3 +79,9 @@ def set_modifier_input(modifier, name, value):
     if socket is not None:
         modifier[socket.identifier] = value
     return socket is not None
+
+
+def modifier_input(modifier, name):
+    """The value of an input of a geometry nodes modifier by its name, or None where it has none of that name."""
+    socket = group_sockets(modifier.node_group, "INPUT").get(name)
+    return None if socket is None else modifier.get(socket.identifier, socket.default_value)

@@ -17,7 +17,7 @@ enabled = _kept("enabled", False)
 # The bake.engine.Session that runs, or None.
 bake = _kept("bake", None)
 
-# The bake.preview.Preview that shows itself in the viewport, or None.
+# The preview.live.Preview that is drawn over the viewport, or None.
 preview = _kept("preview", None)
 
 NO_OUTCOME = ("INFO", "")

@@ -50,6 +50,15 @@ ENGINES = (
 )
 
 
+PREVIEW_RESOLUTIONS = (
+    ("AUTO", "Automatic", "1024 where a graphics card computes the snow, 256 on the processor"),
+    *(
+        (str(side), str(side), f"Maps of {side} x {side} texels at most")
+        for side in (256, 512, 1024, 2048, 4096)
+    ),
+)
+
+
 SIDES = (
     (
         "AUTO",
@@ -370,6 +379,11 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
         description="A snow shell that Snowbough made; bakes leave it out",
         options={"HIDDEN"},
     )
+    hidden_by_preview: StringProperty(
+        name="Hidden by the Preview",
+        description="What the live preview keeps out of sight while it runs, and how it was before, as JSON",
+        options={"HIDDEN"},
+    )
 
 
 class SnowboughArmatureData(bpy.types.PropertyGroup):
@@ -405,15 +419,41 @@ class SnowboughPreferences(bpy.types.AddonPreferences):
         default="AUTO",
     )
 
+    preview_resolution: EnumProperty(
+        name="Preview Maps",
+        description="Largest maps of the live preview; receivers with smaller ones have their own (texels)",
+        items=PREVIEW_RESOLUTIONS,
+        default="AUTO",
+    )
+    preview_memory: IntProperty(
+        name="Preview Memory",
+        description="What the live preview remembers of the frames it has played, to scrub in (megabytes)",
+        default=1024,
+        min=16,
+        soft_max=16384,
+    )
+
     def draw(self, _context):
         self.layout.use_property_split = True
-        self.layout.prop(self, "engine")
+        for name in ("engine", "preview_resolution", "preview_memory"):
+            self.layout.prop(self, name)
+
+
+def _preference(name, otherwise):
+    """A preference, or `otherwise` where the add-on runs without any, as from a checkout."""
+    addon = bpy.context.preferences.addons.get(__package__)
+    return getattr(addon.preferences, name, otherwise) if addon is not None else otherwise
 
 
 def preferred_engine():
-    """AUTO, GL or CPU as the preferences say; AUTO where the add-on runs without any, as from a checkout."""
-    addon = bpy.context.preferences.addons.get(__package__)
-    return getattr(addon.preferences, "engine", "AUTO") if addon is not None else "AUTO"
+    """AUTO, GL or CPU as the preferences say."""
+    return _preference("engine", "AUTO")
+
+
+def preview_limits():
+    """(largest maps of the preview in texels, 0 = automatic; what its memory of frames may take in bytes)."""
+    resolution = _preference("preview_resolution", "AUTO")
+    return 0 if resolution == "AUTO" else int(resolution), _preference("preview_memory", 1024) << 20
 
 
 CLASSES = (

@@ -146,6 +146,22 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
   simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
 }
 
+/// Takes over the named settings that are given; the others stay.
+void change_settings(SnowSimulation& simulation, std::optional<double> noise_density,
+                     std::optional<double> flutter, std::optional<double> max_depth,
+                     std::optional<double> slide_half_life, std::optional<double> repose,
+                     std::optional<int64_t> seed) {
+  snow::SimulationSettings settings = simulation.settings();
+  settings.noise_density = noise_density.value_or(settings.noise_density);
+  settings.flutter = flutter.value_or(settings.flutter);
+  settings.max_depth = max_depth.value_or(settings.max_depth);
+  settings.slide_half_life = slide_half_life.value_or(settings.slide_half_life);
+  settings.repose = repose.value_or(settings.repose);
+  settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
+  const py::gil_scoped_release release;
+  simulation.change_settings(settings);
+}
+
 py::array_t<float> square(std::vector<float>&& values, int32_t resolution) {
   return to_numpy<float>(std::move(values), {resolution, resolution});
 }
@@ -418,6 +434,15 @@ void bind_snow(py::module_& module) {
            "positions: {name: (N, 3) metres} of the objects that moved; an object's first step "
            "must\n"
            "name it, later ones only when it moved.")
+      .def(
+          "change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
+          "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
+          "repose"_a = py::none(), "seed"_a = py::none(),
+          "Takes other settings from the next step on, in the constructor's units; the snow that\n"
+          "lies stays, and so do settings that are not named. ValueError for what is out of range.")
+      .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
+           py::call_guard<py::gil_scoped_release>(),
+           "Another sigma in metres for the blur of a receiver's output; the stored map stays.")
       .def("height", &height, "name"_a,
            "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative "
            "where it\n"

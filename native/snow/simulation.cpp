@@ -152,6 +152,19 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   ++step_number_;
 }
 
+void SnowSimulation::change_settings(const SimulationSettings& settings) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  SimulationSettings changed = settings;
+  changed.pixel_size = settings_.pixel_size;
+  changed.mapping = settings_.mapping;
+  changed.tile_size = settings_.tile_size;
+  changed.engine = settings_.engine;
+  changed.device = settings_.device;
+  check_settings(changed);
+  settings_ = std::move(changed);
+}
+
 const std::shared_ptr<SceneObject>& SnowSimulation::find_receiver(const std::string& name) const {
   const auto found = objects_.find(name);
   if (found == objects_.end()) {

@@ -115,6 +115,15 @@ class SnowSimulation {
   /// is too small or not that of the step before, or positions that are not finite.
   void step(const PositionMap& positions, double depth, const glm::dvec3& direction, double dt);
 
+  /// Takes other settings from the next step on; the snow stays. pixel_size, mapping, tile_size,
+  /// engine and device stay what they were, whatever `settings` says.
+  /// @throws std::invalid_argument for settings out of range.
+  void change_settings(const SimulationSettings& settings);
+  const SimulationSettings& settings() const { return settings_; }
+  /// Another sigma, in metres, for the blur of a receiver's output; the stored map stays.
+  /// @throws std::invalid_argument for no receiver, or what is not 0 or more.
+  void set_blur_radius(const std::string& name, double blur_radius);
+
   /// Stored thickness in metres, resolution x resolution, row 0 = v 0.
   std::vector<float> height(const std::string& name);
   /// What the outside sees: smoothed by blur_radius, continued by 4 texels beyond the charts, level

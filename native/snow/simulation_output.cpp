@@ -1,5 +1,6 @@
 // The outside of a simulation: smoothed maps and checkpoints.
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <cstring>
 #include <sstream>
@@ -130,6 +131,19 @@ void SnowSimulation::prepare_output(const std::string& name) {
         "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
   }
   outputs_.begin(object, blur_radius_of(*object));
+}
+
+void SnowSimulation::set_blur_radius(const std::string& name, double blur_radius) {
+  const std::scoped_lock lock(mutex_);
+  require_open();
+  find_receiver(name);
+  if (!std::isfinite(blur_radius) || blur_radius < 0.0) {
+    throw std::invalid_argument("object '" + name + "': blur_radius must be 0 metres or more");
+  }
+  SceneObject& object = *objects_.at(name);
+  if (blur_radius == blur_radius_of(object)) return;
+  object.description.blur_radius = blur_radius;
+  outputs_.forget(name);
 }
 
 MapOutput OutputSnapshot::output() {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "tree/detail/detail.h"
+#include "tree/tubes/detail.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/skeleton.h"

@@ -25,10 +25,13 @@ def shell_of(obj, folder):
     return bpy.data.objects[f"{obj.name} snow"]
 
 
-def set_relief(addon, shell, strength):
-    modifier = shell.modifiers[0]
-    assert addon("compat_nodes").set_modifier_input(modifier, "Relief", float(strength))
+def set_slider(addon, shell, name, value):
+    assert addon("compat_nodes").set_modifier_input(shell.modifiers[0], name, float(value))
     shell.update_tag()
+
+
+def set_relief(addon, shell, strength):
+    set_slider(addon, shell, "Relief", strength)
 
 
 class Geometry:

@@ -106,7 +106,7 @@ def test_the_preference_is_described_and_drawn(addon):
         layout = Layout()
 
     preferences.draw(Shown(), bpy.context)
-    assert drawn == ["engine"]
+    assert drawn == ["engine", "preview_resolution", "preview_memory"]
 
 
 def test_without_preferences_it_is_automatic(addon, engine, monkeypatch):
@@ -117,27 +117,32 @@ def test_without_preferences_it_is_automatic(addon, engine, monkeypatch):
     assert settings.preferred_engine() == "AUTO"
 
 
+def start_preview(addon):
+    """Without a picture, which needs a window."""
+    addon("preview.live").start(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), draws=False)
+
+
 def test_the_preview_takes_the_engine_of_the_preference(addon, engine, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path)
     engine("CPU")
-    bpy.ops.snowbough.toggle_preview()
+    start_preview(addon)
     try:
         info = addon("session").preview.simulation.engine
         assert (info["name"], info["reason"]) == ("CPU", "asked for")
     finally:
-        bpy.ops.snowbough.toggle_preview()
+        addon("preview.live").stop()
 
 
 def test_the_preview_takes_opengl_where_the_preference_says_so(addon, engine, needs_gl, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path)
     engine("GL")
-    bpy.ops.snowbough.toggle_preview()
+    start_preview(addon)
     try:
         assert addon("session").preview.simulation.engine == needs_gl
     finally:
-        bpy.ops.snowbough.toggle_preview()
+        addon("preview.live").stop()
 
 
 def test_the_check_says_what_computes_the_snow(addon, engine, tmp_path):
@@ -157,8 +162,8 @@ def test_the_processor_refuses_the_mapping_of_opengl_and_says_what_to_do(addon, 
     wanted = "mapping GEOMETRY is drawn by OpenGL: use engine GL, or mapping COMPUTE"
     with pytest.raises(RuntimeError, match=wanted):
         s.bake()
-    with pytest.raises(RuntimeError, match=wanted):
-        bpy.ops.snowbough.toggle_preview()
+    with pytest.raises(ValueError, match=wanted):
+        start_preview(addon)
     issues = addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     assert [issue.text for issue in issues if issue.severity == "ERROR"] == [wanted]
     assert not (tmp_path / "cache").exists()

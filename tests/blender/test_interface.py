@@ -23,6 +23,7 @@ FRAMES = re.compile(r"frame|checkpoint_interval")
 
 # These leave no step to undo.
 NOT_UNDOABLE = {
+    "export_scene.snowbough_tree": "writes files and changes nothing",
     "import_scene.xfrog_tree": "in a window snowbough.import_tree_job leaves the step",
     "snowbough.bake": "pushes its own step when the job has ended",
     "snowbough.stop_bake": "changes nothing but the running bake",

@@ -56,9 +56,16 @@ def made(addon, monkeypatch):
     return made
 
 
-@pytest.mark.parametrize("call", [s.bake, lambda: bpy.ops.snowbough.toggle_preview()])
-def test_bake_and_preview_hand_all_of_them_to_the_simulation(snowy, made, call):
-    call()
+def preview(addon):
+    """Starts and ends one, without a picture, which needs a window."""
+    live = addon("preview.live")
+    live.start(bpy.context.scene, bpy.context.evaluated_depsgraph_get(), draws=False)
+    live.stop()
+
+
+@pytest.mark.parametrize("call", [lambda addon: s.bake(), preview])
+def test_bake_and_preview_hand_all_of_them_to_the_simulation(addon, snowy, made, call):
+    call(addon)
     (arguments,) = made
     expected = {**OTHER, "flutter": 14.3239448783}  # degrees
     assert {name: arguments[name] for name in OTHER} == {n: pytest.approx(v) for n, v in expected.items()}

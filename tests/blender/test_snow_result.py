@@ -204,7 +204,7 @@ def test_shell_lies_at_the_height_and_only_where_snow_ever_lay(addon, ground, wr
     bpy.context.scene.frame_set(6)
     assert snow_points(addon, shell)[:, 2] == pytest.approx(1.0 + depth_of(6), abs=1e-5)
     points = evaluated_points(shell)
-    assert points[:, 0].min() == pytest.approx(2.0)
+    assert points[:, 0].min() == pytest.approx(2.0, abs=depth_of(6) / 3.0)  # shoulders reach over the rim
     assert points[:, 0].max() == pytest.approx(3.0, abs=2 * 2.0 / SIZE)
 
 

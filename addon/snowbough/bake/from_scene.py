@@ -52,19 +52,26 @@ def existing_cache(scene):
     return root
 
 
-def constant_rates(scene, frame_start, frame_end):
-    """The rate of every frame as a tuple, or None where only evaluating the scene can tell (drivers, NLA)."""
+def constant_values(scene, name, frame_start, frame_end):
+    """The value of a setting on every frame as a tuple, or None where only evaluating the scene can tell (drivers,
+    NLA)."""
     settings, animation = scene.snowbough, scene.animation_data
     frames = range(frame_start, frame_end + 1)
     if animation is not None:
-        if any(driver.data_path == "snowbough.rate" for driver in animation.drivers):
+        if any(driver.data_path == f"snowbough.{name}" for driver in animation.drivers):
             return None
         if animation.use_nla and len(animation.nla_tracks):
             return None
         for curve in compat.curves_of(scene):
-            if curve.data_path == "snowbough.rate" and not curve.mute:
-                return tuple(max(0.0, curve.evaluate(frame)) for frame in frames)
-    return (settings.rate,) * len(frames)
+            if curve.data_path == f"snowbough.{name}" and not curve.mute:
+                return tuple(curve.evaluate(frame) for frame in frames)
+    return (getattr(settings, name),) * len(frames)
+
+
+def constant_rates(scene, frame_start, frame_end):
+    """The rate of every frame as a tuple, none below 0, or None where only evaluating the scene can tell."""
+    rates = constant_values(scene, "rate", frame_start, frame_end)
+    return None if rates is None else tuple(max(0.0, rate) for rate in rates)
 
 
 def make_request(scene, resume=False, first=None, last=None, objects=(), directory=None,

@@ -110,6 +110,12 @@ def baked_uv_map(folder):
     return manifest["settings"]["receiver"]["uv_map"] if manifest else ""
 
 
+def baked_depths(folder):
+    """((frame, metres of snow on open ground), ...) of the bake in `folder`; empty where the folder does not say."""
+    manifest = read_manifest(Path(bpy.path.abspath(folder))) if folder else None
+    return tuple((entry["frame"], entry["depth"]) for entry in manifest["frames"]) if manifest else ()
+
+
 def folders_of_members(folder, instancer):
     """{(object, library): folder} of all that the empty `instancer` instances. folder: that of any one of them,
     baked beside the others."""

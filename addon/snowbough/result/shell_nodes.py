@@ -18,10 +18,12 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import compat_nodes
+from .. import compat, compat_nodes
 from ..names import REST_ATTRIBUTE
+from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
+from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, rims, way_to
 
 HEIGHT_ATTRIBUTE = "snow_height"
 POSITION_ATTRIBUTE = "snow_position"
@@ -30,6 +32,13 @@ _COVERED = "snow_covered"
 _OFFSET = "snow_offset"
 _CORNER_HEIGHT = "snow_corner_height"
 _PLACE = "snow_map_place"
+
+# Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
+SLIDERS = (
+    (RELIEF_INPUT, "Bumps of the surface; 1 is fresh snow", 1.0, 10.0),
+    (SHOULDERS_INPUT, "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 2.0),
+    (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
+)
 
 # Texels by which corners keep off the rim of their face on the map, since what lies beyond it may be another chart's;
 # at most so far towards the face's middle.
@@ -79,19 +88,24 @@ class ShellSource:
     """Edges with a larger angle between their faces are sharp (radians; over pi: none)."""
     weld: bool = False
     """Points that lie on one another are one."""
+    depths: tuple = ()
+    """Depth of the snow on open ground, (frame, metres) of some frames. Without them there are no cushions."""
     rest: bool = False
     """The receiver carries where its points are undeformed, as `rest_position`."""
 
 
 def build_tree(name, source):
     """A geometry node group that makes the shell of a ShellSource, for an object that stands at the world's
-    origin. Its one input besides the geometry is the strength of the relief."""
+    origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, cushions."""
     tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
-    compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketFloat", RELIEF_INPUT,
-                            "Bumps of the surface; 1 is fresh snow", 1.0, 0.0, 10.0)  # fmt: skip
+    for name, description, default, most in SLIDERS:
+        if name != CUSHIONS_INPUT or source.depths:
+            compat_nodes.add_group_socket(
+                tree.tree, "INPUT", "NodeSocketFloat", name, description, default, 0.0, most
+            )
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
-    strength = tree.node("NodeGroupInput").outputs[RELIEF_INPUT]
+    sliders = tree.node("NodeGroupInput").outputs
 
     geometry = _outside_out(tree, _receiver(tree, source), source)
     geometry, normal = _corner_normals(tree, geometry, source.sharp_angle)
@@ -100,10 +114,14 @@ def build_tree(name, source):
         merge = tree.node("GeometryNodeMergeByDistance")
         geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
     geometry = _placed(tree, geometry, source)
+    rim_edges = rims(tree, geometry, _sharp_edges(tree, source.sharp_angle))
     geometry = _subdivided(tree, geometry, source.levels)
     geometry = _heights(tree, geometry, source)
-    geometry = _raised(tree, geometry, source, normal, curvature, strength)
+    geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, sliders)
     geometry = _cut(tree, geometry, source)
+    if source.depths:
+        geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], _keyed(tree, source.depths),
+                                (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
     smooth = tree.node("GeometryNodeSetShadeSmooth")
     tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
     painted = tree.node("GeometryNodeSetMaterial")
@@ -121,6 +139,20 @@ def _object(tree, obj, space):
 
 def _realized(tree, geometry):
     return tree.feed(tree.node("GeometryNodeRealizeInstances"), Geometry=geometry).outputs[0]
+
+
+def _keyed(tree, values):
+    """A number that has those values, (frame, value), with straight lines between them."""
+    node = tree.node("ShaderNodeValue")
+    for frame, value in values:
+        node.outputs[0].default_value = value
+        node.outputs[0].keyframe_insert("default_value", frame=frame)
+    path = node.outputs[0].path_from_id("default_value")
+    for curve in compat.curves_of(tree.tree):
+        if curve.data_path == path:
+            for key in curve.keyframe_points:
+                key.interpolation = "LINEAR"
+    return node.outputs[0]
 
 
 def _capture(tree, geometry, value, domain, data_type):
@@ -164,17 +196,22 @@ def _outside_out(tree, geometry, source):
     return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
 
 
-def _corner_normals(tree, geometry, sharp_angle):
-    """(geometry, normal of every corner): smooth across smooth edges only."""
+def _sharp_edges(tree, sharp_angle):
+    """1 on edges across which the mesh is not shaded smooth, else 0."""
     flat = tree.math("SUBTRACT", 1.0, tree.node("GeometryNodeInputShadeSmooth").outputs[0])
     beside_flat = tree.on_domain(tree.on_domain(flat, "FACE"), "EDGE")
     angle = tree.node("GeometryNodeInputMeshEdgeAngle").outputs["Unsigned Angle"]
     marked = tree.add(tree.attribute("sharp_edge", "BOOLEAN"), tree.attribute("sharp_face", "BOOLEAN"))
-    split_there = tree.add(
+    any_of_them = tree.add(
         tree.add(beside_flat, tree.math("GREATER_THAN", angle, sharp_angle)), tree.on_domain(marked, "EDGE")
     )
+    return tree.math("GREATER_THAN", any_of_them, 1e-3)
+
+
+def _corner_normals(tree, geometry, sharp_angle):
+    """(geometry, normal of every corner): smooth across smooth edges only."""
     split = tree.node("GeometryNodeSplitEdges")
-    tree.feed(split, Mesh=geometry, Selection=tree.math("GREATER_THAN", split_there, 1e-3))
+    tree.feed(split, Mesh=geometry, Selection=_sharp_edges(tree, sharp_angle))
     sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="CORNER")
     normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs["Normal"], "POINT", "FLOAT_VECTOR")
     tree.feed(sample, Geometry=split.outputs["Mesh"], Value=normal,
@@ -258,8 +295,9 @@ def _heights(tree, geometry, source):
     return geometry
 
 
-def _raised(tree, geometry, source, normal, curvature, strength):
-    """The snow's surface: points moved by the mean offset of their corners, weighted by height."""
+def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
+    """The snow's surface: points moved by the mean offset of their corners, weighted by height, then drawn out to
+    shoulders at the rims, and given relief along the normals of what has come of that."""
     normal = tree.vector("NORMALIZE", normal)
     corner = tree.attribute(_CORNER_HEIGHT)
     thickness = tree.absolute(corner)
@@ -284,26 +322,35 @@ def _raised(tree, geometry, source, normal, curvature, strength):
     geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, height, "POINT")
 
     height = tree.attribute(HEIGHT_ATTRIBUTE)
-    relief = add_relief(
-        tree,
-        tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"),
-        height,
-        strength,
-        octaves_for(source.face_size),
-    )
+    units = 1.0 / source.metres_per_unit
+    bare = tree.node("GeometryNodeInputPosition").outputs[0]
+    to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
+    geometry, to_rim = _capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
-    if relief is not None:
-        extra = tree.add(extra, relief)
-    units = 1.0 / source.metres_per_unit
     way = tree.vector("ADD", tree.scale(mean, units), tree.scale(direction, tree.multiply(extra, units)))
     bent = tree.on_domain(curvature, "POINT", "FLOAT_VECTOR")
     most = tree.divide(
         tree.multiply(height, MOST_CURVATURE * units), tree.math("MAXIMUM", tree.vector("LENGTH", bent), 1e-9)
     )
     way = tree.vector("ADD", way, tree.scale(bent, tree.math("MINIMUM", most, 1.0)))
+    geometry = tree.feed(tree.node("GeometryNodeSetPosition"), Geometry=geometry, Offset=way).outputs[
+        "Geometry"
+    ]
+
+    # On the back of a sheet both normals point into the snow.
+    side = tree.math("SIGN", tree.dot(tree.on_domain(normal, "POINT", "FLOAT_VECTOR"), direction))
+    own = tree.scale(
+        tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side
+    )
+    outside = tree.scale(tree.vector("NORMALIZE", tree.on_domain(normal, "POINT", "FLOAT_VECTOR")), side)
+    place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
+    way = add_shoulders(tree, to_rim, height, mean, outside, own, place, sliders[SHOULDERS_INPUT])
+    relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
+    if relief is not None:
+        way = tree.vector("ADD", way, tree.scale(own, relief))
     moved = tree.node("GeometryNodeSetPosition")
-    return tree.feed(moved, Geometry=geometry, Offset=way).outputs["Geometry"]
+    return tree.feed(moved, Geometry=geometry, Offset=tree.scale(way, units)).outputs["Geometry"]
 
 
 def _leaning(tree, outside):

@@ -22,7 +22,9 @@ SCATTERING_DEPTH = 0.05
 
 # Grains and lumps of the surface, as a bump: (waves a metre, metres up and down).
 BUMPS = ((110.0, 0.0011), (420.0, 0.0004))
-DUST_SCALES = (45.0, 320.0)
+# Patches and grains of a thin dusting: waves a metre. What patches count decides how far flecks stray from the edge.
+DUST_SCALES = (45.0, 520.0)
+PATCHES, GRAINS = 0.2, 0.7
 CRYSTALS = 650.0
 # The share of crystals that mirror at full sparkle.
 MOST_SPARKLE = 0.06
@@ -58,7 +60,7 @@ def _noise(tree, position, scale, detail=0.0):
 def _coverage(tree, inputs, thickness):
     """The share of the surface that grains hide: on thin snow some are there and others are not."""
     patches, grains = (_noise(tree, inputs["Position"], scale, 2.0) for scale in DUST_SCALES)
-    threshold = tree.add(tree.multiply(patches, 0.6), tree.multiply(grains, 0.6))
+    threshold = tree.add(tree.multiply(patches, PATCHES), tree.multiply(grains, GRAINS))
     filled = tree.divide(thickness, inputs["Dusting"])
     return tree.smoothstep(filled, tree.subtract(threshold, 0.35), tree.add(threshold, 0.35))
 

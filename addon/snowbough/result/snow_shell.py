@@ -11,10 +11,19 @@ from dataclasses import dataclass
 import bpy
 import numpy as np
 
-from .. import compat
+from .. import compat, compat_nodes
 from ..names import SHELL_MODIFIER
 from ..scene.pose import metres_per_unit
-from . import baked_images, look, original_state, rest_position, shell_nodes, snow_material, snow_nodes
+from . import (
+    baked_images,
+    cushion_nodes,
+    look,
+    original_state,
+    rest_position,
+    shell_nodes,
+    snow_material,
+    snow_nodes,
+)
 from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
@@ -102,6 +111,12 @@ def _sharp_angle(mesh):
     if mesh.has_custom_normals or any(edge.use_edge_sharp for edge in mesh.edges):
         return min(mesh.auto_smooth_angle, USUAL_SHARP_ANGLE)
     return mesh.auto_smooth_angle
+
+
+def _are_needles(mesh, scale, depth):
+    edges = np.empty((len(mesh.edges), 2), dtype=np.int32)
+    mesh.edges.foreach_get("vertices", edges.ravel())
+    return cushion_nodes.are_needles(compat.read_positions(mesh) * scale, edges, depth)
 
 
 def _has_split_points(mesh):
@@ -217,6 +232,15 @@ def _members(receiver):
     return found
 
 
+def _wants_cushions(source):
+    """Whether snow shall bridge what the source is made of: needles, and not too many of them."""
+    mesh = _evaluated_mesh(source.obj)
+    metres = source.metres_per_unit * abs(source.obj.matrix_world.determinant()) ** (1.0 / 3.0)
+    points = len(mesh.loops) * 4.0 ** (source.levels[1] - 1)
+    deepest = max(depth for _, depth in source.depths)
+    return points <= cushion_nodes.MOST_POINTS and _are_needles(mesh, metres, deepest)
+
+
 def _make_one(scene, receiver, member, record):
     """The shell of one member, or None where nothing is baked."""
     height = baked_images.load_sequence(member.folder, "height")
@@ -233,9 +257,14 @@ def _make_one(scene, receiver, member, record):
         scene, member.obj, uv_map, height.image, height.size, material,
         rest=rest_position.keep(member.obj, record), frames=height,
         covered=baked_images.load_ever_covered(member.folder), instancer=member.instancer,
+        depths=baked_images.baked_depths(member.folder),
     )  # fmt: skip
     tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
-    return make_object(scene, name, tree, material, _home(scene, receiver.object))
+    bridged = bool(source.depths) and _wants_cushions(source)  # asked before there is a shell to evaluate
+    shell = make_object(scene, name, tree, material, _home(scene, receiver.object))
+    if bridged:
+        compat_nodes.set_modifier_input(shell.modifiers[SHELL_MODIFIER], cushion_nodes.CUSHIONS_INPUT, 1.0)
+    return shell
 
 
 def make(scene, receiver):

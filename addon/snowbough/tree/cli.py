@@ -37,8 +37,8 @@ def _within(number, keywords):
     return convert
 
 
-def _add_option(parser, name, kind, keywords):
-    """Adds an option of the import as its property was declared (tree.import_options)."""
+def add_option(parser, name, kind, keywords):
+    """Adds an option as the property of an operator was declared (tree.import_options.declared)."""
     flag = FLAGS.get(name, "--" + name.replace("_", "-"))
     how = {"dest": name, "help": keywords["description"].replace("%", "%%")}
     default = keywords.get("default", "")
@@ -68,10 +68,10 @@ def add_arguments(parser):
     )
     parser.add_argument("--json", metavar="R.json", help="where the import report goes")
     for name, kind, keywords in declared():
-        _add_option(parser, name, kind, keywords)
+        add_option(parser, name, kind, keywords)
 
 
-def _write_json(path, report):
+def write_json(path, report):
     partial = path.with_name(f".{path.name}.part")
     try:
         partial.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
@@ -89,7 +89,7 @@ def _save_blend(path):
         partial.unlink(missing_ok=True)
 
 
-def _checked_target(name, suffix):
+def checked_target(name, suffix):
     if name is None:
         return None
     path = Path(name).absolute()
@@ -128,7 +128,7 @@ def _json(reports, failures, several):
 def run(args):
     """Imports as the command line says; returns the exit code. args: see add_arguments."""
     try:
-        blend, report_file = _checked_target(args.out, ".blend"), _checked_target(args.json, "")
+        blend, report_file = checked_target(args.out, ".blend"), checked_target(args.json, "")
         made, failures = _import(args, options_of(args))
         reports = [report for _collection, report in made]
         several = len(reports) + len(failures) > 1
@@ -137,7 +137,7 @@ def run(args):
         if blend and made:
             _save_blend(blend)
         if report_file and (made or several):
-            _write_json(report_file, _json(reports, failures, several))
+            write_json(report_file, _json(reports, failures, several))
     except native.NativeModuleMissing as error:
         print(f"Snowbough: {error}", file=sys.stderr)
         return EXIT_NO_NATIVE

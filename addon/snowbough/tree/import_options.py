@@ -163,18 +163,21 @@ class ImportProperties:
     )
 
 
-def declared():
-    """[(name, kind of property, what it was declared with: a dict)] of every option, in their order."""
-    return [
-        (name, option.function, option.keywords) for name, option in ImportProperties.__annotations__.items()
-    ]
+def declared(properties=ImportProperties):
+    """[(name, kind of property, what it was declared with: a dict)] of every option of a mix-in, in their order."""
+    return [(name, option.function, option.keywords) for name, option in properties.__annotations__.items()]
 
 
 def _default(kind, keywords):
     return keywords.get("default", "" if kind is StringProperty else 0)
 
 
-DEFAULTS = {name: _default(kind, keywords) for name, kind, keywords in declared()}
+def defaults(properties):
+    """{name: default} of the options of a mix-in."""
+    return {name: _default(kind, keywords) for name, kind, keywords in declared(properties)}
+
+
+DEFAULTS = defaults(ImportProperties)
 
 ImportOptions = make_dataclass(
     "ImportOptions", [(name, type(value), value) for name, value in DEFAULTS.items()]

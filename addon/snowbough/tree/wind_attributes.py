@@ -53,13 +53,17 @@ def _write_all(mesh, pivot, axis, length, phase):
     _write(mesh, PHASE, "FLOAT", phase)
 
 
-def add_to_bark(mesh, skeleton, native_mesh):
-    """Writes the attributes of a bark mesh."""
-    branches = skeleton.branches
+def of_bark(branches, native_mesh):
+    """(pivot (V, 3), axis (V, 3), length (V,), phase (V,)) of a native mesh of these branches, float32."""
     levels = np.array([branch.level for branch in branches], dtype=np.int32)
     of = branch_of_points(native_mesh.quads, native_mesh.face_branch, levels, len(native_mesh.vertices))
     pivot, axis, length = branch_axes(branches)
-    _write_all(mesh, pivot[of], axis[of], length[of], phases(len(branches))[of])
+    return pivot[of], axis[of], length[of], phases(len(branches))[of]
+
+
+def add_to_bark(mesh, skeleton, native_mesh):
+    """Writes the attributes of a bark mesh."""
+    _write_all(mesh, *of_bark(skeleton.branches, native_mesh))
 
 
 def add_to_leaves(mesh, skeleton):

@@ -4,13 +4,13 @@
 import bpy
 
 from .. import session
-from ..bake import preview
 from ..bake.outcome import one_line
+from ..preview import live
 from .editing_lock import NotWhileBaking
 
 
 class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
-    """Shows snow in the viewport as the timeline plays forward, on small maps; nothing is baked"""
+    """Shows snow in the viewport as the timeline plays and settings change; nothing is baked, rendered or saved"""
 
     bl_idname = "snowbough.toggle_preview"
     bl_label = "Live Preview"
@@ -26,10 +26,10 @@ class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
 
     def execute(self, context):
         if session.preview is not None:
-            preview.stop()
+            live.stop()
             return {"FINISHED"}
         try:
-            preview.start(context.scene, context.evaluated_depsgraph_get())
+            live.start(context.scene, context.evaluated_depsgraph_get())
         except (ValueError, RuntimeError) as error:
             self.report({"ERROR"}, one_line(error))
             return {"CANCELLED"}

@@ -40,22 +40,6 @@ double smooth_step(double low, double high, double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
-FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p) {
-  FieldValue nearest{1e300, glm::dvec3(0.0)};
-  for (const Fork::Cone& cone : cones) {
-    const glm::dvec3 to = p - cone.begin;
-    const double square = glm::dot(cone.along, cone.along);
-    const double t = square > 0.0 ? std::clamp(glm::dot(to, cone.along) / square, 0.0, 1.0) : 0.0;
-    const glm::dvec3 off = to - cone.along * t;
-    const double length = glm::length(off);
-    const double distance = length - (cone.begin_radius + cone.widening * t);
-    if (distance < nearest.distance) {
-      nearest = {distance, length > 0.0 ? off / length : glm::dvec3(0.0, 0.0, 1.0)};
-    }
-  }
-  return nearest;
-}
-
 FieldValue smooth_minimum(const FieldValue& a, const FieldValue& b, double width) {
   if (width <= 0.0 || std::abs(a.distance - b.distance) >= width) {
     return a.distance <= b.distance ? a : b;
@@ -85,7 +69,7 @@ void take_cones(const Chain& chain, size_t from, bool forward, double length,
 
 /// Distance from the fork's centre at which its child, on the way through `sections`, is further
 /// away from its parent than it is thick; at most kFarthest of its radii.
-double clear_from(const Fork& fork, const std::vector<TubeSection>& sections) {
+double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
   const double farthest = kFarthest * fork.radius;
   double away = 0.0;
   for (const TubeSection& section : sections) {
@@ -100,23 +84,34 @@ double clear_from(const Fork& fork, const std::vector<TubeSection>& sections) {
 
 }  // namespace
 
-std::vector<int32_t> limb_chains(const Surface& surface, const std::vector<int32_t>& parents) {
-  std::vector<int32_t> chains;
-  for (size_t b = 0; b < surface.limbs.size(); ++b) {
-    chains.push_back(surface.limbs[b].continues_parent ? chains[parents[b]]
-                                                       : static_cast<int32_t>(b));
+FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p) {
+  FieldValue nearest{1e300, glm::dvec3(0.0)};
+  for (const Fork::Cone& cone : cones) {
+    const glm::dvec3 to = p - cone.begin;
+    const double square = glm::dot(cone.along, cone.along);
+    const double t = square > 0.0 ? std::clamp(glm::dot(to, cone.along) / square, 0.0, 1.0) : 0.0;
+    const glm::dvec3 off = to - cone.along * t;
+    const double length = glm::length(off);
+    const double distance = length - (cone.begin_radius + cone.widening * t);
+    if (distance < nearest.distance) {
+      nearest = {distance, length > 0.0 ? off / length : glm::dvec3(0.0, 0.0, 1.0)};
+    }
   }
-  return chains;
+  return nearest;
 }
 
-std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes,
-                                const std::vector<int32_t>& chains) {
+double fillet_width(const Fork& fork, const glm::dvec3& p) {
+  const double away = glm::distance(p, fork.centre) / fork.reach;
+  return kFillet * fork.radius * (1.0 - smooth_step(kFullFillet, 1.0, away));
+}
+
+std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) {
   std::vector<Chain> all(surface.limbs.size());
   std::vector<size_t> first(surface.limbs.size());
   for (size_t b = 0; b < surface.limbs.size(); ++b) {
-    Chain& chain = all[chains[b]];
+    Chain& chain = all[tubes.chain(static_cast<int32_t>(b))];
     first[b] = chain.cones.size();
-    const std::vector<TubeSection>& sections = tubes.sections(static_cast<int32_t>(b));
+    const std::span<const TubeSection> sections = tubes.sections(static_cast<int32_t>(b));
     for (size_t i = 0; i + 1 < sections.size(); ++i) {
       chain.cones.push_back({sections[i].centre, sections[i + 1].centre - sections[i].centre,
                              sections[i].radius, sections[i + 1].radius - sections[i].radius});
@@ -126,8 +121,8 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes,
   forks.reserve(surface.junctions.size());
   for (const Junction& junction : surface.junctions) {
     Fork& fork = forks.emplace_back();
-    fork.parent_chain = chains[junction.parent];
-    fork.child_chain = chains[junction.child];
+    fork.parent_chain = tubes.chain(junction.parent);
+    fork.child_chain = tubes.chain(junction.child);
     const Ring& hole = surface.limbs[junction.child].rings.front();
     const Ring& low = surface.limbs[junction.parent].rings[junction.row];
     const TubeSection& base = tubes.sections(junction.child).front();
@@ -144,6 +139,7 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes,
     // The child's tube begins inside its parent, before its middle line, and so thin that nothing
     // shows on the parent's other side.
     const double inside = kInside * low.corner / sine;
+    fork.inside = inside;
     const double tapered = std::min(base.radius, kInsideRadius * low.corner);
     fork.child.push_back(
         {base.centre - direction * inside, direction * inside, tapered, base.radius - tapered});
@@ -178,10 +174,8 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
   };
   for (const int32_t f : at) {
     const Fork& fork = forks[f];
-    const double away = glm::distance(p, fork.centre) / fork.reach;
     add(fork.parent_chain, fork.parent, 0.0);
-    add(fork.child_chain, fork.child,
-        kFillet * fork.radius * (1.0 - smooth_step(kFullFillet, 1.0, away)));
+    add(fork.child_chain, fork.child, fillet_width(fork, p));
   }
   // Parents have lower numbers than what leaves them.
   std::sort(limbs.begin(), limbs.begin() + static_cast<std::ptrdiff_t>(count),

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "tree/detail/limb_tubes.h"
 #include "tree/surface/surface.h"
+#include "tree/tubes/limb_tubes.h"
 
 namespace snowbough::tree {
 
@@ -25,6 +25,8 @@ struct Fork {
   /// clear of its parent.
   double radius = 0.0;
   double reach = 0.0;
+  /// How far inside its parent, before its base, the child is deepest in it. Metres along it.
+  double inside = 0.0;
 
   /// The stretch between two sections.
   struct Cone {
@@ -34,12 +36,14 @@ struct Fork {
   std::vector<Cone> parent, child;
 };
 
-/// Per branch: the chain that it belongs to.
-std::vector<int32_t> limb_chains(const Surface& surface, const std::vector<int32_t>& parents);
-
 /// One fork a junction of the surface, in its order.
-std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes,
-                                const std::vector<int32_t>& chains);
+std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes);
+
+/// Distance from the stretches of a limb.
+FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p);
+
+/// Width of a fork's fillet at a place: see blended_distance.
+double fillet_width(const Fork& fork, const glm::dvec3& p);
 
 /// The blended surface of all limbs that meet at some forks: the smooth minimum of the distances
 /// from their tubes, thicker limbs first. The fillet between two is as wide as the child's base has

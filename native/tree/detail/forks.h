@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "tree/detail/fine_mesh.h"
 #include "tree/detail/fork_field.h"
 #include "tree/surface/surface.h"
+#include "tree/tubes/fine_mesh.h"
 
 namespace snowbough::tree {
 

@@ -5,6 +5,11 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 #include <glm/vec2.hpp>
+#include <utility>
+
+#include "base/parallel_for.h"
+#include "tree/detail/rims.h"
+#include "tree/detail/unrolled_limbs.h"
 
 namespace snowbough::tree {
 namespace {
@@ -13,7 +18,7 @@ namespace {
 constexpr double kLeastMargin = 0.02;
 
 /// A rim reaches at most this share of the limb's first row along it.
-constexpr double kSlant = 0.8;
+constexpr double kSlant = 0.85;
 /// Within this share of a fork's reach a limb becomes round.
 constexpr double kForkShare = 0.9;
 
@@ -22,10 +27,7 @@ constexpr double kForkShare = 0.9;
 struct HolePlace {
   int32_t parent = -1;
   int32_t row = 0, side = 0;
-  /// Of the limb's first row, where the fork has a say.
-  double share = 1.0;
-  /// From the hole to the limb's first own ring.
-  glm::dvec3 axis{0.0};
+  bool inset = false;
   std::array<glm::dvec2, 4> corners = {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1),
                                        glm::dvec2(0, 1)};
 };
@@ -35,6 +37,7 @@ HolePlace hole_place(const Surface& surface, const Junction& junction) {
   place.parent = junction.parent;
   place.row = junction.row;
   place.side = junction.side;
+  place.inset = junction.inset;
   if (!junction.inset) return place;
   const LimbSurface& parent = surface.limbs[junction.parent];
   const Ring& low = parent.rings[junction.row];
@@ -58,77 +61,216 @@ HolePlace hole_place(const Surface& surface, const Junction& junction) {
   return place;
 }
 
+/// Where a child's side begins, once its rim stands.
+struct SideBegin {
+  double quarter = 0.0;
+  /// Along the child, and from its own surface there to the rim.
+  double length = 0.0;
+  glm::dvec3 off{0.0};
+};
+
+double mix(double a, double b, double t) {
+  return a * (1.0 - t) + b * t;
+}
+
 class Placer {
  public:
-  Placer(const Surface& surface, const LimbTubes& tubes, const std::vector<Fork>& forks)
-      : surface_(surface), tubes_(tubes), holes_(surface.limbs.size()) {
-    for (const Junction& junction : surface.junctions) {
-      HolePlace& hole = holes_[junction.child] = hole_place(surface, junction);
-      const std::vector<Ring>& rings = surface.limbs[junction.child].rings;
-      const double reach = forks[&junction - surface.junctions.data()].reach;
-      hole.axis = rings[1].centre - rings[0].centre;
-      hole.share =
-          std::min(1.0, kForkShare * reach / glm::distance(rings[0].centre, rings[1].centre));
-    }
-    for (const Junction& junction : surface.junctions) {
+  Placer(const Surface& surface, const LimbTubes& tubes, const std::vector<Fork>& forks,
+         const FineMesh& fine, double height, int threads)
+      : surface_(surface),
+        tubes_(tubes),
+        forks_(forks),
+        fine_(fine),
+        least_radius_(kLeastFork * height),
+        threads_(threads),
+        hole_of_(surface.limbs.size(), -1),
+        positions_(fine.vertices.size()) {
+    for (size_t j = 0; j < surface.junctions.size(); ++j) {
+      const Junction& junction = surface.junctions[j];
+      hole_of_[junction.child] = static_cast<int32_t>(j);
+      holes_.push_back(hole_place(surface, junction));
       if (junction.inset) insets_.push_back(&junction);
     }
   }
 
-  glm::dvec3 at(const FinePlace& place) const {
-    const FaceOrigin& origin = surface_.origins[place.face];
-    switch (origin.part) {
-      case FacePart::kWall:
-        return on_wall(origin, place.u, place.v);
-      case FacePart::kInset:
-        return on_inset(place);
-      default:
-        return on_cap(origin, place.u, place.v);
-    }
+  std::vector<glm::dvec3> place() {
+    unroll();
+    base::parallel_for(rims_.size(), kForkBlock, {threads_, {}}, [&](size_t begin, size_t end) {
+      for (size_t j = begin; j < end; ++j) {
+        if (forks_[j].radius < least_radius_) continue;
+        meet_limbs(forks_[j], tubes_, kSlant * first_row(j), rims_[j]);
+      }
+    });
+    move_rims(rims_, forks_, tubes_, least_radius_, threads_, unrolled_);
+    place_rims();
+    place_others();
+    return std::move(positions_);
   }
 
  private:
-  glm::dvec3 on_side(int32_t limb, int32_t row, int side, double u, double v) const {
-    return tubes_.at(limb, row, v, side + u);
+  static constexpr size_t kForkBlock = 16;
+  static constexpr size_t kBlock = 4096;
+
+  /// Length of the row in which a child leaves its hole.
+  double first_row(size_t junction) const {
+    return tubes_.length(surface_.junctions[junction].child, 0, 1.0);
   }
 
-  /// On a hole's rim, at the share `u` of the way from its corner `side` to the next.
-  glm::dvec3 on_rim(const HolePlace& hole, int side, double u) const {
-    const glm::dvec2 p = hole.corners[side] * (1.0 - u) + hole.corners[(side + 1) % 4] * u;
-    return on_side(hole.parent, hole.row, hole.side, p.x, p.y);
+  static bool is_cap(const FaceOrigin& origin) {
+    return origin.part == FacePart::kTipCap || origin.part == FacePart::kRootCap;
   }
 
-  glm::dvec3 on_wall(const FaceOrigin& origin, double u, double v) const {
-    const HolePlace& hole = holes_[origin.branch];
-    if (origin.row > 0 || hole.parent < 0) {
-      return on_side(origin.branch, origin.row, origin.side, u, v);
+  /// Whether a face lies between a hole and the limb's first own ring.
+  bool leaves_hole(const FaceOrigin& origin) const {
+    return origin.part == FacePart::kWall && origin.row == 0 && hole_of_[origin.branch] >= 0;
+  }
+
+  /// Finds the rims, and every vertex' place on its limb.
+  void unroll() {
+    const size_t count = fine_.vertices.size();
+    unrolled_.chain.assign(count, -1);
+    unrolled_.places.resize(count);
+    unrolled_.fixed.assign(count, 0);
+    rims_.resize(surface_.junctions.size());
+    for (size_t f = 0; f < fine_.quads.size(); ++f) {
+      const int32_t face = fine_.face[f];
+      const FaceOrigin& origin = surface_.origins[face];
+      const Quad& quad = fine_.quads[f];
+      if (is_cap(origin)) {
+        for (const int32_t v : quad) unrolled_.fixed[v] = 1;
+        continue;
+      }
+      const bool leaves = leaves_hole(origin);
+      bool at_rim = false;
+      for (int k = 0; k < 4; ++k) {
+        const glm::dvec2& at = fine_.corners[f][k];
+        if (leaves && at.y <= 0.0) {
+          at_rim = true;
+          add_to_rim(hole_of_[origin.branch], quad[k], origin.side, at.x);
+        } else {
+          unrolled_.chain[quad[k]] = tubes_.chain(origin.branch);
+          unrolled_.places[quad[k]] = place_of(face, at.x, at.y);
+        }
+      }
+      if (at_rim) {
+        for (int k = 0; k < 4; ++k) {
+          if (fine_.corners[f][k].y > 0.0) unrolled_.fixed[quad[k]] = 1;
+        }
+      } else {
+        unrolled_.quads.push_back(quad);
+      }
     }
-    // The rim lies askew: each side begins where it stands along the limb, and its distance from
-    // the limb's own surface fades away.
-    const glm::dvec3 rim = on_rim(hole, origin.side, u);
-    const std::vector<TubeSection>& sections = tubes_.sections(origin.branch);
-    const glm::dvec3 base = sections.front().centre;
-    const double begin = std::clamp(
-        glm::dot(rim - base, hole.axis) / glm::dot(hole.axis, hole.axis), -kSlant, kSlant);
-    const auto on_limb = [&](double share) {
-      const double inside = std::min(share, 0.0);
-      return on_side(origin.branch, 0, origin.side, u, share - inside) + hole.axis * inside;
-    };
-    const double t = std::clamp(v / hole.share, 0.0, 1.0);
-    return on_limb(begin + (1.0 - begin) * v) +
-           (rim - on_limb(begin)) * (1.0 - t * t * (3.0 - 2.0 * t));
+    for (Rim& rim : rims_) {
+      const auto by_quarter = [](const RimPoint& a, const RimPoint& b) {
+        return a.quarter != b.quarter ? a.quarter < b.quarter : a.vertex < b.vertex;
+      };
+      std::sort(rim.begin(), rim.end(), by_quarter);
+      const auto same = [](const RimPoint& a, const RimPoint& b) { return a.vertex == b.vertex; };
+      rim.erase(std::unique(rim.begin(), rim.end(), same), rim.end());
+      for (const RimPoint& point : rim) unrolled_.places[point.vertex] = point.base;
+    }
   }
 
-  glm::dvec3 on_inset(const FinePlace& place) const {
-    const FaceOrigin& origin = surface_.origins[place.face];
-    const HolePlace& hole = holes_[child_of(place.face)];
+  void add_to_rim(int32_t junction, int32_t vertex, int side, double u) {
+    const HolePlace& hole = holes_[junction];
+    const glm::dvec2 p = hole.corners[side] * (1.0 - u) + hole.corners[(side + 1) % 4] * u;
+    RimPoint point;
+    point.vertex = vertex;
+    point.base = on_side(hole.parent, hole.row, hole.side, p);
+    // The last of a rim is its first.
+    point.quarter = side + u >= 4.0 ? 0.0 : side + u;
+    unrolled_.chain[vertex] = tubes_.chain(hole.parent);
+    rims_[junction].push_back(point);
+  }
+
+  TubePlace on_side(int32_t limb, int32_t row, int side, const glm::dvec2& p) const {
+    return {tubes_.length(limb, row, p.y), side + p.x};
+  }
+
+  TubePlace place_of(int32_t face, double u, double v) const {
+    const FaceOrigin& origin = surface_.origins[face];
+    if (origin.part == FacePart::kWall) {
+      return on_side(origin.branch, origin.row, origin.side, {u, v});
+    }
+    const HolePlace& hole = holes_[hole_of_[child_of(face)]];
     constexpr std::array<glm::dvec2, 4> kCell = {glm::dvec2(0, 0), glm::dvec2(1, 0),
                                                  glm::dvec2(1, 1), glm::dvec2(0, 1)};
     const int k = origin.inset, after = (k + 1) % 4;
-    const glm::dvec2 p =
-        (kCell[k] * (1.0 - place.u) + kCell[after] * place.u) * (1.0 - place.v) +
-        (hole.corners[k] * (1.0 - place.u) + hole.corners[after] * place.u) * place.v;
-    return on_side(origin.branch, origin.row, origin.side, p.x, p.y);
+    const glm::dvec2 p = (kCell[k] * (1.0 - u) + kCell[after] * u) * (1.0 - v) +
+                         (hole.corners[k] * (1.0 - u) + hole.corners[after] * u) * v;
+    return on_side(origin.branch, origin.row, origin.side, p);
+  }
+
+  void place_rims() {
+    begins_.resize(rims_.size());
+    for (size_t j = 0; j < rims_.size(); ++j) {
+      const Fork& fork = forks_[j];
+      const double farthest = kSlant * first_row(j);
+      for (const RimPoint& point : rims_[j]) {
+        const TubePlace& place = unrolled_.places[point.vertex];
+        const double share = unrolled_.shares[point.vertex];
+        const glm::dvec3 met = point.position - tubes_.at(fork.parent_chain, point.target);
+        const glm::dvec3 p = tubes_.at(fork.parent_chain, place) + met * share;
+        positions_[point.vertex] = p;
+        const TubePlace near{0.0, point.quarter};
+        const glm::dvec3 start = tubes_.centre(fork.child_chain, 0.0);
+        const glm::dvec3 axis = tubes_.centre(fork.child_chain, farthest) - start;
+        const double along =
+            std::clamp(glm::dot(p - start, axis) / glm::dot(axis, axis), -1.0, 1.0) * farthest;
+        const double length = mix(along, point.length, share);
+        begins_[j].push_back(
+            {point.quarter, length, p - tubes_.at(fork.child_chain, {length, near.quarter})});
+      }
+    }
+  }
+
+  /// Where a child's side begins, between two of its rim's vertices.
+  SideBegin side_begin(size_t junction, double quarter) const {
+    const std::vector<SideBegin>& begins = begins_[junction];
+    const auto above =
+        std::upper_bound(begins.begin(), begins.end(), quarter,
+                         [](double q, const SideBegin& begin) { return q < begin.quarter; });
+    const bool wraps = above == begins.end();
+    const SideBegin& high = wraps ? begins.front() : *above;
+    const SideBegin& low = above == begins.begin() ? begins.back() : *(above - 1);
+    const double gap = high.quarter - low.quarter + (wraps ? 4.0 : 0.0);
+    const double t = gap > 0.0 ? std::clamp((quarter - low.quarter) / gap, 0.0, 1.0) : 0.0;
+    return {quarter, mix(low.length, high.length, t), low.off * (1.0 - t) + high.off * t};
+  }
+
+  void place_others() {
+    // A vertex' own face may be one of several: whichever it is, it has the same place on it.
+    std::vector<uint8_t> is_rim(positions_.size(), 0);
+    for (const Rim& rim : rims_) {
+      for (const RimPoint& point : rim) is_rim[point.vertex] = 1;
+    }
+    base::parallel_for(positions_.size(), kBlock, {threads_, {}}, [&](size_t begin, size_t end) {
+      for (size_t v = begin; v < end; ++v) {
+        if (is_rim[v] != 0) continue;
+        const FinePlace& at = fine_.vertices[v];
+        const FaceOrigin& origin = surface_.origins[at.face];
+        if (unrolled_.chain[v] < 0) {
+          positions_[v] = on_cap(origin, at.u, at.v);
+        } else if (leaves_hole(origin)) {
+          positions_[v] = beside_hole(hole_of_[origin.branch], unrolled_.places[v]);
+        } else {
+          positions_[v] = tubes_.at(unrolled_.chain[v], unrolled_.places[v]);
+        }
+      }
+    });
+  }
+
+  /// Between a rim and the child's first own ring.
+  glm::dvec3 beside_hole(size_t junction, const TubePlace& place) const {
+    const Fork& fork = forks_[junction];
+    const double row = first_row(junction);
+    const double quarter = place.quarter - 4.0 * std::floor(place.quarter / 4.0);
+    const SideBegin begin = side_begin(junction, quarter);
+    const double length = begin.length + (row - begin.length) * (place.length / row);
+    const double fade = std::min(kForkShare * fork.reach, row - begin.length);
+    const double t = std::clamp((length - begin.length) / fade, 0.0, 1.0);
+    return tubes_.at(fork.child_chain, {length, place.quarter}) +
+           begin.off * (1.0 - t * t * (3.0 - 2.0 * t));
   }
 
   /// The child whose hole an inset lies around: its corners 2 and 3 are on the rim.
@@ -148,7 +290,7 @@ class Placer {
     const bool tip = origin.part == FacePart::kTipCap;
     const double x = 2.0 * u - 1.0, y = 2.0 * v - 1.0;
     const double size = std::max(std::abs(x), std::abs(y));
-    const auto& sections = tubes_.sections(origin.branch);
+    const auto sections = tubes_.sections(origin.branch);
     const TubeSection& end = tip ? sections.back() : sections.front();
     if (size < 1e-12) return end.centre;
     // Quarters from corner 0 along the square's edge through this point.
@@ -163,23 +305,29 @@ class Placer {
 
   const Surface& surface_;
   const LimbTubes& tubes_;
+  const std::vector<Fork>& forks_;
+  const FineMesh& fine_;
+  double least_radius_;
+  int threads_;
+  /// Per branch: the junction that it leaves from, or -1.
+  std::vector<int32_t> hole_of_;
+  /// Per junction: its hole, the rim around it, and where the child's
+  /// sides begin.
   std::vector<HolePlace> holes_;
+  std::vector<Rim> rims_;
+  std::vector<std::vector<SideBegin>> begins_;
   /// By parent, row and side.
   std::vector<const Junction*> insets_;
+  UnrolledLimbs unrolled_;
+  std::vector<glm::dvec3> positions_;
 };
 
 }  // namespace
 
 std::vector<glm::dvec3> limb_positions(const Surface& surface, const LimbTubes& tubes,
-                                       const std::vector<Fork>& forks,
-                                       const std::vector<FinePlace>& places) {
-  const Placer placer(surface, tubes, forks);
-  std::vector<glm::dvec3> positions;
-  positions.reserve(places.size());
-  for (const FinePlace& place : places) {
-    positions.push_back(placer.at(place));
-  }
-  return positions;
+                                       const std::vector<Fork>& forks, const FineMesh& fine,
+                                       double height, int threads) {
+  return Placer(surface, tubes, forks, fine, height, threads).place();
 }
 
 }  // namespace snowbough::tree

@@ -1,27 +1,27 @@
 #pragma once
 
-#include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
 
 #include "tree/detail/fork_field.h"
-#include "tree/detail/limb_tubes.h"
-#include "tree/skeleton/tree_mesh.h"
+#include "tree/tubes/fine_mesh.h"
+#include "tree/tubes/limb_tubes.h"
 
 namespace snowbough::tree {
 
-/// A vertex of the detailed mesh: a place on a base face, (0, 0) at its corner 0, (1, 0) at corner
-/// 1, (1, 1) at corner 2.
-struct FinePlace {
-  int32_t face = -1;
-  double u = 0.0, v = 0.0;
-};
-
-/// Where places on the base lie on the limbs' round sections. A limb that grows out of its
-/// parent's side begins at the rim on the parent and becomes round within the fork's reach; caps
-/// are flat.
+/// Where the vertices of the fine mesh lie on the limbs' round sections.
+///
+/// The rim of a hole follows the line in which child and parent meet, lifted by the fillet between
+/// them (meet_limbs), and what lies around it on the parent moves along (move_rims). The child
+/// begins at the rim with straight sides. Where the parent has no room for that - others leave it
+/// there too - rim and child's base stay nearer to where the base has them, and the child becomes
+/// round within the fork's reach. Caps are flat.
+///
+/// @param forks  one a junction, collect_forks.
+/// @param height  of the tree in metres: rims of children thinner than kLeastFork of it stay where
+///   the base has them.
 std::vector<glm::dvec3> limb_positions(const Surface& surface, const LimbTubes& tubes,
-                                       const std::vector<Fork>& forks,
-                                       const std::vector<FinePlace>& places);
+                                       const std::vector<Fork>& forks, const FineMesh& fine,
+                                       double height, int threads);
 
 }  // namespace snowbough::tree

@@ -3,14 +3,15 @@
 #include <algorithm>
 #include <utility>
 
-#include "tree/detail/cuts.h"
-#include "tree/detail/fine_mesh.h"
 #include "tree/detail/fork_field.h"
 #include "tree/detail/forks.h"
-#include "tree/detail/limb_shape.h"
-#include "tree/detail/limb_tubes.h"
+#include "tree/detail/places.h"
 #include "tree/mesh/edges.h"
 #include "tree/mesh/weights.h"
+#include "tree/tubes/cuts.h"
+#include "tree/tubes/fine_mesh.h"
+#include "tree/tubes/limb_shape.h"
+#include "tree/tubes/limb_tubes.h"
 
 namespace snowbough::tree {
 namespace {
@@ -97,11 +98,12 @@ void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
   const SurfaceCuts cuts =
       cut_surface(surface, edges, shapes, scale.height, detail_settings(detail));
   FineMesh fine = cut_quads(mesh.quads, mesh.vertices.size(), edges, cuts);
-  const LimbTubes tubes(surface, shapes, cuts);
-  base::report_progress(execution.progress, kCutDone);
   const std::vector<int32_t> chains = limb_chains(surface, parents);
-  const std::vector<Fork> forks = collect_forks(surface, tubes, chains);
-  std::vector<glm::dvec3> points = limb_positions(surface, tubes, forks, fine.vertices);
+  const LimbTubes tubes(surface, shapes, cuts, chains);
+  base::report_progress(execution.progress, kCutDone);
+  const std::vector<Fork> forks = collect_forks(surface, tubes);
+  std::vector<glm::dvec3> points =
+      limb_positions(surface, tubes, forks, fine, scale.height, execution.threads);
   blend_forks(surface, forks, chains, fine, execution.part(kCutDone, kForksDone), points);
   interpolate_weights(fine, max_influences, mesh, execution.part(kForksDone, 0.9f));
   take_faces(std::move(fine), mesh, execution.part(0.9f, 1.0f));

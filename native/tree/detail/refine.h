@@ -4,10 +4,10 @@
 #include <vector>
 
 #include "base/parallel_for.h"
-#include "tree/detail/detail.h"
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
 #include "tree/surface/surface.h"
+#include "tree/tubes/detail.h"
 
 namespace snowbough::tree {
 

@@ -1,0 +1,133 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A glTF 2.0 document in the making: arrays become accessors, images files, and all of it one .glb or a .gltf with
+its parts. No ``bpy``.
+
+Source: Khronos Group, glTF 2.0 Specification, 2021, sections 3.6 (buffers, accessors), 3.8 (textures) and 4 (GLB).
+"""
+
+import json
+import struct
+from pathlib import Path
+from urllib.parse import quote
+
+import numpy as np
+
+from ..cache.files import write_bytes
+
+COMPONENT_TYPES = {np.dtype(np.uint8): 5121, np.dtype(np.uint16): 5123, np.dtype(np.uint32): 5125}
+COMPONENT_TYPES[np.dtype(np.float32)] = 5126
+TYPES = {(): "SCALAR", (2,): "VEC2", (3,): "VEC3", (4,): "VEC4", (4, 4): "MAT4"}
+# What a buffer view is bound as; none for what vertex shaders do not fetch.
+VERTICES, INDICES = 34962, 34963
+SUFFIXES = {"image/png": ".png", "image/jpeg": ".jpg"}
+GLB_MAGIC, GLB_JSON, GLB_BINARY = b"glTF", 0x4E4F534A, 0x004E4942
+
+
+class Document:
+    """The tables of a document; each add_ method returns the number of what it added.
+
+    `json` is the document itself: what has no method here is put into it directly. Empty tables are left out when it
+    is written, as the specification demands.
+    """
+
+    TABLES = ("scenes", "nodes", "meshes", "skins", "materials", "textures", "samplers", "images")
+    TABLES += ("accessors", "bufferViews", "extensionsUsed")
+
+    def __init__(self, generator):
+        self.json = {"asset": {"version": "2.0", "generator": generator}}
+        self.json.update({name: [] for name in self.TABLES})
+        self._binary = bytearray()
+        self._images = []
+        self._known = {}
+
+    def add(self, table, entry):
+        self.json[table].append(entry)
+        return len(self.json[table]) - 1
+
+    def use_extension(self, name):
+        if name not in self.json["extensionsUsed"]:
+            self.json["extensionsUsed"].append(name)
+
+    def _add_view(self, data, target=None):
+        """Every view begins at a multiple of four bytes, which suits all component types."""
+        self._binary += b"\0" * (-len(self._binary) % 4)
+        view = {"buffer": 0, "byteOffset": len(self._binary), "byteLength": len(data)}
+        if target is not None:
+            view["target"] = target
+        self._binary += data
+        return self.add("bufferViews", view)
+
+    def add_accessor(self, values, target=None, normalized=False, bounds=False):
+        """values: uint8, uint16, uint32 or float32 of shape (N,), (N, 2 to 4) or (N, 4, 4), whose rows have a multiple
+        of four bytes where they are vertices; matrices with their columns one after the other. bounds: min and max are
+        written, which positions must have. Equal arrays are stored once."""
+        values = np.ascontiguousarray(values)
+        if values.dtype.kind == "f" and not np.isfinite(values).all():
+            raise ValueError("the mesh holds numbers that are not finite: it cannot be written")
+        data = values.astype(values.dtype.newbyteorder("<"), copy=False).tobytes()
+        key = (data, values.dtype.str, values.shape, target, normalized, bounds)
+        if key in self._known:
+            return self._known[key]
+        accessor = {
+            "bufferView": self._add_view(data, target),
+            "componentType": COMPONENT_TYPES[values.dtype],
+            "count": len(values),
+            "type": TYPES[values.shape[1:]],
+        }
+        if normalized:
+            accessor["normalized"] = True
+        if bounds:
+            accessor["min"] = [float(v) for v in np.atleast_1d(values.min(axis=0))]
+            accessor["max"] = [float(v) for v in np.atleast_1d(values.max(axis=0))]
+        self._known[key] = self.add("accessors", accessor)
+        return self._known[key]
+
+    def add_texture(self, name, data, mime_type):
+        """A texture that repeats, of an image file's bytes; equal bytes are stored once."""
+        if (data, mime_type) not in self._known:
+            sampler = {"magFilter": 9729, "minFilter": 9987, "wrapS": 10497, "wrapT": 10497}
+            if not self.json["samplers"]:
+                self.add("samplers", sampler)
+            self._images.append(data)
+            image = self.add("images", {"name": name, "mimeType": mime_type})
+            self._known[data, mime_type] = self.add("textures", {"sampler": 0, "source": image})
+        return self._known[data, mime_type]
+
+    def _finished(self):
+        """The document without its empty tables."""
+        return {key: value for key, value in self.json.items() if value != []}
+
+    def write_glb(self, path):
+        """One file with everything in it. Raises CacheError where the disk refuses."""
+        for image, data in zip(self.json["images"], self._images):
+            image["bufferView"] = self._add_view(data)
+        binary = bytes(self._binary) + b"\0" * (-len(self._binary) % 4)
+        self.json["buffers"] = [{"byteLength": len(binary)}]
+        text = json.dumps(self._finished(), separators=(",", ":"), ensure_ascii=False).encode()
+        text += b" " * (-len(text) % 4)
+        parts = (
+            struct.pack("<II", len(text), GLB_JSON),
+            text,
+            struct.pack("<II", len(binary), GLB_BINARY),
+            binary,
+        )
+        length = 12 + sum(map(len, parts))
+        write_bytes(path, b"".join((struct.pack("<4sII", GLB_MAGIC, 2, length), *parts)))
+        return [Path(path)]
+
+    def write_separate(self, path):
+        """A .gltf, a .bin of the same name and the images as files beside them; returns all paths. Raises CacheError
+        where the disk refuses."""
+        path = Path(path)
+        written = []
+        for number, (image, data) in enumerate(zip(self.json["images"], self._images)):
+            file = path.with_name(f"{path.stem}_{number}{SUFFIXES[image['mimeType']]}")
+            write_bytes(file, data)
+            written.append(file)
+            image["uri"] = quote(file.name)
+            del image["mimeType"]
+        binary = path.with_suffix(".bin")
+        write_bytes(binary, bytes(self._binary))
+        self.json["buffers"] = [{"byteLength": len(self._binary), "uri": quote(binary.name)}]
+        write_bytes(path, json.dumps(self._finished(), indent=1, ensure_ascii=False).encode() + b"\n")
+        return [path, binary, *written]

@@ -1,0 +1,210 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Levels of detail of a tree's bark: those in the scene, then coarser ones that the native module builds from the
+skeleton that the tree keeps, then ever fewer branches. All share bones and the map ``snow``: one baked map fits all.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from .. import native
+from ..tree import kept_skeleton, wind_attributes
+from ..tree.bone_names import fitting_names
+from ..tree.import_options import BY_DETAIL
+from ..tree.objects import point_levels
+from .surface import from_quads, strongest
+from .thinning import kept_branches, without_branches
+
+DETAILS = ("FILM", "DEFAULT", "GAME", "DRAFT")
+# A level that has more of the faces of the one before is not worth being one.
+WORTHWHILE = 0.7
+# Of the faces of the one before, where branches are left out.
+FEWER_BRANCHES = 0.5
+# Rest bones may be so far from the kept skeleton's, as a share of the tree's height.
+TOLERANCE = 1e-4
+# Values of the native face_part from here on are caps.
+FIRST_CAP = 2
+
+
+class _Builder:
+    """Builds meshes of a kept skeleton with the bones of `rig`. Raises ValueError where those are others by now."""
+
+    def __init__(self, skeleton, built, rig):
+        self._module, self._skeleton, self._built = native.load(), skeleton, built
+        self._meshes = {}
+        self._number = {bone.name: index for index, bone in enumerate(rig.data.bones)}
+        self._check(self.mesh({"lod": 0}), rig)
+
+    def mesh(self, fineness):
+        """The mesh of a fineness, built once."""
+        key = tuple(fineness.items())
+        if key not in self._meshes:
+            self._meshes[key] = self._build(fineness)
+        return self._meshes[key]
+
+    def _build(self, fineness):
+        built = self._built
+        whole = self._module.build_tree_mesh(
+            self._skeleton,
+            built["width"],
+            built["species"],
+            snow_resolution=built["snow_resolution"],
+            **fineness,
+        )
+        return self._module.reduce_bones(whole, built["max_bones"], built["max_bone_level"])
+
+    def joints(self, mesh):
+        """(joints, weights) by the armature's bones."""
+        names = fitting_names(mesh.bone_names)
+        number = np.array([self._number[name] for name in names])
+        return strongest(number[mesh.bone_indices], mesh.bone_weights)
+
+    def _check(self, mesh, rig):
+        names = fitting_names(mesh.bone_names)
+        gone = [name for name in names if name not in self._number]
+        if gone:
+            raise ValueError(f"the armature has no bone '{gone[0]}' any more")
+        heads = np.array([rig.data.bones[name].head_local for name in names])
+        away = np.abs(heads - mesh.bone_heads).max()
+        if away > TOLERANCE * self._skeleton.height:
+            raise ValueError(f"its bones stand up to {away:.3g} from where the import put them")
+
+
+def _coarser(fineness):
+    """What build_tree_mesh takes for each level coarser than the finest in the scene."""
+    if fineness["lod"] != BY_DETAIL:
+        return [{"lod": lod} for lod in range(fineness["lod"] - 1, -1, -1)]
+    after = DETAILS[DETAILS.index(fineness["detail"]) + 1 :]
+    return [*({"detail": detail} for detail in after), {"lod": 0}]
+
+
+def _material_of_joints(surface, joints):
+    """int (joints,): the commonest material of the triangles whose first point follows each joint first."""
+    first = surface.joints[surface.corner_point[surface.triangles[:, 0]], 0]
+    materials = int(surface.material.max()) + 1
+    counts = np.bincount(first.astype(np.int64) * materials + surface.material, minlength=joints * materials)
+    counts = counts.reshape(joints, materials)
+    commonest = np.bincount(surface.material).argmax()
+    return np.where(counts.any(axis=1), counts.argmax(axis=1), commonest)
+
+
+def _stretch(surface):
+    """(u, v): how much larger TEXCOORD_2, the export's own coordinates, run than TEXCOORD_0 does; u whole, so that
+    it closes round the limb."""
+    bark, own = (
+        np.abs(np.diff(surface.corner_uvs[k][surface.triangles], axis=1)).reshape(-1, 2) for k in (0, 2)
+    )
+    used = bark > 1e-6
+    ratios = [
+        np.median(own[used[:, k], k] / bark[used[:, k], k]) if used[:, k].any() else 1.0 for k in (0, 1)
+    ]
+    return np.array((max(round(float(ratios[0])), 1), max(float(ratios[1]), 1e-3)), dtype=np.float32)
+
+
+def _is_cap(mesh):
+    """bool (F,): the faces that close a root or a tip. They are shaded by themselves: a ring whose normals lean towards
+    its cap would swell where shaders round it."""
+    return np.asarray(mesh.face_part) >= FIRST_CAP
+
+
+def _as_surface(branches, mesh, quads, corner_uvs, faces, joints, finest):
+    """A native mesh of the branches, or part of it, as a Surface with the finest one's materials, as many UV maps, and
+    wind where that has it.
+
+    faces: which of the mesh's faces each quad is.
+    """
+    if len(finest.corner_uvs) > 2:
+        corner_uvs = [*corner_uvs, corner_uvs[0] * _stretch(finest)]
+    by_joint = _material_of_joints(finest, int(max(joints[0].max(), finest.joints.max())) + 1)
+    level = point_levels(quads, np.asarray(mesh.branch_level)[faces], len(mesh.vertices))
+    made = from_quads(mesh.vertices, quads, corner_uvs, *joints, by_joint[joints[0][quads[:, 0], 0]], level)
+    wind = wind_attributes.of_bark(branches, mesh) if finest.wind is not None else None
+    return replace(made, smooth=np.repeat(~_is_cap(mesh)[faces], 2), wind=wind)
+
+
+def _with_flat_caps(surface, mesh):
+    """A Surface from the scene with the caps of the native mesh that it was made from; as it is where the artist has
+    changed it since."""
+    same = len(surface.points) == len(mesh.vertices) and len(surface.triangles) == 2 * len(mesh.quads)
+    if not same or not np.allclose(surface.points, mesh.vertices, atol=1e-5):
+        return surface
+    return replace(surface, smooth=surface.smooth & np.repeat(~_is_cap(mesh), 2))
+
+
+def _rebuilt(builder, branches, fineness, finest):
+    """Surfaces, ever coarser; each is built when it is asked for."""
+    for settings in _coarser(fineness):
+        mesh = builder.mesh(settings)
+        yield _as_surface(
+            branches,
+            mesh,
+            np.asarray(mesh.quads),
+            [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)],
+            np.arange(len(mesh.quads)),
+            builder.joints(mesh),
+            finest,
+        )
+
+
+def _bared(builder, branches, finest, triangles):
+    """Surfaces of ever fewer branches, the first with half of `triangles`, down to the roots."""
+    mesh = builder.mesh({"lod": 0})
+    quads = np.asarray(mesh.quads)
+    face_branch = np.asarray(mesh.face_branch)
+    faces = np.bincount(face_branch, minlength=len(branches))
+    uvs = [np.asarray(mesh.uv_bark), np.asarray(mesh.uv_snow)]
+    joints = builder.joints(mesh)
+    while True:
+        triangles = int(triangles * FEWER_BRANCHES)
+        kept = kept_branches(branches, faces, triangles // 2)
+        left = without_branches(quads, uvs, face_branch, branches, kept)
+        yield _as_surface(branches, mesh, *left, joints, finest)
+        if kept.sum() == sum(branch.parent < 0 for branch in branches):
+            return
+
+
+def _append_worthwhile(levels, candidates, count):
+    """Appends those candidates that have clearly fewer triangles than the level before, up to `count` levels."""
+    while len(levels) < count:
+        surface = next(candidates, None)
+        if surface is None:
+            return
+        if len(surface.triangles) <= WORTHWHILE * len(levels[-1].triangles):
+            levels.append(surface)
+
+
+def complete(levels, lods, count, rig, warnings):
+    """`levels` (Surfaces in the armature's axes, the finest first) with coarser ones up to `count`; where none can be
+    built, or no more are worth it, warnings says why. lods: for each the level that it was imported as, or BY_DETAIL.
+    """
+    levels, lods = levels[:count], lods[:count]
+    try:
+        found = kept_skeleton.kept(rig.data)
+        if found is None:
+            raise ValueError("it comes from an import that kept no skeleton")
+        skeleton, built = found
+        builder = _Builder(skeleton, built, rig)
+    except ValueError as error:
+        if len(levels) < count:
+            warnings.append(
+                f"'{rig.name}' has {len(levels)} of {count} levels of detail: coarser ones cannot be built, for "
+                f"{error}. Import the tree anew, or with Import LOD Chain"
+            )
+        return levels
+    for number, lod in enumerate(lods):
+        fineness = {"detail": built["fineness"]["detail"]} if lod == BY_DETAIL else {"lod": lod}
+        levels[number] = _with_flat_caps(levels[number], builder.mesh(fineness))
+    if len(levels) == count:
+        return levels
+    finest = levels[0]
+    if len(finest.corner_uvs) > 2:
+        warnings.append(
+            "levels below those in the scene have the map `bark`, scaled, for the export's own texture "
+            "coordinates: with Import LOD Chain they have their own"
+        )
+    if len(levels) == 1:
+        _append_worthwhile(levels, _rebuilt(builder, skeleton.branches, built["fineness"], finest), count)
+    _append_worthwhile(levels, _bared(builder, skeleton.branches, finest, len(levels[-1].triangles)), count)
+    if len(levels) < count:
+        warnings.append(f"'{rig.name}' has {len(levels)} levels of detail: no more are worth it")
+    return levels

@@ -1,0 +1,178 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Blender's materials as glTF's: the colour texture or colour of the first Principled BSDF, its normal map, and the
+opacity that snow goes by (scene.material_alpha) as the texture's alpha.
+"""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..scene import material_alpha
+from . import png, texels
+from .tree_file import Material, Texture
+
+CUTOFF = 0.5
+
+
+def _node_behind(socket):
+    """The node that an input gets its value from, or None."""
+    while socket is not None and socket.is_linked:
+        node = socket.links[0].from_node
+        if node.type != "REROUTE":
+            return node
+        socket = node.inputs[0]
+    return None
+
+
+def _pixels(image):
+    """float32 (H, W, 4) of an image as its file has them; None where it is missing."""
+    width, height = image.size
+    if not width or not height:
+        return None
+    flat = np.empty(width * height * image.channels, dtype=np.float32)
+    image.pixels.foreach_get(flat)
+    given = flat.reshape(height, width, image.channels)
+    whole = np.ones((height, width, 4), dtype=np.float32)
+    whole[..., :3] = given[..., :3] if image.channels >= 3 else given[..., :1]
+    if image.channels == 4:
+        whole[..., 3] = given[..., 3]
+    return whole
+
+
+def _srgb(linear):
+    """Colours as textures are written in."""
+    linear = np.clip(np.asarray(linear, dtype=np.float32), 0.0, 1.0)
+    return np.where(linear <= 0.0031308, 12.92 * linear, 1.055 * linear ** (1 / 2.4) - 0.055)
+
+
+def _colors(image):
+    """float32 (H, W, 3) of a colour image in sRGB; None where it is missing. Images of floats are linear."""
+    pixels = _pixels(image) if image is not None else None
+    if pixels is None:
+        return None
+    return _srgb(pixels[..., :3]) if image.is_float else pixels[..., :3]
+
+
+def _file_of(image):
+    """The bytes of the file that an image is, as long as nobody painted on it; None otherwise."""
+    if image.is_dirty:
+        return None
+    if image.packed_file is not None:
+        return image.packed_file.data
+    path = Path(bpy.path.abspath(image.filepath))
+    return path.read_bytes() if image.filepath and path.is_file() else None
+
+
+class _Maker:
+    """One material. uv_maps: names in the order of TEXCOORD_0, _1 and so on; warnings: what could not be kept."""
+
+    def __init__(self, material, uv_maps, warnings):
+        self._material, self._uv_maps, self._warnings = material, uv_maps, warnings
+
+    def _warn(self, text):
+        self._warnings.append(f"material '{self._material.name}': {text}")
+
+    def _placed(self, texture, uv_map, transform):
+        """The Texture as it lies on its UV map."""
+        (a, b, c), (d, e, f) = transform
+        if max(abs(b), abs(d)) > 1e-6:
+            self._warn(f"the texture '{texture.name}' is turned, and was exported upright")
+        if uv_map and uv_map not in self._uv_maps:
+            self._warn(f"the texture '{texture.name}' lies on the UV map '{uv_map}', which is not exported")
+        texture.texcoord = self._uv_maps.index(uv_map) if uv_map in self._uv_maps else 0
+        texture.scale, texture.offset = (a, e), (c, f)
+        return texture
+
+    def _texture(self, node):
+        """The Texture of an image texture node, its file as it is where glTF takes that; None where it is missing."""
+        image = node.image
+        data = _file_of(image) if image is not None else None
+        kind = png.kind_of(data) if data else None
+        if kind is None:
+            rgb = _colors(image)
+            if rgb is None:
+                self._warn(f"the image '{image.name if image else 'of a texture node'}' is missing")
+                return None
+            rgb = np.rint(np.clip(rgb, 0.0, 1.0) * 255.0).astype(np.uint8)
+            data, kind = png.encode(rgb), "image/png"
+        return self._placed(Texture(Path(image.name).stem, data, kind), *self._coordinates(node))
+
+    def _coordinates(self, node):
+        try:
+            return material_alpha.coordinates(node.inputs["Vector"])
+        except material_alpha.UnknownAlpha as error:
+            self._warn(f"{error}; exported on the first UV map")
+            return "", material_alpha.IDENTITY
+
+    def _opacity(self):
+        try:
+            return material_alpha.of_material(self._material)
+        except material_alpha.UnknownAlpha as error:
+            self._warn(f"{error}; exported as opaque")
+            return None
+
+    def _masked(self, opacity, node, color):
+        """The colour of an image texture node, or one colour, with the opacity as alpha."""
+        alpha = opacity.pixels.astype(np.float32) / 255.0
+        rgb = _colors(node.image) if node is not None else None
+        place = (opacity.uv_map, opacity.transform)
+        if rgb is None:
+            rgb = np.broadcast_to(_srgb(color), (1, 1, 3))
+        elif self._coordinates(node) != place:
+            place = self._coordinates(node)
+            self._warn(
+                f"colour and mask '{opacity.name}' lie differently: the mask was put where the colour is"
+            )
+        name = Path(node.image.name if node is not None and node.image is not None else opacity.name).stem
+        data = png.encode(texels.masked(rgb, alpha))
+        return self._placed(Texture(name, data, "image/png"), *place)
+
+    def _normal(self, surface):
+        node = _node_behind(surface.inputs["Normal"])
+        if node is not None and node.type == "BUMP":
+            height = _node_behind(node.inputs["Height"])
+            if height is not None and height.type == "TEX_IMAGE":
+                self._warn("its bump map stays in Blender: engines take normal maps")
+            node = _node_behind(node.inputs["Normal"])
+        image = _node_behind(node.inputs["Color"]) if node is not None and node.type == "NORMAL_MAP" else None
+        return self._texture(image) if image is not None and image.type == "TEX_IMAGE" else None
+
+    def make(self):
+        name = self._material.name
+        tree = self._material.node_tree if self._material.use_nodes else None
+        surface = next((n for n in tree.nodes if n.type == "BSDF_PRINCIPLED"), None) if tree else None
+        if surface is None:
+            self._warn("it has no Principled BSDF; its viewport colour was exported")
+            return Material(name, color=tuple(self._material.diffuse_color[:3]))
+        made = Material(name, roughness=float(surface.inputs["Roughness"].default_value))
+        base = surface.inputs["Base Color"]
+        node = _node_behind(base)
+        image = node if node is not None and node.type == "TEX_IMAGE" else None
+        color = tuple(base.default_value[:3])
+        if node is not None and node.type == "VALTORGB":
+            # Procedural bark: what the eye makes of it from afar.
+            color = tuple(np.mean([node.color_ramp.evaluate(t / 15)[:3] for t in range(16)], axis=0).tolist())
+            self._warn("its procedural bark was exported as one colour: bake it, or give it a texture")
+        opacity = self._opacity()
+        if opacity is not None:
+            made.base, made.cutoff = self._masked(opacity, image, color), CUTOFF
+        else:
+            made.base = self._texture(image) if image is not None else None
+        made.color = color if made.base is None else (1.0, 1.0, 1.0)
+        made.normal = self._normal(surface)
+        return made
+
+
+def of_object(obj, uv_maps, double_sided, warnings):
+    """[Material] of an object's slots, in their order; one grey where it has none. See _Maker."""
+    made = []
+    for slot in obj.material_slots:
+        if slot.material is None:
+            made.append(Material("none", color=(0.5, 0.5, 0.5)))
+        else:
+            made.append(_Maker(slot.material, uv_maps, warnings).make())
+    made = made or [Material(obj.name, color=(0.5, 0.5, 0.5))]
+    for material in made:
+        material.double_sided = double_sided
+    return made

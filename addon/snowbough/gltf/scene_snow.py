@@ -1,0 +1,108 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The baked snow of a tree's objects as textures beside its file (snow_maps), and what a shader must know of them."""
+
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from .. import native
+from ..cache.files import frame_file, write_bytes
+from ..cache.folder import baked_frames
+from ..names import SNOW_UV
+from ..result.baked_images import baked_uv_map
+from ..scene import receivers
+from . import png, snow_maps
+
+# TEXCOORD_<n> that the maps lie on.
+TEXCOORD = 1
+
+
+def _folder(scene, obj, warnings):
+    """The folder of an object's baked maps; None, with the reason among the warnings, where there are none."""
+    receiver = receivers.find(scene, obj)
+    folder = Path(bpy.path.abspath(receiver.folder)) if receiver is not None and receiver.folder else None
+    if folder is None or not baked_frames(folder):
+        warnings.append(f"'{obj.name}' has no baked snow: add it to the receivers and bake")
+        return None
+    uv_map = baked_uv_map(str(folder))
+    if uv_map not in ("", SNOW_UV):
+        warnings.append(
+            f"the snow of '{obj.name}' was baked on the UV map '{uv_map}': only `{SNOW_UV}` is exported. "
+            "Choose it in the list of receivers, and bake again"
+        )
+        return None
+    return folder
+
+
+def chosen_frames(baked, options, current):
+    """Frames of the bake that go out: the current one, or the nearest to it, or as many as the atlas takes."""
+    if options.snow == "FRAME":
+        return [min(baked, key=lambda frame: abs(frame - current))]
+    count = min(options.atlas_frames, len(baked))
+    places = np.rint(np.linspace(0, len(baked) - 1, count)).astype(int)
+    return [baked[place] for place in places]
+
+
+def _read(module, folder, kind, frames, tile, empty):
+    images = [module.read_exr(str(folder / frame_file(kind, frame)))[0] for frame in frames]
+    return snow_maps.atlas([snow_maps.shrunk(image, tile) for image in images], empty), len(images[0])
+
+
+def _write_heights(module, heights, stem, options, attributes):
+    """(path, what turns its numbers into metres)."""
+    if options.snow_format == "EXR":
+        path = stem.with_name(f"{stem.name}_snow_height.exr")
+        module.write_exr(str(path), heights, attributes={"snowbough": attributes})
+        return path, {"scale": 1.0, "offset": 0.0}
+    samples, scale, offset = snow_maps.quantised(heights)
+    path = stem.with_name(f"{stem.name}_snow_height.png")
+    write_bytes(path, png.encode(samples))
+    return path, {"scale": scale, "offset": offset}
+
+
+def _write_maps(scene, obj, folder, stem, options, warnings):
+    """(what shaders must know of an object's maps, [paths])."""
+    module = native.load()
+    frames = chosen_frames(baked_frames(folder), options, scene.frame_current)
+    tile = options.atlas_tile if options.snow == "ATLAS" else 0
+    heights, baked_size = _read(module, folder, "height", frames, tile, 0.0)
+    columns, rows = snow_maps.tile_layout(len(frames))
+    side = heights.shape[1] // columns
+    path, numbers = _write_heights(module, heights, stem, options, f"snow of {obj.name}")
+    said = {
+        "texCoord": TEXCOORD,
+        "frames": frames,
+        "framesPerSecond": scene.render.fps / scene.render.fps_base,
+        "columns": columns,
+        "rows": rows,
+        "tile": side,
+        "bakedResolution": baked_size,
+        "height": {"uri": path.name, **numbers, "unit": "metres along the normal"},
+    }
+    paths = [path]
+    if all((folder / frame_file("normal", frame)).is_file() for frame in frames):
+        normals, _ = _read(module, folder, "normal", frames, tile, snow_maps.FLAT)
+        path = stem.with_name(f"{stem.name}_snow_normal.png")
+        write_bytes(path, png.encode(snow_maps.eight_bits(normals)))
+        said["normal"] = {"uri": path.name, "space": "tangent, OpenGL (+Y up), of texCoord"}
+        paths.append(path)
+    else:
+        warnings.append(
+            f"the bake of '{obj.name}' has no normal maps: switch on Write Normals and bake again"
+        )
+    return said, paths
+
+
+def write(scene, objects, path, options, warnings):
+    """Writes the maps of `objects` ({part's name: object}) beside the file `path`; returns ({part's name: what shaders
+    must know}, [paths]). Bakes count in metres, as the file does."""
+    said, paths = {}, []
+    for name, obj in objects.items():
+        folder = _folder(scene, obj, warnings)
+        if folder is None:
+            continue
+        stem = Path(path).with_name(f"{Path(path).stem}_{name}")
+        said[name], written = _write_maps(scene, obj, folder, stem, options, warnings)
+        paths += written
+    return said, paths

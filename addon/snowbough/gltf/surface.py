@@ -1,0 +1,147 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A mesh on its way to an engine: corners that know all their UVs become vertices that do. No ``bpy``."""
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+# Bones that a vertex follows at most: JOINTS_0 holds so many.
+INFLUENCES = 4
+
+
+@dataclass
+class Surface:
+    """A mesh with UVs at its corners. Metres, Z up, UV origin bottom-left.
+
+    points float32 (V, 3); joints int32 and weights float32 (V, 4), weights 0 where unused and else summing to 1;
+    corner_point int32 (C,); corner_uvs: float32 (C, 2) each, in the order of TEXCOORD_0, _1 and so on;
+    triangles int32 (T, 3): corners, anticlockwise seen from outside; material int32 (T,);
+    smooth bool (T,): shaded by the points' normals, else by its own; level int32 (V,): branch level, None for leaves;
+    wind: float32 pivots (V, 3), axes (V, 3), lengths (V,) and phases (V,) of tree.wind_attributes, None without.
+    """
+
+    points: np.ndarray
+    joints: np.ndarray
+    weights: np.ndarray
+    corner_point: np.ndarray
+    corner_uvs: list
+    triangles: np.ndarray
+    material: np.ndarray
+    smooth: np.ndarray
+    level: np.ndarray | None = field(default=None)
+    wind: tuple | None = field(default=None)
+
+
+def from_quads(points, quads, corner_uvs, joints, weights, material, level):
+    """The Surface of a native tree mesh: quads int (F, 4); corner_uvs: (F, 4, 2) each; material int (F,)."""
+    corners = np.arange(len(quads) * 4, dtype=np.int32).reshape(-1, 4)
+    return Surface(
+        points=np.asarray(points, dtype=np.float32),
+        joints=np.asarray(joints),
+        weights=np.asarray(weights),
+        corner_point=np.asarray(quads, dtype=np.int32).reshape(-1),
+        corner_uvs=[np.asarray(uv, dtype=np.float32).reshape(-1, 2) for uv in corner_uvs],
+        triangles=corners[:, (0, 1, 2, 0, 2, 3)].reshape(-1, 3),
+        material=np.repeat(np.asarray(material, dtype=np.int32), 2),
+        smooth=np.ones(2 * len(quads), dtype=bool),
+        level=level,
+    )
+
+
+def transformed(surface, linear):
+    """The Surface with its points multiplied by a (3, 3) matrix; turned right side out where that mirrors."""
+    linear = np.asarray(linear, dtype=np.float64)
+
+    def moved(vectors):
+        return (np.asarray(vectors, dtype=np.float64) @ linear.T).astype(np.float32)
+
+    triangles = surface.triangles[:, ::-1] if np.linalg.det(linear) < 0 else surface.triangles
+    wind = surface.wind
+    if wind is not None:
+        pivot, axis, length, phase = wind
+        stretched = np.linalg.norm(moved(axis), axis=1)
+        axis = _unit(moved(axis)).astype(np.float32)
+        wind = (moved(pivot), axis, (length * stretched).astype(np.float32), phase)
+    return replace(surface, points=moved(surface.points), triangles=triangles, wind=wind)
+
+
+def strongest(indices, weights):
+    """(indices, weights) of at most four influences: float32 (V, 4), summing to 1, and 0 with index 0 where unused.
+
+    Points without any weight follow bone 0.
+    """
+    indices, weights = np.asarray(indices), np.asarray(weights, dtype=np.float64)
+    if indices.shape[1] < INFLUENCES:
+        spare = ((0, 0), (0, INFLUENCES - indices.shape[1]))
+        indices, weights = np.pad(indices, spare), np.pad(weights, spare)
+    order = np.argsort(-weights, axis=1, kind="stable")[:, :INFLUENCES]
+    indices, weights = np.take_along_axis(indices, order, 1), np.take_along_axis(weights, order, 1)
+    weights = np.maximum(weights, 0.0)
+    weights[weights.sum(axis=1) <= 0, 0] = 1.0
+    weights = (weights / weights.sum(axis=1, keepdims=True)).astype(np.float32)
+    return np.where(weights > 0, indices, 0).astype(np.int32), weights
+
+
+def _unit(vectors):
+    """Vectors of unit length; those without a length point up."""
+    length = np.linalg.norm(vectors, axis=-1, keepdims=True)
+    return np.where(length > 0, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
+
+
+def corner_normals(surface):
+    """float32 (T, 3, 3): the normal at each triangle's corners. A point's normal is the mean of its smooth triangles',
+    weighted by their angles there.
+
+    Source: G. Thuermer, C. A. Wuethrich, Computing Vertex Normals from Polygonal Facets, JGT 3 (1), 1998.
+    """
+    points = surface.corner_point[surface.triangles]
+    place = surface.points.astype(np.float64)[points]
+    face = _unit(np.cross(place[:, 1] - place[:, 0], place[:, 2] - place[:, 0]))
+    onward, backward = _unit(np.roll(place, -1, 1) - place), _unit(np.roll(place, 1, 1) - place)
+    angle = np.arccos(np.clip((onward * backward).sum(axis=-1), -1.0, 1.0))
+    sums = np.zeros((len(surface.points), 3))
+    smooth = surface.smooth
+    weighted = face[smooth, None] * angle[smooth, :, None]
+    for axis in range(3):
+        sums[:, axis] = np.bincount(
+            points[smooth].reshape(-1), weighted[..., axis].reshape(-1), minlength=len(sums)
+        )
+    normals = np.repeat(face[:, None], 3, axis=1)
+    normals[smooth] = _unit(sums)[points[smooth]]
+    return normals.astype(np.float32)
+
+
+@dataclass
+class Vertices:
+    """What a primitive of glTF holds: every vertex has one of each. Row k comes from point `point[k]`."""
+
+    point: np.ndarray
+    normals: np.ndarray
+    uvs: list
+    triangles: np.ndarray
+
+
+def split(surface, chosen):
+    """The Vertices of the triangles `chosen` (bool (T,)): a point becomes as many vertices as it has different UVs or
+    normals, in the order in which the triangles name them."""
+    normals = corner_normals(surface)[chosen].reshape(-1, 3)
+    corners = surface.triangles[chosen].reshape(-1)
+    point = surface.corner_point[corners]
+    uvs = [uv[corners] for uv in surface.corner_uvs]
+    # Compared bit by bit; adding 0 makes one zero of both.
+    parts = [point[:, None].astype(np.int32)]
+    parts += [np.ascontiguousarray(part + np.float32(0.0)).view(np.int32) for part in (normals, *uvs)]
+    key = np.ascontiguousarray(np.concatenate(parts, axis=1))
+    rows = key.view(np.dtype((np.void, key.dtype.itemsize * key.shape[1]))).reshape(-1)
+    _, first, inverse = np.unique(rows, return_index=True, return_inverse=True)
+    # np.unique sorts by bytes; engines fetch vertices faster in the triangles' own order.
+    order = np.argsort(first, kind="stable")
+    number = np.empty(len(order), dtype=np.int64)
+    number[order] = np.arange(len(order))
+    kept = first[order]
+    return Vertices(
+        point=point[kept],
+        normals=normals[kept],
+        uvs=[uv[kept] for uv in uvs],
+        triangles=number[inverse.reshape(-1)].reshape(-1, 3),
+    )

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Pixels of leaves' textures: colour and mask in one image, without fringes. No ``bpy``."""
+
+import numpy as np
+
+
+def resized(image, height, width):
+    """image (H, W, channels) at another size, bilinear between the texels' middles."""
+
+    def places(size, wanted):
+        at = np.clip((np.arange(wanted) + 0.5) * size / wanted - 0.5, 0, size - 1)
+        low = np.floor(at).astype(int)
+        return low, np.minimum(low + 1, size - 1), (at - low).astype(np.float32)
+
+    low, high, share = places(image.shape[0], height)
+    image = image[low] * (1 - share)[:, None, None] + image[high] * share[:, None, None]
+    low, high, share = places(image.shape[1], width)
+    return image[:, low] * (1 - share)[:, None] + image[:, high] * share[:, None]
+
+
+def _halved(image):
+    """Sums of blocks of 2 x 2; an odd line at the end stands alone."""
+    padded = np.pad(image, ((0, image.shape[0] % 2), (0, image.shape[1] % 2), (0, 0)))
+    return padded[::2, ::2] + padded[1::2, ::2] + padded[::2, 1::2] + padded[1::2, 1::2]
+
+
+def filled(color, alpha):
+    """color (H, W, 3) with what alpha hides filled from its surroundings: smaller levels of the texture mix both, and
+    a white background would shine through as a rim around each leaf.
+
+    Source: S. J. Gortler and others, The Lumigraph, SIGGRAPH 1996, section 3.4 (pull and push).
+    """
+    weight = (alpha > 0.5).astype(np.float32)[..., None]
+    levels = [(color * weight, weight)]
+    while max(levels[-1][0].shape[:2]) > 1:
+        levels.append(tuple(_halved(part) for part in levels[-1]))
+    whole = levels[-1][0] / np.maximum(levels[-1][1], 1e-6)
+    for part, weight in levels[-2::-1]:
+        larger = np.repeat(np.repeat(whole, 2, axis=0), 2, axis=1)[: part.shape[0], : part.shape[1]]
+        whole = np.where(weight > 0, part / np.maximum(weight, 1e-6), larger)
+    return whole
+
+
+def masked(color, alpha):
+    """uint8 (H, W, 4) from color (h, w, 3) and alpha (h', w'), 0 to 1, at the larger of both sizes."""
+    height, width = (max(sizes) for sizes in zip(color.shape[:2], alpha.shape))
+    alpha = resized(alpha[..., None], height, width)[..., 0]
+    color = filled(resized(color, height, width), alpha)
+    both = np.concatenate([color, alpha[..., None]], axis=2)
+    return np.rint(np.clip(both, 0.0, 1.0) * 255.0).astype(np.uint8)

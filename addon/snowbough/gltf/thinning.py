@@ -1,0 +1,161 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Levels of detail below the coarsest surface: fewer branches, fewer leaves. No ``bpy``."""
+
+from dataclasses import replace
+
+import numpy as np
+
+
+def branch_sizes(branches):
+    """float64 (B,): how much of a branch is to be seen, as its length; a branch is at least as large as what grows
+    from it, so that none goes before its children. branches: native ones, parents first."""
+    size = np.array(
+        [np.linalg.norm(np.diff(np.asarray(b.points, np.float64), axis=0), axis=1).sum() for b in branches]
+    )
+    for index in range(len(branches) - 1, -1, -1):
+        if branches[index].parent >= 0:
+            size[branches[index].parent] = max(size[branches[index].parent], size[index])
+    return size
+
+
+def kept_branches(branches, faces, target):
+    """bool (B,): the largest branches whose faces together are at most `target`; roots stay. faces int (B,)."""
+    roots = np.array([branch.parent < 0 for branch in branches])
+    # Of equal ones the first: a parent comes before its children.
+    order = np.lexsort((np.arange(len(branches)), -branch_sizes(branches), ~roots))
+    kept = np.zeros(len(branches), dtype=bool)
+    kept[order] = np.cumsum(np.asarray(faces)[order]) <= target
+    return kept | roots
+
+
+def _cut_at(branches, kept):
+    """int (B,): for a branch that goes, the outermost one that goes with it; -1 for those that stay."""
+    top = np.full(len(branches), -1)
+    for index, branch in enumerate(branches):
+        if not kept[index]:
+            above = top[branch.parent] if branch.parent >= 0 else -1
+            top[index] = index if above < 0 else above
+    return top
+
+
+def _rims(quads, part):
+    """(rims (R, 4), beyond (R, 4)): the closed lines of four edges around each part >= 0 that is connected to others,
+    as numbers of edges, 4 * face + corner, in their order; and the edges that face them on the other side.
+
+    part int (F,). Raises ValueError where a part has another rim: the mesh is no closed, four-sided base.
+    """
+    begin, end = quads.reshape(-1).astype(np.int64), np.roll(quads, -1, axis=1).reshape(-1).astype(np.int64)
+    count = int(quads.max()) + 1
+    forward, backward = begin * count + end, end * count + begin
+    order = np.argsort(forward)
+    place = np.minimum(np.searchsorted(forward[order], backward), len(order) - 1)
+    twin = order[place]
+    if not np.array_equal(forward[twin], backward):
+        raise ValueError("the mesh is not closed: no branches can be taken off it")
+    of = np.repeat(part, 4)
+    rim = np.flatnonzero((of >= 0) & (of != of[twin]))
+    rim = rim[np.argsort(of[rim], kind="stable")]
+    if len(rim) % 4 or (of[rim].reshape(-1, 4) != of[rim].reshape(-1, 4)[:, :1]).any():
+        raise ValueError("a branch has not four sides: only the four-sided base can lose branches")
+    rims = rim.reshape(-1, 4)
+    for k in range(1, 3):  # each edge after the one at whose end it begins
+        follows = begin[rims[:, k:]] == end[rims[:, k - 1]][:, None]
+        found = k + np.argmax(follows, axis=1)
+        rows = np.arange(len(rims))
+        rims[rows, k], rims[rows, found] = rims[rows, found], rims[rows, k]
+    if not np.array_equal(begin[np.roll(rims, -1, axis=1)], end[rims]):
+        raise ValueError("a branch has not four sides: only the four-sided base can lose branches")
+    return rims, twin[rims]
+
+
+def without_branches(quads, corner_uvs, face_branch, branches, kept):
+    """(quads, corner_uvs, faces): a closed four-sided mesh without the branches that are not `kept`, which has the
+    parents of all that it has.
+
+    Where a branch was, a quad closes the hole; its UVs are those that the faces around have there, so that bark and
+    snow go on across it. corner_uvs: (F, 4, 2) each. faces int (F',): which face each is, for a quad that closes a
+    hole one beside it. Raises ValueError for a mesh that is no closed, four-sided base.
+    """
+    part = _cut_at(branches, kept)[face_branch]
+    stays = np.flatnonzero(part < 0)
+    rims, beyond = _rims(quads, part)
+    inside = quads[stays]
+    if not len(rims):
+        return inside, [uv[stays] for uv in corner_uvs], stays
+    caps = quads.reshape(-1)[rims]
+    # A corner of the cap is where its own edge begins, which is where the edge beyond ends; and where the one beyond
+    # the edge before begins. Next to another hole any face that stays tells.
+    anywhere = np.zeros(int(quads.max()) + 1, dtype=np.int64)
+    anywhere[inside.reshape(-1)] = (stays[:, None] * 4 + np.arange(4)).reshape(-1)
+    source = anywhere[caps]
+    before = np.roll(beyond, 1, axis=1)
+    source = np.where(part[before // 4] < 0, before, source)
+    source = np.where(part[beyond // 4] < 0, beyond // 4 * 4 + (beyond + 1) % 4, source)
+    uvs = [np.concatenate([uv[stays], uv.reshape(-1, 2)[source]]) for uv in corner_uvs]
+    return np.concatenate([inside, caps]), uvs, np.concatenate([stays, source[:, 0] // 4])
+
+
+def _leaf_of_points(surface):
+    """(leaves, int32 (V,)): which of them a point belongs to: those that triangles join; -1 where none does."""
+    label = np.arange(len(surface.points))
+    joined = surface.corner_point[surface.triangles]
+    while True:
+        least = label[joined].min(axis=1)
+        before = label.copy()
+        np.minimum.at(label, joined.reshape(-1), np.repeat(least, 3))
+        label = label[label]
+        if np.array_equal(before, label):
+            break
+    used = np.zeros(len(label), dtype=bool)
+    used[joined.reshape(-1)] = True
+    leaves, numbers = np.unique(label[used], return_inverse=True)
+    of = np.full(len(label), -1, dtype=np.int32)
+    of[used] = numbers
+    return len(leaves), of
+
+
+def thinned_leaves(surface, share, stems=None):
+    """A Surface with `share` of the leaves, each larger by 1 / sqrt(share): together they cover as much.
+
+    Leaves that share points go together. Which ones stay is spread evenly and is the same each time, and those of a
+    smaller share are among those of a larger one. A leaf grows from its point nearest to `stems` (V, 3), the place of
+    its bone beside each point, or from its middle without.
+
+    Source: R. L. Cook, J. Halstead, M. Planck, D. Ryu, Stochastic Simplification of Aggregate Detail, SIGGRAPH 2007.
+    """
+    count, leaf = _leaf_of_points(surface)
+    if count == 0 or share >= 1.0:
+        return surface
+    # Multiples of the golden section: any first part of the order is spread evenly over the tree.
+    order = np.argsort((np.arange(1, count + 1) * 0.6180339887498949) % 1.0, kind="stable")
+    kept = np.zeros(count, dtype=bool)
+    kept[order[: max(1, round(count * share))]] = True
+    own = leaf >= 0
+    points = surface.points.astype(np.float64)
+    anchor = _anchors(points, leaf, own, count, stems)
+    larger = 1.0 / np.sqrt(kept.mean())
+    points[own] = anchor[leaf[own]] + larger * (points[own] - anchor[leaf[own]])
+    wind = surface.wind
+    if wind is not None:
+        wind = (*wind[:2], (wind[2] * larger).astype(np.float32), wind[3])
+    stays = kept[leaf[surface.corner_point[surface.triangles[:, 0]]]]
+    return replace(
+        surface,
+        points=points.astype(np.float32),
+        triangles=surface.triangles[stays],
+        material=surface.material[stays],
+        smooth=surface.smooth[stays],
+        wind=wind,
+    )
+
+
+def _anchors(points, leaf, own, count, stems):
+    """(count, 3): where each leaf grows from."""
+    if stems is None:
+        sums = np.stack([np.bincount(leaf[own], points[own, axis], count) for axis in range(3)], axis=1)
+        return sums / np.bincount(leaf[own], minlength=count)[:, None]
+    number = np.flatnonzero(own)
+    away = np.linalg.norm(points[own] - np.asarray(stems)[own], axis=1)
+    order = np.lexsort((away, leaf[own]))
+    first = np.unique(leaf[own][order], return_index=True)[1]
+    return points[number[order[first]]]

@@ -1,0 +1,276 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Live preview: while it is on, snow lies in the viewport as the timeline and the settings have it.
+
+It simulates what the viewport shows (playback) and draws the snow over it (drawing). Nothing of it is an object, so
+nothing is in the outliner, in renders, in undo or in files; baked snow is out of sight meanwhile (hidden).
+"""
+
+import time
+
+import bpy
+
+from .. import session
+from ..scene.pose import metres_per_unit
+from . import drawing, hidden
+from .playback import QUICK_STEPS, STEPS, Playback
+
+# Seconds between looks at the settings: Blender tells nobody when one of an add-on's changes.
+INTERVAL = 0.08
+# Seconds after a setting's last change in which what was laid quickly is laid well.
+PAUSE = 0.4
+
+
+def make_drawing(simulated, metres):
+    """The drawing.Drawing of a playback.Playback, without snow yet. metres: a Blender unit."""
+    drawn = drawing.Drawing(metres)
+    most = drawing.MOST_TRIANGLES_SOFTWARE if drawing.is_software() else drawing.MOST_TRIANGLES
+    # What is larger gets more of them.
+    extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
+    for key, own in simulated.maps.items():
+        pose = simulated.pose.objects[key]
+        share = int(most * extent[key] / sum(extent.values()))
+        drawn.receivers[key] = drawing.ReceiverDrawing(pose.topology, pose.positions, own.resolution, share)
+    return drawn
+
+
+class Preview:
+    """A running preview. simulated: playback.Playback; drawn: drawing.Drawing, None where it was started without."""
+
+    def __init__(self, scene, depsgraph, draws=True):
+        self.scene_name = scene.name
+        self.simulated = None
+        self.drawn = None
+        self.was_undone = False
+        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
+        self._metres = metres_per_unit(scene)
+        self._draws = draws
+        # The simulation that self.drawn was made for.
+        self._shown = None
+        self._handle = None
+        # When what was laid quickly is to be laid well (time.monotonic), or None.
+        self._due = None
+        try:
+            self._begin(scene, depsgraph)
+        except BaseException:
+            self.end()
+            raise
+
+    def _begin(self, scene, depsgraph):
+        hidden.hide(scene)
+        depsgraph.update()
+        self.simulated = Playback(scene, depsgraph)
+        self.show()
+        if self._draws:
+            self._handle = bpy.types.SpaceView3D.draw_handler_add(self._draw, (), "WINDOW", "POST_VIEW")
+
+    @property
+    def simulation(self):
+        return self.simulated.simulation
+
+    def show(self):
+        """Hands the snow as it is now to what draws it."""
+        if not self._draws:
+            return
+        if self._shown is not self.simulation:
+            self._shown = self.simulation
+            self.drawn = make_drawing(self.simulated, self._metres)
+        for key, receiver in self.drawn.receivers.items():
+            receiver.set_heights(self.simulation.output(key, normal=False)["height"])
+        self._show_poses()
+
+    def _show_poses(self):
+        for key, pose in self.simulated.pose.objects.items():
+            receiver = self.drawn.receivers.get(key)
+            if receiver is None:
+                continue
+            if not receiver.topology.is_same(pose.topology):
+                self.drawn.receivers[key] = receiver.with_topology(pose.topology, pose.positions)
+            else:
+                receiver.set_positions(pose.positions)
+        for key in self.drawn.receivers:
+            self.drawn.receivers[key].is_there = key in self.simulated.pose.objects
+        _redraw()
+
+    def _draw(self):
+        context = bpy.context
+        if self.drawn is None or context.scene is None or context.scene.name != self.scene_name:
+            return
+        shading = context.space_data.shading
+        try:
+            self.drawn.draw(shading.type == "WIREFRAME" or (shading.type == "SOLID" and shading.show_xray))
+        except Exception:
+            # Once, and not with every redraw; the handler cannot go while it runs.
+            self.drawn = None
+            bpy.app.timers.register(stop, first_interval=0.0)
+            raise
+
+    def watch(self, scene, depsgraph, now):
+        """Follows the settings, and undo. now: time.monotonic()."""
+        changed = self.simulated.heed_settings(scene, depsgraph)
+        if self.was_undone:
+            self.was_undone = False
+            self.simulated.heed_scene(scene, depsgraph)
+            self.simulated.go_to(scene, depsgraph)
+            changed = True
+        if self.simulated.stale:
+            self.simulated.relay(QUICK_STEPS)
+            self._due = now + PAUSE
+        elif self._due is not None and now >= self._due:
+            self._due = None
+            self.simulated.relay(STEPS)
+        elif not changed:
+            return
+        self.show()
+
+    def end(self):
+        if self._handle is not None:
+            bpy.types.SpaceView3D.draw_handler_remove(self._handle, "WINDOW")
+            self._handle = None
+        self.drawn = None
+        if self.simulated is not None:
+            self.simulated.close()
+        hidden.show_again()
+        _redraw()
+
+
+def start(scene, depsgraph, draws=True):
+    """Begins the preview at the current frame. draws: False where only its simulation is wanted.
+
+    Raises ValueError where nothing can be drawn, and what reading the scene or making the simulation raises.
+    """
+    stop()
+    reason = drawing.why_not() if draws else ""
+    if reason:
+        raise ValueError(reason)
+    session.preview = Preview(scene, depsgraph, draws)
+    bpy.app.handlers.frame_change_post.append(_on_frame)
+    bpy.app.handlers.depsgraph_update_post.append(_on_update)
+    bpy.app.timers.register(_watch, first_interval=INTERVAL)
+
+
+def stop():
+    """Ends the preview; the viewport is as it was."""
+    for handlers, own in (
+        (bpy.app.handlers.frame_change_post, _on_frame),
+        (bpy.app.handlers.depsgraph_update_post, _on_update),
+    ):
+        if own in handlers:
+            handlers.remove(own)
+    if bpy.app.timers.is_registered(_watch):
+        bpy.app.timers.unregister(_watch)
+    preview, session.preview = session.preview, None
+    if preview is not None:
+        preview.end()
+
+
+def _redraw():
+    manager = bpy.context.window_manager
+    for window in manager.windows if manager is not None else ():
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D":
+                area.tag_redraw()
+
+
+# -- handlers ------------------------------------------------------------------------------------------
+
+
+def _running(scene):
+    """The preview of that scene, unless something else has its hands on it."""
+    preview = session.preview
+    if (
+        preview is None
+        or scene is None
+        or scene.name != preview.scene_name
+        or bpy.app.is_job_running("RENDER")
+    ):
+        return None
+    return preview
+
+
+def _end_with(error):
+    """Nothing to snow on any more, or no snowfall: a bake would say so, too."""
+    print(f"Snowbough: the live preview has ended: {error}")
+    stop()
+
+
+@bpy.app.handlers.persistent
+def _on_frame(scene, depsgraph=None):
+    preview = _running(scene)
+    if preview is None or depsgraph is None:
+        return
+    try:
+        preview.simulated.go_to(scene, depsgraph)
+        preview.show()
+    except ValueError as error:
+        _end_with(error)
+
+
+@bpy.app.handlers.persistent
+def _on_update(scene, depsgraph):
+    """An object was changed, by hand or by undo."""
+    preview = _running(scene)
+    if preview is None or not any(
+        update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates
+    ):
+        return
+    try:
+        if preview.simulated.heed_scene(scene, depsgraph):
+            preview.show()
+    except ValueError as error:
+        _end_with(error)
+
+
+def _watch():
+    """Timer: follows the settings."""
+    context = bpy.context
+    preview = _running(context.scene)
+    if preview is not None:
+        try:
+            preview.watch(context.scene, context.evaluated_depsgraph_get(), time.monotonic())
+        except ValueError as error:
+            _end_with(error)
+    return None if session.preview is None else INTERVAL
+
+
+@bpy.app.handlers.persistent
+def _before_load(*_):
+    stop()
+
+
+@bpy.app.handlers.persistent
+def _before_save(*_):
+    """The file is saved as it would be without a preview."""
+    hidden.show_again()
+
+
+@bpy.app.handlers.persistent
+def _put_right(*_):
+    """After saving, undo and loading: what shall be hidden is, and nothing else; and the preview looks around."""
+    preview = session.preview
+    scene = bpy.data.scenes.get(preview.scene_name) if preview is not None else None
+    if scene is None:
+        hidden.show_again()
+    else:
+        hidden.hide(scene)
+        preview.was_undone = True
+
+
+HANDLERS = (
+    ("load_pre", _before_load),
+    ("save_pre", _before_save),
+    ("save_post", _put_right),
+    ("undo_post", _put_right),
+    ("redo_post", _put_right),
+    ("load_post", _put_right),
+)
+
+
+def register():
+    for name, handler in HANDLERS:
+        getattr(bpy.app.handlers, name).append(handler)
+
+
+def unregister():
+    stop()
+    for name, handler in reversed(HANDLERS):
+        getattr(bpy.app.handlers, name).remove(handler)

@@ -1,0 +1,117 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shoulders of snow at the rims of what carries it: upright and round, a little out over the rim.
+
+A map holds one thickness a place, so snow that ends at a rim ends there as a slope at its angle of repose. Lying snow
+holds together and has a steep, round front. These nodes draw the slope out towards its rim. With d the distance from
+the rim, h the thickness and s the slope of the snow's own surface, s d / h is 1 on a slope that begins at the rim and
+0 on level snow; a bank that ends somewhere else is far from any rim for its thickness. Nothing is asked about the snow
+elsewhere, so a point moves as smoothly over the shot as its thickness does.
+"""
+
+from .. import compat_nodes
+
+# The slider of shells; 0 leaves slopes as the map has them.
+SHOULDERS_INPUT = "Shoulders"
+
+# Edges with a larger angle between their faces are rims where the surface falls off beyond them (radians).
+RIM_ANGLE = 0.6
+# s d / h from which a point is drawn out, and from which on it is drawn all the way.
+BEGINS, COMPLETE = 0.45, 1.15
+# Distances to the rim, in parts of the thickness, from which on and beyond which it means less and nothing.
+FAR, FARTHER = 2.1, 2.7
+# What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
+SLOPES = (0.15, 0.45)
+FOOT = 0.5
+# Cosine between the snow's own normal and the surface's from which it counts, and from which it counts fully.
+UNFOLDED = (0.1, 0.3)
+# Cosine between a slope's direction and the rim's from which it counts, and from which it counts fully; and the sine of
+# its fall in that direction.
+TOWARDS = (0.2, 0.7)
+FALLS = (0.1, 0.35)
+# The same sine of the surface's own fall, negative where it rises.
+RISES = (-0.3, -0.1)
+# Nearer to the rim than this, in parts of the thickness, a slope's direction counts less.
+AT_RIM = 0.1
+# The farthest that a point is drawn, in parts of its thickness.
+MOST = 1.4
+FARTHEST = 1e6
+# How far snow reaches out over its rim, in parts of its thickness, by how much that varies along it, in waves a metre.
+REACH = 0.18
+VARIATION = 0.7
+WAVES = 6.0
+# The least cosine between the snow's own normal and the surface's that slopes are taken from.
+STEEPEST = 0.08
+
+
+def rims(builder, geometry, sharp):
+    """The rims of a mesh as edges without faces: of its `sharp` edges (a field) the convex and the open ones. Smooth
+    surfaces have none: snow thins out on them as the surface gets steeper."""
+    neighbours = builder.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
+    angle = builder.node("GeometryNodeInputMeshEdgeAngle").outputs["Signed Angle"]
+    falls_off = builder.math(
+        "MAXIMUM",
+        builder.math("GREATER_THAN", angle, RIM_ANGLE),
+        builder.math("LESS_THAN", neighbours, 1.5),
+    )
+    node = builder.node("GeometryNodeSeparateGeometry", domain="EDGE")
+    return builder.feed(node, Geometry=geometry, Selection=builder.multiply(falls_off, sharp)).outputs[
+        "Selection"
+    ]
+
+
+def way_to(builder, rim_edges, position):
+    """The way from a position to the nearest rim, in units of the scene; FARTHEST upwards where there are none."""
+    node = builder.node("GeometryNodeProximity", target_element="EDGES")
+    builder.feed(node, Target=rim_edges, Source_Position=position)
+    way = builder.vector("SUBTRACT", node.outputs["Position"], position)
+    size = builder.node("GeometryNodeAttributeDomainSize", component="MESH")
+    builder.feed(size, Geometry=rim_edges)
+    none = builder.math("LESS_THAN", size.outputs["Edge Count"], 0.5)
+    return builder.vector("ADD", way, builder.combine(0.0, 0.0, builder.multiply(none, FARTHEST)))
+
+
+def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, strength):
+    """The way by which a point of the snow's surface is drawn out over its rim, in metres; a vector.
+
+    to_rim: the way to the nearest rim, metres. thickness: metres, not negative. risen: the way from the bare surface,
+    metres. normal, own_normal: of what the snow lies on, and of the snow's surface. place: metres, fixed to the
+    object. strength: 1 draws slopes upright.
+    """
+    distance = builder.vector("LENGTH", to_rim)
+    along = builder.dot(own_normal, normal)
+    tangent = builder.vector("SUBTRACT", own_normal, builder.scale(normal, along))
+    sine = builder.vector("LENGTH", tangent)
+    outwards = builder.scale(tangent, builder.divide(1.0, builder.math("MAXIMUM", sine, 1e-6)))
+    slope = builder.divide(sine, builder.math("MAXIMUM", along, STEEPEST))
+    apart = builder.divide(distance, builder.math("MAXIMUM", thickness, 1e-6))
+    begun = builder.multiply(builder.smoothstep(slope, *SLOPES), FOOT)
+    share = builder.multiply(
+        builder.smoothstep(builder.add(builder.multiply(slope, apart), begun), BEGINS, COMPLETE),
+        builder.smoothstep(apart, FAR, FARTHER, 1.0, 0.0),
+    )
+    # Slopes that fall towards the rim, not from it; at the rim itself all do.
+    near = builder.multiply(thickness, AT_RIM)
+    towards = builder.divide(
+        builder.add(builder.dot(to_rim, outwards), near),
+        builder.math("MAXIMUM", builder.add(distance, near), 1e-6),
+    )
+    share = builder.multiply(share, builder.smoothstep(towards, *TOWARDS))
+    # Where deep snow folds over itself in a hollow its normals mean nothing.
+    share = builder.multiply(share, builder.smoothstep(along, *UNFOLDED))
+    # What fills a hollow is steep beside the surface, but level.
+    level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
+    share = builder.multiply(share, builder.smoothstep(builder.dot(own_normal, level_outwards), *FALLS))
+    # The wall of a hollow rises towards its rim, and holds what leans on it.
+    share = builder.multiply(share, builder.smoothstep(builder.dot(normal, level_outwards), *RISES))
+    noise = builder.node("ShaderNodeTexNoise")
+    builder.feed(noise, Vector=place, Scale=WAVES, Detail=1.0)
+    reach = builder.math(
+        "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION * REACH, (1.0 - VARIATION) * REACH
+    )
+    already = builder.dot(risen, level_outwards)
+    far = builder.subtract(
+        builder.add(distance, builder.multiply(reach, thickness)), builder.math("MAXIMUM", already, 0.0)
+    )
+    most = builder.multiply(thickness, MOST)
+    far = builder.math("MAXIMUM", builder.math("MINIMUM", far, most), 0.0)
+    return builder.scale(outwards, builder.multiply(builder.multiply(share, far), strength))

@@ -1,0 +1,43 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an imported tree keeps of its skeleton, so that other levels of detail of it can be built at any time, without
+the file that it came from.
+
+It lies on the armature's data (``armature.snowbough_skeleton``), not on an object: copies of a tree share it. A real
+tree of 200 branches takes 70 KB.
+"""
+
+from dataclasses import asdict
+
+import bpy
+
+from .. import native
+from .skeleton_text import from_text, to_text
+
+# What build_tree_mesh and reduce_bones are told again.
+OPTIONS = ("width", "species", "snow_resolution", "max_bones", "max_bone_level")
+
+
+def keep(armature, tree, options):
+    """Writes the skeleton of a NativeTree, and how fine its finest mesh is, onto a new armature."""
+    built = {name: getattr(options, name) for name in OPTIONS}
+    built["fineness"] = asdict(tree.meshes[-1].fineness)
+    armature.snowbough_skeleton = to_text(tree.skeleton.branches, built)
+
+
+def kept(armature):
+    """(native Skeleton, what it was built with: a dict) of an imported tree's armature; None where it keeps none,
+    as those of older imports. Raises ValueError for one that cannot be read."""
+    if not armature.snowbough_skeleton:
+        return None
+    branches, built = from_text(armature.snowbough_skeleton)
+    return native.load().Skeleton.from_branches([vars(branch) for branch in branches]), built
+
+
+def register():
+    bpy.types.Armature.snowbough_skeleton = bpy.props.StringProperty(
+        name="Skeleton", description="The tree's branches as they were imported", options={"HIDDEN"}
+    )
+
+
+def unregister():
+    del bpy.types.Armature.snowbough_skeleton

@@ -1,0 +1,65 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A skeleton as a text that a .blend can keep, and back. No ``bpy``.
+
+The text is base 85 of zlib of a line of JSON (names, levels, parents, points a branch, and what the tree was built
+with) and the numbers themselves, float32: every number comes back bit for bit.
+"""
+
+import base64
+import json
+import zlib
+from types import SimpleNamespace
+
+import numpy as np
+
+FORMAT = 1
+
+
+def to_text(branches, built):
+    """branches: as the native module's Skeleton has them; built: plain data that is kept beside them."""
+    points = [np.asarray(branch.points, dtype=np.float32) for branch in branches]
+    header = {
+        "format": FORMAT,
+        "names": [branch.name for branch in branches],
+        "levels": [int(branch.level) for branch in branches],
+        "parents": [int(branch.parent) for branch in branches],
+        "counts": [len(rows) for rows in points],
+        "built": built,
+    }
+    numbers = [np.concatenate(points).reshape(-1)]
+    numbers += [
+        np.concatenate([np.asarray(getattr(branch, name)) for branch in branches])
+        for name in ("radii", "areas")
+    ]
+    numbers.append(np.array([branch.attach_point for branch in branches]).reshape(-1))
+    data = json.dumps(header).encode() + b"\n" + np.concatenate(numbers).astype("<f4").tobytes()
+    return base64.b85encode(zlib.compress(data, 6)).decode("ascii")
+
+
+def from_text(text):
+    """(branches, built) as to_text took them; branches as namespaces. Raises ValueError for any other text."""
+    try:
+        line, _, rest = zlib.decompress(base64.b85decode(text)).partition(b"\n")
+        header = json.loads(line)
+        if header["format"] != FORMAT:
+            raise ValueError(f"format {header['format']}")
+        counts = header["counts"]
+        total, branches = sum(counts), len(counts)
+        numbers = np.frombuffer(rest, "<f4", 5 * total + 3 * branches)
+    except (ValueError, KeyError, zlib.error) as error:
+        raise ValueError(
+            f"the skeleton that the tree keeps cannot be read ({error}): import the tree anew with this Snowbough"
+        ) from error
+    points, radii, areas, attach = np.split(numbers, np.cumsum([3 * total, total, total]))
+    ends = np.cumsum(counts)[:-1]
+    rows = zip(
+        header["names"],
+        header["levels"],
+        header["parents"],
+        np.split(points.reshape(-1, 3), ends),
+        np.split(radii, ends),
+        np.split(areas, ends),
+        attach.reshape(-1, 3),
+    )
+    keys = ("name", "level", "parent", "points", "radii", "areas", "attach_point")
+    return [SimpleNamespace(**dict(zip(keys, row))) for row in rows], header["built"]

@@ -1,0 +1,97 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator ``export_scene.snowbough_tree``: an imported tree for game engines (gltf.export_tree)."""
+
+from pathlib import Path
+
+import bpy
+from bpy.props import StringProperty
+from bpy_extras.io_utils import ExportHelper
+
+from ..gltf import export_tree, scene_tree
+from ..gltf.export_options import ExportProperties, options_of
+from ..names import safe_name
+from .editing_lock import NotWhileBaking
+
+SECTIONS = (
+    ("Tree", ("levels", "file_per_level", "leaf_share")),
+    ("Snow", ("snow", "snow_format", "atlas_frames", "atlas_tile")),
+)
+OF_THE_ATLAS = ("atlas_frames", "atlas_tile")
+
+
+class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types.Operator, ExportHelper):
+    """Export the active tree for game engines: glTF with levels of detail, skin, branch levels and baked snow"""
+
+    bl_idname = "export_scene.snowbough_tree"
+    bl_label = "Export Tree"
+    bl_options = {"PRESET"}
+
+    filename_ext = ".glb"
+    filter_glob: StringProperty(
+        name="File Names",
+        description="Files that the browser shows",
+        default="*.glb;*.gltf",
+        options={"HIDDEN"},
+    )
+
+    @classmethod
+    def ready(cls, context):
+        try:
+            scene_tree.find(context.object)
+        except ValueError as error:
+            text = str(error)
+            cls.poll_message_set(text[0].upper() + text[1:])
+            return False
+        return True
+
+    def invoke(self, context, event):
+        if not self.filepath:
+            name = safe_name(scene_tree.find(context.object).rig.name)
+            self.filepath = str(Path(bpy.path.abspath("//")) / f"{name}{self.filename_ext}")
+        return ExportHelper.invoke(self, context, event)
+
+    def check(self, _context):
+        # ExportHelper would turn .gltf into .gltf.glb.
+        if self.filepath.lower().endswith(export_tree.SUFFIXES):
+            return False
+        self.filepath += self.filename_ext
+        return True
+
+    def draw(self, _context):
+        layout = self.layout
+        layout.use_property_split = True
+        for title, names in SECTIONS:
+            box = layout.box()
+            box.label(text=title)
+            for name in names:
+                row = box.row()
+                row.enabled = self.snow != "NONE" or not name.startswith(("snow_", "atlas_"))
+                row.enabled = row.enabled and (self.snow == "ATLAS" or name not in OF_THE_ATLAS)
+                row.prop(self, name)
+
+    def execute(self, context):
+        try:
+            report = export_tree.export(context, context.object, self.filepath, options_of(self))
+        except export_tree.FAILURES as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        for text in report["warnings"]:
+            self.report({"WARNING"}, text)
+        self.report({"INFO"}, export_tree.summary(report))
+        return {"FINISHED"}
+
+
+def _draw_menu(self, _context):
+    self.layout.operator(
+        EXPORT_SCENE_OT_snowbough_tree.bl_idname, text="Snowbough Tree for Engines (.glb/.gltf)"
+    )
+
+
+def register():
+    bpy.utils.register_class(EXPORT_SCENE_OT_snowbough_tree)
+    bpy.types.TOPBAR_MT_file_export.append(_draw_menu)
+
+
+def unregister():
+    bpy.types.TOPBAR_MT_file_export.remove(_draw_menu)
+    bpy.utils.unregister_class(EXPORT_SCENE_OT_snowbough_tree)

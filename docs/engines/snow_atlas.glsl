@@ -1,0 +1,34 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The snow of one moment, from what is written beside an exported tree: `snow` in the scene's extras.
+
+layout(std140, binding = 0) uniform SnowAtlas {
+  ivec2 tiles;         // columns, rows
+  float tile_texels;   // tile
+  int frame_count;     // how many frames there are
+  float height_scale;  // height.scale
+  float height_offset; // height.offset
+  float frame;         // which frame, counted from 0 in the list; between two of them both are mixed
+};
+layout(binding = 0) uniform sampler2D snow_heights;
+layout(binding = 1) uniform sampler2D snow_normals;
+
+/// Where TEXCOORD_1 lies in the atlas. Half a texel inside its tile, or its neighbours would be mixed in.
+vec2 atlas_place(vec2 uv, int number) {
+  vec2 inside = clamp(uv, 0.5 / tile_texels, 1.0 - 0.5 / tile_texels);
+  return (inside + vec2(number % tiles.x, number / tiles.x)) / vec2(tiles);
+}
+
+/// Metres of snow along the normal; below 0 on the back of leaves. Tessellation has no derivatives: level 0.
+float snow_height(vec2 uv) {
+  int first = clamp(int(frame), 0, frame_count - 1);
+  int second = min(first + 1, frame_count - 1);
+  float before = textureLod(snow_heights, atlas_place(uv, first), 0.0).r;
+  float after = textureLod(snow_heights, atlas_place(uv, second), 0.0).r;
+  return height_offset + height_scale * mix(before, after, clamp(frame - float(first), 0.0, 1.0));
+}
+
+/// The snow's normal in the tangent space of TEXCOORD_1.
+vec3 snow_tangent_normal(vec2 uv) {
+  int number = clamp(int(frame + 0.5), 0, frame_count - 1);
+  return textureLod(snow_normals, atlas_place(uv, number), 0.0).rgb * 2.0 - 1.0;
+}

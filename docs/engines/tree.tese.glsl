@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Where the new vertices lie: rounded by the normals, then moved out by the snow.
+#version 450
+#extension GL_GOOGLE_include_directive : require
+layout(triangles, fractional_odd_spacing, ccw) in;
+#include "snow_atlas.glsl"
+
+layout(location = 0) in vec3 patch_position[];
+layout(location = 1) in vec3 patch_normal[];
+layout(location = 2) in vec2 patch_bark_uv[];
+layout(location = 3) in vec2 patch_snow_uv[];
+
+layout(std140, binding = 2) uniform View { mat4 view_projection; };
+
+layout(location = 0) out vec3 surface_position;
+layout(location = 1) out vec3 surface_normal;
+layout(location = 2) out vec2 surface_bark_uv;
+layout(location = 3) out vec2 surface_snow_uv;
+layout(location = 4) out float surface_snow;
+
+/// How far a flat point goes towards the corners' tangent planes. T. Boubekeur, M. Alexa, Phong Tessellation, 2008.
+const float kRoundness = 0.75;
+
+vec3 on_plane(vec3 p, int corner) {
+  return p - dot(p - patch_position[corner], patch_normal[corner]) * patch_normal[corner];
+}
+
+void main() {
+  vec3 t = gl_TessCoord;
+  vec3 flat_point = t.x * patch_position[0] + t.y * patch_position[1] + t.z * patch_position[2];
+  vec3 round_point = t.x * on_plane(flat_point, 0) + t.y * on_plane(flat_point, 1) + t.z * on_plane(flat_point, 2);
+  surface_normal = normalize(t.x * patch_normal[0] + t.y * patch_normal[1] + t.z * patch_normal[2]);
+  surface_bark_uv = t.x * patch_bark_uv[0] + t.y * patch_bark_uv[1] + t.z * patch_bark_uv[2];
+  surface_snow_uv = t.x * patch_snow_uv[0] + t.y * patch_snow_uv[1] + t.z * patch_snow_uv[2];
+  surface_snow = snow_height(surface_snow_uv);
+  surface_position = mix(flat_point, round_point, kRoundness) + surface_normal * surface_snow;
+  gl_Position = view_projection * vec4(surface_position, 1.0);
+}

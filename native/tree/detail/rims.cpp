@@ -1,0 +1,106 @@
+#include "tree/detail/rims.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace snowbough::tree {
+namespace {
+
+/// The smooth minimum of two equal distances is less by this share of its width.
+constexpr double kFilletHeight = 0.25;
+/// Steps towards the line, how short they may be, and how near to it is enough; in radii of the
+/// child's base.
+constexpr int kMostSteps = 60;
+constexpr double kShortestStep = 0.03;
+constexpr double kNear = 2e-3;
+/// How far a side of the child that begins outside of its parent is followed, in the same radii.
+constexpr double kOutside = 2.0;
+/// Where both limbs part at a flat angle the line between them may lie anywhere as long as it is
+/// so many radii inside of the parent at most, or outside.
+constexpr double kDeepest = 0.1;
+constexpr double kHighest = 0.3;
+
+/// One of the child's straight sides, lifted off it.
+class Side {
+ public:
+  Side(const Fork& fork, const LimbTubes& tubes, double quarter)
+      : fork_(fork), tubes_(tubes), quarter_(quarter) {}
+
+  glm::dvec3 at(double length) const {
+    const glm::dvec3 p = tubes_.at(fork_.child_chain, {length, quarter_});
+    const glm::dvec3 off = p - tubes_.centre(fork_.child_chain, length);
+    const double radius = glm::length(off);
+    const double height = kFilletHeight * fillet_width(fork_, p);
+    return radius > 0.0 ? p + off * (height / radius) : p;
+  }
+
+  /// Above the parent's surface, lifted likewise.
+  double above(const glm::dvec3& p) const {
+    return distance_from(fork_.parent, p).distance - kFilletHeight * fillet_width(fork_, p);
+  }
+
+  /// Arc length at which it comes to be `height` above the parent for good; where it never was
+  /// below that, at which it is nearest.
+  double rises_to(double height, double farthest) const {
+    double length = -fork_.inside, nearest = length, least = 1e300;
+    bool was_below = false;
+    double below = length;
+    for (int step = 0; step < kMostSteps && length < farthest; ++step) {
+      const double here = above(at(length)) - height;
+      if (here < least) {
+        least = here;
+        nearest = length;
+      }
+      if (here < 0.0) {
+        was_below = true;
+        below = length;
+        if (here > -kNear * fork_.radius) return length;
+      } else if (was_below) {
+        return between(below, length, height);
+      } else if (length > -fork_.inside + kOutside * fork_.radius) {
+        return nearest;
+      }
+      // The distance from a surface changes by no more than the way.
+      length += std::max(std::abs(here), kShortestStep * fork_.radius);
+    }
+    return was_below ? farthest : nearest;
+  }
+
+ private:
+  double between(double below, double beyond, double height) const {
+    while (beyond - below > kNear * fork_.radius) {
+      const double middle = 0.5 * (below + beyond);
+      (above(at(middle)) < height ? below : beyond) = middle;
+    }
+    return beyond;
+  }
+
+  const Fork& fork_;
+  const LimbTubes& tubes_;
+  double quarter_;
+};
+
+/// Arc length on the child beside which the base has a rim's point.
+double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& point) {
+  const glm::dvec3 start = tubes.centre(fork.child_chain, 0.0);
+  const glm::dvec3 axis = tubes.centre(fork.child_chain, fork.radius) - start;
+  const glm::dvec3 off = tubes.at(fork.parent_chain, point.base) - start;
+  return glm::dot(off, axis) / glm::length(axis);
+}
+
+}  // namespace
+
+void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& rim) {
+  const double window = 2.0 * fork.reach;
+  for (RimPoint& point : rim) {
+    const Side side(fork, tubes, point.quarter);
+    const double low = side.rises_to(-kDeepest * fork.radius, farthest);
+    const double high = side.rises_to(kHighest * fork.radius, farthest);
+    point.length = std::clamp(base_length(fork, tubes, point), std::min(low, high), high);
+    point.position = side.at(point.length);
+    point.target = tubes.nearest(fork.parent_chain, point.position, point.base, window);
+  }
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+#include "tree/mesh/edges.h"
+#include "tree/surface/surface.h"
+#include "tree/tubes/detail.h"
+#include "tree/tubes/limb_shape.h"
+#include "tree/tubes/patch.h"
+
+namespace snowbough::tree {
+
+/// How finely the four-sided base is cut: every base edge into pieces that both its faces share.
+struct SurfaceCuts {
+  /// Per limb and row: shares of the row at which its levels lie, from 0 to 1.
+  std::vector<std::vector<std::vector<double>>> rows;
+  /// Per limb and ring: quads across each of the four sides, a power of two. Of a hole in the
+  /// parent's side, that of the limb's next ring.
+  std::vector<std::vector<int>> across;
+  /// Per base edge: shares of the edge, from its vertex a (the lower one), at which its pieces
+  /// begin and end, from 0 to 1.
+  std::vector<std::vector<double>> edges;
+  /// Quads that come out.
+  int64_t quads = 0;
+};
+
+/// The pieces of a face's four edges.
+PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face);
+
+/// Cuts for a level of detail: sides by the limbs' thickness, rows where limbs bend or taper or
+/// another leaves, within the level's budget of faces.
+SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
+                        const std::vector<LimbShape>& shapes, double height,
+                        const DetailSettings& settings);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <vector>
+
+#include "tree/mesh/edges.h"
+#include "tree/skeleton/tree_mesh.h"
+#include "tree/tubes/cuts.h"
+
+namespace snowbough::tree {
+
+/// A vertex of the detailed mesh: a place on a base face, (0, 0) at its corner 0, (1, 0) at corner
+/// 1, (1, 1) at corner 2.
+struct FinePlace {
+  int32_t face = -1;
+  double u = 0.0, v = 0.0;
+};
+
+/// A mesh of quads cut finer, without T-junctions.
+struct FineMesh {
+  /// The base's vertices come first, in their order.
+  std::vector<FinePlace> vertices;
+  /// Those of each base quad follow one another.
+  std::vector<Quad> quads;
+  /// Per quad: the base quad it is part of, and where its corners lie on it.
+  std::vector<int32_t> face;
+  std::vector<std::array<glm::dvec2, 4>> corners;
+};
+
+/// Cuts every base quad as its edges say. A vertex that several base quads share has its place on
+/// the first of them.
+FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
+                   const SurfaceCuts& cuts);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,75 @@
+#include "tree/tubes/limb_shape.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+namespace snowbough::tree {
+namespace {
+
+/// Between two rings a limb is no thinner than this share of the thinner one's radius.
+constexpr double kThinnest = 0.7;
+
+}  // namespace
+
+LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
+                     const std::vector<glm::dvec3>& vertices, const glm::dvec3& before,
+                     const glm::dvec3& after, double height)
+    : curve_(path, before, after, height) {
+  for (const Ring& ring : limb.rings) {
+    RingShape& shape = rings_.emplace_back();
+    shape.length = ring.bone_length;
+    shape.offset = ring.centre - curve_.position(ring.bone_length);
+    shape.corner = ring.corner;
+    shape.corner_offset = ring.corner - curve_.corner(ring.bone_length);
+    shape.first = glm::normalize(vertices[ring.vertices[0]] - ring.centre);
+    shape.second = glm::normalize(vertices[ring.vertices[1]] - ring.centre);
+  }
+  if (!limb.continues_parent && rings_.size() > 1) {
+    // The hole lies askew; around it the limb is as round as at its first own ring.
+    rings_[0].first = rings_[1].first;
+    rings_[0].second = rings_[1].second;
+  }
+}
+
+double LimbShape::length_at(size_t row, double v) const {
+  return rings_[row].length + (rings_[row + 1].length - rings_[row].length) * v;
+}
+
+glm::dvec3 LimbShape::centre(size_t row, double v) const {
+  return curve_.position(length_at(row, v)) + rings_[row].offset * (1.0 - v) +
+         rings_[row + 1].offset * v;
+}
+
+double LimbShape::radius(size_t row, double v) const {
+  const RingShape& a = rings_[row];
+  const RingShape& b = rings_[row + 1];
+  const double corner =
+      curve_.corner(length_at(row, v)) + a.corner_offset * (1.0 - v) + b.corner_offset * v;
+  return std::max(corner, kThinnest * std::min(a.corner, b.corner)) * std::sqrt(2.0 / M_PI);
+}
+
+std::array<glm::dvec3, 2> LimbShape::corner_directions(size_t row, double v) const {
+  const RingShape& a = rings_[row];
+  const RingShape& b = rings_[row + 1];
+  return {a.first * (1.0 - v) + b.first * v, a.second * (1.0 - v) + b.second * v};
+}
+
+std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,
+                                   const std::vector<int32_t>& parents, double height) {
+  std::vector<glm::dvec3> before(paths.size(), glm::dvec3(0.0)), after(before);
+  for (size_t b = 0; b < paths.size(); ++b) {
+    if (surface.limbs[b].continues_parent) {
+      before[b] = direction_at(paths[parents[b]], paths[parents[b]].length());
+      after[parents[b]] = direction_at(paths[b], 0.0);
+    }
+  }
+  std::vector<LimbShape> shapes;
+  shapes.reserve(paths.size());
+  for (size_t b = 0; b < paths.size(); ++b) {
+    shapes.emplace_back(paths[b], surface.limbs[b], surface.vertices, before[b], after[b], height);
+  }
+  return shapes;
+}
+
+}  // namespace snowbough::tree

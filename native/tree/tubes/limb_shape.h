@@ -1,0 +1,48 @@
+#pragma once
+
+#include <array>
+#include <glm/vec3.hpp>
+#include <vector>
+
+#include "tree/surface/surface.h"
+#include "tree/tubes/limb_curve.h"
+
+namespace snowbough::tree {
+
+/// A limb as a round tube along a smooth curve, row by row of its strip: `v` is the share of the
+/// way, along the branch's own centreline, from ring `row` to ring `row + 1`. It passes through the
+/// centres of the strip's rings with their thickness, wherever the base moved or narrowed them.
+class LimbShape {
+ public:
+  /// @param path  the branch's own, limb_paths; before, after, height: see LimbCurve.
+  LimbShape(const LimbPath& path, const LimbSurface& limb, const std::vector<glm::dvec3>& vertices,
+            const glm::dvec3& before, const glm::dvec3& after, double height);
+
+  glm::dvec3 centre(size_t row, double v) const;
+  /// Of the circle that has the limb's area there.
+  double radius(size_t row, double v) const;
+  /// Unit directions from the centre to corners 0 and 1 of the square ring, between the two rings
+  /// not yet square to the limb.
+  std::array<glm::dvec3, 2> corner_directions(size_t row, double v) const;
+  size_t row_count() const { return rings_.size() - 1; }
+
+ private:
+  struct RingShape {
+    double length = 0.0;
+    glm::dvec3 offset{0.0};
+    double corner_offset = 0.0;
+    double corner = 0.0;
+    glm::dvec3 first{1.0, 0.0, 0.0}, second{0.0, 1.0, 0.0};
+  };
+
+  double length_at(size_t row, double v) const;
+
+  LimbCurve curve_;
+  std::vector<RingShape> rings_;
+};
+
+/// The shapes of all limbs. Where a child continues its parent both curves meet smoothly.
+std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,
+                                   const std::vector<int32_t>& parents, double height);
+
+}  // namespace snowbough::tree

@@ -1,0 +1,480 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Trees for game engines (export_scene.snowbough_tree): what is written is read back (tests/support/glb.py) and
+compared with the scene."""
+
+import json
+import sys
+
+import bpy
+import numpy as np
+import pytest
+from conftest import ROOT
+from synthetic_tree import evaluated_vertices
+
+sys.path.insert(0, str(ROOT / "tests" / "support"))
+import glb  # noqa: E402
+
+MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
+LEAVES = 40
+
+
+@pytest.fixture
+def leafy(tmp_path, addon):
+    """Path of the maple with leaves: 40 cards on its branches, textured, with a mask of its own."""
+    png = addon("gltf.png")
+    green = np.full((8, 8, 3), (40, 120, 20), np.uint8)
+    green[:, 4:] = 255  # white where the mask is 0
+    mask = np.zeros((8, 8), np.uint8)
+    mask[:, :4] = 255
+    (tmp_path / "green.png").write_bytes(png.encode(green))
+    (tmp_path / "mask.png").write_bytes(png.encode(mask))
+    (tmp_path / "leafy.mtl").write_text("newmtl leaf\nKd 1 1 1\nmap_Kd green.png\nmap_d mask.png\n")
+    text = MAPLE.read_text()
+    places = [line.split()[1:] for line in text.splitlines() if line.startswith("v ")]
+    places = np.array(places, float)[:, :3]
+    points, cards = len(places), []
+    for k, at in enumerate(places[np.linspace(400, points - 1, LEAVES).astype(int)]):
+        corners = at + np.array([(0, 0, 0), (0.04, 0, 0), (0.04, 0.04, 0), (0, 0.04, 0)])
+        cards += ["v %.6f %.6f %.6f" % tuple(corner) for corner in corners]
+        first = points + 4 * k + 1
+        cards.append("f " + " ".join(f"{first + c}/{c - 4}" for c in range(4)))
+    head = ["mtllib leafy.mtl", "vt 0 0", "vt 1 0", "vt 1 1", "vt 0 1"]
+    path = tmp_path / "leafy.obj"
+    path.write_text("\n".join([text, *head, "g leaves", "usemtl leaf", *cards, ""]))
+    return path
+
+
+def import_tree(path=MAPLE, **options):
+    """(armature, finest bark) of an imported tree."""
+    bpy.ops.import_scene.xfrog_tree(filepath=str(path), **{"max_bones": 120, **options})
+    bark = bpy.context.object
+    return bark.find_armature(), bark
+
+
+def export(path, **options):
+    assert bpy.ops.export_scene.snowbough_tree(filepath=str(path), **options) == {"FINISHED"}
+    assert glb.errors(path) == []
+    return glb.Gltf(path)
+
+
+def y_up(points):
+    return np.asarray(points)[:, (0, 2, 1)] * (1, 1, -1)
+
+
+def rest_points(obj):
+    return np.array([vertex.co for vertex in obj.data.vertices])
+
+
+def rows(*arrays):
+    """A set of rows, rounded: for comparing corners that are in another order."""
+    return set(map(tuple, np.round(np.concatenate(arrays, axis=1).astype(float), 4).tolist()))
+
+
+# -- levels of detail -----------------------------------------------------------------------------------
+
+
+def test_the_finest_level_is_the_mesh_in_the_scene(tmp_path):
+    _rig, bark = import_tree()
+    read = export(tmp_path / "tree.glb")
+    places, _triangles = read.welded(read.node("small_maple_bark_LOD0"))
+    assert len(places) == len(bark.data.vertices)
+    assert rows(places) == rows(y_up(rest_points(bark)))
+
+
+def test_every_level_is_closed_and_has_clearly_fewer_triangles(tmp_path):
+    import_tree()
+    read = export(tmp_path / "tree.glb", levels=6)
+    nodes = read.lods(read.node("small_maple_bark_LOD0"))
+    assert [node["name"] for node in nodes] == [f"small_maple_bark_LOD{k}" for k in range(6)]
+    counts = []
+    for node in nodes:
+        places, triangles = read.welded(node)
+        counts.append(len(triangles))
+        assert glb.is_closed(triangles), node["name"]
+        # Four sides instead of sixteen, and in the end fewer branches: never more wood, never inside out.
+        assert 0.015 < glb.volume(places, triangles) < 0.035
+    assert all(later <= 0.7 * before for before, later in zip(counts, counts[1:]))
+
+
+def test_one_baked_map_fits_every_level(tmp_path):
+    import_tree()
+    read = export(tmp_path / "tree.glb", levels=5)
+    given = [
+        read.attributes(primitive)
+        for node in read.lods(read.node("small_maple_bark_LOD0"))
+        for primitive in read.primitives(node)
+    ]
+    # Where a chart ends lie two; on it the nearest vertex of the finest level has nearly the same place.
+    finest = given[0]
+    for level in given[1:]:
+        some = np.arange(0, len(level["POSITION"]), 7)
+        away = np.linalg.norm(level["POSITION"][some, None] - finest["POSITION"][None], axis=2)
+        uv = np.linalg.norm(level["TEXCOORD_1"][some] - finest["TEXCOORD_1"][away.argmin(axis=1)], axis=1)
+        assert np.median(uv) < 4 / 1024
+
+
+def test_an_imported_chain_goes_out_as_it_is(tmp_path):
+    import_tree(lod_chain=True)
+    read = export(tmp_path / "tree.glb", levels=4)
+    counts = [len(read.welded(node)[1]) for node in read.lods(read.node("small_maple_bark_LOD0"))]
+    there = [bpy.data.objects[f"small_maple_bark_LOD{k}"] for k in range(4)]
+    assert counts == [2 * len(bark.data.polygons) for bark in there]
+
+
+def test_one_file_a_level(tmp_path):
+    import_tree()
+    assert bpy.ops.export_scene.snowbough_tree(
+        filepath=str(tmp_path / "tree.gltf"), levels=3, file_per_level=True
+    ) == {"FINISHED"}
+    assert sorted(path.name for path in tmp_path.iterdir()) == [
+        f"tree_LOD{k}.{suffix}" for k in range(3) for suffix in ("bin", "gltf")
+    ]
+    for level in range(3):
+        path = tmp_path / f"tree_LOD{level}.gltf"
+        assert glb.errors(path) == []
+        read = glb.Gltf(path)
+        assert "extensionsUsed" not in read.json
+        assert "mesh" in read.node(f"small_maple_bark_LOD{level}")
+
+
+def test_a_tree_whose_bones_were_moved_says_why_there_is_but_one_level(tmp_path, addon):
+    rig, bark = import_tree()
+    bpy.context.view_layer.objects.active = rig
+    bpy.ops.object.mode_set(mode="EDIT")
+    rig.data.edit_bones[3].head.x += 0.1
+    bpy.ops.object.mode_set(mode="OBJECT")
+    options = addon("gltf.export_options").ExportOptions()
+    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert len(report["levels"]) == 1
+    assert any("from where the import put them" in text for text in report["warnings"])
+    assert glb.errors(tmp_path / "tree.glb") == []
+
+
+def test_a_tree_of_an_older_import_has_the_level_that_is_there(tmp_path, addon):
+    rig, bark = import_tree()
+    rig.data.snowbough_skeleton = ""
+    options = addon("gltf.export_options").ExportOptions()
+    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert len(report["levels"]) == 1
+    assert any("kept no skeleton" in text for text in report["warnings"])
+
+
+def test_levels_can_be_built_from_a_saved_file_without_its_obj(tmp_path, leafy):
+    import_tree(leafy)
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "tree.blend"), check_existing=False)
+    leafy.unlink()
+    bpy.ops.wm.open_mainfile(filepath=str(tmp_path / "tree.blend"))
+    read = export(tmp_path / "tree.glb", levels=4)
+    assert len(read.lods(read.node("leafy_bark_LOD0"))) == 4
+
+
+# -- skin and attributes --------------------------------------------------------------------------------
+
+
+def test_the_skin_at_rest_leaves_every_vertex_where_it_is(tmp_path):
+    import_tree()
+    read = export(tmp_path / "tree.glb")
+    for node in read.lods(read.node("small_maple_bark_LOD0")):
+        for rest, primitive in zip(read.skinned(node), read.primitives(node), strict=True):
+            place = read.array(primitive["attributes"]["POSITION"])
+            assert np.abs(rest - place).max() < 1e-5
+
+
+def test_joints_bend_the_mesh_as_bones_do_in_blender(tmp_path):
+    rig, bark = import_tree()
+    read = export(tmp_path / "tree.glb", levels=1)
+    nodes = {node["name"]: node for node in read.json["nodes"]}
+    from mathutils import Quaternion
+
+    for number, axis, angle in ((0, (1, 0, 0), 0.3), (5, (0, 0, 1), -0.4), (40, (0, 1, 0), 0.8)):
+        bone = rig.pose.bones[number]
+        turn = Quaternion(axis, angle)
+        bone.rotation_mode, bone.rotation_quaternion = "QUATERNION", turn
+        node = nodes[bone.name]
+        x, y, z, w = node["rotation"]
+        both = Quaternion((w, x, y, z)) @ turn
+        node["rotation"] = [both.x, both.y, both.z, both.w]
+    bpy.context.view_layer.update()
+    inside = y_up(evaluated_vertices(bark))
+    assert np.linalg.norm(inside - y_up(rest_points(bark)), axis=1).max() > 0.1
+    (outside,) = read.skinned(read.node("small_maple_bark_LOD0"))
+    away = np.array([np.linalg.norm(inside - place, axis=1).min() for place in outside[::11]])
+    assert away.max() < 1e-3
+
+
+def test_every_bone_is_a_joint_under_its_parent(tmp_path):
+    rig, _bark = import_tree()
+    read = export(tmp_path / "tree.glb")
+    nodes = read.json["nodes"]
+    parents = {nodes[c]["name"]: node["name"] for node in nodes for c in node.get("children", ())}
+    assert parents == {bone.name: bone.parent.name if bone.parent else rig.name for bone in rig.data.bones}
+
+
+def test_the_trunks_foot_does_not_lean_towards_its_cap(tmp_path):
+    """Shaders that round limbs by their normals would blow it up."""
+    import_tree()
+    read = export(tmp_path / "tree.glb")
+    for node in read.lods(read.node("small_maple_bark_LOD0")):
+        given = read.attributes(read.primitives(node)[0])
+        foot = given["POSITION"][:, 1] < given["POSITION"][:, 1].min() + 0.06
+        down = given["NORMAL"][foot, 1]
+        cap = down < -0.8
+        assert 4 <= cap.sum() and 4 <= (~cap).sum()
+        assert np.abs(down[~cap]).max() < 0.2, node["name"]
+
+
+def test_both_uv_maps_go_out_with_v_downwards(tmp_path):
+    _rig, bark = import_tree()
+    read = export(tmp_path / "tree.glb", levels=1)
+    (primitive,) = read.primitives(read.node("small_maple_bark_LOD0"))
+    given = read.attributes(primitive)
+    corner = np.array([loop.vertex_index for loop in bark.data.loops])
+    layers = []
+    for name in ("bark", "snow"):
+        uv = np.array([entry.uv for entry in bark.data.uv_layers[name].data], np.float32)
+        layers.append(np.stack([uv[:, 0], 1 - uv[:, 1]], axis=1).astype(np.float32))
+    expected = rows(y_up(rest_points(bark))[corner], *layers)
+    assert rows(given["POSITION"], given["TEXCOORD_0"], given["TEXCOORD_1"]) == expected
+
+
+def test_branch_levels_and_what_tessellation_makes_of_them(tmp_path):
+    _rig, bark = import_tree()
+    read = export(tmp_path / "tree.glb")
+    assert read.json["scenes"][0]["extras"]["snowbough"]["branch_levels"] == 2
+    at = [entry.value for entry in bark.data.attributes["_BRANCH_LEVEL"].data]
+    expected = rows(y_up(rest_points(bark)), np.array(at)[:, None])
+    for node in read.lods(read.node("small_maple_bark_LOD0"))[:3]:
+        (primitive,) = read.primitives(node)
+        given = read.attributes(primitive)
+        level = given["_BRANCH_LEVEL"]
+        assert set(level[:, 0]) == {0.0, 1.0}
+        assert np.abs(given["COLOR_0"][:, 3:] / 255 - (1 - level / 2)).max() < 1 / 255
+        if node["name"].endswith("_LOD0"):
+            assert rows(given["POSITION"], level) == expected
+
+
+def test_scale_and_units_go_into_the_vertices(tmp_path):
+    rig, bark = import_tree()
+    rig.scale = (2, 2, 2)
+    rig.location = (5, 0, 0)
+    bpy.context.scene.unit_settings.scale_length = 0.5
+    bpy.context.view_layer.update()
+    read = export(tmp_path / "tree.glb", levels=2)
+    places, _triangles = read.welded(read.node("small_maple_bark_LOD0"))
+    assert rows(places) == rows(y_up(rest_points(bark)))  # 2 * 0.5, and the tree's own origin
+    assert all("scale" not in node for node in read.json["nodes"])
+
+
+def test_wind_attributes_go_out_in_every_level(tmp_path, leafy):
+    _rig, bark = import_tree(leafy, wind_attributes=True)
+    read = export(tmp_path / "tree.glb", levels=3)
+    pivots = np.array([entry.vector for entry in bark.data.attributes["_PIVOT"].data])
+    phases = np.array([entry.value for entry in bark.data.attributes["_PHASE"].data])
+    expected = rows(y_up(pivots), phases[:, None])
+    for node in read.lods(read.node("leafy_bark_LOD0")):
+        given = read.attributes(read.primitives(node)[0])
+        there = rows(given["_PIVOT"], given["_PHASE"])
+        assert there <= expected and len(there) > 3
+        assert np.abs(np.linalg.norm(given["_AXIS"], axis=1) - 1).max() < 1e-5
+    lengths = [
+        read.attributes(read.primitives(node)[0])["_LENGTH"].mean()
+        for node in read.lods(read.node("leafy_leaves_LOD0"))
+    ]
+    assert lengths[1] == pytest.approx(lengths[0] * 2**0.5, rel=0.02)  # fewer leaves, and larger
+
+
+# -- leaves ---------------------------------------------------------------------------------------------
+
+
+def test_leaves_are_a_mesh_of_their_own_with_a_mask(tmp_path, leafy):
+    import_tree(leafy)
+    read = export(tmp_path / "tree.glb", levels=3)
+    node = read.node("leafy_leaves_LOD0")
+    (primitive,) = read.primitives(node)
+    material = read.json["materials"][primitive["material"]]
+    assert (material["alphaMode"], material["alphaCutoff"], material["doubleSided"]) == ("MASK", 0.5, True)
+    bark = read.json["materials"][read.primitives(read.node("leafy_bark_LOD0"))[0]["material"]]
+    assert "alphaMode" not in bark and "doubleSided" not in bark
+    data, kind = read.image(material["pbrMetallicRoughness"]["baseColorTexture"]["index"])
+    (tmp_path / "out.png").write_bytes(data)
+    image = bpy.data.images.load(str(tmp_path / "out.png"))
+    pixels = np.array(image.pixels[:]).reshape(8, 8, 4)
+    assert kind == "image/png" and ((pixels[..., 3] > 0.5) == (np.arange(8) < 4)).all()
+    # The white of the texture does not shine through at the mask's edge.
+    assert np.abs(pixels[..., :3] - np.array((40, 120, 20)) / 255).max() < 0.01
+
+
+def test_each_level_has_half_the_leaves_and_as_much_shade(tmp_path, leafy):
+    import_tree(leafy)
+    read = export(tmp_path / "tree.glb", levels=3, leaf_share=0.5)
+    nodes = read.lods(read.node("leafy_leaves_LOD0"))
+    assert len(nodes) == len(read.lods(read.node("leafy_bark_LOD0"))) == 3
+    areas = []
+    for number, node in enumerate(nodes):
+        (primitive,) = read.primitives(node)
+        place = read.array(primitive["attributes"]["POSITION"]).astype(float)
+        corner = place[read.array(primitive["indices"]).reshape(-1, 3)]
+        assert len(corner) == 2 * LEAVES / 2**number
+        across = np.cross(corner[:, 1] - corner[:, 0], corner[:, 2] - corner[:, 0])
+        areas.append(np.linalg.norm(across, axis=1).sum() / 2)
+    assert areas == pytest.approx([LEAVES * 0.04 * 0.04] * 3, rel=1e-3)
+
+
+def test_a_leaf_follows_one_joint(tmp_path, leafy):
+    import_tree(leafy)
+    read = export(tmp_path / "tree.glb", levels=1)
+    (primitive,) = read.primitives(read.node("leafy_leaves_LOD0"))
+    given = read.attributes(primitive)
+    assert (given["WEIGHTS_0"] == (1, 0, 0, 0)).all() and "_BRANCH_LEVEL" not in given
+    assert len(np.unique(given["JOINTS_0"][:, 0])) > 3
+
+
+# -- snow -----------------------------------------------------------------------------------------------
+
+
+@pytest.fixture
+def snowy(tmp_path, addon):
+    """(bark, its folder, the native module): a bake of three frames at 64 texels, normals too."""
+    import snow_scene
+
+    _rig, bark = import_tree(snow_resolution=256)
+    snow_scene.receive(bark, resolution=256)
+    bpy.context.scene.snowbough.receivers[0].uv_map = "snow"
+    snow_scene.settings(tmp_path / "cache", (1, 3), write_normals=True)
+    snow_scene.bake()
+    return bark, snow_scene.folder_of(tmp_path / "cache", bark.name), addon("native").load()
+
+
+def png_samples(path):
+    """(H, W) or (H, W, 3) of a PNG's own numbers, row 0 at the bottom, as Blender reads it."""
+    image = bpy.data.images.load(str(path))
+    image.colorspace_settings.name = "Non-Color"
+    width, height = image.size
+    pixels = np.array(image.pixels[:]).reshape(height, width, image.channels)
+    return pixels, image
+
+
+def snow_of(read, part="small_maple_bark"):
+    return read.json["scenes"][0]["extras"]["snowbough"]["snow"][part]
+
+
+def test_heights_of_a_frame_come_back_in_metres(tmp_path, snowy):
+    _bark, folder, native = snowy
+    bpy.context.scene.frame_set(3)
+    read = export(tmp_path / "tree.glb", snow="FRAME")
+    said = snow_of(read)
+    assert (said["texCoord"], said["frames"], said["columns"], said["rows"], said["tile"]) == (
+        1,
+        [3],
+        1,
+        1,
+        256,
+    )
+    baked = native.read_exr(str(folder / "height_0003.exr"))[0]
+    assert baked.max() > 0.01
+    pixels, image = png_samples(tmp_path / said["height"]["uri"])
+    assert image.depth == 16 or image.is_float or len(np.unique(pixels[..., 0])) > 256
+    metres = said["height"]["offset"] + said["height"]["scale"] * pixels[..., 0]
+    assert np.abs(metres - baked).max() < 1e-5
+
+
+def test_normals_of_a_frame_come_back(tmp_path, snowy):
+    _bark, folder, native = snowy
+    bpy.context.scene.frame_set(2)
+    said = snow_of(export(tmp_path / "tree.glb", snow="FRAME"))
+    baked = native.read_exr(str(folder / "normal_0002.exr"))[0]
+    pixels, _image = png_samples(tmp_path / said["normal"]["uri"])
+    assert np.abs(pixels[..., :3] - baked).max() < 0.01
+    assert np.ptp(baked[..., 0]) > 0.1
+
+
+def test_heights_can_go_out_as_exr(tmp_path, snowy):
+    _bark, folder, native = snowy
+    bpy.context.scene.frame_set(3)
+    said = snow_of(export(tmp_path / "tree.glb", snow="FRAME", snow_format="EXR"))
+    assert (said["height"]["scale"], said["height"]["offset"]) == (1.0, 0.0)
+    written = native.read_exr(str(tmp_path / said["height"]["uri"]))[0]
+    assert np.array_equal(written, native.read_exr(str(folder / "height_0003.exr"))[0])
+
+
+def test_an_atlas_holds_frames_from_the_top_left_on(tmp_path, snowy):
+    _bark, folder, native = snowy
+    said = snow_of(export(tmp_path / "tree.gltf", snow="ATLAS", atlas_frames=3, atlas_tile=128))
+    assert (said["frames"], said["columns"], said["rows"], said["tile"]) == ([1, 2, 3], 2, 2, 128)
+    pixels, _image = png_samples(tmp_path / said["height"]["uri"])
+    metres = said["height"]["offset"] + said["height"]["scale"] * pixels[..., 0]
+    for number, (top, left) in enumerate([(128, 0), (128, 128), (0, 0)]):
+        baked = native.read_exr(str(folder / f"height_{number + 1:04d}.exr"))[0]
+        tile = baked.reshape(128, 2, 128, 2).mean(axis=(1, 3))
+        assert np.abs(metres[top : top + 128, left : left + 128] - tile).max() < 1e-5
+
+
+def test_a_tree_without_a_bake_says_so(tmp_path, addon):
+    _rig, bark = import_tree()
+    options = addon("gltf.export_options").ExportOptions(snow="FRAME")
+    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert report["snow"] == {} and any("has no baked snow" in text for text in report["warnings"])
+
+
+# -- calls ----------------------------------------------------------------------------------------------
+
+
+def test_what_is_no_tree_is_refused(tmp_path):
+    bpy.ops.mesh.primitive_cube_add()
+    assert not bpy.ops.export_scene.snowbough_tree.poll()
+    with pytest.raises(RuntimeError, match="select its armature, bark or leaves"):
+        bpy.ops.export_scene.snowbough_tree(filepath=str(tmp_path / "tree.glb"))
+    assert list(tmp_path.iterdir()) == []
+
+
+@pytest.mark.parametrize(
+    "name, complaint", [("tree.fbx", "must end in .glb or .gltf"), ("no/tree.glb", "no folder")]
+)
+def test_a_file_that_cannot_be_written_is_named(tmp_path, name, complaint):
+    import_tree()
+    with pytest.raises(RuntimeError, match=complaint):
+        bpy.ops.export_scene.snowbough_tree(filepath=str(tmp_path / name))
+
+
+def test_any_object_of_the_tree_will_do(tmp_path, leafy):
+    rig, bark = import_tree(leafy)
+    sizes = set()
+    for obj in (rig, bark, bpy.data.objects["leafy_leaves"]):
+        bpy.context.view_layer.objects.active = obj
+        export(tmp_path / "tree.glb", levels=1)
+        sizes.add((tmp_path / "tree.glb").stat().st_size)
+    assert len(sizes) == 1
+
+
+def test_the_command_line_exports_the_only_tree(tmp_path, addon, capsys):
+    import_tree()
+    run = addon("cli").run
+    report = tmp_path / "report.json"
+    assert run(["export", str(tmp_path / "tree.glb"), "--levels", "2", "--json", str(report)]) == 0
+    assert len(json.loads(report.read_text())["levels"]) == 2
+    assert glb.errors(tmp_path / "tree.glb") == []
+    assert run(["export", str(tmp_path / "tree.glb"), "--tree", "oak"]) == 1
+    assert "there is no tree 'oak'; imported trees in the scene: small_maple" in capsys.readouterr().err
+    assert run(["export", str(tmp_path / "tree.glb"), "--leaf-share", "7"]) == 2
+
+
+def test_blenders_own_importer_reads_it(tmp_path, leafy, monkeypatch):
+    if not hasattr(np, "bool"):
+        monkeypatch.setattr(
+            np, "bool", bool, raising=False
+        )  # the importer of 3.4 was written for an older numpy
+    _rig, bark = import_tree(leafy)
+    count, reach = len(bark.data.polygons), rest_points(bark).max(axis=0)
+    uv = np.array([entry.uv for entry in bark.data.uv_layers["snow"].data])
+    export(tmp_path / "tree.glb", levels=2)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    if not hasattr(bpy.types, "IMPORT_SCENE_OT_gltf"):
+        pytest.skip("this Blender has no glTF importer")
+    bpy.ops.import_scene.gltf(filepath=str(tmp_path / "tree.glb"))
+    bark = bpy.data.objects["leafy_bark_LOD0"]
+    assert len(bark.data.polygons) == 2 * count
+    assert len(bark.find_armature().data.bones) == 120
+    assert rest_points(bark).max(axis=0) == pytest.approx(reach, abs=1e-4)
+    read = np.array([entry.uv for entry in bark.data.uv_layers[1].data])
+    assert read.min(axis=0) == pytest.approx(uv.min(axis=0), abs=1e-5)
+    assert read.mean(axis=0) == pytest.approx(uv.mean(axis=0), abs=0.05)

@@ -1,0 +1,383 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What the engines' hand-over does without Blender (snowbough.gltf): images, thinning, and files that keep the
+specification's rules (tests/support/glb.py reads them back)."""
+
+import io
+import json
+import sys
+from pathlib import Path
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+from snowbough.gltf import png, snow_maps, surface, texels, thinning, tree_file
+from snowbough.tree import skeleton_text
+
+sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
+import glb  # noqa: E402
+
+# -- images ---------------------------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("shape", [(3, 5), (4, 2, 3), (2, 3, 4)])
+def test_a_png_of_8_bits_reads_back_with_the_bottom_row_last(shape):
+    image = pytest.importorskip("PIL.Image", reason="Pillow reads the PNG back")
+    samples = np.random.default_rng(1).integers(0, 256, shape).astype(np.uint8)
+    read = np.asarray(image.open(io.BytesIO(png.encode(samples))))
+    assert np.array_equal(read[::-1], samples)
+
+
+def test_a_png_of_16_bits_keeps_all_of_them():
+    image = pytest.importorskip("PIL.Image", reason="Pillow reads the PNG back")
+    samples = np.array([[0, 1, 255, 256], [257, 32768, 65534, 65535]], np.uint16)
+    read = np.asarray(image.open(io.BytesIO(png.encode(samples)))).astype(np.uint16)
+    assert np.array_equal(read[::-1], samples)
+
+
+def test_a_png_of_floats_is_refused():
+    with pytest.raises(ValueError, match="uint8 or uint16"):
+        png.encode(np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize("low, high", [(0.0, 1.0), (-0.2, 0.3), (-1.0, 0.0), (0.0, 1e-7), (-1e-6, 1.0)])
+def test_heights_come_back_within_half_a_step_and_bare_ground_stays_bare(low, high):
+    heights = np.linspace(low, high, 101).astype(np.float32)
+    samples, scale, offset = snow_maps.quantised(heights)
+    metres = offset + scale * samples.astype(float) / 65535
+    assert np.abs(metres - heights).max() <= 0.51 * scale / 65535
+    assert metres[np.argmin(np.abs(heights))] == pytest.approx(0.0, abs=1e-12)
+
+
+def test_an_atlas_begins_at_the_top_left_and_runs_to_the_right():
+    tiles = [np.full((2, 2), float(k), np.float32) for k in range(3)]
+    whole = snow_maps.atlas(tiles)
+    assert snow_maps.tile_layout(3) == (2, 2)
+    # Row 0 is the bottom one.
+    assert whole.tolist() == [[2, 2, 0, 0], [2, 2, 0, 0], [0, 0, 1, 1], [0, 0, 1, 1]]
+
+
+def test_tiles_are_means_of_whole_blocks():
+    assert snow_maps.shrunk(np.array([[0.0, 1.0], [2.0, 5.0]], np.float32), 1).tolist() == [[2.0]]
+    with pytest.raises(ValueError, match="does not divide"):
+        snow_maps.shrunk(np.zeros((64, 64), np.float32), 48)
+
+
+def test_a_leafs_colour_fills_what_its_mask_hides():
+    color = np.ones((8, 8, 3), np.float32)  # white around
+    color[2:5, 2:5] = (0.1, 0.5, 0.0)
+    alpha = np.zeros((8, 8), np.float32)
+    alpha[2:5, 2:5] = 1.0
+    made = texels.masked(color, alpha)
+    assert np.abs(made[..., :3].astype(int) - (26, 128, 0)).max() <= 1
+    assert np.array_equal(made[..., 3] == 255, alpha == 1.0)
+
+
+def test_a_mask_of_another_size_is_brought_to_the_larger_one():
+    made = texels.masked(np.full((2, 2, 3), 0.5, np.float32), np.ones((4, 8), np.float32))
+    assert made.shape == (4, 8, 4)
+
+
+# -- a skeleton as a text -------------------------------------------------------------------------------
+
+
+def branch(name, level, parent, points, attach):
+    points = np.array(points, np.float32)
+    ones = np.ones(len(points), np.float32)
+    return SimpleNamespace(
+        name=name,
+        level=level,
+        parent=parent,
+        points=points,
+        radii=ones * 0.1,
+        areas=ones / 3,
+        attach_point=np.array(attach, np.float32),
+    )
+
+
+def test_a_skeleton_comes_back_bit_for_bit():
+    given = [
+        branch("Stamm ä", 0, -1, [(0, 0, 0), (0, 0.1, 1 / 3)], (0, 0, 0)),
+        branch("twig", 1, 0, [(0, 0, 0.2)], (0, 0.05, 0.2)),
+    ]
+    text = skeleton_text.to_text(given, {"width": "ORIGINAL"})
+    assert text.isascii()
+    found, built = skeleton_text.from_text(text)
+    assert built == {"width": "ORIGINAL"}
+    for before, after in zip(given, found, strict=True):
+        assert (before.name, before.level, before.parent) == (after.name, after.level, after.parent)
+        for name in ("points", "radii", "areas", "attach_point"):
+            assert np.array_equal(getattr(before, name), getattr(after, name)), name
+
+
+@pytest.mark.parametrize("text", ["", "nonsense", "c$" * 40])
+def test_what_is_no_skeleton_is_refused(text):
+    with pytest.raises(ValueError, match="import the tree anew"):
+        skeleton_text.from_text(text)
+
+
+# -- fewer branches, fewer leaves -----------------------------------------------------------------------
+
+# A cube with a tower on its top and a thinner one on that: 5 + 4 + 4 + 1 quads, each part a branch.
+TOWER = np.array(
+    [[0, 1, 5, 4], [1, 2, 6, 5], [2, 3, 7, 6], [3, 0, 4, 7], [3, 2, 1, 0]]
+    + [[4, 5, 9, 8], [5, 6, 10, 9], [6, 7, 11, 10], [7, 4, 8, 11]]
+    + [[8, 9, 13, 12], [9, 10, 14, 13], [10, 11, 15, 14], [11, 8, 12, 15], [12, 13, 14, 15]],
+)
+TOWER_BRANCH = np.array([0] * 5 + [1] * 4 + [2] * 5)
+TOWER_BRANCHES = [
+    branch("cube", 0, -1, [(0, 0, 0), (0, 0, 1)], (0, 0, 0)),
+    branch("tower", 1, 0, [(0, 0, 1), (0, 0, 1.5)], (0, 0, 1)),
+    branch("spire", 2, 1, [(0, 0, 1.5), (0, 0, 4)], (0, 0, 1.5)),
+]
+
+
+def tower_uvs():
+    """U and V of each corner: the vertex's number, and the branch."""
+    return np.stack([TOWER, np.repeat(TOWER_BRANCH[:, None], 4, axis=1)], axis=2).astype(np.float32)
+
+
+def as_triangles(quads):
+    return quads[:, (0, 1, 2, 0, 2, 3)].reshape(-1, 3).astype(np.int64)
+
+
+def test_no_branch_goes_before_what_grows_from_it():
+    # The spire is the longest, so it keeps the tower that it stands on.
+    assert thinning.branch_sizes(TOWER_BRANCHES).tolist() == [2.5, 2.5, 2.5]
+    faces = np.bincount(TOWER_BRANCH)
+    kept = thinning.kept_branches(TOWER_BRANCHES, faces, 9)
+    assert kept.tolist() == [True, True, False]
+    assert thinning.kept_branches(TOWER_BRANCHES, faces, 1).tolist() == [True, False, False]
+
+
+@pytest.mark.parametrize("kept, quads", [((1, 1, 1), 14), ((1, 1, 0), 10), ((1, 0, 0), 6)])
+def test_a_tree_without_some_branches_is_closed(kept, quads):
+    kept = np.array(kept, bool)
+    left, (uv,), faces = thinning.without_branches(TOWER, [tower_uvs()], TOWER_BRANCH, TOWER_BRANCHES, kept)
+    assert len(left) == len(uv) == len(faces) == quads
+    assert glb.is_closed(as_triangles(left))
+    # The quad on the hole has the UVs of the branch that it was cut off, at the same vertices.
+    assert np.array_equal(uv[..., 0], left)
+    assert kept[uv[..., 1].astype(int)].all() and kept[TOWER_BRANCH[faces]].all()
+
+
+def test_an_open_mesh_loses_no_branches():
+    with pytest.raises(ValueError, match="not closed"):
+        thinning.without_branches(
+            TOWER[:-1], [tower_uvs()[:-1]], TOWER_BRANCH[:-1], TOWER_BRANCHES, np.array([True, True, False])
+        )
+
+
+def leaves_surface(count):
+    """`count` separate unit squares in a row along X, each of two triangles."""
+    corner = np.array([(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)], np.float32)
+    points = (corner + np.arange(count)[:, None, None] * (3, 0, 0)).reshape(-1, 3).astype(np.float32)
+    quads = np.arange(4 * count).reshape(-1, 4)
+    uv = np.zeros((count, 4, 2), np.float32)
+    joints, weights = surface.strongest(np.zeros((4 * count, 1), int), np.ones((4 * count, 1)))
+    return surface.from_quads(points, quads, [uv, uv], joints, weights, np.zeros(count), None)
+
+
+def area(one):
+    place = one.points[one.corner_point[one.triangles]].astype(float)
+    return np.linalg.norm(np.cross(place[:, 1] - place[:, 0], place[:, 2] - place[:, 0]), axis=1).sum() / 2
+
+
+@pytest.mark.parametrize("share", [0.5, 0.25, 0.1])
+def test_fewer_leaves_cover_as_much(share):
+    thinned = thinning.thinned_leaves(leaves_surface(100), share)
+    assert len(thinned.triangles) == round(200 * share)
+    assert area(thinned) == pytest.approx(100.0, rel=1e-5)
+
+
+def test_leaves_of_a_coarser_level_are_among_those_of_the_finer():
+    many = thinning.thinned_leaves(leaves_surface(64), 0.5)
+    few = thinning.thinned_leaves(leaves_surface(64), 0.25)
+    assert {tuple(t) for t in few.triangles.tolist()} < {tuple(t) for t in many.triangles.tolist()}
+
+
+def test_a_leaf_grows_from_its_stem():
+    given = leaves_surface(4)
+    stems = given.points * (1, 0, 0) + (0, -1, 0)  # below the edge y = 0, and nearest to its points
+    thinned = thinning.thinned_leaves(given, 0.25, stems)
+    used = thinned.points[thinned.corner_point[thinned.triangles]].reshape(-1, 3)
+    assert used[:, 1].min() == 0.0 and used[:, 1].max() == pytest.approx(2.0)
+
+
+# -- surfaces -------------------------------------------------------------------------------------------
+
+
+def test_the_four_strongest_influences_sum_to_one():
+    joints, weights = surface.strongest([[7, 8, 9, 10, 11]], [[0.1, 0.4, 0.0, 0.3, 0.2]])
+    assert joints.tolist() == [[8, 10, 11, 7]]
+    assert weights[0] == pytest.approx([0.4, 0.3, 0.2, 0.1])
+    joints, weights = surface.strongest([[3, 5]], [[0.0, 2.0]])
+    assert joints.tolist() == [[5, 0, 0, 0]] and weights.tolist() == [[1, 0, 0, 0]]
+
+
+def cube(uv_seam=False):
+    """A unit cube of smooth quads around the middle; with a seam, each face has UVs of its own."""
+    corners = np.array([(x, y, z) for z in (0, 1) for x, y in ((0, 0), (1, 0), (1, 1), (0, 1))], np.float32)
+    quads = TOWER[:5].tolist() + [[4, 5, 6, 7]]
+    uv = np.zeros((6, 4, 2), np.float32)
+    if uv_seam:
+        uv += np.arange(6, dtype=np.float32)[:, None, None] / 10
+    joints, weights = surface.strongest(np.array([[0, 1]] * 8), np.array([[0.5, 0.5]] * 8))
+    level = np.array([0] * 4 + [1] * 4)
+    return surface.from_quads(corners - 0.5, np.array(quads), [uv, uv], joints, weights, np.zeros(6), level)
+
+
+def test_points_are_split_where_uvs_differ_and_only_there():
+    assert len(surface.split(cube(), np.ones(12, bool)).point) == 8
+    assert len(surface.split(cube(uv_seam=True), np.ones(12, bool)).point) == 24
+
+
+def test_smooth_normals_point_from_the_middle_of_a_cube():
+    given = cube()
+    vertices = surface.split(given, np.ones(12, bool))
+    outwards = given.points[vertices.point] / np.sqrt(0.75)
+    assert np.abs(vertices.normals - outwards).max() < 1e-6
+
+
+def test_flat_faces_have_their_own_normals():
+    given = cube()
+    given.smooth[:] = False
+    vertices = surface.split(given, np.ones(12, bool))
+    assert len(vertices.point) == 24 and np.abs(vertices.normals).max(axis=1) == pytest.approx(1.0)
+
+
+def test_a_mirrored_surface_stays_outside_out():
+    mirrored = surface.transformed(cube(), np.diag((-2.0, 1.0, 1.0)))
+    triangles = mirrored.corner_point[mirrored.triangles].astype(np.int64)
+    assert glb.volume(mirrored.points, triangles) == pytest.approx(2.0)
+
+
+def test_what_wind_needs_is_scaled_and_turned_with_the_surface():
+    given = cube()
+    pivot, axis = np.full((8, 3), 1.0, np.float32), np.tile(np.float32((0, 1, 0)), (8, 1))
+    given.wind = (pivot, axis, np.full(8, 0.5, np.float32), np.full(8, 0.25, np.float32))
+    turned = np.array([(0, -2, 0), (2, 0, 0), (0, 0, 2)])  # a quarter round Z, twice as large
+    pivot, axis, length, phase = surface.transformed(given, turned).wind
+    assert pivot[0].tolist() == [-2, 2, 2] and axis[0].tolist() == [-1, 0, 0]
+    assert (length[0], phase[0]) == (1.0, 0.25)
+
+
+# -- files ----------------------------------------------------------------------------------------------
+
+
+def some_tree(**material):
+    """Two bones, the second one turned and above the first; the cube in two levels of detail."""
+    turned = np.eye(4)
+    turned[:3, :3] = [[0, -1, 0], [1, 0, 0], [0, 0, 1]]
+    turned[:3, 3] = (0, 0, 0.5)
+    joints = [tree_file.Joint("root", -1, np.eye(4)), tree_file.Joint("tip", 0, turned)]
+    bark = tree_file.Part("cube", [cube(uv_seam=True), cube()], [tree_file.Material("bark", **material)])
+    return tree_file.Tree("tree", joints, [bark], 3)
+
+
+@pytest.mark.parametrize("suffix", [".glb", ".gltf"])
+def test_files_keep_the_rules_and_read_back(tmp_path, suffix):
+    picture = png.encode(np.zeros((2, 2, 4), np.uint8))
+    texture = tree_file.Texture(
+        "a leaf", picture, "image/png", texcoord=1, scale=(2.0, 3.0), offset=(0.1, 0.2)
+    )
+    built = tree_file.build(some_tree(base=texture, cutoff=0.5, double_sided=True))
+    path = tmp_path / f"a tree{suffix}"
+    files = built.write_glb(path) if suffix == ".glb" else built.write_separate(path)
+    assert sorted(files) == sorted(tmp_path.iterdir())
+    assert glb.errors(path) == []
+    read = glb.Gltf(path)
+    assert read.image(0)[0] == picture
+    (material,) = read.json["materials"]
+    info = material["pbrMetallicRoughness"]["baseColorTexture"]
+    # A point's v' in glTF is 1 - v: there the texture has to be looked up at 1 - (3 v + 0.2).
+    offset, scale = (info["extensions"]["KHR_texture_transform"][key] for key in ("offset", "scale"))
+    assert offset[1] + scale[1] * (1 - 0.25) == pytest.approx(1 - (3 * 0.25 + 0.2))
+    assert (material["alphaMode"], material["doubleSided"], info["texCoord"]) == ("MASK", True, 1)
+
+
+def test_the_skin_at_rest_leaves_every_point_where_it_is(tmp_path):
+    tree_file.build(some_tree()).write_glb(tmp_path / "t.glb")
+    read = glb.Gltf(tmp_path / "t.glb")
+    node = read.node("cube_LOD0")
+    (rest,) = read.skinned(node)
+    (primitive,) = read.primitives(node)
+    assert np.abs(rest - read.array(primitive["attributes"]["POSITION"])).max() < 1e-6
+    places, triangles = read.welded(node)
+    assert glb.is_closed(triangles) and glb.volume(places, triangles) == pytest.approx(1.0)
+
+
+def test_y_points_up(tmp_path):
+    tree_file.build(some_tree()).write_glb(tmp_path / "t.glb")
+    read = glb.Gltf(tmp_path / "t.glb")
+    world = read.world_matrices()
+    tip = next(k for k, node in enumerate(read.json["nodes"]) if node["name"] == "tip")
+    assert world[tip][:3, 3] == pytest.approx((0, 0.5, 0))
+    # Blender's X, along which the tip's Y runs backwards, stays X.
+    assert world[tip][:3, 1] == pytest.approx((-1, 0, 0))
+
+
+def test_branch_levels_and_their_share_of_tessellation_are_on_every_vertex(tmp_path):
+    tree_file.build(some_tree()).write_glb(tmp_path / "t.glb")
+    read = glb.Gltf(tmp_path / "t.glb")
+    (primitive,) = read.primitives(read.node("cube_LOD0"))
+    given = read.attributes(primitive)
+    level = np.where(given["POSITION"][:, 1] > 0, 1.0, 0.0)
+    assert np.array_equal(given["_BRANCH_LEVEL"][:, 0], level)
+    assert (given["COLOR_0"][:, :3] == 255).all()
+    assert np.abs(given["COLOR_0"][:, 3] / 255 - (1 - level / 3)).max() < 1 / 255
+    assert read.json["scenes"][0]["extras"]["snowbough"]["branch_levels"] == 3
+
+
+def test_levels_of_detail_hang_on_the_finest(tmp_path):
+    tree_file.build(some_tree()).write_glb(tmp_path / "t.glb")
+    read = glb.Gltf(tmp_path / "t.glb")
+    finest = read.node("cube_LOD0")
+    assert [node["name"] for node in read.lods(finest)] == ["cube_LOD0", "cube_LOD1"]
+    assert finest["extras"]["MSFT_screencoverage"] == [0.25, 0.0]
+    assert "MSFT_lod" in read.json["extensionsUsed"]
+
+
+def test_many_vertices_take_wide_indices(tmp_path):
+    tree = some_tree()
+    tree.parts[0].levels[:] = [leaves_surface(16384)]  # 65,536 vertices
+    tree_file.build(tree).write_glb(tmp_path / "t.glb")
+    read = glb.Gltf(tmp_path / "t.glb")
+    (primitive,) = read.primitives(read.node("cube_LOD0"))
+    assert read.json["accessors"][primitive["indices"]]["componentType"] == 5125
+    assert glb.errors(tmp_path / "t.glb") == []
+
+
+def test_equal_input_gives_equal_bytes(tmp_path):
+    for name in ("a.glb", "b.glb"):
+        tree_file.build(some_tree()).write_glb(tmp_path / name)
+    assert (tmp_path / "a.glb").read_bytes() == (tmp_path / "b.glb").read_bytes()
+
+
+def test_what_is_no_number_is_refused():
+    tree = some_tree()
+    tree.parts[0].levels[0].points[3] = np.nan
+    with pytest.raises(ValueError, match="not finite"):
+        tree_file.build(tree)
+
+
+def test_the_reader_sees_what_is_wrong(tmp_path):
+    """The rules can fail: a file with one number changed breaks the one that is meant."""
+    path = tmp_path / "t.gltf"
+    tree_file.build(some_tree()).write_separate(path)
+
+    def broken(change):
+        whole = json.loads(path.read_text())
+        change(whole)
+        other = tmp_path / "broken.gltf"
+        other.write_text(json.dumps(whole))
+        return " ".join(glb.errors(other))
+
+    def position(whole):
+        return whole["accessors"][whole["meshes"][0]["primitives"][0]["attributes"]["POSITION"]]
+
+    assert "3.6.2.5: max" in broken(lambda w: position(w).update(max=[9, 9, 9]))
+    assert "without bounds" in broken(lambda w: position(w).pop("min"))
+    assert "not aligned" in broken(lambda w: w["bufferViews"][position(w)["bufferView"]].update(byteOffset=2))
+    assert "two parents" in broken(lambda w: w["nodes"][0]["children"].append(2))
+    assert "MSFT_lod" in broken(lambda w: w.pop("extensionsUsed"))
+    assert "not of unit length" in broken(lambda w: w["nodes"][1].update(rotation=[0, 0, 0, 2]))

@@ -1,0 +1,49 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The live preview's shader is GLSL by the reference compiler's reading, with the declarations that Blender adds."""
+
+import shutil
+import subprocess
+
+import pytest
+from snowbough.preview import interface
+
+GLSL = {"FLOAT": "float", "VEC2": "vec2", "VEC3": "vec3", "VEC4": "vec4", "MAT4": "mat4"}
+GLSL.update({"IVEC2": "ivec2", "IVEC3": "ivec3"})
+BYTES = {"FLOAT": 4, "VEC4": 16, "MAT4": 64}
+
+
+def declarations(stage):
+    """What Blender writes above a stage's source."""
+    yield "#version 450 core"
+    for name, value in interface.DEFINES.items():
+        yield f"#define {name} {value}"
+    for slot, name in enumerate(interface.TABLES):
+        yield f"layout(binding = {slot}) uniform sampler2D {name};"
+    for kind, name in interface.CONSTANTS:
+        yield f"uniform {GLSL[kind]} {name};"
+    for location, (kind, name) in enumerate(interface.VARYINGS):
+        yield f"layout(location = {location}) {'out' if stage == 'vert' else 'in'} {GLSL[kind]} {name};"
+    if stage == "vert":
+        for location, (name, kind, _, _) in enumerate(interface.ATTRIBUTES):
+            yield f"layout(location = {location}) in {GLSL[kind]} {name};"
+    else:
+        yield "layout(location = 0) out vec4 fragment_color;"
+
+
+@pytest.mark.skipif(not shutil.which("glslangValidator"), reason="glslangValidator is not installed")
+def test_both_stages_compile_and_fit_together(tmp_path):
+    files = []
+    for stage in ("vert", "frag"):
+        files.append(tmp_path / f"snow.{stage}")
+        files[-1].write_text("\n".join(declarations(stage)) + "\n" + interface.source(stage))
+    done = subprocess.run(["glslangValidator", "-l", *files], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
+
+
+def test_constants_fit_into_what_every_driver_takes():
+    assert sum(BYTES[kind] for kind, _ in interface.CONSTANTS) <= 128
+
+
+def test_a_row_of_a_table_holds_whole_entries():
+    """An entry is four texels (drawing), which the shader takes one by one but never from two rows' ends at once."""
+    assert interface.ROW % 4 == 0

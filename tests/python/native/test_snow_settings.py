@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Settings that change while a simulation runs: the next step has them, and what lies stays."""
+
+import math
+
+import numpy as np
+import pytest
+import snowbough_native as native
+from snow_meshes import grid
+
+
+@pytest.fixture
+def ground():
+    """1 m of open ground with 0.2 m of snow that stays where it fell."""
+    positions, triangles, uv = grid()
+    sim = native.SnowSimulation(pixel_size=0.02, repose=math.pi / 2)
+    sim.add_object("ground", triangles, uv, resolution=64)
+    sim.step({"ground": positions}, 0.2)
+    yield sim
+    sim.close()
+
+
+def test_another_repose_counts_from_the_next_step_on(ground):
+    before = ground.height("ground")
+    ground.change_settings(repose=math.radians(30.0))
+    assert (ground.height("ground") == before).all()
+    for _ in range(10):
+        ground.step({}, 0.0, dt=0.1)
+    rim, middle = ground.height("ground")[32, 3], ground.height("ground")[32, 32]
+    assert rim < 0.1 < middle
+
+
+def test_settings_that_are_not_named_stay(ground):
+    ground.change_settings(max_depth=0.05, slide_half_life=1.0)
+    ground.change_settings(seed=3)
+    ground.step({}, 0.0, dt=1.0)
+    # Half of what is over 0.05 m slides off in a half-life.
+    assert ground.height("ground")[32, 32] == pytest.approx(0.125, rel=1e-3)
+
+
+def test_settings_out_of_range_are_refused_and_change_nothing(ground):
+    with pytest.raises(ValueError, match="repose must be over 0"):
+        ground.change_settings(repose=-1.0, max_depth=0.01)
+    ground.step({}, 0.0, dt=100.0)
+    assert ground.height("ground")[32, 32] == pytest.approx(0.2, rel=1e-3)
+
+
+def test_another_blur_counts_at_once_and_leaves_what_is_stored():
+    positions, triangles, uv = grid()
+    with native.SnowSimulation(pixel_size=0.02, repose=math.pi / 2) as sim:
+        sim.add_object("ground", triangles, uv, resolution=64, blur_radius=0.0)
+        sim.add_object("roof", triangles, uv, receive=False)
+        sim.step({"ground": positions, "roof": positions * 0.3 + [0, 0, 1]}, 0.2)
+        stored = sim.height("ground")
+
+        def steepest():
+            return np.abs(np.diff(sim.output("ground", normal=False)["height"], axis=1)).max()
+
+        sharp = steepest()
+        sim.set_blur_radius("ground", 0.1)
+        assert steepest() < 0.5 * sharp
+        assert (sim.height("ground") == stored).all()
+
+
+def test_a_blur_that_is_none_and_a_name_that_is_none_are_refused(ground):
+    with pytest.raises(ValueError, match="blur_radius must be 0 metres or more"):
+        ground.set_blur_radius("ground", -0.1)
+    with pytest.raises(ValueError, match="no object named 'sky'"):
+        ground.set_blur_radius("sky", 0.1)
+
+
+def test_a_closed_simulation_takes_no_settings(ground):
+    ground.close()
+    with pytest.raises(RuntimeError, match="closed"):
+        ground.change_settings(seed=1)

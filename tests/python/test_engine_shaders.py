@@ -1,0 +1,69 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The shaders of the guide for engines (docs/engines) compile, in GLSL and in HLSL, and say what the exporter says."""
+
+import re
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+FOLDER = Path(__file__).resolve().parents[2] / "docs" / "engines"
+STAGES = ("vert", "tesc", "tese", "frag")
+HLSL = {"vert": "vertex_main", "tesc": "hull_main", "tese": "domain_main", "frag": "pixel_main"}
+needs_glslang = pytest.mark.skipif(
+    not shutil.which("glslangValidator"), reason="glslangValidator is not installed (package glslang-tools)"
+)
+
+
+def compiled(*arguments):
+    done = subprocess.run(["glslangValidator", *arguments], cwd=FOLDER, capture_output=True, text=True)
+    return done.returncode, done.stdout + done.stderr
+
+
+@needs_glslang
+def test_the_glsl_stages_compile_and_link():
+    # Only when it links does glslangValidator follow #include.
+    code, said = compiled("-l", "-I.", *(f"tree.{stage}.glsl" for stage in STAGES))
+    assert code == 0, said
+
+
+@needs_glslang
+@pytest.mark.parametrize("stage", STAGES)
+def test_the_hlsl_stages_compile(stage, tmp_path):
+    code, said = compiled(
+        "-D", "-V", "-S", stage, "-e", HLSL[stage], "-o", str(tmp_path / "out.spv"), "tree.hlsl"
+    )
+    assert code == 0, said
+
+
+@needs_glslang
+def test_a_mistake_is_an_error(tmp_path):
+    (tmp_path / "tree.tesc.glsl").write_text(
+        (FOLDER / "tree.tesc.glsl").read_text().replace("edge_level(1, 2)", "nothing(1)")
+    )
+    assert compiled("-l", str(tmp_path / "tree.tesc.glsl"))[0] != 0
+
+
+def test_both_languages_have_the_same_inputs():
+    glsl = "".join(
+        (FOLDER / name).read_text() for name in ("snow_atlas.glsl", "tree.tesc.glsl", "tree.frag.glsl")
+    )
+    hlsl = (FOLDER / "tree.hlsl").read_text()
+    for block in ("SnowAtlas", "Tessellation", "Light"):
+        names = [
+            re.findall(
+                r"^\s+\w+ (\w+);",
+                re.search(rf"(?:uniform|cbuffer) {block}[^{{]*{{(.*?)}}", text, re.DOTALL).group(1),
+                re.MULTILINE,
+            )
+            for text in (glsl, hlsl)
+        ]
+        assert names[0] == names[1] != [], block
+
+
+def test_the_formula_is_the_exporters():
+    from snowbough.gltf.tree_file import FORMULA
+
+    for text in ("engines.md", "engines/tree.tesc.glsl", "engines/tree.hlsl"):
+        assert FORMULA in (FOLDER.parent / text).read_text(), text
