@@ -401,7 +401,7 @@ class SnowboughMeshData(bpy.types.PropertyGroup):
 
     bark_vertices: IntProperty(
         name="Vertices of the Bark",
-        description="As many as the import made: with others it has been edited",
+        description="As many as the import made: with others it has been edited (no unit)",
         options={"HIDDEN"},
     )
 

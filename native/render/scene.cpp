@@ -309,23 +309,39 @@ void Scene::draw_shadows(const RenderSettings& settings) {
   }
 }
 
-void Scene::draw_snow(const DrawStyle& style, bool measured) {
-  if (receivers_.empty()) return;
-  const auto pass = [&](const char* name, auto&& work) {
-    if (!measured) return work();
+void Scene::draw_snow(const DrawStyle& style, bool measured, bool layers) {
+  const auto drawn = [&](const Receiver& of) { return of.draws_base() != layers; };
+  if (std::none_of(receivers_.begin(), receivers_.end(),
+                   [&](const auto& each) { return drawn(*each.second); })) {
+    return;
+  }
+  const auto pass = [&](const char* name, auto&& draw) {
+    const auto all = [&] {
+      for (const auto& [of_name, of] : receivers_) {
+        if (drawn(*of)) draw(*of);
+      }
+    };
+    if (!measured) return all();
     const auto timed = timer_.measure(name);
-    work();
+    all();
   };
-  pass("snow plain", [&] {
-    for (const auto& [name, of] : receivers_) {
-      snow_.draw_plain(of->buffers, of->buffers.camera, camera_view_, style);
-    }
+  pass(layers ? "layers plain" : "snow plain",
+       [&](Receiver& of) { snow_.draw_plain(of.buffers, of.buffers.camera, camera_view_, style); });
+  pass(layers ? "layers tessellated" : "snow tessellated", [&](Receiver& of) {
+    snow_.draw_tessellated(of.buffers, of.buffers.camera, camera_view_, style);
   });
-  pass("snow tessellated", [&] {
-    for (const auto& [name, of] : receivers_) {
-      snow_.draw_tessellated(of->buffers, of->buffers.camera, camera_view_, style);
-    }
-  });
+}
+
+void Scene::draw_snow_layers(const DrawStyle& style, bool measured) {
+  if (style.kind != Kind::kShaded) return draw_snow(style, measured, true);
+  // Thin snow shows what it lies on, and lies closer to it than depth tells apart from afar.
+  glEnable(GL_BLEND);
+  glBlendFuncSeparate(GL_SRC_ALPHA, GL_ONE_MINUS_SRC_ALPHA, GL_ONE, GL_ONE_MINUS_SRC_ALPHA);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(-1.0f, -4.0f);
+  draw_snow(style, measured, true);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glDisable(GL_BLEND);
 }
 
 void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured) {
@@ -354,12 +370,13 @@ void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured
       }
     }
   });
-  draw_snow(style, measured);
+  draw_snow(style, measured, false);
   pass("meshes", [&] {
     for (const auto& [name, mesh] : meshes_) {
       mesh_passes_.draw(*mesh, camera_view_, style.kind, *shadow_map_, style.wire_color);
     }
   });
+  draw_snow_layers(style, measured);
 }
 
 void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {

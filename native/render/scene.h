@@ -64,6 +64,8 @@ class Scene {
         : mesh(std::move(its_mesh)),
           buffers(mesh.patches(), glm::vec4(color, draws_base ? 1.0f : 0.0f)) {}
 
+    bool draws_base() const { return buffers.color.w > 0.5f; }
+
     SnowMesh mesh;
     SnowBuffers buffers;
   };
@@ -112,7 +114,9 @@ class Scene {
   void prepare_snow(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
   void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
-  void draw_snow(const DrawStyle& style, bool measured);
+  /// `layers`: those over meshes that others draw, instead of those with a base of their own.
+  void draw_snow(const DrawStyle& style, bool measured, bool layers);
+  void draw_snow_layers(const DrawStyle& style, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
                   KeptTarget& large, bool linear, Shadows shadows);

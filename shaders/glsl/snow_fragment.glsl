@@ -10,8 +10,8 @@ uniform vec4 wire_color;
 #include "glsl/snow_shading.glsl"
 /// Linear; w: 0 where the bare surface is somebody else's.
 uniform vec4 base_color;
-/// Cover from which on snow stands for what it covers, where that is somebody else's.
-const float kHidingCover = 0.5;
+/// Cover below which nothing is to be seen of snow.
+const float kLeastCover = 0.004;
 in vec3 world;
 in vec3 snow_direction;
 in vec3 bare_normal;
@@ -56,12 +56,17 @@ void main() {
   // Seen through the surface, snow on its other side is hidden by the base.
   const bool seen_from_behind = gl_FrontFacing == (side < 0.0);
   const float cover = seen_from_behind ? 0.0 : snow_cover(abs(map.x), rest_place, pixel);
-  if (base_color.w < 0.5 && cover < kHidingCover) {
-    discard;
-  }
   const vec3 bare = normalize(bare_normal) * (gl_FrontFacing ? 1.0 : -1.0);
   const vec3 snow = lit_snow(world, normal, abs(map.x), rest_place);
-  color = encoded(mix(lit(base_color.rgb, world, bare, bare, 0.0), snow, base_color.w < 0.5 ? 1.0 : cover));
+  const bool is_layer = base_color.w < 0.5;
+  if (is_layer && cover < kLeastCover) {
+    discard;  // behind all that takes derivatives
+  }
+  if (is_layer) {
+    color = vec4(encoded(snow).rgb, cover);
+  } else {
+    color = encoded(mix(lit(base_color.rgb, world, bare, bare, 0.0), snow, cover));
+  }
 #endif
 #endif
 }

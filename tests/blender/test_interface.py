@@ -15,7 +15,7 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
 # Units that a tooltip may name, in brackets: "(metres)", "(texels)", "(no unit)".
 UNITS = re.compile(
-    r"\((metres|degrees|seconds|frames|texels|radii of the limb|levels|bones|keys|poses a frame|"
+    r"\((metres|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|keys|poses a frame|"
     r"directions a shot|0 to 1|no unit)\)"
 )
 LENGTH, TIME = re.compile(r"depth|(texel|pixel)_size|^height$"), re.compile(r"half_life|seconds")

@@ -8,7 +8,7 @@ from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
 class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     samples: IntProperty(
         name="Samples",
-        description="Pictures that a rendered one is the mean of: more make edges and leaves smoother",
+        description="Pictures that a rendered one is the mean of: more make edges and leaves smoother (no unit)",
         default=16,
         min=1,
         soft_max=64,
@@ -24,7 +24,13 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     shadow_resolution: EnumProperty(
         name="Shadows",
         description="Texels a side of the sun's shadow map",
-        items=tuple((str(size), f"{size} px" if size else "None", "") for size in (0, 512, 1024, 2048, 4096)),
+        items=(
+            ("0", "None", "Nothing casts shadows"),
+            ("512", "512 px", "Soft and coarse, for slow machines"),
+            ("1024", "1024 px", "Enough for single trees"),
+            ("2048", "2048 px", "Fine twigs cast shadows from near"),
+            ("4096", "4096 px", "For whole gardens"),
+        ),
         default="2048",
     )
 

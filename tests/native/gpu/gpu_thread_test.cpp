@@ -1,9 +1,14 @@
 #include "gpu/gpu_thread.h"
 
+#include <epoxy/gl.h>
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <exception>
+#include <future>
 #include <numeric>
 #include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "gpu/program.h"
@@ -134,6 +139,42 @@ TEST(Program, DispatchItemsReachesEveryItemInRowsOfGroups) {
     glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
     EXPECT_EQ(target.read_all<float>(), values);
   });
+}
+
+TEST(GpuThread, PostReturnsAtOnceAndHandsErrorsOver) {
+  const auto thread = GpuThread::shared();
+  std::promise<void> open;
+  std::promise<std::string> told;
+  std::atomic<int> done{0};
+  const auto note = [&](const std::exception_ptr& error) {
+    try {
+      std::rethrow_exception(error);
+    } catch (const std::exception& what) {
+      told.set_value(what.what());
+    }
+  };
+  thread->post([&] { open.get_future().wait(); }, note);  // would wait for ever, if post did
+  thread->post([&] { done = 1; }, note);
+  EXPECT_EQ(done, 0);
+  open.set_value();
+  thread->post([] { throw std::runtime_error("broken"); }, note);
+  EXPECT_EQ(told.get_future().get(), "broken");
+  EXPECT_EQ(done, 1);
+}
+
+TEST(GpuThread, AnErrorOfPostedGlIsHandedOverAndGone) {
+  const auto thread = GpuThread::shared();
+  std::promise<std::string> told;
+  thread->post([] { glEnable(0xFFFF); },
+               [&](const std::exception_ptr& error) {
+                 try {
+                   std::rethrow_exception(error);
+                 } catch (const std::exception& what) {
+                   told.set_value(what.what());
+                 }
+               });
+  EXPECT_NE(told.get_future().get().find("0x0500"), std::string::npos);
+  thread->run([] {});  // throws what is left behind
 }
 
 TEST(ShaderSource, PutsVersionThenDefinesThenTheIncludedText) {

@@ -74,6 +74,19 @@ TEST(PassTimer, RefusesAPassWithinAPass) {
   });
 }
 
+TEST(PassTimer, MeasuresNothingWhereItIsOff) {
+  GpuThread::shared()->run([] {
+    PassTimer timer;
+    timer.set_enabled(false);
+    { const auto pass = timer.measure("off"); }
+    timer.set_enabled(true);
+    { const auto pass = timer.measure("on"); }
+    const std::vector<PassTime> times = timer.take();
+    ASSERT_EQ(times.size(), 1u);
+    EXPECT_EQ(times[0].name, "on");
+  });
+}
+
 TEST(Query, IsReadyOnceItsResultWasRead) {
   GpuThread::shared()->run([] {
     const Query query(GL_TIMESTAMP);
