@@ -386,16 +386,6 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
     )
 
 
-class SnowboughArmatureData(bpy.types.PropertyGroup):
-    """``armature.snowbough``, of an imported tree."""
-
-    surface: StringProperty(
-        name="Surface",
-        description="The tree's four-sided base, which Snowbough Realtime subdivides as finely as a picture needs",
-        options={"HIDDEN"},
-    )
-
-
 class SnowboughMeshData(bpy.types.PropertyGroup):
     """``mesh.snowbough``, of an imported tree's bark."""
 
@@ -460,7 +450,6 @@ CLASSES = (
     SnowboughReceiver,
     SnowboughSceneSettings,
     SnowboughObjectSettings,
-    SnowboughArmatureData,
     SnowboughMeshData,
     SnowboughPreferences,
 )
@@ -471,13 +460,11 @@ def register():
         bpy.utils.register_class(cls)
     bpy.types.Scene.snowbough = PointerProperty(type=SnowboughSceneSettings)
     bpy.types.Object.snowbough = PointerProperty(type=SnowboughObjectSettings)
-    bpy.types.Armature.snowbough = PointerProperty(type=SnowboughArmatureData)
     bpy.types.Mesh.snowbough = PointerProperty(type=SnowboughMeshData)
 
 
 def unregister():
     del bpy.types.Mesh.snowbough
-    del bpy.types.Armature.snowbough
     del bpy.types.Object.snowbough
     del bpy.types.Scene.snowbough
     for cls in reversed(CLASSES):

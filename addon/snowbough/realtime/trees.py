@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an imported tree's objects to a records.Tree: its base as the importer kept it, its pose as the rig has it."""
+"""From an imported tree's objects to a records.Tree: its base from the skeleton that is kept, its pose as the rig has
+it."""
 
 import numpy as np
 
 from ..names import LEAF_BONE_ATTRIBUTE
 from ..scene.inputs import fingerprint
-from ..tree import surface_text
+from ..tree import kept_skeleton
 from .materials import bark_of
 from .meshes import MeshArrays, painted
 from .records import Leaves, Tree
@@ -22,7 +23,7 @@ def rig_of(obj, mode):
     if obj.type != "MESH" or [modifier.type for modifier in modifiers] != ["ARMATURE"]:
         return None
     rig = modifiers[0].object
-    if rig is None or rig.type != "ARMATURE" or not rig.data.snowbough.surface or obj.data.shape_keys:
+    if rig is None or rig.type != "ARMATURE" or not rig.data.snowbough_skeleton or obj.data.shape_keys:
         return None
     return rig
 
@@ -37,16 +38,16 @@ def is_unedited_bark(obj):
 
 
 class Surfaces:
-    """Bases of trees by their armature, unpacked once."""
+    """Bases of trees by what their armatures keep, built once."""
 
     def __init__(self):
         self._known = {}
 
     def of(self, rig):
         """(arrays, fingerprint) of an armature object; (None, "") where it keeps none that can be read."""
-        text = rig.data.snowbough.surface
+        text = rig.data.snowbough_skeleton
         if text not in self._known:
-            arrays = surface_text.unpack(text)
+            arrays = kept_skeleton.base_arrays(rig.data)
             print_ = "" if arrays is None else fingerprint(np.frombuffer(text.encode(), np.uint8))
             self._known[text] = (arrays, print_)
         return self._known[text]

@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import compat, native
 from ..names import BARK_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
-from . import armature, kept_skeleton, materials, objects, surface_text, thumbnail, wind_attributes
+from . import armature, kept_skeleton, materials, objects, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
 
@@ -108,7 +108,6 @@ def create_tree(context, title, tree, options):
         bones = armature.bone_arrays(tree.meshes[0].native)
         rig = armature.create_armature(context, name, bones, collection)
         kept_skeleton.keep(rig.data, tree, options)
-        rig.data.snowbough.surface = surface_text.pack(tree.surface)
         barks = _create_bark(name, tree, options, bones.names)
         leaves = [_create_leaves(name, tree, options, bones.names)] if tree.leaf_bones is not None else []
         for obj in (*barks, *leaves):

@@ -33,6 +33,21 @@ def kept(armature):
     return native.load().Skeleton.from_branches([vars(branch) for branch in branches]), built
 
 
+def base_arrays(armature):
+    """The four-sided base of an imported tree, which the real-time renderer subdivides itself: what the native
+    tree_arrays gives; None where the armature keeps no skeleton that can be read."""
+    try:
+        found = kept(armature)
+    except ValueError:
+        return None
+    if found is None:
+        return None
+    skeleton, built = found
+    module = native.load()
+    base = module.build_tree_mesh(skeleton, built["width"], built["species"], lod=0)
+    return module.tree_arrays(module.reduce_bones(base, built["max_bones"], built["max_bone_level"]))
+
+
 def register():
     bpy.types.Armature.snowbough_skeleton = bpy.props.StringProperty(
         name="Skeleton", description="The tree's branches as they were imported", options={"HIDDEN"}

@@ -48,7 +48,6 @@ class NativeTree:
     skeleton: object
     meshes: list  # of BarkMesh, the coarsest first
     leaf_bones: object
-    surface: dict  # the four-sided base as the native tree_arrays gives it
     leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
     report: dict
 
@@ -164,8 +163,6 @@ def read_native(path, options, progress=None, metre=1.0):
                 f"the leaves' snow UV map needs a resolution of {leaf_layout['resolution']}, "
                 f"not {options.snow_resolution}"
             )
-    base = module.build_tree_mesh(skeleton, options.width, options.species, lod=0)
-    surface = module.tree_arrays(module.reduce_bones(base, options.max_bones, options.max_bone_level))
     if part(0.95, 1.0)(1.0) is False:
         raise KeyboardInterrupt("cancelled")
 
@@ -183,4 +180,4 @@ def read_native(path, options, progress=None, metre=1.0):
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
-    return NativeTree(skeleton, meshes, leaf_bones, surface, leaf_layout, report)
+    return NativeTree(skeleton, meshes, leaf_bones, leaf_layout, report)

@@ -66,7 +66,6 @@ WITHOUT_BLENDER = (
     "gltf.texels",
     "gltf.thinning",
     "gltf.tree_file",
-    "tree.surface_text",
     "bake.plan",
     "bake.request",
     "bake.log",

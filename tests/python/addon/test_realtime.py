@@ -6,7 +6,6 @@ import math
 import numpy as np
 import pytest
 from snowbough.realtime import frame_code, lights, pacing, records, sync
-from snowbough.tree import surface_text
 
 
 class Recorder:
@@ -259,7 +258,7 @@ def test_a_coarse_view_covers_the_region():
     assert (view.width, view.height) == (251, 1)
 
 
-# -- frames and trees as they are kept --------------------------------------------------------------------
+# -- frames -------------------------------------------------------------------------------------------------
 
 
 def test_a_frames_bytes_become_light():
@@ -269,15 +268,3 @@ def test_a_frames_bytes_become_light():
     assert light[0, 0].tolist() == [0, 0, 0]
     share = np.array([254, 128, 1]) / 255
     assert light[0, 1] == pytest.approx(share**2.2 / (1 - share**2.2), rel=1e-4)
-
-
-def test_a_trees_base_comes_back_from_its_text():
-    arrays = {"vertices": np.arange(6, dtype=np.float32).reshape(2, 3), "bone_count": 7}
-    found = surface_text.unpack(surface_text.pack(arrays))
-    assert found["bone_count"] == 7
-    assert np.array_equal(found["vertices"], arrays["vertices"])
-
-
-@pytest.mark.parametrize("text", ["", "no base85 \x7f", "abcd", surface_text.pack({"a": np.zeros(9)})[:-40]])
-def test_a_damaged_text_is_no_tree(text):
-    assert surface_text.unpack(text) is None
