@@ -8,12 +8,15 @@ import weakref
 
 import bpy
 
-from .. import compat, native
+from .. import compat, native, session
 from . import lights, viewport
 from .final import FinalRenderer
 from .reader import Reader
 
 ENGINE = "SNOWBOUGH_REALTIME"
+
+# How often a class that waits for a job's end looks for it.
+POLL_SECONDS = 0.2
 
 _final = None
 
@@ -85,14 +88,40 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
             self.update_stats("Snowbough", self._view.error)
 
 
+def _when_no_job_renders(action):
+    """Calls action() at once, or when Blender's job that renders has ended: an engine's class that comes or goes
+    frees what all engines hold, and takes Blender down while one of them renders (a bake is such a job)."""
+    if not bpy.app.is_job_running("RENDER"):
+        action()
+        return
+
+    def poll():
+        if bpy.app.is_job_running("RENDER"):
+            return POLL_SECONDS
+        action()
+        return None
+
+    bpy.app.timers.register(poll, first_interval=POLL_SECONDS)
+
+
+def _add_class():
+    if session.enabled and not SNOWBOUGH_REALTIME.is_registered:
+        bpy.utils.register_class(SNOWBOUGH_REALTIME)
+
+
+def _remove_class():
+    if SNOWBOUGH_REALTIME.is_registered:
+        bpy.utils.unregister_class(SNOWBOUGH_REALTIME)
+
+
 def register():
-    bpy.utils.register_class(SNOWBOUGH_REALTIME)
+    _when_no_job_renders(_add_class)
 
 
 def unregister():
     global _final
-    bpy.utils.unregister_class(SNOWBOUGH_REALTIME)
     viewport.close_all()
     if _final is not None:
         _final.close()
         _final = None
+    _when_no_job_renders(_remove_class)

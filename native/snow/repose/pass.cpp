@@ -10,9 +10,6 @@ namespace {
 
 /// Maps with more blocks at work than this share them among threads; others take one thread each.
 constexpr size_t kManyBlocks = 16;
-/// Seconds of a step that is granted the usual work, and how much longer the longest may go on.
-constexpr float kUsualStep = 0.25f;
-constexpr float kMostPatience = 8.0f;
 
 }  // namespace
 
@@ -44,26 +41,25 @@ void ReposePass::forget_pose(size_t object) {
   if (receivers_[object] != nullptr) receivers_[object]->forget_pose();
 }
 
-void ReposePass::run_map(Map& map, float patience, bool on_all_cores) {
+void ReposePass::run_map(Map& map, float dt, bool on_all_cores) {
   Repose& repose = *receivers_[map.object];
-  map.slid = repose.run(*map.height, patience, on_all_cores);
+  map.slid = repose.run(*map.height, dt, on_all_cores);
   map.has_changed = repose.has_changed();
 }
 
 void ReposePass::run(const ReposeSettings& settings, float dt, std::vector<Map>& maps) {
   if (!settings.is_on() || !(dt > 0.0f)) return;
   const auto slope = static_cast<float>(std::tan(settings.angle));
-  const float patience = std::clamp(dt / kUsualStep, 1.0f, kMostPatience);
   std::vector<size_t> blocks(maps.size(), 0);
   base::for_each_item(maps.size(), 1, [&](size_t i) {
     blocks[i] = receivers_[maps[i].object]->choose_blocks(*maps[i].height, slope);
   });
   std::vector<size_t> small;
   for (size_t i = 0; i < maps.size(); ++i) {
-    if (blocks[i] > kManyBlocks) run_map(maps[i], patience, true);
+    if (blocks[i] > kManyBlocks) run_map(maps[i], dt, true);
     if (blocks[i] > 0 && blocks[i] <= kManyBlocks) small.push_back(i);
   }
-  base::for_each_item(small.size(), 1, [&](size_t i) { run_map(maps[small[i]], patience, false); });
+  base::for_each_item(small.size(), 1, [&](size_t i) { run_map(maps[small[i]], dt, false); });
 }
 
 }  // namespace snowbough::snow

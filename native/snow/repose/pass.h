@@ -34,7 +34,7 @@ class ReposePass {
   void run(const ReposeSettings& settings, float dt, std::vector<Map>& maps);
 
  private:
-  void run_map(Map& map, float patience, bool on_all_cores);
+  void run_map(Map& map, float dt, bool on_all_cores);
 
   /// By object; null for what does not receive.
   std::vector<std::unique_ptr<Repose>> receivers_;

@@ -16,6 +16,9 @@ constexpr int kRounds = 16;
 constexpr int kMostRounds = 400;
 constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 12000.0;
+/// Seconds of a step that is granted so much, and how much longer the longest may go on.
+constexpr float kUsualStep = 0.25f;
+constexpr float kMostPatience = 8.0f;
 
 }  // namespace
 
@@ -37,16 +40,21 @@ Repose::Blocks Repose::near(const Blocks& blocks) const {
   return result;
 }
 
-double Repose::run(std::vector<float>& height, float patience, bool on_all_cores) {
+double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
   if (chosen_.empty()) return 0.0;
   on_all_cores_ = on_all_cores;
   set_up(height);
   empty_over_outlets();
-  run_rounds(doubtful_, patience);
+  run_rounds(doubtful_, std::clamp(dt / kUsualStep, 1.0f, kMostPatience));
+  has_changed_ = has_changed_ || std::any_of(chosen_.begin(), chosen_.end(),
+                                             [&](int32_t block) { return walls_hold_snow(block); });
+  const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
   double fallen = 0.0;
   std::vector<double> parts(has_changed_ ? links_.block_count() : 0, 0.0);
   if (has_changed_) {
-    for_blocks(chosen_, [&](int32_t b) { parts[static_cast<size_t>(b)] = write_block(b, height); });
+    for_blocks(chosen_, [&](int32_t b) {
+      parts[static_cast<size_t>(b)] = write_block(b, walls_keep, height);
+    });
     for (const int32_t block : chosen_) fallen += parts[static_cast<size_t>(block)];
   }
   for (const int32_t block : chosen_) {
@@ -251,15 +259,35 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
   }
 }
 
-/// Returns the units that left the surface: they fell over rims or onto walls.
-double Repose::write_block(int32_t block, std::vector<float>& height) const {
+/// Stability takes snow off what is a wall by its smooth normals; here the faces' own count, and
+/// between the two of them snow would stay for ever.
+bool Repose::walls_hold_snow(int32_t block) const {
+  const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
+  bool any = false;
+  links_.for_texels(block, object_->table.texel, [&](int32_t, size_t cell) {
+    any = any || ((tile.kind[cell] & kWall) != 0 && tile.held[cell] > 0.0f);
+  });
+  return any;
+}
+
+/// `walls_keep`: the part of their snow. Returns the units that left the surface: they fell over
+/// rims, onto walls or off them.
+double Repose::write_block(int32_t block, float walls_keep, std::vector<float>& height) const {
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   const std::vector<int32_t>& places = object_->table.texel;
   double lost = 0.0;
   links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
-    const double moved = tile.moved[cell];
-    if (moved == 0.0 || (tile.kind[cell] & kWall) != 0) return;
     float& own = height[static_cast<size_t>(places[static_cast<size_t>(texel)])];
+    const double moved = tile.moved[cell];
+    if ((tile.kind[cell] & kWall) != 0) {
+      const float left = std::abs(own) * walls_keep;
+      const float kept = left < shared::kWallLeast ? 0.0f : std::copysign(left, own);
+      lost +=
+          static_cast<double>(std::abs(own) - std::abs(kept)) * tile.area[cell] / surface_.unit();
+      own = kept;
+      return;
+    }
+    if (moved == 0.0) return;
     const double depth =
         static_cast<double>(std::abs(own)) +
         moved * (static_cast<double>(surface_.unit()) / static_cast<double>(tile.area[cell]));

@@ -40,9 +40,10 @@ class Repose {
   /// `slope`: tangent of the angle.
   size_t choose_blocks(const std::vector<float>& height, float slope);
 
-  /// Moves snow on `height` in those blocks. `patience`: by how much longer than usual a step may
-  /// go on; `on_all_cores`: shares the work among threads. Returns what fell over rims, in m3.
-  double run(std::vector<float>& height, float patience, bool on_all_cores);
+  /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may go on for longer than
+  /// usual. `on_all_cores`: shares the work among threads. Returns what fell over rims and off
+  /// walls, in m3.
+  double run(std::vector<float>& height, float dt, bool on_all_cores);
 
   /// Whether the last run changed heights.
   bool has_changed() const { return has_changed_; }
@@ -107,7 +108,8 @@ class Repose {
   void run_rounds(const Blocks& doubtful, float patience);
   double run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams);
   void flow_across(float momentum, Marks& awake, Marks& seams);
-  double write_block(int32_t block, std::vector<float>& height) const;
+  bool walls_hold_snow(int32_t block) const;
+  double write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
   const SceneObject* object_;
   ReposeLinks links_;

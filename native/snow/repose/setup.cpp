@@ -132,7 +132,12 @@ float Repose::link_limit(const glm::vec3& way) const {
 
 /// Takes note of a link for is_level.
 void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
-  if (!a.is_there() || !b.is_there() || (a.is_wall() && b.is_wall())) return;
+  if (!a.is_there() || !b.is_there()) return;
+  if (a.is_wall() && b.is_wall()) {
+    // Whether they are bare is to be looked at.
+    slack.at_edges = -1.0f;
+    return;
+  }
   const glm::vec3 way = b.point() - a.point();
   const float bare = link_limit(way) - std::abs(way.z);
   for (const Cell& cell : {a, b}) {

@@ -303,3 +303,23 @@ def test_the_memory_estimate_counts_repose():
     ):
         kept = moves.memory_estimate()["total"] - stays.memory_estimate()["total"]
     assert 512 * 512 * 100 < kept < 512 * 512 * 200
+
+
+def test_walls_that_are_shaded_smooth_are_bare_too():
+    """A coarse ball's faces at its equator are walls, where their smooth normals still face up a little."""
+    positions, triangles, uv = mesh = sphere(0.4, 16, 16)
+    face = np.cross(*(positions[triangles[:, k]] - positions[triangles[:, 0]] for k in (1, 2)))
+    up = face[:, 2] / np.linalg.norm(face, axis=1)
+    table = native.texel_table(triangles, uv, 128)
+    owner = np.full(128 * 128, -1)
+    owner[table["texel"]] = table["triangle"]
+    walls = ((owner >= 0) & (np.abs(up[owner]) < 0.0999)).reshape(128, 128)
+    assert walls.sum() > 500
+    sim = native.SnowSimulation(pixel_size=0.004, repose=FRESH, engine="CPU", max_depth=10.0)
+    with sim:
+        sim.add_object("ball", triangles, uv, resolution=128, shading=triangles.astype(np.int32))
+        for _ in range(4):
+            fall(sim, {"ball": mesh}, 0.02, 1, direction=(math.sin(1.0), 0.0, -math.cos(1.0)))
+        come_to_rest(sim)
+        assert np.abs(sim.height("ball")[walls]).max() < 1e-6
+        assert_balanced(sim)
