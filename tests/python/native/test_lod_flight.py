@@ -16,7 +16,7 @@ import scenes  # noqa: E402
 PAIRS = np.linspace(0, flight.FRAMES - 2, 7).astype(int)
 SIZE = (160, 120)
 #: Of 255, over blocks of 8 x 8 pixels: most that the level of detail may add to a block in a frame, and on average.
-MOST = 6.0
+MOST = 8.0
 MOST_MEAN = 0.12
 
 
