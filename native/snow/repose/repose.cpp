@@ -69,6 +69,18 @@ void Repose::link_tile(int32_t block) {
   set_up_tile_links(tiles_, block, links_.blocks_a_side, slope_);
 }
 
+/// Those of the chosen blocks that are awake and in every second row and column, from the colour's
+/// on: no two of them touch.
+Repose::Blocks Repose::awake_of_colour(const Marks& awake, int32_t colour) const {
+  const int32_t side = links_.blocks_a_side;
+  Blocks blocks;
+  for (const int32_t block : chosen_) {
+    const int32_t own = block / side % 2 * 2 + block % side % 2;
+    if (own == colour && awake[static_cast<size_t>(block)] != 0) blocks.push_back(block);
+  }
+  return blocks;
+}
+
 /// Lowers bounds across seams; wakes the blocks in which any changed.
 bool Repose::lower_across(Marks& awake) {
   bool changes = false;
@@ -104,11 +116,7 @@ void Repose::empty_over_outlets() {
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
-      Blocks blocks;
-      for (const int32_t block : chosen_) {
-        const int32_t own = block / side % 2 * 2 + block % side % 2;
-        if (own == colour && awake[static_cast<size_t>(block)] != 0) blocks.push_back(block);
-      }
+      const Blocks blocks = awake_of_colour(awake, colour);
       std::vector<TileBounds> done(links_.block_count());
       for_blocks(blocks, [&](int32_t block) {
         link_tile(block);
@@ -233,7 +241,6 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
   const auto any = [](const Marks& marks) {
     return std::any_of(marks.begin(), marks.end(), [](uint8_t mark) { return mark != 0; });
   };
-  const int32_t side = links_.blocks_a_side;
   double work = static_cast<double>(patience) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * patience);
@@ -242,11 +249,7 @@ void Repose::run_rounds(const Blocks& doubtful, float patience) {
   for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
-      Blocks blocks;
-      for (const int32_t block : chosen_) {
-        const int32_t own = block / side % 2 * 2 + block % side % 2;
-        if (own == colour && awake[static_cast<size_t>(block)] != 0) blocks.push_back(block);
-      }
+      const Blocks blocks = awake_of_colour(awake, colour);
       if (!blocks.empty()) {
         work -= run_colour(blocks, round, awake, seams);
         goes_on = true;

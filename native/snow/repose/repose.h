@@ -102,6 +102,7 @@ class Repose {
   void find_slack(int32_t block);
 
   // repose.cpp
+  Blocks awake_of_colour(const Marks& awake, int32_t colour) const;
   void link_tile(int32_t block);
   void empty_over_outlets();
   bool lower_across(Marks& awake);

@@ -113,14 +113,10 @@ TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t bl
     bound = std::min(bound, rim.top + shared::kCuts * rim.limit);
   }
   BoundSweep sweep(bounds, *tiles[static_cast<size_t>(block)]);
+  bool may_have_changed = !rims.empty();
+  while (sweep.run()) may_have_changed = true;
   TileBounds result;
-  bool has_rim_bounds = !rims.empty();
-  while (sweep.run() || has_rim_bounds) {
-    result.has_changed = true;
-    has_rim_bounds = false;
-  }
-  if (!result.has_changed) return result;
-  result.has_changed = false;
+  if (!may_have_changed) return result;
   TileWindow::for_cells(tiles, blocks_a_side, block, [&](ReposeTile& part, size_t cell, size_t at) {
     if (!(bounds.bound[at] < part.bound[cell])) return;
     part.bound[cell] = bounds.bound[at];
