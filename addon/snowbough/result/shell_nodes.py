@@ -22,6 +22,7 @@ from .. import compat, compat_nodes
 from ..names import REST_ATTRIBUTE
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
+from .ragged_nodes import RAGGED_INPUT, add_ragged_edges, support
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
 from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, rims, way_to
 
@@ -37,6 +38,7 @@ _PLACE = "snow_map_place"
 SLIDERS = (
     (RELIEF_INPUT, "Bumps of the surface; 1 is fresh snow", 1.0, 10.0),
     (SHOULDERS_INPUT, "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 2.0),
+    (RAGGED_INPUT, "How uneven snow ends where shelter thins it out; 0 ends it where the map does", 1.0, 3.0),
     (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
 )
 
@@ -89,23 +91,26 @@ class ShellSource:
     weld: bool = False
     """Points that lie on one another are one."""
     depths: tuple = ()
-    """Depth of the snow on open ground, (frame, metres) of some frames. Without them there are no cushions."""
+    """Depth of the snow on open ground, (frame, metres) of some frames. Without them there are no cushions and no
+    ragged edges."""
     rest: bool = False
     """The receiver carries where its points are undeformed, as `rest_position`."""
 
 
 def build_tree(name, source):
     """A geometry node group that makes the shell of a ShellSource, for an object that stands at the world's
-    origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, cushions."""
+    origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, ragged edges and
+    cushions."""
     tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
     for name, description, default, most in SLIDERS:
-        if name != CUSHIONS_INPUT or source.depths:
+        if name not in (CUSHIONS_INPUT, RAGGED_INPUT) or source.depths:
             compat_nodes.add_group_socket(
                 tree.tree, "INPUT", "NodeSocketFloat", name, description, default, 0.0, most
             )
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     sliders = tree.node("NodeGroupInput").outputs
+    ragged = None
 
     geometry = _outside_out(tree, _receiver(tree, source), source)
     geometry, normal = _corner_normals(tree, geometry, source.sharp_angle)
@@ -114,13 +119,19 @@ def build_tree(name, source):
         merge = tree.node("GeometryNodeMergeByDistance")
         geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
     geometry = _placed(tree, geometry, source)
+    if source.depths:
+        open_depth = _keyed(tree, source.depths)
+        normal_of_points = tree.node("GeometryNodeInputNormal").outputs[0]
+        carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
+        geometry, carried_by = _capture(tree, geometry, carried_by, "POINT", "FLOAT")
+        ragged = (carried_by, open_depth)
     rim_edges = rims(tree, geometry, _sharp_edges(tree, source.sharp_angle))
     geometry = _subdivided(tree, geometry, source.levels)
     geometry = _heights(tree, geometry, source)
-    geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, sliders)
+    geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, ragged, sliders)
     geometry = _cut(tree, geometry, source)
     if source.depths:
-        geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], _keyed(tree, source.depths),
+        geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], open_depth,
                                 (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
     smooth = tree.node("GeometryNodeSetShadeSmooth")
     tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
@@ -295,7 +306,7 @@ def _heights(tree, geometry, source):
     return geometry
 
 
-def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
+def _raised(tree, geometry, source, normal, curvature, rim_edges, ragged, sliders):
     """The snow's surface: points moved by the mean offset of their corners, weighted by height, then drawn out to
     shoulders at the rims, and given relief along the normals of what has come of that."""
     normal = tree.vector("NORMALIZE", normal)
@@ -316,6 +327,12 @@ def _raised(tree, geometry, source, normal, curvature, rim_edges, sliders):
         tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)),
     )
     geometry, mean = _capture(tree, geometry, mean, "POINT", "FLOAT_VECTOR")
+    if ragged is not None:
+        carried_by, open_depth = ragged
+        place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
+        thickness = tree.vector("LENGTH", mean)
+        share = add_ragged_edges(tree, thickness, carried_by, place, open_depth, sliders[RAGGED_INPUT])
+        geometry, mean = _capture(tree, geometry, tree.scale(mean, share), "POINT", "FLOAT_VECTOR")
     direction = tree.vector("NORMALIZE", tree.on_domain(tree.vector("ADD", mean, tree.scale(normal, 1e-9)),
                                                         "POINT", "FLOAT_VECTOR"))  # fmt: skip
     height = tree.vector("LENGTH", mean)
