@@ -20,8 +20,8 @@ from ..scene.pose import Topology, library_path, metres_per_unit, world_position
 from ..settings import preferred_engine
 from . import baked_receiver, changes_since_bake, plan
 from .from_scene import cache_directory, constant_rates
-from .job import driver_text, probe_engine
 from .outcome import one_line
+from .snow_engine import driver_text, probe_engine
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5

@@ -72,6 +72,8 @@ WITHOUT_BLENDER = (
     "bake.map_writer",
     "bake.simulation",
     "bake.baked_receiver",
+    "bake.snow_engine",
+    "bake.resuming",
     "bake.job",
     "preview.history",
     "preview.interface",
