@@ -17,7 +17,7 @@ from ..cache import versions
 from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
 from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
-from ..settings import preferred_engine
+from ..settings.preferences import preferred_engine
 from . import baked_receiver, changes_since_bake, plan
 from .from_scene import cache_directory, constant_rates
 from .outcome import one_line

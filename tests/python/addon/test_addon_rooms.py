@@ -22,6 +22,7 @@ ROOMS = (
     "session",
     "compat",
     "compat_nodes",
+    "options",
     "settings",
     "cache",
     "scene",
