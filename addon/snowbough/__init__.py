@@ -21,7 +21,9 @@ bl_info = {
 }
 
 MODULES = (
-    "settings",
+    "settings.objects",
+    "settings.scene",
+    "settings.preferences",
     "cli",
     "tree.presets",
     "tree.kept_skeleton",

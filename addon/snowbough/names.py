@@ -71,3 +71,7 @@ def receiver_key(name, identity):
     of one name and instances. identity: tuple of what is unique about it (library, instancer, index)."""
     text = "\0".join(str(part) for part in (name, *identity))
     return f"{safe_name(name)}-{hashlib.blake2b(text.encode(), digest_size=4).hexdigest()}"
+
+
+# What an import or export may run into; it is said to the user. Nothing else is caught.
+FAILURES = (ValueError, RuntimeError, OSError, MemoryError)

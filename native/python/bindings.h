@@ -18,6 +18,13 @@ struct ReleaseGil {
 template <typename Owner>
 using HeldWithoutGil = std::unique_ptr<Owner, ReleaseGil>;
 
+/// What `work` returns, which runs without the GIL and so touches nothing of Python's.
+template <typename Work>
+auto without_gil(Work&& work) {
+  const pybind11::gil_scoped_release release;
+  return work();
+}
+
 /// read_tree, Skeleton.
 void bind_skeleton(pybind11::module_& module);
 /// build_tree_mesh, TreeMesh.
@@ -26,6 +33,8 @@ void bind_tree(pybind11::module_& module);
 void bind_tree_uvs(pybind11::module_& module);
 /// gpu_info, Gpu, shader_source.
 void bind_gpu(pybind11::module_& module);
+/// Engine.
+void bind_engine(pybind11::module_& module);
 /// SnowSimulation.
 void bind_snow(pybind11::module_& module);
 /// simulation_state, set_simulation_state: checkpoints as plain arrays.

@@ -15,6 +15,7 @@ PYBIND11_MODULE(snowbough_native, module) {
   snowbough::python::bind_tree(module);
   snowbough::python::bind_tree_uvs(module);
   snowbough::python::bind_gpu(module);
+  snowbough::python::bind_engine(module);
   snowbough::python::bind_snow(module);
   snowbough::python::bind_snow_state(module);
   snowbough::python::bind_render(module);

@@ -92,7 +92,7 @@ def test_the_preference_decides_and_is_automatic_at_first(addon, engine):
 
 
 def test_the_preference_is_described_and_drawn(addon):
-    preferences = addon("settings").SnowboughPreferences
+    preferences = addon("settings.preferences").SnowboughPreferences
     prop = preferences.bl_rna.properties["engine"]
     assert [item.identifier for item in prop.enum_items] == ["AUTO", "GL", "CPU"]
     assert prop.description and all(item.description for item in prop.enum_items)
@@ -111,10 +111,10 @@ def test_the_preference_is_described_and_drawn(addon):
 
 def test_without_preferences_it_is_automatic(addon, engine, monkeypatch):
     engine("CPU")
-    settings = addon("settings")
-    assert settings.preferred_engine() == "CPU"
-    monkeypatch.setattr(settings, "__package__", "snowbough_from_a_checkout")
-    assert settings.preferred_engine() == "AUTO"
+    preferences = addon("settings.preferences")
+    assert preferences.preferred_engine() == "CPU"
+    monkeypatch.setattr(preferences, "ADDON", "snowbough_from_a_checkout")
+    assert preferences.preferred_engine() == "AUTO"
 
 
 def start_preview(addon):

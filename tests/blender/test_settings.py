@@ -3,6 +3,7 @@
 operators, the presets and the command line."""
 
 import json
+from dataclasses import fields
 from pathlib import Path
 
 import bpy
@@ -30,7 +31,7 @@ def snowy(tmp_path):
 
 
 def test_each_setting_of_the_simulation_is_set_here(addon):
-    assert set(addon("settings").SNOW_SETTINGS) == OTHER.keys()
+    assert set(addon("settings.simulation").SNOW_SETTINGS) == OTHER.keys()
 
 
 def test_the_settings_go_into_the_request_as_they_are(addon, snowy):
@@ -101,21 +102,25 @@ def test_panels_show_every_setting_of_the_simulation(addon):
         for group in getattr(cls, "names", ())
         for name in ([group] if isinstance(group, str) else group)
     }
-    assert set(addon("settings").SNOW_SETTINGS) - shown == set()
+    assert set(addon("settings.simulation").SNOW_SETTINGS) - shown == set()
 
 
 # -- options of the import --------------------------------------------------------------------------------
 
 
+def option_names(addon):
+    return {option.name for option in fields(addon("tree.import_options").ImportOptions)}
+
+
 def test_both_operators_have_every_option(addon):
-    names = addon("tree.import_options").DEFAULTS.keys()
+    names = option_names(addon)
     for operator in (bpy.ops.import_scene.xfrog_tree, bpy.ops.snowbough.import_tree_job):
         assert names <= set(operator.get_rna_type().properties.keys())
 
 
 def test_the_command_line_has_every_option_with_its_default(addon):
     options, parser = addon("tree.import_options"), addon("cli").parser()
-    given = options.options_of(parser.parse_args(["import", "tree.obj"]))
+    given = addon("options").options_of(options.ImportOptions, parser.parse_args(["import", "tree.obj"]))
     assert given == options.ImportOptions()
     assert given.max_bones == 1000 and given.simplify == "TOLERANCE" and given.foliage is True
 
@@ -157,13 +162,13 @@ def test_every_option_but_that_of_scripts_stands_under_one_heading(addon):
     options = addon("tree.import_options")
     shown = [name for _identifier, _text, names in options.SECTIONS for name in names]
     assert len(shown) == len(set(shown))
-    assert set(options.DEFAULTS) - set(shown) == {"lod"}
+    assert option_names(addon) - set(shown) == {"lod"}
     panels = [cls.names for cls in addon("ui.import_panels").CLASSES]
     assert [name for names in panels for name in names] == shown
 
 
 def test_every_preset_sets_every_option_but_those_of_the_file(addon):
-    presets, names = addon("tree.presets"), addon("tree.import_options").DEFAULTS.keys()
+    presets, names = addon("tree.presets"), option_names(addon)
     assert presets.OF_THE_FILE <= names
     folders = map(Path, bpy.utils.preset_paths(f"operator/{presets.OPERATOR}"))
     folder = next(folder for folder in folders if (folder / "Evergreen.py").exists())

@@ -93,7 +93,8 @@ class BakedReceiver:
 
     def write_checkpoint(self, native, frame, shot, state, driver, inputs):
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
-        simulation_state gives it, the engine and driver that ran (job.driver_text), the poses so far (scene.inputs)."""
+        simulation_state gives it, the engine and driver that ran (snow_engine.driver_text), the poses so far
+        (scene.inputs)."""
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
         receiver_folder.write_sidecar(self.folder, frame, sidecar)
         self.write_manifest(shot, False)

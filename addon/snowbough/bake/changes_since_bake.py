@@ -20,7 +20,7 @@ from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
 from ..scene.uv_maps import choose_uv_map
-from ..settings import SIDES
+from ..settings.objects import SIDES
 from . import plan
 from .from_scene import make_request
 

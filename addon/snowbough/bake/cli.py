@@ -38,7 +38,7 @@ import bpy
 
 from .. import native
 from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
-from ..cache.files import write_bytes
+from ..cache.files import write_report
 from ..names import (
     EXIT_CACHE,
     EXIT_CHANGED,
@@ -48,7 +48,7 @@ from ..names import (
     EXIT_OK,
     EXIT_STOPPED,
 )
-from ..settings import ENGINES
+from ..settings.preferences import ENGINES
 from . import engine, plan, preflight
 from .from_scene import make_request, prepare_bake
 from .map_writer import WriteFailed
@@ -137,7 +137,7 @@ def run(args):
     if args.json:
         try:
             Path(args.json).parent.mkdir(parents=True, exist_ok=True)
-            write_bytes(args.json, json.dumps(report, indent=1).encode() + b"\n")
+            write_report(args.json, report)
         except (CacheError, OSError) as error:
             message, code = message or one_line(error), code or EXIT_CACHE
     if message:

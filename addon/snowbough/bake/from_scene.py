@@ -14,7 +14,9 @@ from ..cache import versions
 from ..scene import physics_caches
 from ..scene.pose import metres_per_unit
 from ..scene.receivers import receiver_specs
-from ..settings import SnowboughSceneSettings, preferred_engine, snow_of
+from ..settings.preferences import preferred_engine
+from ..settings.scene import SnowboughSceneSettings
+from ..settings.simulation import snow_of
 from .engine import RunningBake
 from .job import BakeJob
 from .request import BakeRequest

@@ -19,18 +19,18 @@ import time
 from concurrent.futures import ThreadPoolExecutor
 
 from ..cache import versions
-from ..cache.errors import CacheError, CacheFinished, InputsChanged, NoCheckpoint
+from ..cache.errors import CacheError, CacheFinished
 from ..cache.files import digest, make_folder
 from ..cache.folder import checkpoints
 from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.manifest import read_inputs, read_manifest
-from ..scene.inputs import SceneInputs
 from ..scene.tracker import SceneTracker
-from . import plan, simulation
+from . import plan, resuming, simulation
 from .choice import choose_receivers
 from .log import open_log
 from .map_writer import MapWriter, WriteFailed
-from .request import BakeCancelled, FrameResult, NoGpu
+from .request import BakeCancelled, FrameResult
+from .snow_engine import driver_text, engine_info, other_engine
 
 
 class BakeJob:
@@ -91,7 +91,7 @@ class BakeJob:
             if not self.receivers:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
-            rest = self._checkpoint_frame()
+            rest = resuming.checkpoint_frame(request, self.receivers, self.version)
             if self._may_resume():  # only now is known which receivers are finished and need no map
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
@@ -158,51 +158,21 @@ class BakeJob:
                     f"{receiver.label} was just finished in {self.version.name} by another bake"
                 )
 
-    def _checkpoint_frame(self):
-        """The frame of the checkpoint to go on from, None for a fresh start."""
-        request = self.request
-        common = set.intersection(*(set(checkpoints(r.folder)) for r in self.receivers))
-        if request.resume:
-            usable = [frame for frame in common if request.first - 1 <= frame <= request.last]
-            if usable:
-                return max(usable)
-        elif request.first - 1 in common and request.first > request.frame_start:
-            return request.first - 1
-        if request.first > request.frame_start:
-            there = f"there are: {sorted(common)}" if common else "there is none"
-            raise NoCheckpoint(
-                f"Frame {request.first} needs the checkpoint of frame {request.first - 1} in {self.version} "
-                f"({there}). Bake from frame {request.frame_start}, or start after a checkpoint"
-            )
-        return None
-
     def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
         """Compares scene and settings with the checkpoint of ``frame`` and restores it."""
         request = self.request
-        numbers, states, before = set(), {}, None
         for receiver in self.receivers:
             receiver.compare_settings(settings)
-            number, states[receiver.key], driver, before = receiver.read_checkpoint(self.native, frame)
-            numbers.add(number)
-            if driver != self._driver and not request.allow_other_driver:
-                raise _other_engine(driver, self._driver)
-        if len(numbers) > 1:
-            raise InputsChanged(
-                f"The receivers' checkpoints of frame {frame} do not belong together (steps "
-                f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
-            )
+        driver = None if request.allow_other_driver else self._driver
+        state, before = resuming.read_checkpoints(self.native, self.receivers, frame, driver)
         log(f"comparing frames {request.frame_start} to {frame} with the checkpoint")
         added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
         self._registry.register_changes(added)
         self._positions.update(moved)
-        difference = SceneInputs(before).first_difference(self._tracker.inputs)
-        if difference:
-            raise InputsChanged(
-                f"The scene is not the one that was baked ({difference}): bake again from the start"
-            )
+        resuming.compare_scenes(before, self._tracker.inputs, "was baked", "bake again from the start")
         for receiver in self.receivers:
             receiver.forget_after(frame)
-        self.native.set_simulation_state(self._simulation, {"step_number": numbers.pop(), "objects": states})
+        self.native.set_simulation_state(self._simulation, state)
         self._resumed = True
         log(f"restored the checkpoint of frame {frame}")
 
@@ -212,12 +182,12 @@ class BakeJob:
         if recorded is None:
             return
         self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
-        difference = SceneInputs(recorded).first_difference(self._tracker.inputs)
-        if difference:
-            raise InputsChanged(
-                f"The scene is not the one that {self.version.name} was baked from ({difference}): bake again; "
-                "the finished version is kept until it is freed"
-            )
+        resuming.compare_scenes(
+            recorded,
+            self._tracker.inputs,
+            f"{self.version.name} was baked from",
+            "bake again; the finished version is kept until it is freed",
+        )
 
     def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
         """Evaluates all poses up to frame ``last`` without snow; returns what register_changes() of the
@@ -391,7 +361,7 @@ class BakeJob:
         self._driver = ran
         log(f"engine {ran}: {engine['reason']}")
         if self._resumed and not self.request.allow_other_driver:
-            raise _other_engine(meant, ran)
+            raise other_engine(meant, ran)
 
     # -- files -----------------------------------------------------------------------------------------
 
@@ -419,35 +389,3 @@ class BakeJob:
         if self._simulation is not None:
             self._simulation.close()
             self._simulation = None
-
-
-def driver_text(engine):
-    """What decides about the last bit of a map: ``CPU, processor, x86-64``. engine: the dict that native.Engine's
-    info and SnowSimulation's engine are."""
-    return f"{engine['name']}, {engine['driver']}"
-
-
-def engine_info(engine, mapping):
-    """The info of a native.Engine made for that mapping. Raises NoGpu, saying what to do, where it needs OpenGL
-    and there is none."""
-    try:
-        return engine.info
-    except RuntimeError as error:
-        instead = "mapping COMPUTE" if mapping == "GEOMETRY" else "engine CPU, which needs none"
-        raise NoGpu(
-            f"Engine GL computes snow with OpenGL, which is not to be had here: {error}. Or choose {instead}"
-        ) from error
-
-
-def probe_engine(native, wanted, mapping):
-    """engine_info of the engine that a bake would have. Raises NoGpu, and ValueError for a mapping that the
-    wanted engine does not have."""
-    with native.Engine(engine=wanted, mapping=mapping) as engine:
-        return engine_info(engine, mapping)
-
-
-def _other_engine(before, now):
-    return InputsChanged(
-        f"The checkpoint was made with another engine or driver ({before}; this is {now}), so the bake would not "
-        "end with the same bytes: resume there, choose that engine, or allow another driver"
-    )

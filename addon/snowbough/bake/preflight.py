@@ -17,11 +17,11 @@ from ..cache import versions
 from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
 from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
-from ..settings import preferred_engine
+from ..settings.preferences import preferred_engine
 from . import baked_receiver, changes_since_bake, plan
 from .from_scene import cache_directory, constant_rates
-from .job import driver_text, probe_engine
 from .outcome import one_line
+from .snow_engine import driver_text, probe_engine
 
 # Measured: smooth float maps pack to about this share of their raw size.
 PACKED_SHARE = 0.5

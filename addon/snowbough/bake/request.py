@@ -39,7 +39,7 @@ class BakeRequest:
     rates: tuple
     """One a frame of the shot; None: to be read from the poses, because a driver gives them."""
     snow: dict
-    """What the simulation takes: settings.snow_of. Metres, seconds, radians."""
+    """What the simulation takes: settings.simulation.snow_of. Metres, seconds, radians."""
     texel_size: float
     pixel_size: float
     """Metres; 0 is automatic."""

@@ -25,19 +25,19 @@ def pixel_size(pose, texel_sizes, wanted=0.0):
 
 
 def native_settings(snow):
-    """settings.snow_of in the units of the native module, which takes flutter in degrees."""
+    """settings.simulation.snow_of in the units of the native module, which takes flutter in degrees."""
     return {**snow, "flutter": math.degrees(snow["flutter"])}
 
 
 def changeable(snow):
-    """What of settings.snow_of a SnowSimulation takes while it runs, for its change_settings."""
+    """What of settings.simulation.snow_of a SnowSimulation takes while it runs, for its change_settings."""
     settings = native_settings(snow)
     del settings["mapping"]
     return settings
 
 
 def make_simulation(native, snow, pixel_size, engine="AUTO", wait_for_gpu=True):
-    """A SnowSimulation of the module snowbough_native. snow: settings.snow_of. engine: AUTO, GL or
+    """A SnowSimulation of the module snowbough_native. snow: settings.simulation.snow_of. engine: AUTO, GL or
     CPU."""
     return native.SnowSimulation(
         pixel_size=pixel_size, engine=engine, wait_for_gpu=wait_for_gpu, **native_settings(snow)

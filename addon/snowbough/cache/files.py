@@ -49,6 +49,11 @@ def to_json(value):
     return json.dumps(value, sort_keys=True, indent=1, ensure_ascii=False).encode() + b"\n"
 
 
+def write_report(path, report):
+    """Writes what a command line reports as JSON, as write_bytes does."""
+    write_bytes(path, json.dumps(report, indent=2).encode() + b"\n")
+
+
 def digest(value):
     """16 bytes in hex of plain data (dicts, lists, numbers, texts)."""
     return hashlib.blake2b(to_json(value), digest_size=16).hexdigest()

@@ -10,12 +10,13 @@ from pathlib import Path
 import bpy
 
 from .. import native
-from ..names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK
-from ..tree.cli import add_option, checked_target, write_json
-from ..tree.import_options import declared
+from ..cache.files import write_report
+from ..names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
+from ..options import add_options, options_of
+from ..tree.cli import checked_target
 from . import scene_tree
-from .export_options import ExportProperties, options_of
-from .export_tree import FAILURES, export, summary
+from .export_options import ExportOptions, ExportProperties
+from .export_tree import export, summary
 
 
 def add_arguments(parser):
@@ -28,8 +29,7 @@ def add_arguments(parser):
     )
     parser.add_argument("--frame", type=int, metavar="N", help="the frame whose snow is exported")
     parser.add_argument("--json", metavar="R.json", help="where the report goes")
-    for name, kind, keywords in declared(ExportProperties):
-        add_option(parser, name, kind, keywords)
+    add_options(parser, ExportProperties)
 
 
 def _chosen(scene, name):
@@ -51,9 +51,14 @@ def run(args):
         report_file = checked_target(args.json, "")
         if args.frame is not None:
             scene.frame_set(args.frame)
-        report = export(bpy.context, _chosen(scene, args.tree), Path(args.file).absolute(), options_of(args))
+        report = export(
+            bpy.context,
+            _chosen(scene, args.tree),
+            Path(args.file).absolute(),
+            options_of(ExportOptions, args),
+        )
         if report_file:
-            write_json(report_file, report)
+            write_report(report_file, report)
     except native.NativeModuleMissing as error:
         print(f"Snowbough: {error}", file=sys.stderr)
         return EXIT_NO_NATIVE

@@ -1,11 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The options of an export, declared once: the operator's properties and the command line come from here."""
 
-from dataclasses import make_dataclass
-
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty
 
-from ..tree.import_options import defaults
+from ..options import options_class
 
 MOST_LEVELS = 8
 
@@ -69,14 +67,4 @@ class ExportProperties:
     )
 
 
-DEFAULTS = defaults(ExportProperties)
-
-ExportOptions = make_dataclass(
-    "ExportOptions", [(name, type(value), value) for name, value in DEFAULTS.items()]
-)
-ExportOptions.__doc__ = "What the properties of the same names say."
-
-
-def options_of(source):
-    """The ExportOptions that an operator, or another object with all options as attributes, holds."""
-    return ExportOptions(**{name: getattr(source, name) for name in DEFAULTS})
+ExportOptions = options_class("ExportOptions", ExportProperties)

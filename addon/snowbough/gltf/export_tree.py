@@ -15,7 +15,6 @@ from .surface import transformed
 from .thinning import thinned_leaves
 
 SUFFIXES = (".glb", ".gltf")
-FAILURES = (ValueError, RuntimeError, OSError, MemoryError)
 
 
 def checked_path(path):

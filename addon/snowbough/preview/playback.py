@@ -21,7 +21,8 @@ from ..scene.pose import TopologyChanged, metres_per_unit
 from ..scene.reader import SceneReader
 from ..scene.receivers import receiver_specs
 from ..scene.tracker import SceneTracker
-from ..settings import preferred_engine, preview_limits, snow_of
+from ..settings.preferences import preferred_engine, preview_limits
+from ..settings.simulation import snow_of
 from .history import History, Moment
 
 # Frames that playback may drop and that are made up for in one go.
@@ -42,7 +43,7 @@ class Wishes:
     snowfall: plan.Snowfall
     fps: float
     snow: dict
-    """settings.snow_of."""
+    """settings.simulation.snow_of."""
     blur_radius: float
     """Texels of a bake's map."""
     texel_size: float

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node tree of a snow shell: receiver -> normals -> subdivide -> heights -> raise -> cut -> material.
+"""The node tree of a snow shell: receiver -> normals -> subdivide -> heights -> cut -> raise -> material.
 
 - **Normals** are those of the mesh before it is subdivided, interpolated over its faces (as Phong tessellation has
   them); afterwards every small face would have the normal of the large one that it lies in, and snow would lie in
@@ -7,8 +7,11 @@
   which the normals are taken.
 - **Curvature**: under snow a surface that is shaded smooth is drawn towards what its normals say (T. Boubekeur,
   M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008), by the half that is exact on a sphere.
-- **Heights** are sampled on face corners, where UVs are unambiguous. A point takes the mean of its corners' offsets,
-  weighted by their heights and by how level they are: where two charts meet at an edge no gap opens and nothing flares.
+- **Heights** are sampled where UVs are unambiguous: on corners of the receiver's faces. A point takes the mean of its
+  corners' offsets, weighted by their heights and by how level they are: where two charts meet at an edge no gap opens
+  and nothing flares. Corners that lie within one of the receiver's faces agree, so all that is sampled or reckoned for
+  a corner is done on *pieces*, a copy of the mesh whose faces are split apart before it is subdivided: they have a
+  point where the mesh has up to four corners, and their corners are in the mesh's order.
 - **The border**: where no snow lies, and along the rim of an open mesh, the shell dips just below the surface, so it
   ends on it. Faces beyond the first ring of bare ones are cut where snow never lies, the same in every frame, so
   that motion blur and caches work.
@@ -29,9 +32,7 @@ from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, rims, way_to
 HEIGHT_ATTRIBUTE = "snow_height"
 POSITION_ATTRIBUTE = "snow_position"
 
-_COVERED = "snow_covered"
-_OFFSET = "snow_offset"
-_CORNER_HEIGHT = "snow_corner_height"
+_NORMAL = "snow_normal"
 _PLACE = "snow_map_place"
 
 # Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
@@ -110,26 +111,27 @@ def build_tree(name, source):
             )
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     sliders = tree.node("NodeGroupInput").outputs
-    ragged = None
 
     geometry = _outside_out(tree, _receiver(tree, source), source)
-    geometry, normal = _corner_normals(tree, geometry, source.sharp_angle)
-    geometry, curvature = _phong(tree, geometry, normal)
+    pieces = _corner_normals(tree, geometry, source.sharp_angle)
     if source.weld:
-        merge = tree.node("GeometryNodeMergeByDistance")
-        geometry = tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
-    geometry = _placed(tree, geometry, source)
+        geometry, pieces = _welded(tree, geometry, source), _welded(tree, pieces, source)
+    share = None
     if source.depths:
         open_depth = _keyed(tree, source.depths)
-        normal_of_points = tree.node("GeometryNodeInputNormal").outputs[0]
-        carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
+        normal = tree.node("GeometryNodeInputNormal").outputs[0]
+        carried_by = support(tree, geometry, normal, source.metres_per_unit)
         geometry, carried_by = _capture(tree, geometry, carried_by, "POINT", "FLOAT")
-        ragged = (carried_by, open_depth)
+
+        def share(thickness):
+            place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
+            return add_ragged_edges(tree, thickness, carried_by, place, open_depth, sliders[RAGGED_INPUT])
+
     rim_edges = rims(tree, geometry, _sharp_edges(tree, source.sharp_angle))
-    geometry = _subdivided(tree, geometry, source.levels)
-    geometry = _heights(tree, geometry, source)
-    geometry = _raised(tree, geometry, source, normal, curvature, rim_edges, ragged, sliders)
-    geometry = _cut(tree, geometry, source)
+    pieces, curvature = _phong(tree, _apart(tree, pieces, source))
+    pieces, geometry = (_subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
+    geometry, snow = _heights(tree, geometry, _Pieces(tree, pieces, source), curvature, share)
+    geometry = _raised(tree, _cut(tree, geometry, snow), source, snow, rim_edges, sliders)
     if source.depths:
         geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], open_depth,
                                 (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
@@ -220,30 +222,60 @@ def _sharp_edges(tree, sharp_angle):
 
 
 def _corner_normals(tree, geometry, sharp_angle):
-    """(geometry, normal of every corner): smooth across smooth edges only."""
+    """The geometry with the normal of every corner, smooth across smooth edges only, as _NORMAL."""
     split = tree.node("GeometryNodeSplitEdges")
     tree.feed(split, Mesh=geometry, Selection=_sharp_edges(tree, sharp_angle))
-    sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="CORNER")
     normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs["Normal"], "POINT", "FLOAT_VECTOR")
-    tree.feed(sample, Geometry=split.outputs["Mesh"], Value=normal,
-              Index=tree.node("GeometryNodeInputIndex").outputs[0])  # fmt: skip
-    return _capture(tree, geometry, tree.output(sample), "CORNER", "FLOAT_VECTOR")
+    return tree.store(
+        geometry, _NORMAL, _of_corner(tree, split.outputs["Mesh"], normal), "CORNER", "FLOAT_VECTOR"
+    )
 
 
-def _phong(tree, geometry, normal):
-    """(geometry, the way from a point of a face to its place on the curved surface).
+def _of_corner(tree, other, value, data_type="FLOAT_VECTOR"):
+    """The value that a corner's counterpart has in another mesh, of the same corners in the same order."""
+    sample = tree.node("GeometryNodeSampleIndex", data_type=data_type, domain="CORNER")
+    tree.feed(sample, Geometry=other, Value=value, Index=tree.node("GeometryNodeInputIndex").outputs[0])
+    return tree.output(sample)
+
+
+def _welded(tree, geometry, source):
+    merge = tree.node("GeometryNodeMergeByDistance")
+    return tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
+
+
+def _apart(tree, geometry, source):
+    """The mesh's faces split apart, whose points carry what their one corner has: the normal, and as _PLACE where on
+    the map it is looked up: on its UVs, along both axes a little towards the middle of its face, which may be
+    narrow."""
+    split = tree.node("GeometryNodeSplitEdges")
+    geometry = tree.feed(split, Mesh=geometry).outputs["Mesh"]
+    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
+    most = INSET * source.texel
+    way = tree.scale(tree.vector("SUBTRACT", middle, uv), MOST_INSET)
+    way = tree.vector("MAXIMUM", tree.vector("MINIMUM", way, (most,) * 3), (-most,) * 3)
+    geometry = tree.store(geometry, _PLACE, tree.vector("ADD", uv, way), "POINT", "FLOAT_VECTOR")
+    geometry = tree.store(geometry, _NORMAL, tree.attribute(_NORMAL, "FLOAT_VECTOR"), "POINT", "FLOAT_VECTOR")
+    for name in (source.uv_map, POSITION_ATTRIBUTE):  # nobody asks for them here, and each is subdivided
+        geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
+    return geometry
+
+
+def _phong(tree, geometry):
+    """(geometry, the way from a point of a face to its place on the curved surface), of faces that are apart.
 
     With p_i and n_i of a face's corners and b_i a point's weights in it, Phong tessellation puts p at
     sum b_i (p - ((p - p_i) . n_i) n_i) = p - M p + c, where M = sum b_i n_i n_i^T and c = sum b_i (p_i . n_i) n_i are
     attributes that the subdivision interpolates.
     """
     place = tree.node("GeometryNodeInputPosition").outputs[0]
+    normal = tree.attribute(_NORMAL, "FLOAT_VECTOR")
     geometry, offset = _capture(
-        tree, geometry, tree.scale(normal, tree.dot(place, normal)), "CORNER", "FLOAT_VECTOR"
+        tree, geometry, tree.scale(normal, tree.dot(place, normal)), "POINT", "FLOAT_VECTOR"
     )
     rows = []
     for component in tree.components(normal):
-        geometry, row = _capture(tree, geometry, tree.scale(normal, component), "CORNER", "FLOAT_VECTOR")
+        geometry, row = _capture(tree, geometry, tree.scale(normal, component), "POINT", "FLOAT_VECTOR")
         rows.append(row)
     product = tree.combine(*(tree.dot(row, place) for row in rows))
     return geometry, tree.scale(tree.vector("SUBTRACT", offset, product), 0.5)
@@ -257,15 +289,37 @@ def _subdivided(tree, geometry, levels):
     return tree.feed(node, Mesh=geometry, Level=tree.output(level)).outputs["Mesh"]
 
 
-def _placed(tree, geometry, source):
-    """Stores where on the map every corner is looked up: on its UVs, along both axes a little towards the middle of
-    its face, which may be narrow."""
-    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
-    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
-    most = INSET * source.texel
-    way = tree.scale(tree.vector("SUBTRACT", middle, uv), MOST_INSET)
-    way = tree.vector("MAXIMUM", tree.vector("MINIMUM", way, (most,) * 3), (-most,) * 3)
-    return tree.store(geometry, _PLACE, tree.vector("ADD", uv, way), "CORNER", "FLOAT_VECTOR")
+class _Pieces:
+    """Subdivided pieces, and what their points say of the mesh's."""
+
+    def __init__(self, tree, geometry, source):
+        self.tree, self.geometry, self.source = tree, geometry, source
+
+    def capture(self, value, data_type):
+        """Works a value out, once a point."""
+        self.geometry, captured = _capture(self.tree, self.geometry, value, "POINT", data_type)
+        return captured
+
+    def mean(self, captured, data_type):
+        """For points of the mesh: the mean over their corners."""
+        corner = self.tree.on_domain(
+            _of_corner(self.tree, self.geometry, captured, data_type), "CORNER", data_type
+        )
+        return self.tree.on_domain(corner, "POINT", data_type)
+
+
+@dataclass(frozen=True)
+class _Snow:
+    """Sockets with what a point of the mesh knows of its snow."""
+
+    offset: object
+    """The way from the bare surface to the snow's (metres)."""
+    normal: object
+    """Of the bare surface, as long as 1."""
+    curvature: object
+    """See _phong; units of the scene."""
+    ever: object
+    """Over 0 where snow ever lies."""
 
 
 def _sampled(tree, source, image, interpolation, frame=None):
@@ -275,12 +329,14 @@ def _sampled(tree, source, image, interpolation, frame=None):
     return node.outputs["Color"]
 
 
-def _heights(tree, geometry, source):
-    """Stores the height of every corner in metres, and where snow ever lies.
+def _heights(tree, geometry, pieces, curvature, share):
+    """(geometry with HEIGHT_ATTRIBUTE and the place in the snow of every point, its _Snow). share: of a thickness
+    (metres), what is to be seen of it, or None.
 
     The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
     not drawn out where snow is steep, and do not boil while it grows.
     """
+    source = pieces.source
     frames, frame = source.frames, None
     if frames is not None:  # held before the first file and after the last one
         now = tree.node("GeometryNodeInputSceneTime").outputs["Frame"]
@@ -288,56 +344,54 @@ def _heights(tree, geometry, source):
     height = _sampled(tree, source, source.image, "Cubic", frame)
     if frames is not None:
         height = tree.multiply(height, tree.math("GREATER_THAN", now, frames.first - 0.5))
-    geometry = tree.store(geometry, _CORNER_HEIGHT, height, "CORNER")
+    height = pieces.capture(height, "FLOAT")
     final = tree.absolute(
         _sampled(tree, source, source.image, "Cubic", None if frames is None else frames.last)
     )
-    # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
-    mean, square = (
-        tree.on_domain(tree.on_domain(value, "CORNER"), "POINT")
-        for value in (final, tree.multiply(final, final))
+    thickness = tree.absolute(height)
+    normal = tree.attribute(_NORMAL, "FLOAT_VECTOR")
+    outside = tree.scale(tree.vector("NORMALIZE", normal), tree.math("SIGN", height))
+    # At an edge the side that faces the sky says where snow goes.
+    weight = tree.multiply(thickness, tree.math("MAXIMUM", tree.components(outside)[2], WALL_SHARE))
+    values = (
+        tree.scale(_leaning(tree, outside), tree.multiply(weight, thickness)),
+        tree.combine(weight, final, tree.multiply(final, final)),
+        normal,
+        curvature,
     )
+    captured = [pieces.capture(value, "FLOAT_VECTOR") for value in values]
+    ever = source.covered and pieces.capture(_sampled(tree, source, source.covered, "Linear"), "FLOAT")
+
+    offset, numbers, normal, curvature = (pieces.mean(value, "FLOAT_VECTOR") for value in captured)
+    weight, mean, square = tree.components(numbers)
+    # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
-    if source.covered is not None:
-        ever = _sampled(tree, source, source.covered, "Linear")
-        geometry = tree.store(geometry, _COVERED, ever, "CORNER")
-    return geometry
-
-
-def _raised(tree, geometry, source, normal, curvature, rim_edges, ragged, sliders):
-    """The snow's surface: points moved by the mean offset of their corners, weighted by height, then drawn out to
-    shoulders at the rims, and given relief along the normals of what has come of that."""
-    normal = tree.vector("NORMALIZE", normal)
-    corner = tree.attribute(_CORNER_HEIGHT)
-    thickness = tree.absolute(corner)
-    outside = tree.scale(normal, tree.math("SIGN", corner))
-    # At an edge the side that faces the sky says where snow goes.
-    weight = tree.multiply(thickness, tree.math("MAXIMUM", tree.components(outside)[2], WALL_SHARE))
-    offset = tree.scale(_leaning(tree, outside), tree.multiply(weight, thickness))
-    geometry = tree.store(geometry, _OFFSET, offset, "CORNER", "FLOAT_VECTOR")
-
-    weight = tree.on_domain(tree.on_domain(weight, "CORNER"), "POINT")
     edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
     rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
     inside = tree.math("LESS_THAN", rim, 1e-3)
-    mean = tree.scale(
-        tree.attribute(_OFFSET, "FLOAT_VECTOR"),
-        tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)),
-    )
-    geometry, mean = _capture(tree, geometry, mean, "POINT", "FLOAT_VECTOR")
-    if ragged is not None:
-        carried_by, open_depth = ragged
-        place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-        thickness = tree.vector("LENGTH", mean)
-        share = add_ragged_edges(tree, thickness, carried_by, place, open_depth, sliders[RAGGED_INPUT])
-        geometry, mean = _capture(tree, geometry, tree.scale(mean, share), "POINT", "FLOAT_VECTOR")
-    direction = tree.vector("NORMALIZE", tree.on_domain(tree.vector("ADD", mean, tree.scale(normal, 1e-9)),
-                                                        "POINT", "FLOAT_VECTOR"))  # fmt: skip
-    height = tree.vector("LENGTH", mean)
-    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, height, "POINT")
+    offset = tree.scale(offset, tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)))
+    geometry, offset = _capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
+    if share is not None:
+        offset = tree.scale(offset, share(tree.vector("LENGTH", offset)))
+        geometry, offset = _capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
+    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", offset), "POINT")
+    normal = tree.vector("NORMALIZE", normal)
+    geometry, normal = _capture(tree, geometry, normal, "POINT", "FLOAT_VECTOR")
+    geometry, curvature = _capture(tree, geometry, curvature, "POINT", "FLOAT_VECTOR")
+    if ever is None:
+        ever = tree.math("GREATER_THAN", tree.attribute(HEIGHT_ATTRIBUTE), 10.0 * BARE)
+    else:
+        ever = pieces.mean(ever, "FLOAT")
+    return geometry, _Snow(offset, normal, curvature, ever)
 
+
+def _raised(tree, geometry, source, snow, rim_edges, sliders):
+    """The snow's surface: points moved by their offset, then drawn out to shoulders at the rims, and given relief
+    along the normals of what has come of that."""
+    direction = tree.vector("ADD", snow.offset, tree.scale(snow.normal, 1e-9))
+    direction = tree.vector("NORMALIZE", tree.on_domain(direction, "POINT", "FLOAT_VECTOR"))
     height = tree.attribute(HEIGHT_ATTRIBUTE)
     units = 1.0 / source.metres_per_unit
     bare = tree.node("GeometryNodeInputPosition").outputs[0]
@@ -345,24 +399,24 @@ def _raised(tree, geometry, source, normal, curvature, rim_edges, ragged, slider
     geometry, to_rim = _capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
-    way = tree.vector("ADD", tree.scale(mean, units), tree.scale(direction, tree.multiply(extra, units)))
-    bent = tree.on_domain(curvature, "POINT", "FLOAT_VECTOR")
-    most = tree.divide(
-        tree.multiply(height, MOST_CURVATURE * units), tree.math("MAXIMUM", tree.vector("LENGTH", bent), 1e-9)
+    way = tree.vector(
+        "ADD", tree.scale(snow.offset, units), tree.scale(direction, tree.multiply(extra, units))
     )
-    way = tree.vector("ADD", way, tree.scale(bent, tree.math("MINIMUM", most, 1.0)))
+    bent = tree.math("MAXIMUM", tree.vector("LENGTH", snow.curvature), 1e-9)
+    most = tree.divide(tree.multiply(height, MOST_CURVATURE * units), bent)
+    way = tree.vector("ADD", way, tree.scale(snow.curvature, tree.math("MINIMUM", most, 1.0)))
     geometry = tree.feed(tree.node("GeometryNodeSetPosition"), Geometry=geometry, Offset=way).outputs[
         "Geometry"
     ]
 
     # On the back of a sheet both normals point into the snow.
-    side = tree.math("SIGN", tree.dot(tree.on_domain(normal, "POINT", "FLOAT_VECTOR"), direction))
+    side = tree.math("SIGN", tree.dot(snow.normal, direction))
     own = tree.scale(
         tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side
     )
-    outside = tree.scale(tree.vector("NORMALIZE", tree.on_domain(normal, "POINT", "FLOAT_VECTOR")), side)
+    outside = tree.scale(snow.normal, side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-    way = add_shoulders(tree, to_rim, height, mean, outside, own, place, sliders[SHOULDERS_INPUT])
+    way = add_shoulders(tree, to_rim, height, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT])
     relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
     if relief is not None:
         way = tree.vector("ADD", way, tree.scale(own, relief))
@@ -378,16 +432,9 @@ def _leaning(tree, outside):
     return tree.vector("NORMALIZE", tree.vector("ADD", outside, up))
 
 
-def _cut(tree, geometry, source):
+def _cut(tree, geometry, snow):
     """Without the faces that never carry snow, but for one ring around those that do."""
-    if source.covered is not None:
-        ever = tree.attribute(_COVERED)
-    else:
-        ever = tree.math("GREATER_THAN", tree.attribute(HEIGHT_ATTRIBUTE), 10.0 * BARE)
-    on_face = tree.on_domain(tree.on_domain(ever, "POINT"), "FACE")
+    on_face = tree.on_domain(tree.on_domain(snow.ever, "POINT"), "FACE")
     node = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
     tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
-    geometry = node.outputs["Geometry"]
-    for name in (_OFFSET, _CORNER_HEIGHT, _PLACE, *((_COVERED,) if source.covered is not None else ())):
-        geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
-    return geometry
+    return node.outputs["Geometry"]

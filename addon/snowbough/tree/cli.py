@@ -6,8 +6,6 @@ Exit codes: 0 done; 1 a file is no tree, or something could not be written; 6 no
 only when it is complete.
 """
 
-import argparse
-import json
 import os
 import sys
 from pathlib import Path
@@ -15,47 +13,14 @@ from pathlib import Path
 import bpy
 
 from .. import native
-from ..names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK
+from ..cache.files import write_report
+from ..names import EXIT_FAILED, EXIT_NO_NATIVE, EXIT_OK, FAILURES
+from ..options import add_options, options_of
 from . import import_tree
-from .import_options import declared, options_of
+from .import_options import ImportOptions, ImportProperties
 
 # Options of an import whose names on the command line are not their own.
 FLAGS = {"foliage": "--no-foliage", "foliage_names": "--foliage"}
-
-
-def _within(number, keywords):
-    """A converter of texts into numbers of that type, inside the limits that the property was declared with."""
-    least, most = keywords.get("min", float("-inf")), keywords.get("max", float("inf"))
-
-    def convert(text):
-        value = number(text)
-        if not least <= value <= most:
-            raise argparse.ArgumentTypeError(f"{text} is not from {least} to {most}")
-        return value
-
-    convert.__name__ = number.__name__  # argparse names it for what is no number at all
-    return convert
-
-
-def add_option(parser, name, kind, keywords):
-    """Adds an option as the property of an operator was declared (tree.import_options.declared)."""
-    flag = FLAGS.get(name, "--" + name.replace("_", "-"))
-    how = {"dest": name, "help": keywords["description"].replace("%", "%%")}
-    default = keywords.get("default", "")
-    if kind is bpy.props.BoolProperty:
-        how["action"] = "store_false" if default else "store_true"
-        if default:
-            how["help"] = f"not: {how['help']}"
-    else:
-        how["default"] = default
-        if kind is bpy.props.EnumProperty:
-            how["choices"] = [item[0] for item in keywords["items"]]
-        elif kind is bpy.props.StringProperty:
-            how["metavar"] = "NAMES"
-        else:
-            how["type"] = _within(int if kind is bpy.props.IntProperty else float, keywords)
-            how["metavar"] = "N"
-    parser.add_argument(flag, **how)
 
 
 def add_arguments(parser):
@@ -67,17 +32,7 @@ def add_arguments(parser):
         "--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved"
     )
     parser.add_argument("--json", metavar="R.json", help="where the import report goes")
-    for name, kind, keywords in declared():
-        add_option(parser, name, kind, keywords)
-
-
-def write_json(path, report):
-    partial = path.with_name(f".{path.name}.part")
-    try:
-        partial.write_text(json.dumps(report, indent=2) + "\n", encoding="utf-8")
-        os.replace(partial, path)
-    finally:
-        partial.unlink(missing_ok=True)
+    add_options(parser, ImportProperties, FLAGS)
 
 
 def _save_blend(path):
@@ -129,7 +84,7 @@ def run(args):
     """Imports as the command line says; returns the exit code. args: see add_arguments."""
     try:
         blend, report_file = checked_target(args.out, ".blend"), checked_target(args.json, "")
-        made, failures = _import(args, options_of(args))
+        made, failures = _import(args, options_of(ImportOptions, args))
         reports = [report for _collection, report in made]
         several = len(reports) + len(failures) > 1
         for failure in failures:
@@ -137,11 +92,11 @@ def run(args):
         if blend and made:
             _save_blend(blend)
         if report_file and (made or several):
-            write_json(report_file, _json(reports, failures, several))
+            write_report(report_file, _json(reports, failures, several))
     except native.NativeModuleMissing as error:
         print(f"Snowbough: {error}", file=sys.stderr)
         return EXIT_NO_NATIVE
-    except (ValueError, RuntimeError, OSError, MemoryError) as error:
+    except FAILURES as error:
         print(f"Snowbough: {import_tree.message(error)}", file=sys.stderr)
         return EXIT_FAILED
     for report in reports:

@@ -3,11 +3,10 @@
 from ImportProperties.
 """
 
-from dataclasses import make_dataclass
-
 from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, StringProperty
 
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+from ..options import options_class
 
 LOD_COUNT = 4
 # The option `lod` where `detail` says how fine the surface is.
@@ -163,32 +162,7 @@ class ImportProperties:
     )
 
 
-def declared(properties=ImportProperties):
-    """[(name, kind of property, what it was declared with: a dict)] of every option of a mix-in, in their order."""
-    return [(name, option.function, option.keywords) for name, option in properties.__annotations__.items()]
-
-
-def _default(kind, keywords):
-    return keywords.get("default", "" if kind is StringProperty else 0)
-
-
-def defaults(properties):
-    """{name: default} of the options of a mix-in."""
-    return {name: _default(kind, keywords) for name, kind, keywords in declared(properties)}
-
-
-DEFAULTS = defaults(ImportProperties)
-
-ImportOptions = make_dataclass(
-    "ImportOptions", [(name, type(value), value) for name, value in DEFAULTS.items()]
-)
-ImportOptions.__doc__ = "What the properties of the same names say."
-
-
-def options_of(source):
-    """The ImportOptions that an operator, or another object with all options as attributes, holds."""
-    return ImportOptions(**{name: getattr(source, name) for name in DEFAULTS})
-
+ImportOptions = options_class("ImportOptions", ImportProperties)
 
 # Headings of the options in dialogs, and what stands under each. `lod` is for scripts.
 SECTIONS = (

@@ -14,7 +14,7 @@ import bpy
 import numpy as np
 
 from .. import compat, native
-from ..names import BARK_UV, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
+from ..names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
 from . import armature, kept_skeleton, materials, objects, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
@@ -166,9 +166,6 @@ class Failure(NamedTuple):
         """What is told of it, with the file's name."""
         told = message(self.error)
         return told if self.path.name in told else f"{self.path.name}: {told}"
-
-
-FAILURES = (ValueError, RuntimeError, OSError, MemoryError)
 
 
 def read_files(paths, options, progress=None, metre=1.0):

@@ -5,12 +5,13 @@ A preset says where it differs from the options' defaults. What follows from the
 """
 
 import tempfile
+from dataclasses import asdict
 from pathlib import Path
 
 import bpy
 
 from .. import compat
-from .import_options import DEFAULTS
+from .import_options import ImportOptions
 
 OPERATOR = "import_scene.xfrog_tree"
 
@@ -44,7 +45,10 @@ _registered = []
 
 def text_of(preset):
     """The script with which Blender applies a preset to the operator."""
-    values = {**{name: value for name, value in DEFAULTS.items() if name not in OF_THE_FILE}, **preset}
+    values = {
+        **{name: value for name, value in asdict(ImportOptions()).items() if name not in OF_THE_FILE},
+        **preset,
+    }
     lines = [f"op.{name} = {value!r}" for name, value in values.items()]
     return "\n".join(["import bpy", "", "op = bpy.context.active_operator", "", *lines, ""])
 

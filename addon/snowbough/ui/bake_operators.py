@@ -129,13 +129,4 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
 
 
 CLASSES = (SNOWBOUGH_OT_bake, SNOWBOUGH_OT_stop_bake, SNOWBOUGH_OT_free_bake)
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

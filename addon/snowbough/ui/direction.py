@@ -149,13 +149,4 @@ class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
 
 
 CLASSES = (SNOWBOUGH_OT_add_direction_arrow, SNOWBOUGH_GGT_direction)
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

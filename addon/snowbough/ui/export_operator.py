@@ -8,8 +8,9 @@ from bpy.props import StringProperty
 from bpy_extras.io_utils import ExportHelper
 
 from ..gltf import export_tree, scene_tree
-from ..gltf.export_options import ExportProperties, options_of
-from ..names import safe_name
+from ..gltf.export_options import ExportOptions, ExportProperties
+from ..names import FAILURES, safe_name
+from ..options import options_of
 from .editing_lock import NotWhileBaking
 
 SECTIONS = (
@@ -71,8 +72,10 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
 
     def execute(self, context):
         try:
-            report = export_tree.export(context, context.object, self.filepath, options_of(self))
-        except export_tree.FAILURES as error:
+            report = export_tree.export(
+                context, context.object, self.filepath, options_of(ExportOptions, self)
+            )
+        except FAILURES as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         for text in report["warnings"]:

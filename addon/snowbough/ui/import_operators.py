@@ -13,8 +13,10 @@ from bpy.props import CollectionProperty, StringProperty
 from bpy_extras.io_utils import ImportHelper
 
 from .. import compat, native
+from ..names import FAILURES
+from ..options import options_of
 from ..tree import import_tree
-from ..tree.import_options import ImportProperties, options_of
+from ..tree.import_options import ImportOptions, ImportProperties
 from ..tree.import_tree import REPORT_PROPERTY
 from .import_panels import draw_sections
 
@@ -89,11 +91,11 @@ class _Files:
 
     def import_now(self, context):
         try:
-            made, failures = import_tree.import_files(context, self.chosen(), options_of(self))
+            made, failures = import_tree.import_files(context, self.chosen(), options_of(ImportOptions, self))
         except KeyboardInterrupt:
             self.report({"WARNING"}, "The import was stopped; nothing was changed")
             return {"CANCELLED"}
-        except import_tree.FAILURES as error:
+        except FAILURES as error:
             self.report({"ERROR"}, import_tree.message(error))
             return {"CANCELLED"}
         if not made:
@@ -136,7 +138,9 @@ class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, _Files, bpy.types.Operator, I
             except (ValueError, OSError) as error:
                 self.report({"ERROR"}, str(error))
                 return {"CANCELLED"}
-            bpy.ops.snowbough.import_tree_job("INVOKE_DEFAULT", files=files, **asdict(options_of(self)))
+            bpy.ops.snowbough.import_tree_job(
+                "INVOKE_DEFAULT", files=files, **asdict(options_of(ImportOptions, self))
+            )
             return {"FINISHED"}
         return self.import_now(context)
 
@@ -158,7 +162,7 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
         return self.import_now(context)
 
     def invoke(self, context, _event):
-        self._options = options_of(self)
+        self._options = options_of(ImportOptions, self)
         try:
             paths = self.chosen()
             self._job = _Job(paths, self._options, import_tree.metre_of(context.scene))
@@ -189,7 +193,7 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
             return _refuse(self, job.failures)
         try:
             import_tree.create_trees(context, job.trees, self._options)
-        except import_tree.FAILURES as error:
+        except FAILURES as error:
             self.report({"ERROR"}, import_tree.message(error))
             return {"CANCELLED"}
         _tell(self, [tree.report for _path, tree in job.trees], job.failures)

@@ -60,13 +60,4 @@ CLASSES = tuple(
     )
     for number, (identifier, text, names) in enumerate(SECTIONS)
 )
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

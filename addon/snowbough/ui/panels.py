@@ -233,13 +233,4 @@ CLASSES = (
     SNOWBOUGH_PT_tree,
     SNOWBOUGH_PT_object,
 )
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -59,13 +59,4 @@ class SNOWBOUGH_OT_fix(NotWhileBaking, bpy.types.Operator):
 
 
 CLASSES = (SNOWBOUGH_OT_preflight, SNOWBOUGH_OT_fix)
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -70,13 +70,4 @@ class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
 
 
 CLASSES = (SNOWBOUGH_OT_add_receivers, SNOWBOUGH_OT_remove_receiver)
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

@@ -132,13 +132,4 @@ CLASSES = (
     SNOWBOUGH_OT_apply_at_frame,
     SNOWBOUGH_OT_remove,
 )
-
-
-def register():
-    for cls in CLASSES:
-        bpy.utils.register_class(cls)
-
-
-def unregister():
-    for cls in reversed(CLASSES):
-        bpy.utils.unregister_class(cls)
+register, unregister = bpy.utils.register_classes_factory(CLASSES)

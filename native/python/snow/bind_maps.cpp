@@ -1,7 +1,6 @@
-#include <algorithm>
-
-#include "bindings.h"
-#include "numpy_arrays.h"
+#include "map_topology.h"
+#include "python/bindings.h"
+#include "python/numpy_arrays.h"
 #include "snow/output/cpu_filter.h"
 #include "snow/seams/seam_table.h"
 #include "snow/texels/texel_table.h"
@@ -11,28 +10,9 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-snow::MapTopology topology_from(const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-                                int32_t resolution) {
-  if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
-    throw std::invalid_argument("triangles must have shape (T, 3)");
-  }
-  if (uv.ndim() != 3 || uv.shape(0) != triangles.shape(0) || uv.shape(1) != 3 || uv.shape(2) != 2) {
-    throw std::invalid_argument("uv must have shape (T, 3, 2), one coordinate a triangle corner");
-  }
-  snow::MapTopology topology;
-  topology.resolution = resolution;
-  topology.triangles.assign(triangles.data(), triangles.data() + triangles.size());
-  const auto* corner = reinterpret_cast<const glm::vec2*>(uv.data());
-  topology.corner_uv.assign(corner, corner + triangles.size());
-  for (const int32_t index : topology.triangles) {
-    topology.vertex_count = std::max(topology.vertex_count, index + 1);
-  }
-  return topology;
-}
-
 py::dict texel_table(const InputArray<int32_t>& triangles, const InputArray<float>& uv,
                      int32_t resolution) {
-  const snow::MapTopology topology = topology_from(triangles, uv, resolution);
+  const snow::MapTopology topology = map_topology(triangles, uv, resolution);
   snow::TexelTable table;
   {
     py::gil_scoped_release unlocked;
@@ -65,7 +45,7 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     throw std::invalid_argument("height must have shape (resolution, resolution)");
   }
   const auto resolution = static_cast<int32_t>(height.shape(0));
-  snow::MapTopology topology = topology_from(triangles, uv, resolution);
+  snow::MapTopology topology = map_topology(triangles, uv, resolution);
   const auto points = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
   topology.vertex_count = static_cast<int32_t>(points.size());
   std::vector<float> stored(height.data(), height.data() + height.size());
@@ -92,7 +72,8 @@ void bind_maps(py::module_& module) {
   module.def(
       "texel_table", &texel_table, py::arg("triangles"), py::arg("uv"), py::arg("resolution"),
       "Which surface each texel of a snow map carries: triangles (T, 3), uv (T, 3, 2) -> a dict "
-      "of the arrays of native/snow/texel_table.h. ValueError for a layout that does not fit.");
+      "of the arrays of native/snow/texels/texel_table.h. ValueError for a layout that does not "
+      "fit.");
   module.def(
       "output_map", &output_map, py::arg("triangles"), py::arg("uv"), py::arg("positions"),
       py::arg("height"), py::arg("blur_radius") = 0.0f,

@@ -1,13 +1,14 @@
-#include <cmath>
-#include <glm/vec2.hpp>
-#include <glm/vec3.hpp>
-#include <optional>
+#include <pybind11/stl.h>
 
-#include "base/thread_pool.h"
-#include "bindings.h"
-#include "numpy_arrays.h"
-#include "object_alpha.h"
-#include "pybind11/stl.h"
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "engine_arguments.h"
+#include "object_description.h"
+#include "python/bindings.h"
+#include "python/numpy_arrays.h"
 #include "snow/simulation.h"
 
 namespace py = pybind11;
@@ -16,16 +17,6 @@ namespace snowbough::python {
 namespace {
 
 using snow::SnowSimulation;
-
-snow::gl::DepositMapping mapping_from(const std::string& name) {
-  if (name == "COMPUTE") {
-    return snow::gl::DepositMapping::kCompute;
-  }
-  if (name == "GEOMETRY") {
-    return snow::gl::DepositMapping::kGeometry;
-  }
-  throw std::invalid_argument("mapping must be COMPUTE or GEOMETRY, not " + name);
-}
 
 std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
                                                 double flutter, double max_depth,
@@ -51,79 +42,17 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
   return std::make_unique<SnowSimulation>(settings);
 }
 
-snow::Sides sides_from(const std::string& name, const std::string& object) {
-  if (name == "AUTO") return snow::Sides::kAuto;
-  if (name == "FRONT") return snow::Sides::kFront;
-  if (name == "BOTH") return snow::Sides::kBoth;
-  throw std::invalid_argument("object '" + object + "': sides must be AUTO, FRONT or BOTH, not " +
-                              name);
-}
-
-snow::ObjectDescription describe(const std::string& name, const InputArray<int32_t>& triangles,
-                                 const InputArray<float>& uv, int32_t resolution, bool receive,
-                                 bool occlude, const py::object& rest,
-                                 const std::optional<double>& blur_radius, const py::object& alpha,
-                                 const py::object& shading, const std::string& sides) {
-  if (triangles.ndim() != 2 || triangles.shape(1) != 3) {
-    throw std::invalid_argument("object '" + name + "': triangles must have shape (T, 3)");
-  }
-  if (uv.ndim() != 3 || uv.shape(0) != triangles.shape(0) || uv.shape(1) != 3 || uv.shape(2) != 2) {
-    throw std::invalid_argument("object '" + name + "': uv must have shape (T, 3, 2), T = " +
-                                std::to_string(triangles.shape(0)));
-  }
-  snow::ObjectDescription description;
-  description.name = name;
-  description.topology.triangles.assign(triangles.data(), triangles.data() + triangles.size());
-  const auto* corners = reinterpret_cast<const glm::vec2*>(uv.data());
-  description.topology.corner_uv.assign(corners, corners + uv.size() / 2);
-  description.topology.resolution = resolution;
-  description.receive = receive;
-  description.occlude = occlude;
-  if (blur_radius.has_value()) {
-    if (!std::isfinite(*blur_radius) || *blur_radius < 0.0) {
-      throw std::invalid_argument("object '" + name + "': blur_radius must be 0 metres or more");
-    }
-    description.blur_radius = *blur_radius;
-  }
-  if (!rest.is_none()) {
-    description.rest = rows_from_numpy<glm::vec3, float, 3>(py::cast<InputArray<float>>(rest),
-                                                            "object '" + name + "': rest");
-  }
-  if (!alpha.is_none()) {
-    description.alpha = alpha_from_python(alpha, name, triangles.shape(0));
-  }
-  if (!shading.is_none()) {
-    const auto numbers = py::cast<InputArray<int32_t>>(shading);
-    if (numbers.ndim() != 2 || numbers.shape(0) != triangles.shape(0) || numbers.shape(1) != 3) {
-      throw std::invalid_argument("object '" + name + "': shading must have shape (T, 3), T = " +
-                                  std::to_string(triangles.shape(0)));
-    }
-    description.shading.assign(numbers.data(), numbers.data() + numbers.size());
-  }
-  description.sides = sides_from(sides, name);
-  return description;
-}
-
-void add_object(SnowSimulation& simulation, const std::string& name,
-                const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-                int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                const std::optional<double>& blur_radius, const py::object& alpha,
-                const py::object& shading, const std::string& sides) {
-  snow::ObjectDescription description = describe(name, triangles, uv, resolution, receive, occlude,
-                                                 rest, blur_radius, alpha, shading, sides);
+/// add_object and replace_object.
+template <void (SnowSimulation::*give)(snow::ObjectDescription)>
+void give_object(SnowSimulation& simulation, const std::string& name,
+                 const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+                 int32_t resolution, bool receive, bool occlude, const py::object& rest,
+                 const std::optional<double>& blur_radius, const py::object& alpha,
+                 const py::object& shading, const std::string& sides) {
+  snow::ObjectDescription description = describe_object(
+      name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha, shading, sides);
   const py::gil_scoped_release release;
-  simulation.add_object(std::move(description));
-}
-
-void replace_object(SnowSimulation& simulation, const std::string& name,
-                    const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-                    int32_t resolution, bool receive, bool occlude, const py::object& rest,
-                    const std::optional<double>& blur_radius, const py::object& alpha,
-                    const py::object& shading, const std::string& sides) {
-  snow::ObjectDescription description = describe(name, triangles, uv, resolution, receive, occlude,
-                                                 rest, blur_radius, alpha, shading, sides);
-  const py::gil_scoped_release release;
-  simulation.replace_object(std::move(description));
+  (simulation.*give)(std::move(description));
 }
 
 void step(SnowSimulation& simulation, const py::dict& positions, double depth,
@@ -162,19 +91,15 @@ void change_settings(SnowSimulation& simulation, std::optional<double> noise_den
   simulation.change_settings(settings);
 }
 
-py::array_t<float> square(std::vector<float>&& values, int32_t resolution) {
-  return to_numpy<float>(std::move(values), {resolution, resolution});
-}
-
-py::array_t<float> height(SnowSimulation& simulation, const std::string& name) {
-  std::vector<float> values;
-  int32_t resolution = 0;
-  {
-    const py::gil_scoped_release release;
-    values = simulation.height(name);
-    resolution = simulation.resolution(name);
-  }
-  return square(std::move(values), resolution);
+/// A map of a receiver by its name: height and texel_area.
+template <std::vector<float> (SnowSimulation::*read)(const std::string&)>
+py::array_t<float> map_of(SnowSimulation& simulation, const std::string& name) {
+  int32_t edge = 0;
+  std::vector<float> values = without_gil([&] {
+    edge = simulation.resolution(name);
+    return (simulation.*read)(name);
+  });
+  return to_numpy<float>(std::move(values), {edge, edge});
 }
 
 snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& name, bool normal) {
@@ -197,11 +122,7 @@ struct LentMap {
 };
 
 py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
-  snow::MapOutput result;
-  {
-    const py::gil_scoped_release release;
-    result = snapshot.output();
-  }
+  snow::MapOutput result = without_gil([&] { return snapshot.output(); });
   const int32_t resolution = snapshot.resolution();
   py::dict dict;
   auto map = std::make_unique<LentMap>(std::move(result.height), snapshot.memory());
@@ -216,17 +137,6 @@ py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
 py::dict output(SnowSimulation& simulation, const std::string& name, bool normal) {
   snow::OutputSnapshot now = snapshot(simulation, name, normal);
   return snapshot_output(now);
-}
-
-py::array_t<float> texel_area(SnowSimulation& simulation, const std::string& name) {
-  std::vector<float> values;
-  int32_t resolution = 0;
-  {
-    const py::gil_scoped_release release;
-    values = simulation.texel_area(name);
-    resolution = simulation.resolution(name);
-  }
-  return square(std::move(values), resolution);
 }
 
 void put_balance(py::dict& dict, const snow::SnowBalance& balance) {
@@ -249,11 +159,7 @@ py::dict balance_dict(const snow::StatisticsPair& pair) {
 }
 
 py::dict statistics(SnowSimulation& simulation) {
-  snow::SnowStatistics statistics;
-  {
-    const py::gil_scoped_release release;
-    statistics = simulation.statistics();
-  }
+  const snow::SnowStatistics statistics = without_gil([&] { return simulation.statistics(); });
   py::dict dict = balance_dict(statistics.all);
   dict["step_number"] = statistics.step_number;
   py::dict objects;
@@ -279,49 +185,6 @@ py::dict memory_estimate(const SnowSimulation& simulation) {
   return dict;
 }
 
-py::dict engine_dict(const std::string& name, const std::string& driver,
-                     const std::string& reason) {
-  py::dict dict;
-  dict["name"] = name;
-  dict["driver"] = driver;
-  dict["reason"] = reason;
-  return dict;
-}
-
-/// Keeps an engine, and with it the driver that it has loaded, until it is closed.
-class HeldEngine {
- public:
-  HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
-    const snow::EngineChoice::Wish wish{snow::engine_kind(engine), mapping_from(mapping), device};
-    const py::gil_scoped_release release;
-    base::start_thread_pool();
-    choice_ = std::make_unique<snow::EngineChoice>(wish);
-  }
-  HeldEngine(const HeldEngine&) = delete;
-  HeldEngine& operator=(const HeldEngine&) = delete;
-
-  py::dict info() {
-    if (choice_ == nullptr) throw std::runtime_error("the engine is closed: make a new Engine");
-    std::string name;
-    std::string driver;
-    {
-      const py::gil_scoped_release release;
-      const snow::Engine& engine = choice_->engine();
-      name = engine.name();
-      driver = engine.driver();
-    }
-    return engine_dict(name, driver, choice_->reason());
-  }
-
-  void close() {
-    const py::gil_scoped_release release;
-    choice_.reset();
-  }
-
- private:
-  std::unique_ptr<snow::EngineChoice> choice_;
-};
-
 }  // namespace
 
 void bind_snow(py::module_& module) {
@@ -329,20 +192,6 @@ void bind_snow(py::module_& module) {
   py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
       .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");
-
-  py::class_<HeldEngine, HeldWithoutGil<HeldEngine>>(
-      module, "Engine",
-      "The engine that a simulation of these arguments would have (see SnowSimulation), begun and\n"
-      "held: simulations made meanwhile share its driver. A context manager: leaving it lets go.")
-      .def(py::init<const std::string&, const std::string&, const std::string&>(),
-           "engine"_a = "AUTO", "mapping"_a = "COMPUTE", "device"_a = "")
-      .def_property_readonly("info", &HeldEngine::info,
-                             "As SnowSimulation.engine. Raises RuntimeError, saying what to do, "
-                             "where GL is asked for\n"
-                             "and no OpenGL 4.5 context can be made.")
-      .def("close", &HeldEngine::close, "Lets go.")
-      .def("__enter__", [](const py::object& self) { return self; })
-      .def("__exit__", [](HeldEngine& self, const py::args&) { self.close(); });
 
   using Holder = HeldWithoutGil<SnowSimulation>;
   py::class_<SnowSimulation, Holder>(
@@ -384,18 +233,13 @@ void bind_snow(py::module_& module) {
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {
-            snow::EngineInfo info;
-            {
-              const py::gil_scoped_release release;
-              info = simulation.engine_info();
-            }
-            return engine_dict(info.name, info.driver, info.reason);
+            return engine_dict(without_gil([&] { return simulation.engine_info(); }));
           },
           "What does the passes, waited for: a dict of 'name' (GL or CPU), 'driver' (what decides\n"
           "about last bits) and 'reason' (why this one).")
       .def(
-          "add_object", &add_object, "name"_a, "triangles"_a, "uv"_a, "resolution"_a = 1024,
-          "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+          "add_object", &give_object<&SnowSimulation::add_object>, "name"_a, "triangles"_a, "uv"_a,
+          "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
           "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
           "sides"_a = "AUTO",
           "Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets "
@@ -419,10 +263,10 @@ void bind_snow(py::module_& module) {
           "the sky, heights being negative on the back; AUTO: BOTH for the parts of the mesh that "
           "have\n"
           "no inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.")
-      .def("replace_object", &replace_object, "name"_a, "triangles"_a, "uv"_a,
-           "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-           "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
-           "sides"_a = "AUTO",
+      .def("replace_object", &give_object<&SnowSimulation::replace_object>, "name"_a, "triangles"_a,
+           "uv"_a, "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true,
+           "rest"_a = py::none(), "blur_radius"_a = py::none(), "alpha"_a = py::none(),
+           "shading"_a = py::none(), "sides"_a = "AUTO",
            "Gives an object another mesh, from the next step on, which must name it. A receiver "
            "keeps\n"
            "its map wherever the new mesh has a surface in UV space; the rest goes, and counts as\n"
@@ -443,7 +287,7 @@ void bind_snow(py::module_& module) {
       .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
            py::call_guard<py::gil_scoped_release>(),
            "Another sigma in metres for the blur of a receiver's output; the stored map stays.")
-      .def("height", &height, "name"_a,
+      .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative "
            "where it\n"
            "lies on the back.")
@@ -467,7 +311,7 @@ void bind_snow(py::module_& module) {
            "for\n"
            "bit. RuntimeError for a file that is none or is damaged, ValueError naming what "
            "differs.")
-      .def("texel_area", &texel_area, "name"_a,
+      .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
            "Area in m2 that each texel covers now, (H, W) float32, 0 where there is no surface.")
       .def(
           "statistics", &statistics,

@@ -1,7 +1,8 @@
 #include "object_alpha.h"
 
-#include "numpy_arrays.h"
-#include "pybind11/stl.h"
+#include <pybind11/stl.h>
+
+#include "python/numpy_arrays.h"
 
 namespace py = pybind11;
 

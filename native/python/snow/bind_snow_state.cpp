@@ -1,9 +1,10 @@
+#include <pybind11/stl.h>
+
 #include <algorithm>
 #include <cstring>
 
-#include "bindings.h"
-#include "numpy_arrays.h"
-#include "pybind11/stl.h"
+#include "python/bindings.h"
+#include "python/numpy_arrays.h"
 #include "snow/simulation.h"
 
 namespace py = pybind11;
@@ -59,12 +60,7 @@ snow::SimulationState from_dict(const py::dict& given) {
 }
 
 py::dict state_of(SnowSimulation& simulation) {
-  snow::SimulationState state;
-  {
-    const py::gil_scoped_release release;
-    state = simulation.state();
-  }
-  return to_dict(std::move(state));
+  return to_dict(without_gil([&] { return simulation.state(); }));
 }
 
 void set_state(SnowSimulation& simulation, const py::dict& given) {
@@ -81,11 +77,7 @@ void write_checkpoint(const std::string& path, const py::dict& given,
 }
 
 py::dict read_checkpoint(const std::string& path) {
-  snow::Checkpoint checkpoint;
-  {
-    const py::gil_scoped_release release;
-    checkpoint = snow::load_checkpoint(path);
-  }
+  snow::Checkpoint checkpoint = without_gil([&] { return snow::load_checkpoint(path); });
   py::dict result = to_dict(std::move(checkpoint.state));
   result["description"] = checkpoint.description;
   return result;

@@ -1,0 +1,53 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""From which checkpoint a bake goes on, and whether it belongs to the scene as it is. No ``bpy``."""
+
+from ..cache.errors import InputsChanged, NoCheckpoint
+from ..cache.folder import checkpoints
+from ..scene.inputs import SceneInputs
+from .snow_engine import other_engine
+
+
+def checkpoint_frame(request, receivers, version):
+    """The frame of the checkpoint that the receivers of a BakeRequest go on from, None for a fresh start.
+
+    Raises NoCheckpoint, naming those that are there, where the frames asked for need another one."""
+    common = set.intersection(*(set(checkpoints(receiver.folder)) for receiver in receivers))
+    if request.resume:
+        usable = [frame for frame in common if request.first - 1 <= frame <= request.last]
+        if usable:
+            return max(usable)
+    elif request.first - 1 in common and request.first > request.frame_start:
+        return request.first - 1
+    if request.first > request.frame_start:
+        there = f"there are: {sorted(common)}" if common else "there is none"
+        raise NoCheckpoint(
+            f"Frame {request.first} needs the checkpoint of frame {request.first - 1} in {version} "
+            f"({there}). Bake from frame {request.frame_start}, or start after a checkpoint"
+        )
+    return None
+
+
+def read_checkpoints(native, receivers, frame, driver):
+    """Reads each BakedReceiver's checkpoint of ``frame``: (state for set_simulation_state, the poses that it was
+    baked from, as scene.inputs has them). driver: the one it must have been made with, None for any.
+
+    Raises InputsChanged where they were made by another one, or not by one bake."""
+    numbers, states, inputs = set(), {}, None
+    for receiver in receivers:
+        number, states[receiver.key], made_with, inputs = receiver.read_checkpoint(native, frame)
+        numbers.add(number)
+        if driver is not None and made_with != driver:
+            raise other_engine(made_with, driver)
+    if len(numbers) > 1:
+        raise InputsChanged(
+            f"The receivers' checkpoints of frame {frame} do not belong together (steps "
+            f"{', '.join(map(str, sorted(numbers)))}): bake again from the start"
+        )
+    return {"step_number": numbers.pop(), "objects": states}, inputs
+
+
+def compare_scenes(recorded, inputs, what, remedy):
+    """Raises InputsChanged, naming the first difference, where SceneInputs differ from recorded poses."""
+    difference = SceneInputs(recorded).first_difference(inputs)
+    if difference:
+        raise InputsChanged(f"The scene is not the one that {what} ({difference}): {remedy}")

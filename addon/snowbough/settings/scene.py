@@ -1,0 +1,220 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``scene.snowbough``: one snowfall over one shot. Nothing here computes: :mod:`..bake.plan` turns the numbers into
+snowfall.
+"""
+
+import math
+
+import bpy
+from bpy.props import (
+    BoolProperty,
+    CollectionProperty,
+    EnumProperty,
+    FloatProperty,
+    IntProperty,
+    PointerProperty,
+    StringProperty,
+)
+
+from .. import compat
+from ..names import MAX_FALL_ANGLE, SNOW_KINDS
+from .objects import SnowboughReceiver
+from .simulation import SnowProperties
+
+
+def _range_getter(name):
+    def get(self):
+        return getattr(self.id_data, name) if self.use_scene_range else getattr(self, f"own_{name}")
+
+    return get
+
+
+def _range_setter(name):
+    other = {"frame_start": "frame_end", "frame_end": "frame_start"}[name]
+
+    def set_(self, value):
+        if self.use_scene_range:
+            setattr(self, f"own_{other}", getattr(self.id_data, other))
+            self.use_scene_range = False
+        setattr(self, f"own_{name}", value)
+
+    return set_
+
+
+class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
+    """``scene.snowbough``."""
+
+    cache_directory: StringProperty(
+        name="Cache",
+        description="Folder for the baked maps; // stands for the folder of the .blend",
+        subtype="DIR_PATH",
+        default="//snowbough_cache",
+        options={"ANIMATABLE"} | compat.BLEND_RELATIVE,
+    )
+    cache_used: StringProperty(
+        name="Cache of the Last Bake",
+        description="Absolute folder that the last bake wrote to; found again after Save As",
+        options={"HIDDEN"},
+    )
+
+    use_scene_range: BoolProperty(
+        name="Scene Range",
+        description="Snow falls over the scene's frame range",
+        default=True,
+    )
+    own_frame_start: IntProperty(
+        name="Own First Frame",
+        description="First frame where Scene Range is off (frames)",
+        default=1,
+        min=0,
+        options={"HIDDEN"},
+    )
+    own_frame_end: IntProperty(
+        name="Own Last Frame",
+        description="Last frame where Scene Range is off (frames)",
+        default=250,
+        min=0,
+        options={"HIDDEN"},
+    )
+    frame_start: IntProperty(
+        name="First Frame",
+        description="First frame of the shot; the start depth lies there before its own snow (frames)",
+        min=0,
+        get=_range_getter("frame_start"),
+        set=_range_setter("frame_start"),
+    )
+    frame_end: IntProperty(
+        name="Last Frame",
+        description="Last frame of the shot: the end depth lies there (frames)",
+        min=0,
+        get=_range_getter("frame_end"),
+        set=_range_setter("frame_end"),
+    )
+
+    kind: EnumProperty(
+        name="Kind of Snow",
+        description="What snow that is put on objects looks like (Set Kind of Snow changes what lies already)",
+        items=SNOW_KINDS,
+        default="FRESH",
+    )
+    start_depth: FloatProperty(
+        name="Start Depth",
+        description="Snow on open level ground at the first frame (metres)",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=3,
+    )
+    end_depth: FloatProperty(
+        name="End Depth",
+        description="Snow on open level ground at the last frame (metres)",
+        default=0.10,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=3,
+    )
+    rate: FloatProperty(
+        name="Rate",
+        description="Relative strength of the snowfall, to be keyframed: it spreads the depth over the "
+        "shot and does not change the end depth (no unit)",
+        default=1.0,
+        min=0.0,
+        soft_max=10.0,
+    )
+    fall_angle: FloatProperty(
+        name="Fall Angle",
+        description="Angle between the falling snow and the vertical (degrees)",
+        subtype="ANGLE",
+        default=0.0,
+        min=0.0,
+        max=MAX_FALL_ANGLE,
+    )
+    bearing: FloatProperty(
+        name="Bearing",
+        description="Where the wind blows to, clockwise from +Y seen from above (degrees)",
+        subtype="ANGLE",
+        default=0.0,
+        soft_min=-2 * math.pi,
+        soft_max=2 * math.pi,
+    )
+    show_direction: BoolProperty(
+        name="Show Direction",
+        description="Show dials for the direction of the snow in the 3D view",
+        default=True,
+    )
+
+    texel_size: FloatProperty(
+        name="Texel Size",
+        description="Target size of a texel for receivers with automatic resolution (metres)",
+        default=0.01,
+        min=1e-5,
+        soft_max=1.0,
+        step=1,
+        precision=4,
+    )
+    pixel_size: FloatProperty(
+        name="Pixel Size",
+        description="Grid on which occlusion is found (metres). 0 takes the finest receiver's texel",
+        default=0.0,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=4,
+    )
+    blur_radius: FloatProperty(
+        name="Blur Radius",
+        description="Smoothing of the written maps: sigma in each map's own texels (texels)",
+        default=2.0,
+        min=0.0,
+        soft_max=16.0,
+    )
+    substeps: IntProperty(
+        name="Substeps",
+        description="Poses that each frame's snowfall is spread over, for fast objects (poses a frame)",
+        default=1,
+        min=1,
+        max=16,
+    )
+    directions: IntProperty(
+        name="Directions",
+        description="Directions of flutter that a shot's snow falls from at least: few frames are divided into more "
+        "steps, so that a still is as smooth as a long shot (directions a shot)",
+        default=64,
+        min=1,
+        soft_max=256,
+    )
+    checkpoint_interval: IntProperty(
+        name="Checkpoint Every",
+        description="A stopped bake resumes from the last checkpoint (frames)",
+        default=10,
+        min=1,
+        soft_max=100,
+    )
+    write_normals: BoolProperty(
+        name="Normal Maps",
+        description="Also write tangent-space normal maps of the snow",
+        default=False,
+    )
+
+    receivers: CollectionProperty(
+        name="Receivers",
+        description="Objects that snow accumulates on; all other rendered meshes shelter them",
+        type=SnowboughReceiver,
+    )
+    active_receiver: IntProperty(
+        name="Active Receiver",
+        description="Line of the list that is shown below it (no unit)",
+        options={"HIDDEN"},
+    )
+
+
+def register():
+    bpy.utils.register_class(SnowboughSceneSettings)
+    bpy.types.Scene.snowbough = PointerProperty(type=SnowboughSceneSettings)
+
+
+def unregister():
+    del bpy.types.Scene.snowbough
+    bpy.utils.unregister_class(SnowboughSceneSettings)

@@ -1,0 +1,77 @@
+#include <memory>
+#include <stdexcept>
+
+#include "base/thread_pool.h"
+#include "engine_arguments.h"
+#include "python/bindings.h"
+#include "python/choose.h"
+
+namespace py = pybind11;
+
+namespace snowbough::python {
+namespace {
+
+/// Keeps an engine, and with it the driver that it has loaded, until it is closed.
+class HeldEngine {
+ public:
+  HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
+    const snow::EngineChoice::Wish wish{snow::engine_kind(engine), mapping_from(mapping), device};
+    const py::gil_scoped_release release;
+    base::start_thread_pool();
+    choice_ = std::make_unique<snow::EngineChoice>(wish);
+  }
+  HeldEngine(const HeldEngine&) = delete;
+  HeldEngine& operator=(const HeldEngine&) = delete;
+
+  py::dict info() {
+    if (choice_ == nullptr) throw std::runtime_error("the engine is closed: make a new Engine");
+    return engine_dict(without_gil([&]() -> snow::EngineInfo {
+      const snow::Engine& engine = choice_->engine();
+      return {engine.name(), engine.driver(), choice_->reason()};
+    }));
+  }
+
+  void close() {
+    const py::gil_scoped_release release;
+    choice_.reset();
+  }
+
+ private:
+  std::unique_ptr<snow::EngineChoice> choice_;
+};
+
+}  // namespace
+
+snow::gl::DepositMapping mapping_from(const std::string& name) {
+  using snow::gl::DepositMapping;
+  return choose<DepositMapping>(
+      "mapping", name,
+      {{"COMPUTE", DepositMapping::kCompute}, {"GEOMETRY", DepositMapping::kGeometry}});
+}
+
+py::dict engine_dict(const snow::EngineInfo& info) {
+  py::dict dict;
+  dict["name"] = info.name;
+  dict["driver"] = info.driver;
+  dict["reason"] = info.reason;
+  return dict;
+}
+
+void bind_engine(py::module_& module) {
+  using namespace py::literals;
+  py::class_<HeldEngine, HeldWithoutGil<HeldEngine>>(
+      module, "Engine",
+      "The engine that a simulation of these arguments would have (see SnowSimulation), begun and\n"
+      "held: simulations made meanwhile share its driver. A context manager: leaving it lets go.")
+      .def(py::init<const std::string&, const std::string&, const std::string&>(),
+           "engine"_a = "AUTO", "mapping"_a = "COMPUTE", "device"_a = "")
+      .def_property_readonly("info", &HeldEngine::info,
+                             "As SnowSimulation.engine. Raises RuntimeError, saying what to do, "
+                             "where GL is asked for\n"
+                             "and no OpenGL 4.5 context can be made.")
+      .def("close", &HeldEngine::close, "Lets go.")
+      .def("__enter__", [](const py::object& self) { return self; })
+      .def("__exit__", [](HeldEngine& self, const py::args&) { self.close(); });
+}
+
+}  // namespace snowbough::python
