@@ -1,6 +1,6 @@
 // What the sky sees, found on the processor: which pixels a triangle covers, what hides what, and
 // that it is what the passes in OpenGL find.
-#include "snow/step/cpu/occlusion.h"
+#include "snow/step/cpu/occlusion/occlusion.h"
 
 #include <gtest/gtest.h>
 
