@@ -52,7 +52,7 @@ void main() {
       gain += fragment_gain(fragment.x, uintBitsToFloat(fragment.y),
                             vec2(uintBitsToFloat(fragment.z), uintBitsToFloat(fragment.w)), own,
                             falls * gain_units(mixed))
-              << gain_shift(mixed, surface.w);
+              << gain_shift(mixed, surface.w < 0.0f);
     }
   }
   texel_steps[index] = uvec4(gain | gain_sides(mixed, sum.faces_back), floatBitsToUint(sum.surface.area),

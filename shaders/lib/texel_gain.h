@@ -33,7 +33,9 @@ struct GainTriangle {
   vec2 gradient;
   float hair;
   float pixel_depth;
-  float side;
+  /// As in a PlanePoint.
+  uint side_bit;
+  uint side;
   /// Texels that it covers.
   float texels;
 };
@@ -57,7 +59,9 @@ GainTriangle gain_triangle(int triangle, int map_triangle) {
   found.gradient = vec2(a.w, b.w);
   found.hair = hair_of(found.gradient);
   found.pixel_depth = pixel_depth_of(c.w);
-  found.side = texelFetch(triangle_surface, triangle).w;
+  const float side = texelFetch(triangle_surface, triangle).w;
+  found.side_bit = side != 0.0f ? kBackFace : 0u;
+  found.side = side < 0.0f ? kBackFace : 0u;
   found.texels = 0.5f * abs(twice);
   return found;
 }
@@ -95,9 +99,17 @@ vec2 extent_of(KERNEL_CONST_REF(GainTriangle) own, vec2 weights) {
   return weights.x * vec2(own.edge_b) + weights.y * vec2(own.edge_c);
 }
 
+/// Within a texel, a fragment is looked at as a square as large as it is: its side in texels.
+float fragment_side(KERNEL_CONST_REF(GainTriangle) own, float share) { return sqrt(min(1.0f, share * own.texels)); }
+
+/// How many windows are as wide and as high as a pixel, where a cell has these sides: half of the cell each. What is
+/// seen of its rest are the same pixels or its neighbours'.
+vec2 windows_of(vec2 cell_u, vec2 cell_v) {
+  return 1.0f / clamp(0.5f * (abs(cell_u) + abs(cell_v)), kLeastWindow, 1.0f);
+}
+
 FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
-  // Within a texel, a fragment is looked at as a square as large as it is.
-  const float size = sqrt(min(1.0f, share * own.texels));
+  const float size = fragment_side(own, share);
   const vec2 extent_u = extent_of(own, own.along_u * size);
   const vec2 extent_v = extent_of(own, own.along_v * size);
   FragmentCells cells;
@@ -108,9 +120,7 @@ FragmentCells fragment_cells(KERNEL_CONST_REF(GainTriangle) own, float share) {
   cells.first =
       (place_in_cell(extent_u, cells.along_u, cell_shift(projection).x) - 0.5f * float(cells.along_u)) * cells.step_u +
       (place_in_cell(extent_v, cells.along_v, cell_shift(projection).y) - 0.5f * float(cells.along_v)) * cells.step_v;
-  // Half of its cell: what is seen of the rest are the same pixels or its neighbours'.
-  cells.windows = 1.0f / clamp(0.5f * (abs(extent_u) / float(cells.along_u) + abs(extent_v) / float(cells.along_v)),
-                               kLeastWindow, 1.0f);
+  cells.windows = windows_of(extent_u / float(cells.along_u), extent_v / float(cells.along_v));
   cells.part = 1.0f / float(cells.along_u * cells.along_v);
   return cells;
 }
@@ -123,18 +133,26 @@ vec3 point_on(KERNEL_CONST_REF(GainTriangle) own, vec2 weights) {
   return own.corner + inside.x * own.edge_b + inside.y * own.edge_c;
 }
 
-/// What falls on the point with these weights; `most`: what would where it sees all of the sky. Each point is
-/// looked at in the one tile that its pixel belongs to.
-uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights, vec2 windows, float most) {
+/// A point of the triangle as visibility.h looks at it.
+PlanePoint plane_point(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec3 at) {
   PlanePoint point;
-  point.at = point_on(own, weights);
+  point.at = at;
   point.gradient = own.gradient;
   point.hair = own.hair;
   point.pixel_depth = own.pixel_depth;
+  point.side_bit = own.side_bit;
   point.side = own.side;
   point.triangle = triangle;
-  const ivec2 pixel = ivec2(floor(vec2(point.at))) - tile_origin;
-  return is_in_tile(pixel) ? uint(most * seen_part(point, windows) + 0.5f) : 0u;
+  return point;
+}
+
+/// Each point is looked at in the one tile that its pixel belongs to.
+bool is_of_tile(vec3 at) { return is_in_tile(ivec2(floor(vec2(at))) - tile_origin); }
+
+/// What falls on the point with these weights; `most`: what would where it sees all of the sky.
+uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights, vec2 windows, float most) {
+  const vec3 at = point_on(own, weights);
+  return is_of_tile(at) ? uint(most * seen_part(plane_point(triangle, own, at), windows) + 0.5f) : 0u;
 }
 
 /// What a fragment gains in this tile; `share`: of its triangle's area, `centroid`: its weights there, `most`: what it
@@ -157,8 +175,8 @@ uint fragment_gain(uint triangle, float share, vec2 centroid, KERNEL_CONST_REF(G
 /// In which units a texel gains; `mixed`: parts of it face the fall with their front, parts with their back.
 float gain_units(bool mixed) { return mixed ? kMixedUnits : kGainUnits; }
 
-/// By how many bits what a fragment gains is shifted to where its side's sum lies; `side`: of its triangle.
-uint gain_shift(bool mixed, float side) { return mixed && side < 0.0f ? kMixedBits : 0u; }
+/// By how many bits what a fragment gains is shifted to where its side's sum lies; `back`: that is its triangle's back.
+uint gain_shift(bool mixed, bool back) { return mixed && back ? kMixedBits : 0u; }
 
 /// What a texel's gain says of the sides that it falls on.
 uint gain_sides(bool mixed, bool faces_back) { return mixed ? kMixedSides : faces_back ? kBackSide : 0u; }

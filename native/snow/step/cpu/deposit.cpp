@@ -90,12 +90,12 @@ class GroupGather {
     const cpu::Sight sight = look(run);
     if (sight == cpu::Sight::kHidden || sight == cpu::Sight::kElsewhere) return;
     find_most(run, count, surface);
-    if (sight == cpu::Sight::kMixed) {
-      add_seen(run, count);
-    } else if (has_one_cell_) {
-      add_open(run, count);
+    if (sight == cpu::Sight::kOpen) {
+      has_one_cell_ ? add_open(run, count) : add_open_cells(run, count);
+    } else if (sight == cpu::Sight::kMixed && has_one_cell_) {
+      add_seen_points(run, count);
     } else {
-      add_open_cells(run, count);
+      add_seen(run, count);
     }
   }
 
@@ -111,7 +111,7 @@ class GroupGather {
   }
 
   cpu::Sight look(const Run& run) const {
-    if (noise_density(gain_.projection) < 1.0f) return cpu::Sight::kMixed;
+    if (noise_density(gain_.projection) < 1.0f) return cpu::Sight::kUnknown;
     cpu::RunPlane plane{own_.corner,   own_.edge_b,   own_.edge_c,
                         own_.gradient, own_.hair,     own_.hair + Gain::kBend * own_.pixel_depth,
                         run.least_b,   run.most_b,    run.least_c,
@@ -156,7 +156,7 @@ class GroupGather {
   }
 
   void add(size_t texel, uint gained) {
-    sums_.gain[texel] += gained << gain_.gain_shift(sums_.is_mixed(texel), own_.side);
+    sums_.gain[texel] += gained << gain_.gain_shift(sums_.is_mixed(texel), own_.side != 0);
   }
 
   void add_open(const Run& run, uint32_t count) {
@@ -188,6 +188,73 @@ class GroupGather {
     }
   }
 
+  /// The same where each fragment is looked at once: many side by side.
+  void add_seen_points(const Run& run, uint32_t count) {
+    find_windows(run, count);
+    for (uint32_t k = 0; k < count; ++k) {
+      open_[k] = gain_.clearance(pixel_[k], plane_depth_[k], own_.gradient) >= -own_.hair;
+    }
+    uint32_t others = 0;
+    for (uint32_t k = 0; k < count; ++k) {
+      if (open_[k] != 0) {
+        add(all_.texel[run.begin + k], static_cast<uint>(static_cast<int>(most_[k] + 0.5f)));
+      } else if (most_[k] > 0.0f) {
+        const uint32_t f = run.begin + k;
+        others_[others] = f;
+        other_b_[others] = all_.weight_b[f];
+        other_c_[others] = all_.weight_c[f];
+        other_share_[others] = all_.share[f];
+        most_[others++] = most_[k];
+      }
+    }
+    if (others > 0) add_partly_seen(run.triangle, others);
+  }
+
+  /// Where the fragments' centroids lie among the pixels; all of them in the tile.
+  void find_windows(const Run& run, uint32_t count) {
+    const Gain::GainTriangle own = own_;
+    const float* __restrict weight_b = all_.weight_b.data() + run.begin;
+    const float* __restrict weight_c = all_.weight_c.data() + run.begin;
+    float* __restrict plane_depth = plane_depth_.data();
+    int* __restrict pixel = pixel_.data();
+    Gain gain = gain_;
+    for (uint32_t k = 0; k < count; ++k) {
+      const vec3 at = gain.point_on(own, vec2(weight_b[k], weight_c[k]));
+      const Gain::PixelWindow window = gain.window_of(at, own.gradient);
+      plane_depth[k] = window.plane_depth;
+      pixel[k] = gain.pixel_index(window.pixel);
+    }
+  }
+
+  /// Adds what the fragments `others_` gain, which do not see all of the sky.
+  void add_partly_seen(uint32_t triangle, uint32_t count) {
+    std::fill_n(seen_.begin(), count, 0.0f);
+    for (int i = 0; i < 4; ++i) look_at_pixel(triangle, i & 1, i >> 1, count);
+    for (uint32_t k = 0; k < count; ++k) {
+      add(all_.texel[others_[k]], static_cast<uint>(static_cast<int>(most_[k] * seen_[k] + 0.5f)));
+    }
+  }
+
+  /// Adds to what they see what one pixel of their windows shows.
+  void look_at_pixel(uint32_t triangle, int x, int y, uint32_t count) {
+    const Gain::GainTriangle own = own_;
+    float* __restrict seen = seen_.data();
+    const float* __restrict weight_b = other_b_.data();
+    const float* __restrict weight_c = other_c_.data();
+    const float* __restrict share = other_share_.data();
+    Gain gain = gain_;
+    for (uint32_t k = 0; k < count; ++k) {
+      const vec3 at = gain.point_on(own, vec2(weight_b[k], weight_c[k]));
+      const Gain::PixelWindow window = gain.window_of(at, own.gradient);
+      const float side = gain.fragment_side(own, share[k]);
+      const vec2 windows = gain.windows_of(gain.extent_of(own, own.along_u * side),
+                                           gain.extent_of(own, own.along_v * side));
+      const float part = gain.window_part(gain.reach_of(window.offset, windows), x, y);
+      const bool is_open = gain.is_open_in(window, x, y, gain.plane_point(triangle, own, at));
+      seen[k] += part > 0.0f && is_open ? part : 0.0f;
+    }
+  }
+
   Gain gain_;
   const FragmentRuns& all_;
   const Tile& tile_;
@@ -199,6 +266,15 @@ class GroupGather {
   bool has_one_cell_ = true;
   vec2 reach_{0.0f};
   RunFloats most_;
+  RunFloats plane_depth_;
+  std::array<int, kMostInRun + FragmentRuns::kSpare> pixel_;
+  std::array<uint8_t, kMostInRun + FragmentRuns::kSpare> open_;
+  RunFloats seen_;
+  /// Fragments that may see a part of the sky only.
+  std::array<uint32_t, kMostInRun> others_;
+  RunFloats other_b_;
+  RunFloats other_c_;
+  RunFloats other_share_;
 };
 
 SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Tile& tile,

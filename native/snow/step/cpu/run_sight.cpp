@@ -141,7 +141,7 @@ Sight sight_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* s
   const Extent extent = extent_of(run);
   const double wide = std::max(extent.x.most - extent.x.least, extent.y.most - extent.y.least);
   // Written so that what is no number fails.
-  if (!(wide <= kWidest && farthest(run) <= kFarthest)) return Sight::kMixed;
+  if (!(wide <= kWidest && farthest(run) <= kFarthest)) return Sight::kUnknown;
   const double off = 6.0 * kRounding * farthest(run);
   const PixelRect own{{floor_of(extent.x.least - off), floor_of(extent.y.least - off)},
                       {floor_of(extent.x.most + off) + 1, floor_of(extent.y.most + off) + 1}};
@@ -152,7 +152,7 @@ Sight sight_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* s
   }
   if (own.low.x < rect.low.x || own.low.y < rect.low.y || own.high.x > rect.high.x ||
       own.high.y > rect.high.y) {
-    return Sight::kMixed;
+    return Sight::kUnknown;
   }
   // A sample looks at the four pixels whose centres lie around it.
   const PixelRect around{

@@ -16,8 +16,10 @@ enum class Sight {
   kHidden,
   /// They lie in other tiles.
   kElsewhere,
-  /// They differ, or are too close to call.
+  /// They differ, or are too close to call; all lie in this tile.
   kMixed,
+  /// Nothing is known, not even whether all lie in this tile.
+  kUnknown,
 };
 
 /// The part of a triangle in which the samples of a run lie.
