@@ -155,12 +155,12 @@ uint point_gain(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec2 weights,
   return is_of_tile(at) ? uint(most * seen_part(plane_point(triangle, own, at), windows) + 0.5f) : 0u;
 }
 
-/// What a fragment gains in this tile; `share`: of its triangle's area, `centroid`: its weights there, `most`: what it
-/// would gain where all of it sees the sky.
-uint fragment_gain(uint triangle, float share, vec2 centroid, KERNEL_CONST_REF(GainTriangle) own, float most) {
+/// What a fragment gains in this tile; `share`: of its triangle's area, `middle`: the weights at its centroid, `most`:
+/// what it would gain where all of it sees the sky.
+uint fragment_gain(uint triangle, float share, vec2 middle, KERNEL_CONST_REF(GainTriangle) own, float most) {
   KERNEL_CONST_REF(FragmentCells) cells =
       KERNEL_MEMOIZED(last_cells, uvec2(triangle, floatBitsToUint(share)), fragment_cells(own, share));
-  const vec2 first = centroid + cells.first;
+  const vec2 first = middle + cells.first;
   const float most_a_cell = most * cells.part;
   uint gain = 0u;
   for (int v = 0; v < cells.along_v; ++v) {
