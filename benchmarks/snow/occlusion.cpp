@@ -22,7 +22,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "snow/step/cpu/occlusion.h"
+#include "snow/step/cpu/occlusion/occlusion.h"
 #include "snow/step/cpu/passes.h"
 #include "snow/step/gl/passes.h"
 

@@ -41,14 +41,20 @@ float height_on_wall(float height, float deposit) {
   return left < kWallLeast && dt > 0.0f ? 0.0f : left;
 }
 
+/// Metres that a texel holds; `up`: upward part of the normal.
+float capacity_of(float up) { return walls_are_bare != 0 && is_wall(up) ? -1.0f : max_depth * up; }
+
+/// Whether all of it stays: what lies there and what comes.
+bool keeps_all(float height, float deposit, float up) {
+  const float capacity = height + deposit == 0.0f ? 1.0f : capacity_of(up);
+  return height < capacity && height + deposit <= capacity;
+}
+
 float stable_height(float height, float deposit, float capacity, WholeStep whole) {
   if (height >= capacity) {
     // What goes is taken from the height, not what stays added to the capacity: beside a capacity of
     // metres past vertical a float would round the height away.
     return max(0.0f, height - (height - capacity) * whole.slides + deposit * whole.stays);
-  }
-  if (height + deposit <= capacity) {
-    return height + deposit;
   }
   const float after_crossing = 1.0f - (capacity - height) / deposit;
   return capacity + deposit * after_crossing * staying_part(dt * after_crossing, half_life);
@@ -57,6 +63,15 @@ float stable_height(float height, float deposit, float capacity, WholeStep whole
 /// A texel that gains less than this of what it would across the fall and under open sky gains nothing: the
 /// veil that steep faces would get from pixels at their edge.
 KERNEL_CONSTANT float kLeastGain = 0.005f;
+
+/// What a gain is worth in metres; `gain`: as part of what falls across the fall under open sky.
+float worth_of(float gain) { return gain < kLeastGain ? 0.0f : gain * full_gain; }
+
+/// Whether a texel gains on its front only.
+bool gains_in_front(uint gain) { return (gain & (kBackSide | kMixedSides)) == 0u; }
+
+/// Thickness in metres that it is given then.
+float front_deposit(uint gain) { return worth_of(float(int(gain)) * (1.0f / kGainUnits)); }
 
 /// Thickness in metres that a step brings, negative on the back. Where it falls on both sides, all of it lies on the
 /// one that gets more.
@@ -69,7 +84,7 @@ float deposit_of(uvec4 step) {
     gain = float(front + back) * (1.0f / kMixedUnits);
     is_back = back > front;
   }
-  return gain < kLeastGain ? 0.0f : is_back ? -gain * full_gain : gain * full_gain;
+  return is_back ? -worth_of(gain) : worth_of(gain);
 }
 
 /// What a step does to a texel.
@@ -86,6 +101,9 @@ float side_of(float height) { return height < 0.0f ? -1.0f : 1.0f; }
 /// Upward part of the normal on a side of the texel.
 float up_on(float side, uvec4 step) { return uintBitsToFloat(side < 0.0f ? step.w : step.z); }
 
+/// Which part of the sky a texel saw that was given so much, times how far it faces the fall.
+float visible_part(float deposit) { return full_gain > 0.0f ? deposit / full_gain : 0.0f; }
+
 /// `height` and `deposit` are negative on the back. A texel holds snow on one side: where it falls on the other side
 /// than it lies on, that side keeps what it has or gets which faces up, and what belongs to the other one slides off.
 StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep whole) {
@@ -98,11 +116,10 @@ StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep w
   const float up = up_on(side, step);
   const float staying = stays ? lies : 0.0f;
   const float coming = stays && meet ? 0.0f : comes;
-  const float stable = walls_are_bare != 0 && is_wall(up)
-                           ? height_on_wall(staying, coming)
-                           : stable_height(staying, coming, max_depth * up, whole);
-  const float visible = full_gain > 0.0f ? comes / full_gain : 0.0f;
+  const float stable = keeps_all(staying, coming, up)                ? staying + coming
+                       : walls_are_bare != 0 && is_wall(up) ? height_on_wall(staying, coming)
+                                                            : stable_height(staying, coming, max_depth * up, whole);
   const vec4 sums =
-      vec4(comes * area, (lies + comes - stable) * area, stable * area, visible * area);
+      vec4(comes * area, (lies + comes - stable) * area, stable * area, visible_part(comes) * area);
   return KERNEL_MAKE2(StableTexel, stable > 0.0f ? side * stable : 0.0f, sums);
 }

@@ -42,8 +42,9 @@ struct PlanePoint {
   float hair;
   /// Depth of a pixel's width at right angles to the plane, in metres.
   float pixel_depth;
-  /// On a two-sided surface the side of it that faces the sky, 1 = front, -1 = back; else 0.
-  float side;
+  /// On a two-sided surface kBackFace, and that again where the side that faces the sky is its back; else 0.
+  uint side_bit;
+  uint side;
   /// The triangle that it lies on.
   uint triangle;
 };
@@ -56,37 +57,45 @@ float hair_of(vec2 gradient) {
 
 float pixel_depth_of(float facing) { return pixel_size(projection) / max(facing, kSteepFacing); }
 
-/// Whether what `pixel` shows, in front of the point's plane at the pixel's centre, is the point's own surface
-/// on its way: joined to it, not far over the plane, and at the point itself not in front of it.
-bool is_own_surface(ivec2 pixel, uvec2 shown, float plane_depth, PlanePoint point) {
+/// Whether a pixel that shows `shown` (a SeenPixel) shows nothing in front of the point's plane, which is `plane_depth`
+/// deep at the pixel's centre, `to_point` away from the point: another surface shades the point as soon as it lies
+/// nearer, a cloth on a table. What lies nearer may be the point's own surface on its way: joined to it, not far over
+/// the plane, and at the point itself not in front of it.
+bool is_open(uvec2 shown, float plane_depth, vec2 to_point, PlanePoint point) {
   const float depth = uintBitsToFloat(shown.y);
-  if (depth < min(plane_depth, point.at.z) - point.hair - kBend * point.pixel_depth) {
-    return false;
-  }
+  // All is evaluated, so that a kernel can go through many points side by side.
+  const int other = max(int(shown.x & ~kBackFace) - 1, 0);
+  const bool is_near = depth >= min(plane_depth, point.at.z) - point.hair - kBend * point.pixel_depth;
   // What shows its other side is another layer of the sheet: the upper half of an open tube over its lower one.
-  if (point.side != 0.0f && ((shown.x & kBackFace) != 0u) != (point.side < 0.0f)) {
-    return false;
-  }
-  const int other = int((shown.x & ~kBackFace) - 1u);
-  if (texelFetch(triangle_sheets, other).x != texelFetch(triangle_sheets, int(point.triangle)).x) {
-    return false;
-  }
-  const vec2 gradient =
-      vec2(texelFetch(triangle_corners, 3 * other).w, texelFetch(triangle_corners, 3 * other + 1).w);
-  const vec2 to_point = vec2(point.at) - vec2(pixel + tile_origin) - 0.5f;
-  return depth + dot(gradient, to_point) >= point.at.z - point.hair - kOverPoint * point.pixel_depth;
+  const bool is_same_side = (shown.x & point.side_bit) == point.side;
+  const bool is_joined =
+      texelFetch(triangle_sheets, other).x == texelFetch(triangle_sheets, int(point.triangle)).x;
+  const float at_point = depth + (texelFetch(triangle_corners, 3 * other).w * to_point.x +
+                                  texelFetch(triangle_corners, 3 * other + 1).w * to_point.y);
+  const bool is_beside = at_point >= point.at.z - point.hair - kOverPoint * point.pixel_depth;
+  const bool is_own_surface = is_near && is_same_side && is_joined && is_beside;
+  return (is_own_surface ? kOpenSky : depth) >= plane_depth - point.hair;
 }
 
-/// Whether `pixel` of the tile shows nothing in front of the plane, which is `plane_depth` deep at the
-/// pixel's centre. Another surface shades the point as soon as it lies nearer: a cloth on a table.
-bool is_open(ivec2 pixel, float plane_depth, PlanePoint point) {
-  const uvec2 shown = uvec2(texelFetch(occlusion, pixel_index(pixel)));
-  return uintBitsToFloat(shown.y) >= plane_depth - point.hair ||
-         is_own_surface(pixel, shown, plane_depth, point);
+/// The four pixels around a point.
+struct PixelWindow {
+  /// Of the tile: the lower left one.
+  ivec2 pixel;
+  /// From its centre to the point, 0 to 1.
+  vec2 offset;
+  /// Depth of the point's plane at its centre.
+  float plane_depth;
+};
+
+/// `at`: local pixel and depth; `gradient`: of the plane through it.
+PixelWindow window_of(vec3 at, vec2 gradient) {
+  const vec2 lower = floor(vec2(at) - 0.5f);
+  const vec2 offset = vec2(at) - 0.5f - lower;
+  return KERNEL_MAKE3(PixelWindow, ivec2(lower) - tile_origin, offset, at.z - dot(gradient, offset));
 }
 
-/// How far the nearest of the four pixels around the point lies behind its plane, in metres. `pixel`: the lower
-/// left one; `plane_depth`: the plane's depth at its centre.
+/// How far the nearest of the four pixels around the point lies behind its plane, in metres. `pixel`: index of the
+/// lower left one; `plane_depth`: the plane's depth at its centre.
 float clearance(int pixel, float plane_depth, vec2 gradient) {
   const float depth_00 = uintBitsToFloat(texelFetch(occlusion, pixel).y);
   const float depth_10 = uintBitsToFloat(texelFetch(occlusion, pixel + 1).y);
@@ -97,29 +106,41 @@ float clearance(int pixel, float plane_depth, vec2 gradient) {
   return min(lower, upper - gradient.y) - plane_depth;
 }
 
+/// Up to where the window reaches over the right and the upper of the pixels around the point, as a part of it.
+vec2 reach_of(vec2 offset, vec2 windows) { return clamp((offset - 0.5f) * windows + 0.5f, 0.0f, 1.0f); }
+
+/// Which part of the window a pixel holds; x and y: 1 for the right and the upper ones, else 0.
+float window_part(vec2 reach, int x, int y) {
+  return (x == 0 ? 1.0f - reach.x : reach.x) * (y == 0 ? 1.0f - reach.y : reach.y);
+}
+
+/// Whether the window's pixel (x, y) is open.
+bool is_open_in(PixelWindow window, int x, int y, PlanePoint point) {
+  const ivec2 pixel = window.pixel + ivec2(x, y);
+  const vec2 to_point = vec2(point.at) - vec2(pixel + tile_origin) - 0.5f;
+  const float plane_depth = window.plane_depth + float(x) * point.gradient.x + float(y) * point.gradient.y;
+  return is_open(uvec2(texelFetch(occlusion, pixel_index(pixel))), plane_depth, to_point, point);
+}
+
 /// Which part (0 to 1) of the snow that falls towards the point arrives: the mean over a window of pixels, at
 /// most one pixel wide and high, of what is open and, by noise, gives snow. A window as large as the pixel is
 /// bilinear filtering; a smaller one keeps shadows as sharp as the map can hold. The window must lie within
 /// the tile and its margin. `windows`: how many windows are as wide and as high as a pixel.
 float seen_part(PlanePoint point, vec2 windows) {
-  const vec2 lower = floor(vec2(point.at) - 0.5f);
-  const vec2 offset = vec2(point.at) - 0.5f - lower;
-  const ivec2 pixel = ivec2(lower) - tile_origin;
-  const float plane_depth = point.at.z - dot(point.gradient, offset);
+  const PixelWindow window = window_of(point.at, point.gradient);
   // Nearly always.
-  if (noise_density(projection) >= 1.0f && clearance(pixel_index(pixel), plane_depth, point.gradient) >= -point.hair) {
+  if (noise_density(projection) >= 1.0f &&
+      clearance(pixel_index(window.pixel), window.plane_depth, point.gradient) >= -point.hair) {
     return 1.0f;
   }
-  const vec2 right = clamp((offset - 0.5f) * windows + 0.5f, 0.0f, 1.0f);
+  const vec2 reach = reach_of(window.offset, windows);
   float seen = 0.0f;
   for (int i = 0; i < 4; ++i) {
     const int x = i & 1;
     const int y = i >> 1;
-    const float weight = (x == 0 ? 1.0f - right.x : right.x) * (y == 0 ? 1.0f - right.y : right.y);
-    if (weight > 0.0f && gives_snow(pixel + ivec2(x, y) + tile_origin) &&
-        is_open(pixel + ivec2(x, y), plane_depth + float(x) * point.gradient.x + float(y) * point.gradient.y,
-                point)) {
-      seen += weight;
+    const float part = window_part(reach, x, y);
+    if (part > 0.0f && gives_snow(window.pixel + ivec2(x, y) + tile_origin) && is_open_in(window, x, y, point)) {
+      seen += part;
     }
   }
   return seen;

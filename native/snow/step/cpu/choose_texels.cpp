@@ -7,11 +7,11 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-bool faces_the_fall(const Scene& scene, const GroupTriangles& groups, size_t group) {
-  const auto begin = groups.triangles.begin() + groups.begin[group];
-  const auto end = groups.triangles.begin() + groups.begin[group + 1];
-  return std::any_of(begin, end, [&](uint32_t triangle) {
-    return shared::may_face_the_fall(scene.surface[triangle].x);
+bool faces_the_fall(const Scene& scene, const FragmentRuns& fragments, size_t group) {
+  const auto begin = fragments.runs.begin() + fragments.group_begin[group];
+  const auto end = fragments.runs.begin() + fragments.group_begin[group + 1];
+  return std::any_of(begin, end, [&](const FragmentRuns::Run& run) {
+    return shared::may_face_the_fall(scene.surface[run.triangle].x);
   });
 }
 
@@ -22,7 +22,7 @@ void choose_texels(Scene& scene) {
     Receiver& receiver = scene.receivers[r];
     receiver.active.clear();
     for (size_t group = 0; group < receiver.group_count(); ++group) {
-      if (receiver.holds_snow[group] != 0 || faces_the_fall(scene, receiver.groups, group)) {
+      if (receiver.holds_snow[group] != 0 || faces_the_fall(scene, receiver.fragments, group)) {
         receiver.active.push_back(static_cast<uint32_t>(group));
         receiver.holds_snow[group] = 0;
       }

@@ -1,19 +1,286 @@
+#include <array>
+#include <bit>
+
 #include "base/parallel_for.h"
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/passes.h"
+#include "snow/step/cpu/run_sight.h"
 
 namespace snowbough::snow {
 namespace kernel {
 namespace {
 
-#define WITH_OPACITY
 #define WITH_SHADING
 struct Gain {
 #include "shaders/lib/texel_gain.h"
 };
 
-SNOWBOUGH_KERNEL void gather(Gain gain, size_t begin, size_t end, int32_t map_offset) {
-  for (size_t i = begin; i < end; ++i) gain.gather_texel(static_cast<int>(i), map_offset);
+using cpu::FragmentRuns;
+using cpu::kMostInRun;
+using Run = FragmentRuns::Run;
+
+/// Numbers of a run's fragments, and what loops over whole vectors write behind them.
+using RunFloats = std::array<float, kMostInRun + FragmentRuns::kSpare>;
+
+/// Sides of a texel, as bits, that face the fall.
+constexpr uint8_t kFront = 1;
+constexpr uint8_t kBack = 2;
+constexpr uint8_t kBoth = kFront | kBack;
+
+/// What the texels of a group gain.
+struct GroupGain {
+  std::array<uint, kTexelGroup> gain;
+  /// Where any of them faces the fall with its back.
+  std::array<uint8_t, kTexelGroup> sides;
+  /// Of all texels.
+  uint8_t some = 0;
+
+  bool is_mixed(size_t texel) const { return some == kBoth && sides[texel] == kBoth; }
+};
+
+/// Gathers what falls on a group of texels in a tile.
+class GroupGather {
+ public:
+  GroupGather(const Gain& gain, const FragmentRuns& all, const Tile& tile, int32_t map_offset)
+      : gain_(gain), all_(all), tile_(tile), map_offset_(map_offset) {}
+
+  void run(size_t group, size_t texel_count, bool goes_on, TexelStep* steps) {
+    const Run* begin = all_.runs.data() + all_.group_begin[group];
+    const Run* end = all_.runs.data() + all_.group_begin[group + 1];
+    find_sides(begin, end, texel_count);
+    for (size_t i = 0; i < texel_count; ++i) {
+      sums_.gain[i] = goes_on ? steps[i].gain & ~(kBackSide | kMixedSides) : 0u;
+    }
+    for (const Run* run = begin; run < end; ++run) {
+      const vec4 surface = texelFetch(gain_.triangle_surface, static_cast<int>(run->triangle));
+      if (surface.x > 0.0f && surface.y > 0.0f) gather(*run, run[1].begin - run->begin, surface);
+    }
+    for (size_t i = 0; i < texel_count; ++i) {
+      const bool back = sums_.some >= kBack && (sums_.sides[i] & kBack) != 0;
+      steps[i].gain = sums_.gain[i] | gain_.gain_sides(sums_.is_mixed(i), back);
+    }
+  }
+
+ private:
+  void find_sides(const Run* begin, const Run* end, size_t texel_count) {
+    sums_.some = 0;
+    for (const Run* run = begin; run < end; ++run) sums_.some |= side_of(run->triangle);
+    if (sums_.some < kBack) return;
+    std::fill_n(sums_.sides.begin(), texel_count, uint8_t{0});
+    for (const Run* run = begin; run < end; ++run) {
+      const uint8_t side = side_of(run->triangle);
+      for (uint32_t f = run->begin; side != 0 && f < run[1].begin; ++f) {
+        sums_.sides[all_.texel[f]] |= side;
+      }
+    }
+  }
+
+  uint8_t side_of(uint32_t triangle) const {
+    const vec4 surface = texelFetch(gain_.triangle_surface, static_cast<int>(triangle));
+    return !(surface.x > 0.0f) ? 0 : surface.w < 0.0f ? kBack : kFront;
+  }
+
+  void gather(const Run& run, uint32_t count, vec4 surface) {
+    if (run.triangle != triangle_) {
+      triangle_ = run.triangle;
+      own_ = gain_.gain_triangle(static_cast<int>(triangle_),
+                                 static_cast<int>(triangle_) + map_offset_);
+      find_reach();
+    }
+    const cpu::Sight sight = look(run);
+    if (sight == cpu::Sight::kHidden || sight == cpu::Sight::kElsewhere) return;
+    find_most(run, count, surface);
+    if (sight == cpu::Sight::kOpen) {
+      has_one_cell_ ? add_open(run, count) : add_open_cells(run, count);
+    } else if (sight == cpu::Sight::kMixed && has_one_cell_) {
+      add_seen_points(run, count);
+    } else {
+      add_seen(run, count);
+    }
+  }
+
+  /// How far samples may lie from their fragment's centroid, in weights.
+  void find_reach() {
+    const vec2 extent_u = gain_.extent_of(own_, own_.along_u);
+    const vec2 extent_v = gain_.extent_of(own_, own_.along_v);
+    const float longest =
+        max(max(abs(extent_u.x), abs(extent_u.y)), max(abs(extent_v.x), abs(extent_v.y)));
+    // A little less, so that no smaller fragment rounds up to two.
+    has_one_cell_ = longest <= 0.999f * Gain::kCellPixels;
+    reach_ = has_one_cell_ ? vec2(0.0f) : 0.5f * (abs(own_.along_u) + abs(own_.along_v));
+  }
+
+  cpu::Sight look(const Run& run) const {
+    if (noise_density(gain_.projection) < 1.0f) return cpu::Sight::kUnknown;
+    cpu::RunPlane plane{own_.corner,   own_.edge_b,   own_.edge_c,
+                        own_.gradient, own_.hair,     own_.hair + Gain::kBend * own_.pixel_depth,
+                        run.least_b,   run.most_b,    run.least_c,
+                        run.most_c,    run.least_sum, run.most_sum};
+    if (!has_one_cell_) {
+      // Points beside the triangle are moved onto its rim: see point_on.
+      const float sum = reach_.x + reach_.y;
+      const float least = 1.0f / max(run.most_sum + sum, 1.0f);
+      plane.least_b = max(run.least_b - reach_.x, 0.0f) * least;
+      plane.least_c = max(run.least_c - reach_.y, 0.0f) * least;
+      plane.least_sum = min(run.least_sum - sum, 1.0f);
+      plane.most_b = run.most_b + reach_.x;
+      plane.most_c = run.most_c + reach_.y;
+      plane.most_sum = min(run.most_sum + sum, 1.0f);
+    }
+    return cpu::sight_of(plane, tile_, seen());
+  }
+
+  const SeenPixel* seen() const { return reinterpret_cast<const SeenPixel*>(gain_.occlusion); }
+
+  /// What each of the fragments would gain under open sky.
+  void find_most(const Run& run, uint32_t count, vec4 surface) {
+    const float* part = all_.part.data() + run.begin;
+    float* most = most_.data();
+    if (gain_.is_smooth(run.triangle)) {
+      const Gain::SmoothTriangle points = gain_.smooth_triangle(run.triangle);
+      for (uint32_t k = 0; k < count; ++k) {
+        const float b = all_.weight_b[run.begin + k];
+        const float c = all_.weight_c[run.begin + k];
+        const float front = gain_.between(points.corner.x, points.edge_b.x, points.edge_c.x, b, c);
+        const float back = gain_.between(points.corner.y, points.edge_b.y, points.edge_c.y, b, c);
+        most[k] = gain_.smooth_facing(front, back, surface) * part[k];
+      }
+    } else {
+      for (uint32_t k = 0; k < count; ++k) most[k] = surface.x * part[k];
+    }
+    const uint16_t* texel = all_.texel.data() + run.begin;
+    const bool mixed = sums_.some == kBoth;
+    for (uint32_t k = 0; k < count; ++k) {
+      most[k] *= gain_.gain_units(mixed && sums_.is_mixed(texel[k]));
+    }
+  }
+
+  void add(size_t texel, uint gained) {
+    sums_.gain[texel] += gained << gain_.gain_shift(sums_.is_mixed(texel), own_.side != 0);
+  }
+
+  void add_open(const Run& run, uint32_t count) {
+    const uint16_t* texel = all_.texel.data() + run.begin;
+    for (uint32_t k = 0; k < count; ++k) {
+      add(texel[k], static_cast<uint>(static_cast<int>(most_[k] + 0.5f)));
+    }
+  }
+
+  void add_open_cells(const Run& run, uint32_t count) {
+    for (uint32_t k = 0; k < count; ++k) {
+      const float share = all_.share[run.begin + k];
+      const Gain::FragmentCells& cells =
+          gain_.last_cells.get(uvec2(run.triangle, std::bit_cast<uint>(share)),
+                               [&] { return gain_.fragment_cells(own_, share); });
+      const auto in_cell = static_cast<uint>(most_[k] * cells.part + 0.5f);
+      add(all_.texel[run.begin + k], in_cell * static_cast<uint>(cells.along_u * cells.along_v));
+    }
+  }
+
+  void add_seen(const Run& run, uint32_t count) {
+    for (uint32_t k = 0; k < count; ++k) {
+      const uint32_t f = run.begin + k;
+      if (most_[k] > 0.0f) {
+        add(all_.texel[f],
+            gain_.fragment_gain(run.triangle, all_.share[f],
+                                vec2(all_.weight_b[f], all_.weight_c[f]), own_, most_[k]));
+      }
+    }
+  }
+
+  /// The same where each fragment is looked at once: many side by side.
+  void add_seen_points(const Run& run, uint32_t count) {
+    find_windows(run, count);
+    for (uint32_t k = 0; k < count; ++k) {
+      open_[k] = gain_.clearance(pixel_[k], plane_depth_[k], own_.gradient) >= -own_.hair;
+    }
+    uint32_t others = 0;
+    for (uint32_t k = 0; k < count; ++k) {
+      if (open_[k] != 0) {
+        add(all_.texel[run.begin + k], static_cast<uint>(static_cast<int>(most_[k] + 0.5f)));
+      } else if (most_[k] > 0.0f) {
+        const uint32_t f = run.begin + k;
+        others_[others] = f;
+        other_b_[others] = all_.weight_b[f];
+        other_c_[others] = all_.weight_c[f];
+        other_share_[others] = all_.share[f];
+        most_[others++] = most_[k];
+      }
+    }
+    if (others > 0) add_partly_seen(run.triangle, others);
+  }
+
+  /// Where the fragments' centroids lie among the pixels; all of them in the tile.
+  void find_windows(const Run& run, uint32_t count) {
+    const Gain::GainTriangle own = own_;
+    const float* __restrict weight_b = all_.weight_b.data() + run.begin;
+    const float* __restrict weight_c = all_.weight_c.data() + run.begin;
+    float* __restrict plane_depth = plane_depth_.data();
+    int* __restrict pixel = pixel_.data();
+    Gain gain = gain_;
+    for (uint32_t k = 0; k < count; ++k) {
+      const vec3 at = gain.point_on(own, vec2(weight_b[k], weight_c[k]));
+      const Gain::PixelWindow window = gain.window_of(at, own.gradient);
+      plane_depth[k] = window.plane_depth;
+      pixel[k] = gain.pixel_index(window.pixel);
+    }
+  }
+
+  /// Adds what the fragments `others_` gain, which do not see all of the sky.
+  void add_partly_seen(uint32_t triangle, uint32_t count) {
+    std::fill_n(seen_.begin(), count, 0.0f);
+    for (int i = 0; i < 4; ++i) look_at_pixel(triangle, i & 1, i >> 1, count);
+    for (uint32_t k = 0; k < count; ++k) {
+      add(all_.texel[others_[k]], static_cast<uint>(static_cast<int>(most_[k] * seen_[k] + 0.5f)));
+    }
+  }
+
+  /// Adds to what they see what one pixel of their windows shows.
+  void look_at_pixel(uint32_t triangle, int x, int y, uint32_t count) {
+    const Gain::GainTriangle own = own_;
+    float* __restrict seen = seen_.data();
+    const float* __restrict weight_b = other_b_.data();
+    const float* __restrict weight_c = other_c_.data();
+    const float* __restrict share = other_share_.data();
+    Gain gain = gain_;
+    for (uint32_t k = 0; k < count; ++k) {
+      const vec3 at = gain.point_on(own, vec2(weight_b[k], weight_c[k]));
+      const Gain::PixelWindow window = gain.window_of(at, own.gradient);
+      const float side = gain.fragment_side(own, share[k]);
+      const vec2 windows = gain.windows_of(gain.extent_of(own, own.along_u * side),
+                                           gain.extent_of(own, own.along_v * side));
+      const float part = gain.window_part(gain.reach_of(window.offset, windows), x, y);
+      const bool is_open = gain.is_open_in(window, x, y, gain.plane_point(triangle, own, at));
+      seen[k] += part > 0.0f && is_open ? part : 0.0f;
+    }
+  }
+
+  Gain gain_;
+  const FragmentRuns& all_;
+  const Tile& tile_;
+  int32_t map_offset_;
+  GroupGain sums_;
+  /// The triangle at hand, and whether all of its fragments are looked at once each.
+  uint triangle_ = kNowhere;
+  Gain::GainTriangle own_{};
+  bool has_one_cell_ = true;
+  vec2 reach_{0.0f};
+  RunFloats most_;
+  RunFloats plane_depth_;
+  std::array<int, kMostInRun + FragmentRuns::kSpare> pixel_;
+  std::array<uint8_t, kMostInRun + FragmentRuns::kSpare> open_;
+  RunFloats seen_;
+  /// Fragments that may see a part of the sky only.
+  std::array<uint32_t, kMostInRun> others_;
+  RunFloats other_b_;
+  RunFloats other_c_;
+  RunFloats other_share_;
+};
+
+SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Tile& tile,
+                             int32_t map_offset, size_t group, size_t texel_count, bool goes_on,
+                             TexelStep* steps) {
+  GroupGather(gain, all, tile, map_offset).run(group, texel_count, goes_on, steps);
 }
 
 }  // namespace
@@ -33,17 +300,15 @@ void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   gain.occlusion = kernel::rows<glm::uvec2>(scene.seen);
   gain.tile_origin = tile.with_margin().low;
   gain.tile_size = tile.with_margin().size();
-  gain.goes_on = is_first ? 0 : 1;
   for (Receiver& receiver : scene.receivers) {
-    gain.fragment_begin = kernel::words(receiver.fragment_begin);
-    gain.fragments = kernel::rows<glm::uvec4>(receiver.fragments);
-    gain.fragment_opacity = receiver.opacity.empty() ? nullptr : kernel::numbers(receiver.opacity);
-    gain.texel_steps = kernel::rows<glm::uvec4>(receiver.steps);
     gain.resolution = static_cast<float>(receiver.resolution);
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];
-      kernel::gather(gain, receiver.first_texel(group), receiver.first_texel(group + 1),
-                     receiver.map_offset);
+      const size_t first = receiver.first_texel(group);
+      evaluate_group(scene, receiver, group);
+      kernel::gather(gain, receiver.fragments, tile, receiver.map_offset, group,
+                     receiver.first_texel(group + 1) - first, !is_first,
+                     receiver.steps.data() + first);
     });
   }
 }

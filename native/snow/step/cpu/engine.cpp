@@ -6,8 +6,9 @@
 #include "shaders/lib/object_sums.h"
 #include "snow/repose/pass.h"
 #include "snow/scene/memory_estimate.h"
-#include "snow/step/cpu/occlusion.h"
+#include "snow/step/cpu/occlusion/occlusion.h"
 #include "snow/step/cpu/passes.h"
+#include "snow/step/cpu/run_sight.h"
 #include "snow/step/cpu/scene.h"
 
 namespace snowbough::snow::cpu {
@@ -38,6 +39,7 @@ class CpuEngine final : public Engine {
     std::copy(positions.begin(), positions.end(),
               scene_.positions.begin() + scene_.layout.first_vertex[object]);
     scene_.normals_are_current = false;
+    if (scene_.layout.plan.group[object] >= 0) ++receiver_of(object).pose;
     repose_.forget_pose(object);
   }
 
@@ -56,7 +58,7 @@ class CpuEngine final : public Engine {
   void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
     const PixelRect pixels = tile.with_margin();
     const auto count = static_cast<size_t>(pixels.size().x) * static_cast<size_t>(pixels.size().y);
-    if (scene_.seen.size() < count) scene_.seen.resize(count);
+    if (scene_.seen.size() < count + kSeenSpare) scene_.seen.resize(count + kSeenSpare);
     const SceneLayout& layout = scene_.layout;
     occlusion_.run(
         {scene_.corners, ranges, {layout.alpha_triangles, layout.alpha_places, layout.alpha_bits}},

@@ -10,7 +10,7 @@
 #include "snow/step/engine.h"
 
 // The passes of a step on the processor, in their order; what the sky sees is drawn by the
-// OcclusionPass of step/cpu/occlusion.h. Each has a source of its name.
+// OcclusionPass of step/cpu/occlusion/occlusion.h. Each has a source of its name.
 namespace snowbough::snow::cpu {
 
 /// Evaluates every triangle on the current vertices as the fall of this step meets it: corners in
@@ -33,6 +33,10 @@ void choose_texels(Scene& scene);
 
 /// Marks the groups on which snow lies, after it has moved.
 void find_snow(Receiver& receiver);
+
+/// Evaluates area and upward parts of a group's texels, and which parts of these its fragments
+/// are, on the current triangles, unless that was done in this pose.
+void evaluate_group(const Scene& scene, Receiver& receiver, size_t group);
 
 /// Evaluates area and upward parts of the chosen texels on the current triangles, in steps in which
 /// nothing falls; sets what they gain to 0.

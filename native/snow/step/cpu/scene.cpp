@@ -9,42 +9,22 @@
 namespace snowbough::snow::cpu {
 namespace {
 
-void add_texels(const SceneObject& object, const std::vector<int32_t>& order,
-                uint32_t first_triangle, Receiver& receiver) {
-  const TexelTable& table = object.table;
-  receiver.places.reserve(order.size());
-  receiver.fragment_begin.reserve(order.size() + 1);
-  receiver.fragments.reserve(table.fragment_triangle.size());
-  for (const int32_t index : order) {
-    const auto i = static_cast<size_t>(index);
-    receiver.places.push_back(static_cast<uint32_t>(table.texel[i]));
-    receiver.fragment_begin.push_back(static_cast<uint32_t>(receiver.fragments.size()));
-    const auto end = static_cast<size_t>(table.fragment_begin[i + 1]);
-    for (auto f = static_cast<size_t>(table.fragment_begin[i]); f < end; ++f) {
-      const glm::vec2 weights = table.fragment_barycentric[f];
-      receiver.fragments.push_back(
-          {static_cast<uint32_t>(table.fragment_triangle[f]) + first_triangle,
-           table.fragment_share[f], weights.x, weights.y});
-      if (!object.fragment_opacity.empty()) {
-        receiver.opacity.push_back(object.fragment_opacity[f]);
-      }
-    }
-  }
-  receiver.fragment_begin.push_back(static_cast<uint32_t>(receiver.fragments.size()));
-}
-
 Receiver make_receiver(const SceneObject& object, uint32_t first_triangle) {
   Receiver receiver;
   receiver.resolution = object.table.resolution;
   const std::vector<int32_t> order = texel_order(object.table);
-  add_texels(object, order, first_triangle, receiver);
-  add_group_triangles(object.table, order, first_triangle, receiver.groups);
+  receiver.places.reserve(order.size());
+  for (const int32_t i : order) {
+    receiver.places.push_back(static_cast<uint32_t>(object.table.texel[static_cast<size_t>(i)]));
+  }
+  receiver.fragments = make_fragment_runs(object, order, first_triangle);
   receiver.steps.resize(receiver.places.size());
   receiver.height.assign(
       static_cast<size_t>(receiver.resolution) * static_cast<size_t>(receiver.resolution), 0.0f);
   // Until the first step has looked, any of them may hold snow.
-  receiver.holds_snow.assign(
-      (receiver.places.size() + shared::kTexelGroup - 1) / shared::kTexelGroup, 1);
+  const size_t groups = receiver.fragments.group_begin.size() - 1;
+  receiver.holds_snow.assign(groups, 1);
+  receiver.evaluated_in.assign(groups, 0);
   return receiver;
 }
 

@@ -1,13 +1,14 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <vector>
 
 #include "shaders/lib/snow_shared.h"
-#include "snow/scene/group_triangles.h"
 #include "snow/scene/scene_layout.h"
+#include "snow/step/cpu/fragment_runs.h"
 
 namespace snowbough::snow::cpu {
 
@@ -21,19 +22,17 @@ struct Receiver {
   int32_t map_offset = 0;
   /// Per texel: row * resolution + column.
   std::vector<uint32_t> places;
-  /// Fragments of texel i: [fragment_begin[i], fragment_begin[i + 1]).
-  std::vector<uint32_t> fragment_begin;
-  std::vector<shared::Fragment> fragments;
-  /// Per fragment (snow/scene/fragment_opacity.h); empty: opaque.
-  std::vector<float> opacity;
-  /// Of the step that is being computed.
+  FragmentRuns fragments;
+  /// Of the step that is being computed; area and upward parts are those of the pose in which the
+  /// texel's group was evaluated last.
   std::vector<shared::TexelStep> steps;
+  /// Counts the receiver's poses, and per group: the pose in which it was evaluated.
+  uint32_t pose = 1;
+  std::vector<uint32_t> evaluated_in;
   /// Snow thickness in metres, row by row.
   std::vector<float> height;
 
-  /// The triangles that decide whether a group has anything to do, whether snow lies on it, and
-  /// the groups that are at work in this step, ascending.
-  GroupTriangles groups;
+  /// Whether snow lies on a group, and the groups that are at work in this step, ascending.
   std::vector<uint8_t> holds_snow;
   std::vector<uint32_t> active;
 

@@ -20,28 +20,81 @@ struct Stability {
   size_t texel_count;
 };
 
-/// Stabilises texels [begin, end); returns their sums and sets `holds_snow` where some lies after
-/// the step.
-SNOWBOUGH_KERNEL vec4 stabilise_run(Stability stability, size_t begin, size_t end,
-                                    bool& holds_snow) {
-  const Stability::WholeStep whole = stability.whole_step();
+/// The texels of a run, side by side.
+struct RunTexels {
+  float height[kRun];
+  float stable[kRun];
+  float deposited[kRun];
+  float held[kRun];
+  float visible[kRun];
+};
+
+/// Finds what a run has after the step where all of them have snow on the front only and keep all
+/// of it; else returns false. `count`: at most kRun; vectors go over kRun.
+inline bool keep_run(Stability stability, const TexelStep* __restrict steps, size_t count,
+                     RunTexels& __restrict run) {
+  int32_t others = 0;
+  for (size_t k = 0; k < count; ++k) {
+    const float height = run.height[k];
+    const float deposit = stability.front_deposit(steps[k].gain);
+    others += stability.gains_in_front(steps[k].gain) ? 0 : 1;
+    others += height >= 0.0f ? 0 : 1;
+    others += stability.keeps_all(height, deposit, steps[k].up) ? 0 : 1;
+    run.stable[k] = height + deposit;
+    run.deposited[k] = deposit * steps[k].area;
+    run.held[k] = run.stable[k] * steps[k].area;
+    run.visible[k] = stability.visible_part(deposit) * steps[k].area;
+  }
+  return others == 0;
+}
+
+/// Stabilises texels [begin, end), at most kRun; returns their sums and sets `holds_snow` where
+/// some lies after the step.
+inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whole, size_t begin,
+                          size_t end, bool& holds_snow) {
   // A row of the map lies in another page: it is asked for some texels before it is needed.
   constexpr size_t kAhead = 64;
+  const TexelStep* steps = reinterpret_cast<const TexelStep*>(stability.texel_steps) + begin;
+  const uint* places = stability.places + begin;
+  const size_t count = end - begin;
+  RunTexels run;
+  for (size_t k = 0; k < count; ++k) {
+    if (begin + k + kAhead < stability.texel_count) {
+      __builtin_prefetch(&stability.height_map[places[k + kAhead]], 1);
+    }
+    run.height[k] = stability.height_map[places[k]];
+  }
   vec4 sums(0.0f);
   float highest = 0.0f;
-  for (size_t i = begin; i < end; ++i) {
-    if (i + kAhead < stability.texel_count) {
-      __builtin_prefetch(&stability.height_map[stability.places[i + kAhead]], 1);
+  if (keep_run(stability, steps, count, run)) {
+    for (size_t k = 0; k < count; ++k) {
+      sums += vec4(run.deposited[k], 0.0f, run.held[k], run.visible[k]);
+      highest = max(highest, run.stable[k]);
     }
-    float& height = stability.height_map[stability.places[i]];
-    const uvec4 step = stability.texel_steps[i];
-    const Stability::StableTexel stable =
-        stability.stabilise_texel(height, stability.deposit_of(step), step, whole);
-    if (stable.height != height) height = stable.height;
-    highest = max(highest, abs(stable.height));
-    sums += stable.sums;
+  } else {
+    for (size_t k = 0; k < count; ++k) {
+      const uvec4 step = stability.texel_steps[begin + k];
+      const Stability::StableTexel stable =
+          stability.stabilise_texel(run.height[k], stability.deposit_of(step), step, whole);
+      run.stable[k] = stable.height;
+      highest = max(highest, abs(stable.height));
+      sums += stable.sums;
+    }
+  }
+  for (size_t k = 0; k < count; ++k) {
+    if (run.stable[k] != run.height[k]) stability.height_map[places[k]] = run.stable[k];
   }
   holds_snow = holds_snow || highest > 0.0f;
+  return sums;
+}
+
+/// Any number of texels.
+SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, bool& holds_snow) {
+  const Stability::WholeStep whole = stability.whole_step();
+  dvec4 sums(0.0);
+  for (size_t run = begin; run < end; run += kRun) {
+    sums += dvec4(stabilise_run(stability, whole, run, std::min(run + kRun, end), holds_snow));
+  }
   return sums;
 }
 
@@ -64,12 +117,9 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];
-      const size_t end = receiver.first_texel(group + 1);
       bool holds_snow = false;
-      for (size_t run = receiver.first_texel(group); run < end; run += kernel::kRun) {
-        sums[i] += glm::dvec4(
-            kernel::stabilise_run(stability, run, std::min(run + kernel::kRun, end), holds_snow));
-      }
+      sums[i] = kernel::stabilise(stability, receiver.first_texel(group),
+                                  receiver.first_texel(group + 1), holds_snow);
       receiver.holds_snow[group] = holds_snow ? 1 : 0;
     });
     for (const glm::dvec4& sum : sums) {

@@ -1,4 +1,4 @@
-#include "snow/step/cpu/triangle_bins.h"
+#include "snow/step/cpu/occlusion/triangle_bins.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "snow/step/cpu/grid_triangle.h"
 #include "snow/step/cpu/kernel.h"
+#include "snow/step/cpu/occlusion/grid_triangle.h"
 
 namespace snowbough::snow::cpu {
 namespace {

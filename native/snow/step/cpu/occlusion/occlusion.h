@@ -6,8 +6,8 @@
 #include "base/thread_pool.h"
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
-#include "snow/step/cpu/occlusion_scene.h"
-#include "snow/step/cpu/triangle_bins.h"
+#include "snow/step/cpu/occlusion/occlusion_scene.h"
+#include "snow/step/cpu/occlusion/triangle_bins.h"
 
 namespace snowbough::snow::cpu {
 

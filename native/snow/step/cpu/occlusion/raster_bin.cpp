@@ -1,4 +1,4 @@
-#include "snow/step/cpu/raster_bin.h"
+#include "snow/step/cpu/occlusion/raster_bin.h"
 
 #include <algorithm>
 #include <array>
@@ -7,9 +7,9 @@
 #include <utility>
 
 #include "shaders/lib/occlusion_pixel.h"
-#include "snow/step/cpu/grid_triangle.h"
 #include "snow/step/cpu/kernel.h"
-#include "snow/step/cpu/triangle_bins.h"
+#include "snow/step/cpu/occlusion/grid_triangle.h"
+#include "snow/step/cpu/occlusion/triangle_bins.h"
 
 namespace snowbough::snow::cpu {
 namespace {

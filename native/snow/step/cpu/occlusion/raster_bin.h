@@ -6,7 +6,7 @@
 
 #include "shaders/lib/snow_shared.h"
 #include "snow/scene/projection.h"
-#include "snow/step/cpu/occlusion_scene.h"
+#include "snow/step/cpu/occlusion/occlusion_scene.h"
 
 namespace snowbough::snow::cpu {
 

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "snow/scene/projection.h"
-#include "snow/step/cpu/occlusion_scene.h"
+#include "snow/step/cpu/occlusion/occlusion_scene.h"
 
 namespace snowbough::snow::cpu {
 

@@ -1,11 +1,11 @@
-#include "snow/step/cpu/occlusion.h"
+#include "snow/step/cpu/occlusion/occlusion.h"
 
 #include <algorithm>
 #include <stdexcept>
 #include <string>
 
 #include "base/parallel_for.h"
-#include "snow/step/cpu/raster_bin.h"
+#include "snow/step/cpu/occlusion/raster_bin.h"
 
 namespace snowbough::snow::cpu {
 namespace {

@@ -1,0 +1,44 @@
+// A texel's fragments, one after the other.
+#include "../lib/texel_surface.h"
+
+KERNEL_VIEW_R32UI(fragment_begin);
+/// A Fragment each.
+KERNEL_VIEW_RGBA32UI(fragments);
+
+/// What the fragments of a texel are together.
+struct FragmentSum {
+  TexelSurface surface;
+  /// Whether parts face the fall with their front, and with their back.
+  bool faces_front;
+  bool faces_back;
+};
+
+/// Upward part of the front's normal on a fragment; `surface`: its triangle's.
+float fragment_up(uvec4 fragment, vec4 surface) {
+#ifdef WITH_SHADING
+  if (is_smooth(fragment.x)) {
+    const SmoothTriangle smooth_values = smooth_triangle(fragment.x);
+    return between(smooth_values.corner.z, smooth_values.edge_b.z, smooth_values.edge_c.z, uintBitsToFloat(fragment.z),
+                   uintBitsToFloat(fragment.w));
+  }
+#endif
+  return surface.z;
+}
+
+/// Of the texel whose fragments are [i, end).
+FragmentSum sum_of_fragments(int i, int end) {
+  SurfaceSums sums = SurfaceSums(0.0f, 0.0f, 0.0f, 0.0f, 0.0f);
+  bool faces_front = false;
+  bool faces_back = false;
+  // The test stands at the end for software renderers' sake (CONTRIBUTING.md).
+  do {
+    const uvec4 fragment = texelFetch(fragments, i);
+    const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
+    const float area = i < end ? uintBitsToFloat(fragment.y) * surface.y : 0.0f;
+    sums = with_fragment(sums, area, fragment_up(fragment, surface), surface.w != 0.0f);
+    const bool faces = i < end && surface.x > 0.0f;
+    faces_front = faces_front || (faces && surface.w >= 0.0f);
+    faces_back = faces_back || (faces && surface.w < 0.0f);
+  } while (++i < end);
+  return FragmentSum(surface_of_sums(sums), faces_front, faces_back);
+}
