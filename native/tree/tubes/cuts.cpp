@@ -6,13 +6,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tree/tubes/row_turns.h"
+
 namespace snowbough::tree {
 namespace {
 
 using Part = FacePart;
 
-/// Samples along a row for how much its limb turns there.
-constexpr int kSamples = 24;
 /// A tenth more sides than wanted are not worth twice as many.
 constexpr double kSpareSides = 1.15;
 /// Rows are no shorter than this share of the limb's radius, unless the base's are.
@@ -29,60 +29,6 @@ constexpr double kFlattest = 3.0;
 /// The side error grows by this factor, at most so often, until the budget is kept.
 constexpr double kCoarser = 1.12;
 constexpr int kMostSteps = 90;
-
-/// Rows are denser where this is larger: pieces wanted in each of kSamples shares of a row.
-using Wanted = std::array<double, kSamples>;
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
-
-/// Radians that a limb's side turns by in each share of a row, by bends and by tapering.
-Wanted turns(const LimbShape& shape, size_t row) {
-  std::array<glm::dvec3, kSamples + 1> centre;
-  std::array<double, kSamples + 1> radius{};
-  for (int i = 0; i <= kSamples; ++i) {
-    const double v = static_cast<double>(i) / kSamples;
-    centre[i] = shape.centre(row, v);
-    radius[i] = shape.radius(row, v);
-  }
-  const auto taper = [&](int i) {
-    return std::atan2(radius[i + 1] - radius[i], glm::distance(centre[i], centre[i + 1]));
-  };
-  Wanted turn{};
-  for (int i = 0; i + 1 < kSamples; ++i) {
-    const double bend = angle_between(centre[i + 1] - centre[i], centre[i + 2] - centre[i + 1]);
-    const double both = std::isfinite(bend) ? bend + std::abs(taper(i + 1) - taper(i)) : 0.0;
-    turn[i] += 0.5 * both;
-    turn[i + 1] += 0.5 * both;
-  }
-  // The first sample has already turned away from the ring by about as much as it does next.
-  turn[0] += 0.5 * turn[1];
-  turn[kSamples - 1] += 0.5 * turn[kSamples - 2];
-  return turn;
-}
-
-/// Shares at which a row is cut into `count` pieces, so that each holds as much of what is wanted.
-std::vector<double> spread(const Wanted& wanted, int count) {
-  double total = 0.0;
-  for (double w : wanted) total += w;
-  // Where nothing is wanted they lie evenly.
-  const double even = (0.25 * total + 1e-6) / kSamples;
-  std::vector<double> at = {0.0};
-  double sum = 0.0;
-  const double all = total + even * kSamples;
-  for (int i = 0; i < kSamples; ++i) {
-    const double here = wanted[i] + even;
-    while (static_cast<int>(at.size()) < count &&
-           sum + here >= all * static_cast<double>(at.size()) / count) {
-      const double t = (all * static_cast<double>(at.size()) / count - sum) / here;
-      at.push_back((i + t) / kSamples);
-    }
-    sum += here;
-  }
-  at.push_back(1.0);
-  return at;
-}
 
 std::vector<double> evenly(int count) {
   std::vector<double> at;
@@ -116,7 +62,7 @@ class Cutter {
     }
     for (size_t b = 0; b < count; ++b) {
       for (size_t row = 0; row + 1 < surface.limbs[b].rings.size(); ++row) {
-        turns_[b].push_back(turns(shapes[b], row));
+        turns_[b].push_back(row_turns(shapes[b], row));
       }
     }
   }
@@ -210,11 +156,9 @@ class Cutter {
     for (size_t b = 0; b < surface_.limbs.size(); ++b) {
       const size_t rows = shapes_[b].row_count();
       std::vector<uint8_t> knuckle(rows, 0);
-      std::vector<Wanted> wanted(rows);
-      for (size_t row = 0; row < rows; ++row) {
-        for (int i = 0; i < kSamples; ++i) {
-          wanted[row][i] = turns_[b][row][i] / settings_.turn;
-        }
+      std::vector<RowSamples> wanted(turns_[b]);
+      for (RowSamples& row : wanted) {
+        for (double& value : row.values) value /= settings_.turn;
       }
       cuts_.rows[b].resize(rows);
       for (const int32_t j : leaving_[b]) {
@@ -239,29 +183,32 @@ class Cutter {
       }
       for (size_t row = 0; row < rows; ++row) {
         cuts_.rows[b][row] = knuckle[row] != 0 ? evenly(knuckle_pieces(b, row))
-                                               : spread(wanted[row], pieces(b, row, wanted[row]));
+                                               : spread_pieces(wanted[row], pieces(b, row, wanted[row]));
       }
     }
   }
 
   /// Wants pieces of a length within `reach` of a row, going on from it one way or the other.
   void want_near(size_t limb, int32_t row, int step, double reach, double piece,
-                 std::vector<Wanted>& wanted) const {
+                 std::vector<RowSamples>& wanted) const {
     for (row += step; row >= 0 && row < static_cast<int32_t>(wanted.size()) && reach > 0.0;
          row += step) {
       const double length = row_length(limb, row);
-      const double sample = length / kSamples;
-      for (int i = 0; i < kSamples && i * sample < reach; ++i) {
-        double& here = wanted[row][step > 0 ? i : kSamples - 1 - i];
-        here = std::max(here, std::min(sample, reach - i * sample) / piece);
+      RowSamples& samples = wanted[row];
+      const size_t count = samples.values.size();
+      double way = 0.0;
+      for (size_t i = 0; i < count && way < reach; ++i) {
+        const size_t k = step > 0 ? i : count - 1 - i;
+        const double sample = length * (samples.at[k + 1] - samples.at[k]);
+        samples.values[k] = std::max(samples.values[k], std::min(sample, reach - way) / piece);
+        way += sample;
       }
       reach -= length;
     }
   }
 
-  int pieces(size_t limb, size_t row, const Wanted& wanted) const {
-    double sum = 0.0;
-    for (double w : wanted) sum += w;
+  int pieces(size_t limb, size_t row, const RowSamples& wanted) const {
+    const double sum = wanted.total();
     const std::vector<Ring>& rings = surface_.limbs[limb].rings;
     const double radius = std::max(radius_of(rings[row]), radius_of(rings[row + 1]));
     const double room = row_length(limb, row) / (kShortestRow * radius);
@@ -425,7 +372,8 @@ class Cutter {
   /// Per branch: the junction it leaves from, or -1, and those of its children.
   std::vector<int32_t> hole_of_;
   std::vector<std::vector<int32_t>> leaving_;
-  std::vector<std::vector<Wanted>> turns_;
+  /// Per branch and row.
+  std::vector<std::vector<RowSamples>> turns_;
   SurfaceCuts cuts_;
 };
 

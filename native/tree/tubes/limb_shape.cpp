@@ -7,6 +7,8 @@
 namespace snowbough::tree {
 namespace {
 
+/// A joint nearer to a ring than this share of the row is at it.
+constexpr double kAtRing = 1e-3;
 /// Between two rings a limb is no thinner than this share of the thinner one's radius.
 constexpr double kThinnest = 0.7;
 
@@ -19,9 +21,10 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   for (const Ring& ring : limb.rings) {
     RingShape& shape = rings_.emplace_back();
     shape.length = ring.bone_length;
-    shape.offset = ring.centre - curve_.position(ring.bone_length);
+    // A ring of the base that lies on the straight segments lies on the curve here.
+    shape.offset = ring.centre - curve_.straight_position(ring.bone_length);
     shape.corner = ring.corner;
-    shape.corner_offset = ring.corner - curve_.corner(ring.bone_length);
+    shape.corner_offset = ring.corner - curve_.straight_corner(ring.bone_length);
     shape.first = glm::normalize(vertices[ring.vertices[0]] - ring.centre);
     shape.second = glm::normalize(vertices[ring.vertices[1]] - ring.centre);
   }
@@ -53,6 +56,16 @@ std::array<glm::dvec3, 2> LimbShape::corner_directions(size_t row, double v) con
   const RingShape& a = rings_[row];
   const RingShape& b = rings_[row + 1];
   return {a.first * (1.0 - v) + b.first * v, a.second * (1.0 - v) + b.second * v};
+}
+
+std::vector<double> LimbShape::joints(size_t row) const {
+  const double low = rings_[row].length, length = rings_[row + 1].length - low;
+  std::vector<double> shares;
+  for (const double s : curve_.joints()) {
+    const double share = length > 0.0 ? (s - low) / length : 0.0;
+    if (share > kAtRing && share < 1.0 - kAtRing) shares.push_back(share);
+  }
+  return shares;
 }
 
 std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,

@@ -10,8 +10,9 @@
 namespace snowbough::tree {
 
 /// A limb as a round tube along a smooth curve, row by row of its strip: `v` is the share of the
-/// way, along the branch's own centreline, from ring `row` to ring `row + 1`. It passes through the
-/// centres of the strip's rings with their thickness, wherever the base moved or narrowed them.
+/// way, along the branch's own centreline, from ring `row` to ring `row + 1`. It lies
+/// beside the curve, and is thinner or thicker, as the strip's rings are against the straight
+/// segments, wherever the base moved or narrowed them.
 class LimbShape {
  public:
   /// @param path  the branch's own, limb_paths; before, after, height: see LimbCurve.
@@ -24,6 +25,8 @@ class LimbShape {
   /// Unit directions from the centre to corners 0 and 1 of the square ring, between the two rings
   /// not yet square to the limb.
   std::array<glm::dvec3, 2> corner_directions(size_t row, double v) const;
+  /// Shares of a row, ascending, at which the centreline has joints between its two rings.
+  std::vector<double> joints(size_t row) const;
   size_t row_count() const { return rings_.size() - 1; }
 
  private:
