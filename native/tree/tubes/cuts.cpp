@@ -26,6 +26,10 @@ constexpr double kForkReachOnChild = 2.2;
 constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
+/// Pieces are worth a change of sides further from the edge with fewer when longer by this factor.
+constexpr double kLonger = 1.25;
+/// In rows shorter than so many sides of the end with fewer their number stays the same.
+constexpr double kShortChange = 1.0;
 /// The side error grows by this factor, at most so often, until the budget is kept.
 constexpr double kCoarser = 1.12;
 constexpr int kMostSteps = 90;
@@ -124,18 +128,35 @@ class Cutter {
       const auto ring_of = static_cast<int32_t>(limb.rings.size()) - 1;
       ends[limb.rings.back().vertices[0]] = {static_cast<int32_t>(b), ring_of};
     }
-    for (const Junction& junction : surface_.junctions) {
-      std::vector<int>& across = cuts_.across[junction.parent];
-      const int both = std::max(across[junction.row], across[junction.row + 1]);
-      across[junction.row] = across[junction.row + 1] = both;
-    }
+    // Parents come first.
     for (size_t b = 0; b < count; ++b) {
       if (surface_.limbs[b].continues_parent) {
         const auto [limb, ring] = ends[surface_.limbs[b].rings[0].vertices[0]];
         int& end = cuts_.across[limb][ring];
         end = cuts_.across[b][0] = std::max(end, cuts_.across[b][0]);
       }
+      keep_sides_in_short_rows(b);
     }
+  }
+
+  /// Knuckles and short rows have as many sides at both ends.
+  void keep_sides_in_short_rows(size_t limb) {
+    const std::vector<Ring>& rings = surface_.limbs[limb].rings;
+    std::vector<int>& across = cuts_.across[limb];
+    std::vector<uint8_t> same(rings.size() - 1, 0);
+    for (const int32_t j : leaving_[limb]) same[surface_.junctions[j].row] = 1;
+    // The first ring has those of a hole's next, or its parent's.
+    const size_t first = hole_of_[limb] >= 0 || surface_.limbs[limb].continues_parent ? 1 : 0;
+    const auto keep = [&](size_t row) {
+      const size_t fewer = across[row] < across[row + 1] ? row : row + 1;
+      const double side = 0.5 * M_PI * radius_of(rings[fewer]) / across[fewer];
+      if (same[row] != 0 || row_length(limb, row) < kShortChange * side) {
+        across[row] = across[row + 1] = std::max(across[row], across[row + 1]);
+      }
+    };
+    for (size_t row = first; row + 1 < rings.size(); ++row) keep(row);
+    for (size_t row = rings.size() - 1; row-- > first;) keep(row);
+    if (hole_of_[limb] >= 0) across[0] = across[1];
   }
 
   double row_length(size_t limb, size_t row) const {
@@ -152,6 +173,7 @@ class Cutter {
 
   void choose_rows() {
     cuts_.rows.resize(surface_.limbs.size());
+    cuts_.plain.resize(surface_.limbs.size());
     // Parents come first: what a child starts from is known.
     for (size_t b = 0; b < surface_.limbs.size(); ++b) {
       const size_t rows = shapes_[b].row_count();
@@ -184,6 +206,7 @@ class Cutter {
       for (size_t row = 0; row < rows; ++row) {
         cuts_.rows[b][row] = knuckle[row] != 0 ? evenly(knuckle_pieces(b, row))
                                                : spread_pieces(wanted[row], pieces(b, row, wanted[row]));
+        cuts_.plain[b].push_back(plain_strips(b, row));
       }
     }
   }
@@ -223,6 +246,30 @@ class Cutter {
       count = std::max(count, halvings(cuts_.across[limb][row], high));
     }
     return count;
+  }
+
+  /// Where a limb's sides change their number: in the longest pieces of the row, between which it
+  /// turns least; in short ones they would show as a knot.
+  int plain_strips(size_t limb, size_t row) const {
+    const int low = cuts_.across[limb][row], high = cuts_.across[limb][row + 1];
+    const int steps = halvings(low, high);
+    if (steps == 0 || (row == 0 && hole_of_[limb] >= 0)) return 0;
+    const std::vector<double>& at = cuts_.rows[limb][row];
+    const auto strips = static_cast<int>(at.size()) - 1;
+    int best = 0;
+    double longest = 0.0;
+    for (int plain = 0; plain + steps <= strips; ++plain) {
+      const int first = high < low ? strips - steps - plain : plain;
+      double shortest = 1.0;
+      for (int strip = first; strip < first + steps; ++strip) {
+        shortest = std::min(shortest, at[strip + 1] - at[strip]);
+      }
+      if (shortest > kLonger * longest) {
+        longest = shortest;
+        best = plain;
+      }
+    }
+    return best;
   }
 
   /// A power of two, so that what grows out of the row's side can start from it.
@@ -268,9 +315,9 @@ class Cutter {
   }
 
   /// The levels of a row with one more, in the middle of the strip that is odd.
-  static std::vector<double> with_extra(const std::vector<double>& at, bool thinner) {
+  static std::vector<double> with_extra(const std::vector<double>& at, bool thinner, int plain) {
     std::vector<double> more(at);
-    const size_t strip = thinner ? at.size() - 2 : 0;
+    const size_t strip = thinner ? at.size() - 2 - plain : plain;
     more.insert(more.begin() + static_cast<std::ptrdiff_t>(strip) + 1,
                 0.5 * (at[strip] + at[strip + 1]));
     return more;
@@ -278,6 +325,7 @@ class Cutter {
 
   void cut_edges() {
     cuts_.edges.resize(edges_.all.size());
+    cuts_.face_plain.assign(surface_.quads.size(), 0);
     for (size_t f = 0; f < surface_.quads.size(); ++f) {
       const FaceOrigin& origin = surface_.origins[f];
       if (origin.part == Part::kWall) {
@@ -304,8 +352,10 @@ class Cutter {
     }
     const std::array<int, 4> odd = odd_corners(low, {high, high, high, high});
     const std::vector<double>& levels = cuts_.rows[limb][row];
+    const int plain = cuts_.plain[limb][row];
+    cuts_.face_plain[face] = low[origin.side] == high ? 0 : plain;
     const auto side_levels = [&](int corner) {
-      return odd[corner % 4] != 0 ? with_extra(levels, high == 1) : levels;
+      return odd[corner % 4] != 0 ? with_extra(levels, high == 1, plain) : levels;
     };
     std::vector<double> down = side_levels(origin.side);
     std::reverse(down.begin(), down.end());
@@ -329,7 +379,7 @@ class Cutter {
     const std::array<int, 4> odd = odd_corners(outer, {inner, inner, inner, inner});
     const std::vector<double> levels = evenly(strips);
     const auto spoke = [&](int corner) {
-      return odd[corner % 4] != 0 ? with_extra(levels, inner == 1) : levels;
+      return odd[corner % 4] != 0 ? with_extra(levels, inner == 1, 0) : levels;
     };
     std::vector<double> down = spoke(origin.inset);
     std::reverse(down.begin(), down.end());
@@ -383,7 +433,7 @@ PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face) {
   const auto pieces = [&](int k) {
     return static_cast<int>(cuts.edges[edges.of_face[face][k]].size()) - 1;
   };
-  return {pieces(0), pieces(1), pieces(2), pieces(3)};
+  return {pieces(0), pieces(1), pieces(2), pieces(3), cuts.face_plain[face]};
 }
 
 SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,

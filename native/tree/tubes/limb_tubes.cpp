@@ -113,13 +113,14 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
     const int high = cuts_.across[number][row + 1];
     const int low = row == 0 && hole ? high : cuts_.across[number][row];
     const int strips = static_cast<int>(levels.size()) - 1;
+    const PatchCuts across{low, strips, high, strips, cuts_.plain[number][row]};
     // The last level is the next row's first.
     const bool last_row = row + 1 == shape.row_count();
     for (int level = 0; level < strips + (last_row ? 1 : 0); ++level) {
       TubeSection& section = chain.sections.emplace_back();
       section.centre = shape.centre(row, levels[level]);
       section.radius = shape.radius(row, levels[level]) *
-                       corner_factor(4 * quads_across(low, high, strips, level));
+                       corner_factor(4 * quads_across(across, level));
       const auto directions = shape.corner_directions(row, levels[level]);
       section.first = directions[0];
       section.second = directions[1];
