@@ -28,6 +28,8 @@ constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
 /// Pieces are worth a change of sides further from the edge with fewer when longer by this factor.
 constexpr double kLonger = 1.25;
+/// A row that tapers to less than this share has room for a change of sides where it is wide.
+constexpr double kPointed = 0.5;
 /// In rows shorter than so many sides of the end with fewer their number stays the same.
 constexpr double kShortChange = 1.0;
 /// The side error grows by this factor, at most so often, until the budget is kept.
@@ -243,13 +245,22 @@ class Cutter {
         count = std::max(count, halvings(hole_side(junction, side), high));
       }
     } else {
-      count = std::max(count, halvings(cuts_.across[limb][row], high));
+      const int steps = halvings(cuts_.across[limb][row], high);
+      const bool pointed = tapering(limb, row, 0.0, 1.0) < kPointed;
+      count = std::max(count, steps + (steps > 0 && pointed ? 1 : 0));
     }
     return count;
   }
 
+  /// The smaller of a limb's radii at two places of a row, as a share of the larger one.
+  double tapering(size_t limb, size_t row, double a, double b) const {
+    const auto [small, large] = std::minmax({shapes_[limb].radius(row, a), shapes_[limb].radius(row, b)});
+    return large > 0.0 ? small / large : 1.0;
+  }
+
   /// Where a limb's sides change their number: in the longest pieces of the row, between which it
-  /// turns least; in short ones they would show as a knot.
+  /// turns least, and that taper least; in short ones they would show as a knot, and of those that
+  /// run to a point the first is as wide as the limb and faces aside.
   int plain_strips(size_t limb, size_t row) const {
     const int low = cuts_.across[limb][row], high = cuts_.across[limb][row + 1];
     const int steps = halvings(low, high);
@@ -262,7 +273,8 @@ class Cutter {
       const int first = high < low ? strips - steps - plain : plain;
       double shortest = 1.0;
       for (int strip = first; strip < first + steps; ++strip) {
-        shortest = std::min(shortest, at[strip + 1] - at[strip]);
+        const double length = at[strip + 1] - at[strip];
+        shortest = std::min(shortest, length * tapering(limb, row, at[strip], at[strip + 1]));
       }
       if (shortest > kLonger * longest) {
         longest = shortest;
