@@ -201,12 +201,7 @@ class LimbBuilder {
       } else if (i == 1 && parent_ != nullptr && !start_.continues) {
         frames.push_back(fit_frame(start_.hole.corners, station.normal));
       } else {
-        // By way of the row's own direction: from ring to ring at once it would turn about it where
-        // both lean to different sides.
-        const glm::dvec3 way = station.centre - stations[i - 1].centre;
-        const double length = glm::length(way);
-        const Frame along = length > 0.0 ? transport(frames.back(), way / length) : frames.back();
-        frames.push_back(transport(along, station.normal));
+        frames.push_back(transport(frames.back(), station.normal));
       }
       if (i > 0 || parent_ == nullptr) {
         const auto corners = ring_corners(frames.back(), ring.centre, ring.corner);
