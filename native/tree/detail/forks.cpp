@@ -37,8 +37,13 @@ constexpr double kBack = 0.6;
 constexpr double kLeastShare = 0.15;
 constexpr int kBackRounds = 8;
 constexpr double kShareStep = 0.34;
-/// Share of the time until everything is blended.
+/// What still crosses is put between its neighbours by this share of the way, in at most so many
+/// rounds.
+constexpr double kUntangling = 0.5;
+constexpr int kUntangleRounds = 12;
+/// Share of the time until everything is blended, and until what that made cross has gone back.
 constexpr float kBlended = 0.6f;
+constexpr float kTakenBack = 0.9f;
 /// Forks that a thread looks at at a time.
 constexpr size_t kForkBlock = 8;
 /// Vertices that a thread moves at a time.
@@ -111,7 +116,8 @@ class ForkBlender {
                          });
       take_ways(moved, active);
     }
-    take_back_crossings(execution);
+    take_back_crossings(execution.part(kBlended, kTakenBack));
+    untangle(execution.part(kTakenBack, 1.0f));
   }
 
  private:
@@ -243,8 +249,8 @@ class ForkBlender {
     std::vector<double> shares(points_.size(), 1.0);
     std::vector<uint8_t> due(forks_.size(), 1);
     for (int round = 0; round < kBackRounds; ++round) {
-      const float from = kBlended + (1.0f - kBlended) * static_cast<float>(round) / kBackRounds;
-      const float to = from + (1.0f - kBlended) / kBackRounds;
+      const float from = static_cast<float>(round) / kBackRounds;
+      const float to = static_cast<float>(round + 1) / kBackRounds;
       const auto found = new_crossings(faces, due, execution.part(from, to));
       std::vector<double> wanted(shares);
       bool crosses = false;
@@ -269,6 +275,55 @@ class ForkBlender {
         for (const int32_t fork : forks_of(mover)) due[fork] = 1;
       }
       shares = std::move(wanted);
+    }
+  }
+
+  /// Smooths what crosses in a fork, and what is beside it, until nothing does; where it still does
+  /// in the end, as much or more, it stays as it was.
+  void untangle(const base::Execution& execution) {
+    const std::vector<std::vector<int32_t>> faces = fork_faces();
+    std::vector<size_t> tangled;
+    std::vector<std::vector<std::pair<int32_t, int32_t>>> found(forks_.size());
+    base::parallel_for(forks_.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+      const Surface now{points_, fine_.quads, {}, {}, {}, {}, {}};
+      for (size_t j = begin; j < end; ++j) found[j] = crossing_quads(now, faces[j]);
+    });
+    for (size_t j = 0; j < forks_.size(); ++j) {
+      if (!found[j].empty()) untangle(faces[j], found[j]);
+    }
+  }
+
+  void untangle(const std::vector<int32_t>& faces,
+                std::vector<std::pair<int32_t, int32_t>> crossing) {
+    Surface now{points_, fine_.quads, {}, {}, {}, {}, {}};
+    std::vector<std::pair<int32_t, glm::dvec3>> before;
+    const size_t at_first = crossing.size();
+    for (int round = 0; round < kUntangleRounds && !crossing.empty(); ++round) {
+      std::vector<int32_t> vertices;
+      for (const auto& [f, g] : crossing) {
+        for (const int32_t face : {f, g}) {
+          for (const int32_t v : fine_.quads[face]) {
+            vertices.push_back(v);
+            vertices.insert(vertices.end(), neighbours_.of(v).begin(), neighbours_.of(v).end());
+          }
+        }
+      }
+      std::sort(vertices.begin(), vertices.end());
+      vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+      std::erase_if(vertices, [&](int32_t v) { return mover_of_[v] < 0; });
+      std::vector<glm::dvec3> moved;
+      for (const int32_t v : vertices) {
+        before.emplace_back(v, now.vertices[v]);
+        glm::dvec3 sum(0.0);
+        for (const int32_t other : neighbours_.of(v)) sum += now.vertices[other];
+        sum /= static_cast<double>(neighbours_.of(v).size());
+        moved.push_back(now.vertices[v] + (sum - now.vertices[v]) * kUntangling);
+      }
+      for (size_t i = 0; i < vertices.size(); ++i) now.vertices[vertices[i]] = moved[i];
+      crossing = crossing_quads(now, faces);
+    }
+    if (crossing.size() < at_first) {
+      for (const auto& [v, place] : before) points_[v] = now.vertices[v];
     }
   }
 
