@@ -32,6 +32,11 @@ struct Fork {
   struct Cone {
     glm::dvec3 begin{0.0}, along{0.0};
     double begin_radius = 0.0, widening = 0.0;
+    /// 1 over the square of its length; 0 of one without.
+    double per_square = 0.0;
+
+    static Cone between(const glm::dvec3& begin, double begin_radius, const glm::dvec3& end,
+                        double end_radius);
   };
   std::vector<Cone> parent, child;
 };

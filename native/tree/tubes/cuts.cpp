@@ -455,11 +455,27 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
       settings.faces,
       static_cast<int64_t>(settings.per_base * static_cast<double>(surface.quads.size())));
   Cutter cutter(surface, edges, shapes, height, settings);
-  double error = settings.side_error * height;
-  SurfaceCuts cuts = cutter.cut(error);
-  for (int step = 0; step < kMostSteps && cuts.quads > budget; ++step) {
-    error *= kCoarser;
-    cuts = cutter.cut(error);
+  const auto coarser = [&](int step) {
+    return cutter.cut(settings.side_error * height * std::pow(kCoarser, step));
+  };
+  SurfaceCuts cuts = coarser(0);
+  // The first step that keeps the budget: by steps twice as long each, and then by halves.
+  int above = 0, step = 1;
+  while (cuts.quads > budget && above < kMostSteps) {
+    cuts = coarser(step);
+    if (cuts.quads <= budget || step == kMostSteps) break;
+    above = step;
+    step = std::min(2 * step, kMostSteps);
+  }
+  for (int below = step; below - above > 1;) {
+    const int middle = (above + below) / 2;
+    SurfaceCuts between = coarser(middle);
+    if (between.quads > budget) {
+      above = middle;
+    } else {
+      below = middle;
+      cuts = std::move(between);
+    }
   }
   return cuts;
 }
