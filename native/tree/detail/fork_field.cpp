@@ -27,6 +27,8 @@ constexpr double kFarthest = 20.0;
 /// there, in corner radii of the parent.
 constexpr double kInside = 0.5;
 constexpr double kInsideRadius = 0.4;
+/// Stretches of both limbs are looked at so many reaches along them.
+constexpr double kConeReach = 1.25;
 /// Limbs at one place that are told apart.
 constexpr size_t kMostLimbs = 16;
 
@@ -152,9 +154,9 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     const double inside = kInside * low.corner / sine;
     fork.inside = inside;
     const double tapered = std::min(base.radius, kInsideRadius * low.corner);
-    fork.child.push_back(Fork::Cone::between(base.centre - direction * inside, tapered, base.centre,
-                                             base.radius));
-    const double length = 2.0 * fork.reach + 2.0 * low.corner;
+    fork.child.push_back(
+        Fork::Cone::between(base.centre - direction * inside, tapered, base.centre, base.radius));
+    const double length = kConeReach * fork.reach + 2.0 * low.corner;
     take_cones(all[fork.child_chain], 0, true, length, fork.child);
     fork.parent.clear();
     take_cones(all[fork.parent_chain], at, true, length, fork.parent);

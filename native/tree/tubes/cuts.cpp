@@ -206,8 +206,9 @@ class Cutter {
         want_near(b, -1, 1, reach, kForkRow * child_side(child), wanted);
       }
       for (size_t row = 0; row < rows; ++row) {
-        cuts_.rows[b][row] = knuckle[row] != 0 ? evenly(knuckle_pieces(b, row))
-                                               : spread_pieces(wanted[row], pieces(b, row, wanted[row]));
+        cuts_.rows[b][row] = knuckle[row] != 0
+                                 ? evenly(knuckle_pieces(b, row))
+                                 : spread_pieces(wanted[row], pieces(b, row, wanted[row]));
         cuts_.plain[b].push_back(plain_strips(b, row));
       }
     }
@@ -254,7 +255,8 @@ class Cutter {
 
   /// The smaller of a limb's radii at two places of a row, as a share of the larger one.
   double tapering(size_t limb, size_t row, double a, double b) const {
-    const auto [small, large] = std::minmax({shapes_[limb].radius(row, a), shapes_[limb].radius(row, b)});
+    const auto [small, large] =
+        std::minmax({shapes_[limb].radius(row, a), shapes_[limb].radius(row, b)});
     return large > 0.0 ? small / large : 1.0;
   }
 

@@ -12,8 +12,8 @@ constexpr double kAtRing = 1e-3;
 /// Between two rings a limb is no thinner than this share of the thinner one's radius.
 constexpr double kThinnest = 0.7;
 
-/// A ring's directions to its corners 0 and 1, square to each other. Those of a hole lie askew: what
-/// it takes to make them square both share.
+/// A ring's directions to its corners 0 and 1, square to each other. Those of a hole lie askew:
+/// what it takes to make them square both share.
 Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
   const glm::dvec3 first = glm::normalize(vertices[ring.vertices[0]] - ring.centre);
   const glm::dvec3 second = glm::normalize(vertices[ring.vertices[1]] - ring.centre);

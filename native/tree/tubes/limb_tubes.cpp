@@ -117,8 +117,8 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
     for (int level = 0; level < strips + (last_row ? 1 : 0); ++level) {
       TubeSection& section = chain.sections.emplace_back();
       section.centre = shape.centre(row, levels[level]);
-      section.radius = shape.radius(row, levels[level]) *
-                       corner_factor(4 * quads_across(across, level));
+      section.radius =
+          shape.radius(row, levels[level]) * corner_factor(4 * quads_across(across, level));
       places.emplace_back(row, levels[level]);
     }
   }

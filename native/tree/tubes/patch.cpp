@@ -18,8 +18,7 @@ int log2_of(int power) {
 void check(const PatchCuts& cuts) {
   const auto power = [](int n) { return n > 0 && std::has_single_bit(static_cast<unsigned>(n)); };
   const int apart = std::abs(cuts.left - cuts.right);
-  if (!power(cuts.low) || !power(cuts.high) || cuts.strips() < 1 ||
-      cuts.plain < 0 ||
+  if (!power(cuts.low) || !power(cuts.high) || cuts.strips() < 1 || cuts.plain < 0 ||
       cuts.strips() < halvings(cuts.low, cuts.high) + cuts.plain ||
       apart != (is_odd(cuts.low, cuts.high) ? 1 : 0)) {
     throw std::invalid_argument("a patch cannot be cut into " + std::to_string(cuts.low) + ", " +
