@@ -141,6 +141,7 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     const TubeSection& base = tubes.sections(junction.child).front();
     fork.centre = base.centre;
     fork.radius = base.radius;
+    fork.blends = tubes.first_sides(junction.child) > 4;
     const Fork::Cone& out = all[fork.child_chain].cones.front();
     const glm::dvec3 direction = glm::normalize(out.along);
     const double sine = std::max(glm::dot(direction, hole.normal), kFlattest);

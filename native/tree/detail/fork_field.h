@@ -25,6 +25,9 @@ struct Fork {
   /// clear of its parent.
   double radius = 0.0;
   double reach = 0.0;
+  /// Whether the child has sides enough for a fillet: of four, each as long as its first row, the
+  /// whole row would widen.
+  bool blends = false;
   /// How far inside its parent, before its base, the child is deepest in it. Metres along it.
   double inside = 0.0;
 

@@ -121,6 +121,7 @@ class ForkBlender {
     std::vector<int32_t> met(points_.size(), -1), queue;
     for (size_t j = 0; j < forks_.size(); ++j) {
       const Fork& fork = forks_[j];
+      if (!fork.blends) continue;
       const auto meet = [&](int32_t v) {
         if (met[v] != static_cast<int32_t>(j) &&
             glm::distance(points_[v], fork.centre) < fork.reach) {

@@ -515,7 +515,7 @@ void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, con
   const Graph graph(unrolled.quads, unrolled.places.size());
   std::vector<std::pair<int32_t, int32_t>> by_chain;
   for (size_t j = 0; j < forks.size(); ++j) {
-    if (forks[j].radius >= least_radius && rims[j].size() > 4) {
+    if (forks[j].radius >= least_radius && forks[j].blends) {
       by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
     }
   }
