@@ -294,21 +294,21 @@ def turns(mesh, forks):
     a, b = quads, quads[:, nxt]
     key = np.minimum(a, b).astype(np.int64) * len(mesh.vertices) + np.maximum(a, b)
     face = np.repeat(np.arange(len(quads)), 4).reshape(-1, 4)
-    key, face = key[across], face[across]
+    middle = 0.5 * (corners + corners[:, nxt])
+    key, face, middle = key[across], face[across], middle[across]
     order = np.argsort(key, kind="stable")
-    key, face = key[order], face[order]
+    key, face, middle = key[order], face[order], middle[order]
     pair = np.flatnonzero(key[:-1] == key[1:])
-    f, g = face[pair], face[pair + 1]
+    f, g, middle = face[pair], face[pair + 1], middle[pair]
     # Along one limb, or on to the one that continues it; not across the rim of a child's hole.
     low, high = (
         np.minimum(mesh.face_branch[f], mesh.face_branch[g]),
         np.maximum(mesh.face_branch[f], mesh.face_branch[g]),
     )
     along = (low == high) | (mesh.continues_parent[high] == 1)
-    f, g = f[along], g[along]
-    middle = corners.mean(1)
-    low = 0.5 * (middle[f] + middle[g])
-    free = forks.outside(low) & (normal_length(corners[f]) > 0) & (normal_length(corners[g]) > 0)
+    f, g, middle = f[along], g[along], middle[along]
+    # Where they meet, not where they are: beside a fork faces may be long.
+    free = forks.outside(middle) & (normal_length(corners[f]) > 0) & (normal_length(corners[g]) > 0)
     angle = np.degrees(np.arccos(np.clip((normal[f] * normal[g]).sum(1), -1, 1)))[free]
     return f"{angle.max():.0f} / {np.percentile(angle, 99.9):.0f}" if len(angle) else "-"
 

@@ -222,15 +222,14 @@ void bind_mesh_functions(py::module_& module) {
       "crossing_quads",
       [](const InputArray<float>& vertices, const InputArray<int32_t>& quads) {
         const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
-        Surface surface;
-        surface.vertices.assign(points.begin(), points.end());
-        surface.quads = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
+        const std::vector<glm::dvec3> places(points.begin(), points.end());
+        const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
         std::vector<int32_t> pairs;
         {
           py::gil_scoped_release release;
-          std::vector<int32_t> all(surface.quads.size());
+          std::vector<int32_t> all(faces.size());
           std::iota(all.begin(), all.end(), 0);
-          for (const auto& [f, g] : crossing_quads(surface, all)) {
+          for (const auto& [f, g] : crossing_quads(places, faces, all)) {
             pairs.push_back(f);
             pairs.push_back(g);
           }

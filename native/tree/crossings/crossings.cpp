@@ -82,7 +82,7 @@ class CrossingSearch {
       const bool known = neighbourhoods_.known()[i] != 0;
       if (!known) {
         slot_[numbers[i]] = static_cast<int32_t>(faces_.size());
-        faces_.push_back(make_crossing_face(surface_, numbers[i]));
+        faces_.push_back(make_crossing_face(surface_.vertices, surface_.quads, numbers[i]));
       }
       const int32_t slot = slot_[numbers[i]];
       low = glm::min(low, faces_[slot].low);

@@ -212,14 +212,15 @@ bool quads_cross(const CrossingFace& f, const CrossingFace& g) {
 
 }  // namespace
 
-CrossingFace make_crossing_face(const Surface& surface, int32_t number) {
+CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<const Quad> quads,
+                                int32_t number) {
   CrossingFace face{};
   face.number = number;
   face.low = glm::vec3(kInfinity);
   face.high = glm::vec3(-kInfinity);
   for (int k = 0; k < 4; ++k) {
-    const int32_t v = surface.quads[number][k];
-    const glm::vec3 p(surface.vertices[v]);
+    const int32_t v = quads[number][k];
+    const glm::vec3 p(vertices[v]);
     face.corners[k] = v;
     face.x[k] = p.x;
     face.y[k] = p.y;

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <glm/vec3.hpp>
+#include <span>
 
 #include "base/simd.h"
 #include "tree/surface/surface.h"
@@ -22,7 +23,8 @@ struct CrossingFace {
   int32_t number;
 };
 
-CrossingFace make_crossing_face(const Surface& surface, int32_t number);
+CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<const Quad> quads,
+                                int32_t number);
 
 /// Whether two different faces have more in common than the corners they share: quads count as two
 /// triangles, cut from corner 0 to 2. Exact; pairs that a plane parts with room to spare, nearly

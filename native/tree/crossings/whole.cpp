@@ -8,13 +8,14 @@
 
 namespace snowbough::tree {
 
-std::vector<std::pair<int32_t, int32_t>> crossing_quads(const Surface& surface,
+std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dvec3> vertices,
+                                                        std::span<const Quad> quads,
                                                         std::span<const int32_t> only) {
   std::vector<CrossingFace> faces;
   faces.reserve(only.size());
   glm::vec3 low(1e30f), high(-1e30f);
   for (const int32_t f : only) {
-    faces.push_back(make_crossing_face(surface, f));
+    faces.push_back(make_crossing_face(vertices, quads, f));
     low = glm::min(low, faces.back().low);
     high = glm::max(high, faces.back().high);
   }

@@ -9,11 +9,11 @@
 
 namespace snowbough::tree {
 
-/// All pairs of a surface's quads that cross each other (faces_cross), the lower number first,
+/// All pairs of quads that cross each other (faces_cross), the lower number first,
 /// ascending.
-/// @param surface  of which vertices and quads count.
 /// @param only  the quads that are looked at.
-std::vector<std::pair<int32_t, int32_t>> crossing_quads(const Surface& surface,
+std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dvec3> vertices,
+                                                        std::span<const Quad> quads,
                                                         std::span<const int32_t> only);
 
 }  // namespace snowbough::tree

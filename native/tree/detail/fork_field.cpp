@@ -27,6 +27,8 @@ constexpr double kFarthest = 20.0;
 /// there, in corner radii of the parent.
 constexpr double kInside = 0.5;
 constexpr double kInsideRadius = 0.4;
+/// Stretches of both limbs are looked at so many reaches along them.
+constexpr double kConeReach = 1.25;
 /// Limbs at one place that are told apart.
 constexpr size_t kMostLimbs = 16;
 
@@ -84,15 +86,26 @@ double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
 
 }  // namespace
 
+Fork::Cone Fork::Cone::between(const glm::dvec3& begin, double begin_radius, const glm::dvec3& end,
+                               double end_radius) {
+  const glm::dvec3 along = end - begin;
+  const double square = glm::dot(along, along);
+  return {begin, along, begin_radius, end_radius - begin_radius, square > 0.0 ? 1.0 / square : 0.0};
+}
+
 FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p) {
   FieldValue nearest{1e300, glm::dvec3(0.0)};
   for (const Fork::Cone& cone : cones) {
     const glm::dvec3 to = p - cone.begin;
-    const double square = glm::dot(cone.along, cone.along);
-    const double t = square > 0.0 ? std::clamp(glm::dot(to, cone.along) / square, 0.0, 1.0) : 0.0;
+    const double t = std::clamp(glm::dot(to, cone.along) * cone.per_square, 0.0, 1.0);
     const glm::dvec3 off = to - cone.along * t;
-    const double length = glm::length(off);
-    const double distance = length - (cone.begin_radius + cone.widening * t);
+    const double square = glm::dot(off, off);
+    const double radius = cone.begin_radius + cone.widening * t;
+    // Most are further away than the nearest so far: told without a root.
+    const double least = nearest.distance + radius;
+    if (least <= 0.0 || square >= least * least) continue;
+    const double length = std::sqrt(square);
+    const double distance = length - radius;
     if (distance < nearest.distance) {
       nearest = {distance, length > 0.0 ? off / length : glm::dvec3(0.0, 0.0, 1.0)};
     }
@@ -113,8 +126,8 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     first[b] = chain.cones.size();
     const std::span<const TubeSection> sections = tubes.sections(static_cast<int32_t>(b));
     for (size_t i = 0; i + 1 < sections.size(); ++i) {
-      chain.cones.push_back({sections[i].centre, sections[i + 1].centre - sections[i].centre,
-                             sections[i].radius, sections[i + 1].radius - sections[i].radius});
+      chain.cones.push_back(Fork::Cone::between(sections[i].centre, sections[i].radius,
+                                                sections[i + 1].centre, sections[i + 1].radius));
     }
   }
   std::vector<Fork> forks;
@@ -128,6 +141,7 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     const TubeSection& base = tubes.sections(junction.child).front();
     fork.centre = base.centre;
     fork.radius = base.radius;
+    fork.blends = tubes.first_sides(junction.child) > 4;
     const Fork::Cone& out = all[fork.child_chain].cones.front();
     const glm::dvec3 direction = glm::normalize(out.along);
     const double sine = std::max(glm::dot(direction, hole.normal), kFlattest);
@@ -142,8 +156,8 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     fork.inside = inside;
     const double tapered = std::min(base.radius, kInsideRadius * low.corner);
     fork.child.push_back(
-        {base.centre - direction * inside, direction * inside, tapered, base.radius - tapered});
-    const double length = 2.0 * fork.reach + 2.0 * low.corner;
+        Fork::Cone::between(base.centre - direction * inside, tapered, base.centre, base.radius));
+    const double length = kConeReach * fork.reach + 2.0 * low.corner;
     take_cones(all[fork.child_chain], 0, true, length, fork.child);
     fork.parent.clear();
     take_cones(all[fork.parent_chain], at, true, length, fork.parent);

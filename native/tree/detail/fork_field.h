@@ -25,6 +25,9 @@ struct Fork {
   /// clear of its parent.
   double radius = 0.0;
   double reach = 0.0;
+  /// Whether the child has sides enough for a fillet: of four, each as long as its first row, the
+  /// whole row would widen.
+  bool blends = false;
   /// How far inside its parent, before its base, the child is deepest in it. Metres along it.
   double inside = 0.0;
 
@@ -32,6 +35,11 @@ struct Fork {
   struct Cone {
     glm::dvec3 begin{0.0}, along{0.0};
     double begin_radius = 0.0, widening = 0.0;
+    /// 1 over the square of its length; 0 of one without.
+    double per_square = 0.0;
+
+    static Cone between(const glm::dvec3& begin, double begin_radius, const glm::dvec3& end,
+                        double end_radius);
   };
   std::vector<Cone> parent, child;
 };

@@ -9,7 +9,8 @@
 #include <span>
 #include <utility>
 
-#include "tree/crossings/whole.h"
+#include "tree/detail/neighbours.h"
+#include "tree/detail/uncross.h"
 
 namespace snowbough::tree {
 namespace {
@@ -31,45 +32,10 @@ constexpr int kHalvings = 3;
 constexpr double kLeastArea = 0.1;
 /// Share of a fork's reach from which on vertices stay where they are along the surface.
 constexpr double kStill = 0.7;
-/// What crosses goes back by this factor, entirely once less than the least share is left, in at
-/// most so many rounds; with its neighbours, which keep at most so much more of their ways.
-constexpr double kBack = 0.6;
-constexpr double kLeastShare = 0.15;
-constexpr int kBackRounds = 8;
-constexpr double kShareStep = 0.34;
 /// Share of the time until everything is blended.
 constexpr float kBlended = 0.6f;
-/// Forks that a thread looks at at a time.
-constexpr size_t kForkBlock = 8;
 /// Vertices that a thread moves at a time.
 constexpr size_t kBlock = 256;
-
-/// The vertices around every vertex, those of each in flat arrays, ascending.
-struct Neighbours {
-  std::vector<int32_t> begin, all;
-  /// The vertex before, in the face in which that in `all` comes after.
-  std::vector<int32_t> before;
-
-  Neighbours(const std::vector<Quad>& quads, size_t count) : begin(count + 1, 0) {
-    // Every edge is met from both its faces, once in either direction.
-    for (const Quad& quad : quads) {
-      for (const int32_t v : quad) ++begin[v + 1];
-    }
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    all.resize(begin.back());
-    before.resize(begin.back());
-    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-    for (const Quad& quad : quads) {
-      for (int k = 0; k < 4; ++k) {
-        before[next[quad[k]]] = quad[(k + 3) % 4];
-        all[next[quad[k]]++] = quad[(k + 1) % 4];
-      }
-    }
-  }
-  std::span<const int32_t> of(int32_t v) const {
-    return {all.data() + begin[v], all.data() + begin[v + 1]};
-  }
-};
 
 /// A vertex that moves, and the forks that have a say in it.
 struct Mover {
@@ -111,7 +77,9 @@ class ForkBlender {
                          });
       take_ways(moved, active);
     }
-    take_back_crossings(execution);
+    ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
+    for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
+    uncross(moved_faces, first_points_, execution.part(kBlended, 1.0f), points_);
   }
 
  private:
@@ -153,6 +121,7 @@ class ForkBlender {
     std::vector<int32_t> met(points_.size(), -1), queue;
     for (size_t j = 0; j < forks_.size(); ++j) {
       const Fork& fork = forks_[j];
+      if (!fork.blends) continue;
       const auto meet = [&](int32_t v) {
         if (met[v] != static_cast<int32_t>(j) &&
             glm::distance(points_[v], fork.centre) < fork.reach) {
@@ -213,75 +182,6 @@ class ForkBlender {
 
   std::span<const int32_t> forks_of(const Mover& mover) const {
     return {at_.data() + mover.first_fork, at_.data() + mover.last_fork};
-  }
-
-  /// Per fork that is due: pairs of its faces that cross and did not at first.
-  std::vector<std::vector<std::pair<int32_t, int32_t>>> new_crossings(
-      const std::vector<std::vector<int32_t>>& faces, const std::vector<uint8_t>& due,
-      const base::Execution& execution) const {
-    const Surface now{points_, fine_.quads, {}, {}, {}, {}, {}};
-    const Surface first{first_points_, fine_.quads, {}, {}, {}, {}, {}};
-    std::vector<std::vector<std::pair<int32_t, int32_t>>> found(forks_.size());
-    base::parallel_for(forks_.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
-      for (size_t j = begin; j < end; ++j) {
-        if (due[j] == 0) continue;
-        found[j] = crossing_quads(now, faces[j]);
-        if (found[j].empty()) continue;
-        const auto before = crossing_quads(first, faces[j]);
-        std::erase_if(found[j], [&](const auto& pair) {
-          return std::binary_search(before.begin(), before.end(), pair);
-        });
-      }
-    });
-    return found;
-  }
-
-  void take_back_crossings(const base::Execution& execution) {
-    const std::vector<std::vector<int32_t>> faces = fork_faces();
-    const std::vector<glm::dvec3> blended(points_);
-    // Share of its way that every vertex goes.
-    std::vector<double> shares(points_.size(), 1.0);
-    std::vector<uint8_t> due(forks_.size(), 1);
-    for (int round = 0; round < kBackRounds; ++round) {
-      const float from = kBlended + (1.0f - kBlended) * static_cast<float>(round) / kBackRounds;
-      const float to = from + (1.0f - kBlended) / kBackRounds;
-      const auto found = new_crossings(faces, due, execution.part(from, to));
-      std::vector<double> wanted(shares);
-      bool crosses = false;
-      for (const auto& pairs : found) {
-        for (const auto& [f, g] : pairs) {
-          for (const int32_t face : {f, g}) {
-            for (const int32_t v : fine_.quads[face]) {
-              const bool gone = round + 2 >= kBackRounds || shares[v] < kLeastShare;
-              wanted[v] = gone ? 0.0 : kBack * shares[v];
-              crosses = true;
-            }
-          }
-        }
-      }
-      if (!crosses) return;
-      even_out(wanted);
-      std::fill(due.begin(), due.end(), uint8_t{0});
-      for (const Mover& mover : movers_) {
-        const int32_t v = mover.vertex;
-        if (wanted[v] == shares[v]) continue;
-        points_[v] = first_points_[v] + (blended[v] - first_points_[v]) * wanted[v];
-        for (const int32_t fork : forks_of(mover)) due[fork] = 1;
-      }
-      shares = std::move(wanted);
-    }
-  }
-
-  /// Neighbours' shares differ by no more than kShareStep.
-  void even_out(std::vector<double>& shares) const {
-    for (int pass = 0; pass < 3; ++pass) {
-      for (const Mover& mover : movers_) {
-        double& share = shares[mover.vertex];
-        for (const int32_t v : neighbours_.of(mover.vertex)) {
-          share = std::min(share, shares[v] + kShareStep);
-        }
-      }
-    }
   }
 
   glm::dvec3 move(const Mover& mover) const {

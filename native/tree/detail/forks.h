@@ -16,8 +16,7 @@ namespace snowbough::tree {
 /// thinner one's radius at its base. Between steps towards it they move along it as their
 /// neighbours have moved, so that faces stay as even as they were and none folds over.
 ///
-/// Where that makes faces cross that did not cross before, the vertices around them go back, half
-/// the way at a time, until none does.
+/// What crosses then is taken back or smoothed (uncross).
 ///
 /// A limb's tube ends at its base inside its parent; the fillet fades out along the limbs, so that
 /// further away they have their own surface.

@@ -97,7 +97,7 @@ class Placer {
     unroll();
     base::parallel_for(rims_.size(), kForkBlock, {threads_, {}}, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (forks_[j].radius < least_radius_) continue;
+        if (forks_[j].radius < least_radius_ || !forks_[j].blends) continue;
         meet_limbs(forks_[j], tubes_, kSlant * first_row(j), rims_[j]);
       }
     });

@@ -71,7 +71,7 @@ struct Graph {
 
 /// Of a difference of quarters, the short way round.
 double short_way(double quarters) {
-  return quarters - 4.0 * std::round(quarters / 4.0);
+  return std::abs(quarters) <= 2.0 ? quarters : quarters - 4.0 * std::round(quarters / 4.0);
 }
 
 glm::dvec2 difference(const TubePlace& from, const TubePlace& to) {
@@ -90,21 +90,65 @@ double least_area(const std::array<TubePlace, 4>& corners) {
   return std::min(cross(a, b), cross(b, c));
 }
 
-/// All rims on one chain, and what moves with them.
+/// How far around a hole vertices move, in metres on the unrolled parent.
+struct RimReach {
+  int32_t junction = -1;
+  TubePlace centre;
+  double radius = 0.0;
+  double quarter_length = 1.0;
+  /// Of the rim's point that moves farthest.
+  double way = 0.0;
+  /// Length of the faces beside the rim that the fillet asks for.
+  double spread = 0.0;
+  int spread_depth = kSpreadDepth;
+
+  double metres(const glm::dvec2& way) const {
+    const double x = way.x * quarter_length;
+    return std::sqrt(x * x + way.y * way.y);
+  }
+  double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
+};
+
+RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const LimbTubes& tubes) {
+  glm::dvec2 middle(0.0);
+  for (const RimPoint& point : rim) middle += difference(rim[0].base, point.base);
+  middle /= static_cast<double>(rim.size());
+  RimReach reach;
+  reach.junction = junction;
+  reach.centre = {rim[0].base.length + middle.y, rim[0].base.quarter + middle.x};
+  reach.quarter_length = 0.5 * M_PI * tubes.radius(fork.parent_chain, reach.centre.length);
+  double extent = 0.0;
+  for (const RimPoint& point : rim) {
+    reach.way = std::max(reach.way, reach.metres(difference(point.base, point.target)));
+    extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
+  }
+  reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(rim.size())) * fork.radius;
+  reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rim.size()) / 6);
+  reach.radius = extent + kReachOfWay * reach.way + kReach * fork.radius;
+  return reach;
+}
+
+/// Per vertex and per face: its number in the membrane that it is part of, or -1. Shared by all
+/// membranes, of which no two that are worked on at a time have one in common.
+struct Locals {
+  std::vector<int32_t> nodes, faces;
+};
+
+/// Some rims on one chain, and what moves with them.
 class Membrane {
  public:
   Membrane(const Graph& graph, const std::vector<Rim>& rims, const std::vector<Fork>& forks,
-           const LimbTubes& tubes, UnrolledLimbs& unrolled, std::vector<int32_t>& local_of)
+           UnrolledLimbs& unrolled, Locals& locals)
       : graph_(graph),
         rims_(rims),
         forks_(forks),
-        tubes_(tubes),
         unrolled_(unrolled),
-        local_of_(local_of) {}
+        local_of_(locals.nodes),
+        face_of_(locals.faces) {}
 
   /// Moves the rims of some junctions on a chain as far as they go.
-  void move(int32_t chain, std::span<const int32_t> junctions) {
-    find_rims(chain, junctions);
+  void move(std::span<const RimReach> rims) {
+    find_rims(rims);
     for (size_t j = 0; j < junctions_.size(); ++j) {
       find_free(j);
     }
@@ -120,6 +164,7 @@ class Membrane {
       unrolled_.shares[node.vertex] = steps_ > 0 ? static_cast<double>(node.gone) / steps_ : 1.0;
     }
     for (const Node& node : nodes_) local_of_[node.vertex] = -1;
+    for (const int32_t face : faces_) face_of_[face] = -1;
   }
 
  private:
@@ -137,7 +182,8 @@ class Membrane {
     /// Steps that a rim's vertex has made, and the nodes before and after it on the rim.
     int gone = 0;
     int32_t before = -1, after = -1;
-    TubePlace first;
+    /// even_out's.
+    int mark = 0;
   };
 
   int32_t add_node(int32_t vertex, int32_t junction) {
@@ -145,22 +191,16 @@ class Membrane {
     Node& node = nodes_.emplace_back();
     node.vertex = vertex;
     node.junction = junction;
-    node.first = unrolled_.places[vertex];
     return local_of_[vertex];
   }
 
-  void find_rims(int32_t chain, std::span<const int32_t> junctions) {
+  void find_rims(std::span<const RimReach> rims) {
     double steps = 0.0;
-    for (const int32_t j : junctions) {
+    for (const RimReach& reach : rims) {
+      const int32_t j = reach.junction;
       const auto number = static_cast<int32_t>(junctions_.size());
       junctions_.push_back(j);
-      glm::dvec2 middle(0.0);
-      for (const RimPoint& point : rims_[j]) middle += difference(rims_[j][0].base, point.base);
-      middle /= static_cast<double>(rims_[j].size());
-      Reach& reach = reaches_.emplace_back();
-      reach.centre = {rims_[j][0].base.length + middle.y, rims_[j][0].base.quarter + middle.x};
-      reach.quarter_length = 0.5 * M_PI * tubes_.radius(chain, reach.centre.length);
-      double way = 0.0, extent = 0.0;
+      reaches_.push_back(reach);
       for (const RimPoint& point : rims_[j]) {
         const glm::dvec2 move = difference(point.base, point.target);
         if (local_of_[point.vertex] >= 0) {
@@ -172,8 +212,6 @@ class Membrane {
           node.rim = true;
           node.step = move;
         }
-        way = std::max(way, reach.metres(move));
-        extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
       }
       for (size_t i = 0; i < rims_[j].size(); ++i) {
         const int32_t here = local_of_[rims_[j][i].vertex];
@@ -181,11 +219,7 @@ class Membrane {
         nodes_[here].after = next;
         nodes_[next].before = here;
       }
-      reach.spread =
-          std::min(kSpread, 2.0 * M_PI / static_cast<double>(rims_[j].size())) * forks_[j].radius;
-      reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rims_[j].size()) / 6);
-      reach.radius = extent + kReachOfWay * way + kReach * forks_[j].radius;
-      steps = std::max(steps, way / std::max(kStep * reach.spread, 1e-30));
+      steps = std::max(steps, reach.way / std::max(kStep * reach.spread, 1e-30));
     }
     steps_ = std::clamp(static_cast<int>(std::ceil(steps)), 0, kMostSteps);
     rim_count_ = nodes_.size();
@@ -194,7 +228,7 @@ class Membrane {
 
   /// What lies around a rim within its reach.
   void find_free(size_t junction) {
-    const Reach& reach = reaches_[junction];
+    const RimReach& reach = reaches_[junction];
     std::vector<int32_t> queue;
     for (const RimPoint& point : rims_[junctions_[junction]]) queue.push_back(point.vertex);
     for (size_t i = 0; i < queue.size(); ++i) {
@@ -219,10 +253,12 @@ class Membrane {
     }
     keep_once(faces_);
     for (const int32_t f : faces_) {
+      face_of_[f] = static_cast<int32_t>(first_areas_.size());
       std::array<TubePlace, 4> corners;
       for (int k = 0; k < 4; ++k) corners[k] = unrolled_.places[unrolled_.quads[f][k]];
       first_areas_.push_back(least_area(corners));
     }
+    face_marks_.assign(faces_.size(), 0);
   }
 
   /// Neighbours pull the more the nearer they are: small faces are the stiffest, what moves is
@@ -279,12 +315,8 @@ class Membrane {
   }
 
   bool turns(int32_t face) const {
-    const double first = first_areas_[face_index(face)];
+    const double first = first_areas_[face_of_[face]];
     return least_area(moved_corners(unrolled_.quads[face])) < std::min(first, kLeastArea * first);
-  }
-
-  size_t face_index(int32_t face) const {
-    return std::lower_bound(faces_.begin(), faces_.end(), face) - faces_.begin();
   }
 
   /// Faces that the step would turn over.
@@ -304,22 +336,31 @@ class Membrane {
     std::vector<int32_t> vertices, faces;
     for (int pass = 0; pass < kEvenings && !turned_.empty(); ++pass) {
       vertices.clear();
+      ++mark_;
+      const auto take = [&](int32_t v) {
+        if (local_of_[v] < 0 || nodes_[local_of_[v]].mark == mark_) return;
+        nodes_[local_of_[v]].mark = mark_;
+        vertices.push_back(v);
+      };
       for (const int32_t f : turned_) {
         for (const int32_t corner : unrolled_.quads[f]) {
-          vertices.push_back(corner);
+          take(corner);
           for (int32_t at = graph_.begin[corner]; at < graph_.begin[corner + 1]; ++at) {
-            vertices.push_back(graph_.all[at]);
+            take(graph_.all[at]);
           }
         }
       }
-      keep_once(vertices);
-      faces = turned_;
+      faces.clear();
+      const auto look_at = [&](int32_t f) {
+        if (face_marks_[face_of_[f]] == mark_) return;
+        face_marks_[face_of_[f]] = mark_;
+        faces.push_back(f);
+      };
+      for (const int32_t f : turned_) look_at(f);
       for (const int32_t v : vertices) {
         if (!to_middle(v)) continue;
-        faces.insert(faces.end(), graph_.face.begin() + graph_.begin[v],
-                     graph_.face.begin() + graph_.begin[v + 1]);
+        for (int32_t at = graph_.begin[v]; at < graph_.begin[v + 1]; ++at) look_at(graph_.face[at]);
       }
-      keep_once(faces);
       turned_.clear();
       std::copy_if(faces.begin(), faces.end(), std::back_inserter(turned_),
                    [&](int32_t face) { return turns(face); });
@@ -337,7 +378,7 @@ class Membrane {
     if (local_of_[vertex] < 0) return false;
     Node& node = nodes_[local_of_[vertex]];
     if (node.rim || node.stopped) return false;
-    const Reach& reach = reaches_[node.junction];
+    const RimReach& reach = reaches_[node.junction];
     const TubePlace now = moved(vertex);
     glm::dvec2 sum(0.0);
     double count = 0.0;
@@ -424,37 +465,48 @@ class Membrane {
     }
   }
 
-  /// How far around a hole vertices move, in metres on the unrolled parent.
-  struct Reach {
-    TubePlace centre;
-    double radius = 0.0;
-    double quarter_length = 1.0;
-    /// Length of the faces beside the rim that the fillet asks for.
-    double spread = 0.0;
-    int spread_depth = kSpreadDepth;
-
-    double metres(const glm::dvec2& way) const { return std::hypot(way.x * quarter_length, way.y); }
-    double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
-  };
-
   const Graph& graph_;
   const std::vector<Rim>& rims_;
   const std::vector<Fork>& forks_;
-  const LimbTubes& tubes_;
   UnrolledLimbs& unrolled_;
-  /// Per vertex: its node, or -1; shared by all chains, which have no vertex in common.
+  /// Locals.
   std::vector<int32_t>& local_of_;
+  std::vector<int32_t>& face_of_;
   std::vector<int32_t> junctions_;
-  std::vector<Reach> reaches_;
+  std::vector<RimReach> reaches_;
   /// Those of rims first.
   std::vector<Node> nodes_;
   size_t rim_count_ = 0;
   int steps_ = 0;
   std::vector<int32_t> faces_;
   std::vector<double> first_areas_;
+  /// What was last looked at, of nodes and faces.
+  int mark_ = 0;
+  std::vector<int> face_marks_;
   std::vector<double> weights_;
   std::vector<int32_t> turned_;
 };
+
+/// Parts a chain's rims into those whose reaches meet along it: what moves with one has nothing to
+/// do with the others, and need not take as many steps.
+std::vector<std::span<const RimReach>> apart(std::span<RimReach> rims) {
+  std::sort(rims.begin(), rims.end(), [](const RimReach& a, const RimReach& b) {
+    const double low = a.centre.length - a.radius, other = b.centre.length - b.radius;
+    return low != other ? low < other : a.junction < b.junction;
+  });
+  std::vector<std::span<const RimReach>> parts;
+  size_t first = 0;
+  double end = -1e300;
+  for (size_t i = 0; i < rims.size(); ++i) {
+    if (i > first && rims[i].centre.length - rims[i].radius > end) {
+      parts.push_back(rims.subspan(first, i - first));
+      first = i;
+    }
+    end = std::max(end, rims[i].centre.length + rims[i].radius);
+  }
+  parts.push_back(rims.subspan(first));
+  return parts;
+}
 
 }  // namespace
 
@@ -463,25 +515,28 @@ void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, con
   const Graph graph(unrolled.quads, unrolled.places.size());
   std::vector<std::pair<int32_t, int32_t>> by_chain;
   for (size_t j = 0; j < forks.size(); ++j) {
-    if (forks[j].radius >= least_radius) {
+    if (forks[j].radius >= least_radius && forks[j].blends) {
       by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
     }
   }
   std::sort(by_chain.begin(), by_chain.end());
-  std::vector<int32_t> junctions;
+  std::vector<RimReach> reaches;
   std::vector<size_t> first;
   for (size_t i = 0; i < by_chain.size(); ++i) {
-    if (i == 0 || by_chain[i].first != by_chain[i - 1].first) first.push_back(i);
-    junctions.push_back(by_chain[i].second);
+    const auto [chain, j] = by_chain[i];
+    if (i == 0 || chain != by_chain[i - 1].first) first.push_back(i);
+    reaches.push_back(rim_reach(j, rims[j], forks[j], tubes));
   }
   first.push_back(by_chain.size());
   unrolled.shares.assign(unrolled.places.size(), 0.0);
-  std::vector<int32_t> local_of(unrolled.places.size(), -1);
+  Locals locals{std::vector<int32_t>(unrolled.places.size(), -1),
+                std::vector<int32_t>(unrolled.quads.size(), -1)};
   base::parallel_for(first.size() - 1, kBlock, {threads, {}}, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) {
-      Membrane(graph, rims, forks, tubes, unrolled, local_of)
-          .move(by_chain[first[i]].first,
-                {junctions.data() + first[i], junctions.data() + first[i + 1]});
+      const std::span<RimReach> on_chain(reaches.data() + first[i], first[i + 1] - first[i]);
+      for (const std::span<const RimReach> rims_beside : apart(on_chain)) {
+        Membrane(graph, rims, forks, unrolled, locals).move(rims_beside);
+      }
     }
   });
 }

@@ -46,7 +46,7 @@ class LimbBuilder {
 
     std::vector<double> attach;
     attach.reserve(children_.size());
-    const PathSearch search(path);
+    const PathSearch search(path), own(plan_.paths[branch_]);
     for (int32_t child : children_) {
       attach.push_back(
           search.nearest_length(glm::dvec3(plan_.skeleton.branches[child].attach_point)));
@@ -67,7 +67,7 @@ class LimbBuilder {
         continue;
       }
       const Exit exit =
-          find_exit(search, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
+          find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
       requests.push_back(exit.request);
       if (exit.clamped) {
         part_.clamped.push_back(child);

@@ -176,8 +176,8 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& pa
 
 }  // namespace
 
-Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, int32_t child_index,
-               const SurfaceScale& scale, int relief) {
+Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
+               const LimbPath& child, int32_t child_index, const SurfaceScale& scale, int relief) {
   const LimbPath& parent = search.path();
   const Crossing crossing = first_outside(search, child);
   Exit exit;
@@ -193,8 +193,9 @@ Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, i
   exit.request.position =
       std::clamp(attach + std::clamp(shift, -reach, reach), 0.0, parent.length());
 
-  const glm::dvec3 axis = direction_at(parent, crossing.parent_length);
-  glm::dvec3 off = across(crossing.point - position_at(parent, crossing.parent_length), axis);
+  const Crossing out = first_outside(own, child);
+  const glm::dvec3 axis = direction_at(own.path(), out.parent_length);
+  glm::dvec3 off = across(out.point - position_at(own.path(), out.parent_length), axis);
   if (glm::length(off) <= scale.coincident) {
     off = across(child.points.back() - child.points.front(), axis);
   }

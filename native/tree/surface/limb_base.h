@@ -31,9 +31,12 @@ struct Exit {
 
 /// Where a child passes through its parent's surface, and the knuckle it asks for there.
 /// @param search of the parent's path.
+/// @param own of the parent's own centreline: beside its first row, the path runs straight from its
+///   hole to its first ring instead, and a child that leaves the one may lie on the wrong side of
+///   the other.
 /// @param attach arc length on the parent's path where the child sits.
 /// @param relief see build_surface.
-Exit find_exit(const PathSearch& search, double attach, const LimbPath& child, int32_t child_index,
+Exit find_exit(const PathSearch& search, const PathSearch& own, double attach, const LimbPath& child, int32_t child_index,
                const SurfaceScale& scale, int relief);
 
 /// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring

@@ -10,6 +10,15 @@
 namespace snowbough::tree {
 namespace {
 
+/// Points are moved by at most this share of their corner radius, each time by this share of the way
+/// onto the line between their neighbours, at least so far from these as a share of that line; in at
+/// most so many sweeps. Bends of 60 degrees and more are meant.
+constexpr double kFairStray = 0.1;
+constexpr double kFairStep = 0.7;
+constexpr double kFairMargin = 0.1;
+constexpr int kFairSweeps = 40;
+constexpr double kFairedCosine = 0.5;
+
 bool finite(const glm::vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -50,6 +59,42 @@ glm::dvec3 away_from_parent(const Branch& branch, const std::vector<LimbPath>& p
   const glm::dvec3 offset = point - position_at(parent, s);
   const double distance = glm::length(offset);
   return distance > scale.coincident ? offset / distance : direction_at(parent, s);
+}
+
+/// Whether the rings at two ends of a segment could cut each other because of the bend at point i.
+bool folds_at(const LimbPath& path, size_t i) {
+  const glm::dvec3 in = path.points[i] - path.points[i - 1];
+  const glm::dvec3 out = path.points[i + 1] - path.points[i];
+  const double before = glm::length(in), after = glm::length(out);
+  const double cosine = glm::dot(in, out) / (before * after);
+  if (!(cosine > kFairedCosine)) return false;
+  const double half_angle = std::sqrt(std::max(0.0, (1.0 - cosine) / (1.0 + cosine)));
+  return path.corners[i] * half_angle > 0.5 * std::min(before, after);
+}
+
+/// Moves points where the limb bends more sharply than it is thick, a little: there its surface
+/// would fold. Exports hold such where rings lie close together and their middles scatter.
+void fair(LimbPath& path) {
+  std::vector<glm::dvec3> first;
+  for (int sweep = 0; sweep < kFairSweeps; ++sweep) {
+    bool moved = false;
+    for (size_t i = 1; i + 1 < path.points.size(); ++i) {
+      if (!folds_at(path, i)) continue;
+      if (first.empty()) first = path.points;
+      const glm::dvec3 along = path.points[i + 1] - path.points[i - 1];
+      const double square = glm::dot(along, along);
+      if (square <= 0.0) continue;
+      const double t = glm::dot(path.points[i] - path.points[i - 1], along) / square;
+      const glm::dvec3 wanted =
+          path.points[i - 1] + along * std::clamp(t, kFairMargin, 1.0 - kFairMargin);
+      const glm::dvec3 way = path.points[i] + (wanted - path.points[i]) * kFairStep - first[i];
+      const double most = kFairStray * path.corners[i];
+      const double length = glm::length(way);
+      path.points[i] = first[i] + (length > most ? way * (most / length) : way);
+      moved = true;
+    }
+    if (!moved) return;
+  }
 }
 
 }  // namespace
@@ -190,6 +235,7 @@ std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
       path.points.push_back(path.points[0] + away_from_parent(branch, paths, scale) * length);
       path.corners.push_back(path.corners[0]);
     }
+    fair(path);
     measure(path);
     path.bone_lengths = path.lengths;
   }

@@ -6,13 +6,13 @@
 #include <stdexcept>
 #include <utility>
 
+#include "tree/tubes/row_turns.h"
+
 namespace snowbough::tree {
 namespace {
 
 using Part = FacePart;
 
-/// Samples along a row for how much its limb turns there.
-constexpr int kSamples = 24;
 /// A tenth more sides than wanted are not worth twice as many.
 constexpr double kSpareSides = 1.15;
 /// Rows are no shorter than this share of the limb's radius, unless the base's are.
@@ -26,63 +26,15 @@ constexpr double kForkReachOnChild = 2.2;
 constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
+/// Pieces are worth a change of sides further from the edge with fewer when longer by this factor.
+constexpr double kLonger = 1.25;
+/// A row that tapers to less than this share has room for a change of sides where it is wide.
+constexpr double kPointed = 0.5;
+/// In rows shorter than so many sides of the end with fewer their number stays the same.
+constexpr double kShortChange = 1.0;
 /// The side error grows by this factor, at most so often, until the budget is kept.
 constexpr double kCoarser = 1.12;
 constexpr int kMostSteps = 90;
-
-/// Rows are denser where this is larger: pieces wanted in each of kSamples shares of a row.
-using Wanted = std::array<double, kSamples>;
-
-double angle_between(const glm::dvec3& a, const glm::dvec3& b) {
-  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b));
-}
-
-/// Radians that a limb's side turns by in each share of a row, by bends and by tapering.
-Wanted turns(const LimbShape& shape, size_t row) {
-  std::array<glm::dvec3, kSamples + 1> centre;
-  std::array<double, kSamples + 1> radius{};
-  for (int i = 0; i <= kSamples; ++i) {
-    const double v = static_cast<double>(i) / kSamples;
-    centre[i] = shape.centre(row, v);
-    radius[i] = shape.radius(row, v);
-  }
-  const auto taper = [&](int i) {
-    return std::atan2(radius[i + 1] - radius[i], glm::distance(centre[i], centre[i + 1]));
-  };
-  Wanted turn{};
-  for (int i = 0; i + 1 < kSamples; ++i) {
-    const double bend = angle_between(centre[i + 1] - centre[i], centre[i + 2] - centre[i + 1]);
-    const double both = std::isfinite(bend) ? bend + std::abs(taper(i + 1) - taper(i)) : 0.0;
-    turn[i] += 0.5 * both;
-    turn[i + 1] += 0.5 * both;
-  }
-  // The first sample has already turned away from the ring by about as much as it does next.
-  turn[0] += 0.5 * turn[1];
-  turn[kSamples - 1] += 0.5 * turn[kSamples - 2];
-  return turn;
-}
-
-/// Shares at which a row is cut into `count` pieces, so that each holds as much of what is wanted.
-std::vector<double> spread(const Wanted& wanted, int count) {
-  double total = 0.0;
-  for (double w : wanted) total += w;
-  // Where nothing is wanted they lie evenly.
-  const double even = (0.25 * total + 1e-6) / kSamples;
-  std::vector<double> at = {0.0};
-  double sum = 0.0;
-  const double all = total + even * kSamples;
-  for (int i = 0; i < kSamples; ++i) {
-    const double here = wanted[i] + even;
-    while (static_cast<int>(at.size()) < count &&
-           sum + here >= all * static_cast<double>(at.size()) / count) {
-      const double t = (all * static_cast<double>(at.size()) / count - sum) / here;
-      at.push_back((i + t) / kSamples);
-    }
-    sum += here;
-  }
-  at.push_back(1.0);
-  return at;
-}
 
 std::vector<double> evenly(int count) {
   std::vector<double> at;
@@ -116,7 +68,7 @@ class Cutter {
     }
     for (size_t b = 0; b < count; ++b) {
       for (size_t row = 0; row + 1 < surface.limbs[b].rings.size(); ++row) {
-        turns_[b].push_back(turns(shapes[b], row));
+        turns_[b].push_back(row_turns(shapes[b], row));
       }
     }
   }
@@ -178,18 +130,35 @@ class Cutter {
       const auto ring_of = static_cast<int32_t>(limb.rings.size()) - 1;
       ends[limb.rings.back().vertices[0]] = {static_cast<int32_t>(b), ring_of};
     }
-    for (const Junction& junction : surface_.junctions) {
-      std::vector<int>& across = cuts_.across[junction.parent];
-      const int both = std::max(across[junction.row], across[junction.row + 1]);
-      across[junction.row] = across[junction.row + 1] = both;
-    }
+    // Parents come first.
     for (size_t b = 0; b < count; ++b) {
       if (surface_.limbs[b].continues_parent) {
         const auto [limb, ring] = ends[surface_.limbs[b].rings[0].vertices[0]];
         int& end = cuts_.across[limb][ring];
         end = cuts_.across[b][0] = std::max(end, cuts_.across[b][0]);
       }
+      keep_sides_in_short_rows(b);
     }
+  }
+
+  /// Knuckles and short rows have as many sides at both ends.
+  void keep_sides_in_short_rows(size_t limb) {
+    const std::vector<Ring>& rings = surface_.limbs[limb].rings;
+    std::vector<int>& across = cuts_.across[limb];
+    std::vector<uint8_t> same(rings.size() - 1, 0);
+    for (const int32_t j : leaving_[limb]) same[surface_.junctions[j].row] = 1;
+    // The first ring has those of a hole's next, or its parent's.
+    const size_t first = hole_of_[limb] >= 0 || surface_.limbs[limb].continues_parent ? 1 : 0;
+    const auto keep = [&](size_t row) {
+      const size_t fewer = across[row] < across[row + 1] ? row : row + 1;
+      const double side = 0.5 * M_PI * radius_of(rings[fewer]) / across[fewer];
+      if (same[row] != 0 || row_length(limb, row) < kShortChange * side) {
+        across[row] = across[row + 1] = std::max(across[row], across[row + 1]);
+      }
+    };
+    for (size_t row = first; row + 1 < rings.size(); ++row) keep(row);
+    for (size_t row = rings.size() - 1; row-- > first;) keep(row);
+    if (hole_of_[limb] >= 0) across[0] = across[1];
   }
 
   double row_length(size_t limb, size_t row) const {
@@ -206,15 +175,14 @@ class Cutter {
 
   void choose_rows() {
     cuts_.rows.resize(surface_.limbs.size());
+    cuts_.plain.resize(surface_.limbs.size());
     // Parents come first: what a child starts from is known.
     for (size_t b = 0; b < surface_.limbs.size(); ++b) {
       const size_t rows = shapes_[b].row_count();
       std::vector<uint8_t> knuckle(rows, 0);
-      std::vector<Wanted> wanted(rows);
-      for (size_t row = 0; row < rows; ++row) {
-        for (int i = 0; i < kSamples; ++i) {
-          wanted[row][i] = turns_[b][row][i] / settings_.turn;
-        }
+      std::vector<RowSamples> wanted(turns_[b]);
+      for (RowSamples& row : wanted) {
+        for (double& value : row.values) value /= settings_.turn;
       }
       cuts_.rows[b].resize(rows);
       for (const int32_t j : leaving_[b]) {
@@ -238,30 +206,35 @@ class Cutter {
         want_near(b, -1, 1, reach, kForkRow * child_side(child), wanted);
       }
       for (size_t row = 0; row < rows; ++row) {
-        cuts_.rows[b][row] = knuckle[row] != 0 ? evenly(knuckle_pieces(b, row))
-                                               : spread(wanted[row], pieces(b, row, wanted[row]));
+        cuts_.rows[b][row] = knuckle[row] != 0
+                                 ? evenly(knuckle_pieces(b, row))
+                                 : spread_pieces(wanted[row], pieces(b, row, wanted[row]));
+        cuts_.plain[b].push_back(plain_strips(b, row));
       }
     }
   }
 
   /// Wants pieces of a length within `reach` of a row, going on from it one way or the other.
   void want_near(size_t limb, int32_t row, int step, double reach, double piece,
-                 std::vector<Wanted>& wanted) const {
+                 std::vector<RowSamples>& wanted) const {
     for (row += step; row >= 0 && row < static_cast<int32_t>(wanted.size()) && reach > 0.0;
          row += step) {
       const double length = row_length(limb, row);
-      const double sample = length / kSamples;
-      for (int i = 0; i < kSamples && i * sample < reach; ++i) {
-        double& here = wanted[row][step > 0 ? i : kSamples - 1 - i];
-        here = std::max(here, std::min(sample, reach - i * sample) / piece);
+      RowSamples& samples = wanted[row];
+      const size_t count = samples.values.size();
+      double way = 0.0;
+      for (size_t i = 0; i < count && way < reach; ++i) {
+        const size_t k = step > 0 ? i : count - 1 - i;
+        const double sample = length * (samples.at[k + 1] - samples.at[k]);
+        samples.values[k] = std::max(samples.values[k], std::min(sample, reach - way) / piece);
+        way += sample;
       }
       reach -= length;
     }
   }
 
-  int pieces(size_t limb, size_t row, const Wanted& wanted) const {
-    double sum = 0.0;
-    for (double w : wanted) sum += w;
+  int pieces(size_t limb, size_t row, const RowSamples& wanted) const {
+    const double sum = wanted.total();
     const std::vector<Ring>& rings = surface_.limbs[limb].rings;
     const double radius = std::max(radius_of(rings[row]), radius_of(rings[row + 1]));
     const double room = row_length(limb, row) / (kShortestRow * radius);
@@ -273,9 +246,44 @@ class Cutter {
         count = std::max(count, halvings(hole_side(junction, side), high));
       }
     } else {
-      count = std::max(count, halvings(cuts_.across[limb][row], high));
+      const int steps = halvings(cuts_.across[limb][row], high);
+      const bool pointed = tapering(limb, row, 0.0, 1.0) < kPointed;
+      count = std::max(count, steps + (steps > 0 && pointed ? 1 : 0));
     }
     return count;
+  }
+
+  /// The smaller of a limb's radii at two places of a row, as a share of the larger one.
+  double tapering(size_t limb, size_t row, double a, double b) const {
+    const auto [small, large] =
+        std::minmax({shapes_[limb].radius(row, a), shapes_[limb].radius(row, b)});
+    return large > 0.0 ? small / large : 1.0;
+  }
+
+  /// Where a limb's sides change their number: in the longest pieces of the row, between which it
+  /// turns least, and that taper least; in short ones they would show as a knot, and of those that
+  /// run to a point the first is as wide as the limb and faces aside.
+  int plain_strips(size_t limb, size_t row) const {
+    const int low = cuts_.across[limb][row], high = cuts_.across[limb][row + 1];
+    const int steps = halvings(low, high);
+    if (steps == 0 || (row == 0 && hole_of_[limb] >= 0)) return 0;
+    const std::vector<double>& at = cuts_.rows[limb][row];
+    const auto strips = static_cast<int>(at.size()) - 1;
+    int best = 0;
+    double longest = 0.0;
+    for (int plain = 0; plain + steps <= strips; ++plain) {
+      const int first = high < low ? strips - steps - plain : plain;
+      double shortest = 1.0;
+      for (int strip = first; strip < first + steps; ++strip) {
+        const double length = at[strip + 1] - at[strip];
+        shortest = std::min(shortest, length * tapering(limb, row, at[strip], at[strip + 1]));
+      }
+      if (shortest > kLonger * longest) {
+        longest = shortest;
+        best = plain;
+      }
+    }
+    return best;
   }
 
   /// A power of two, so that what grows out of the row's side can start from it.
@@ -321,9 +329,9 @@ class Cutter {
   }
 
   /// The levels of a row with one more, in the middle of the strip that is odd.
-  static std::vector<double> with_extra(const std::vector<double>& at, bool thinner) {
+  static std::vector<double> with_extra(const std::vector<double>& at, bool thinner, int plain) {
     std::vector<double> more(at);
-    const size_t strip = thinner ? at.size() - 2 : 0;
+    const size_t strip = thinner ? at.size() - 2 - plain : plain;
     more.insert(more.begin() + static_cast<std::ptrdiff_t>(strip) + 1,
                 0.5 * (at[strip] + at[strip + 1]));
     return more;
@@ -331,6 +339,7 @@ class Cutter {
 
   void cut_edges() {
     cuts_.edges.resize(edges_.all.size());
+    cuts_.face_plain.assign(surface_.quads.size(), 0);
     for (size_t f = 0; f < surface_.quads.size(); ++f) {
       const FaceOrigin& origin = surface_.origins[f];
       if (origin.part == Part::kWall) {
@@ -357,8 +366,10 @@ class Cutter {
     }
     const std::array<int, 4> odd = odd_corners(low, {high, high, high, high});
     const std::vector<double>& levels = cuts_.rows[limb][row];
+    const int plain = cuts_.plain[limb][row];
+    cuts_.face_plain[face] = low[origin.side] == high ? 0 : plain;
     const auto side_levels = [&](int corner) {
-      return odd[corner % 4] != 0 ? with_extra(levels, high == 1) : levels;
+      return odd[corner % 4] != 0 ? with_extra(levels, high == 1, plain) : levels;
     };
     std::vector<double> down = side_levels(origin.side);
     std::reverse(down.begin(), down.end());
@@ -382,7 +393,7 @@ class Cutter {
     const std::array<int, 4> odd = odd_corners(outer, {inner, inner, inner, inner});
     const std::vector<double> levels = evenly(strips);
     const auto spoke = [&](int corner) {
-      return odd[corner % 4] != 0 ? with_extra(levels, inner == 1) : levels;
+      return odd[corner % 4] != 0 ? with_extra(levels, inner == 1, 0) : levels;
     };
     std::vector<double> down = spoke(origin.inset);
     std::reverse(down.begin(), down.end());
@@ -425,7 +436,8 @@ class Cutter {
   /// Per branch: the junction it leaves from, or -1, and those of its children.
   std::vector<int32_t> hole_of_;
   std::vector<std::vector<int32_t>> leaving_;
-  std::vector<std::vector<Wanted>> turns_;
+  /// Per branch and row.
+  std::vector<std::vector<RowSamples>> turns_;
   SurfaceCuts cuts_;
 };
 
@@ -435,7 +447,7 @@ PatchCuts patch_cuts(const SurfaceCuts& cuts, const Edges& edges, size_t face) {
   const auto pieces = [&](int k) {
     return static_cast<int>(cuts.edges[edges.of_face[face][k]].size()) - 1;
   };
-  return {pieces(0), pieces(1), pieces(2), pieces(3)};
+  return {pieces(0), pieces(1), pieces(2), pieces(3), cuts.face_plain[face]};
 }
 
 SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
@@ -445,11 +457,27 @@ SurfaceCuts cut_surface(const Surface& surface, const Edges& edges,
       settings.faces,
       static_cast<int64_t>(settings.per_base * static_cast<double>(surface.quads.size())));
   Cutter cutter(surface, edges, shapes, height, settings);
-  double error = settings.side_error * height;
-  SurfaceCuts cuts = cutter.cut(error);
-  for (int step = 0; step < kMostSteps && cuts.quads > budget; ++step) {
-    error *= kCoarser;
-    cuts = cutter.cut(error);
+  const auto coarser = [&](int step) {
+    return cutter.cut(settings.side_error * height * std::pow(kCoarser, step));
+  };
+  SurfaceCuts cuts = coarser(0);
+  // The first step that keeps the budget: by steps twice as long each, and then by halves.
+  int above = 0, step = 1;
+  while (cuts.quads > budget && above < kMostSteps) {
+    cuts = coarser(step);
+    if (cuts.quads <= budget || step == kMostSteps) break;
+    above = step;
+    step = std::min(2 * step, kMostSteps);
+  }
+  for (int below = step; below - above > 1;) {
+    const int middle = (above + below) / 2;
+    SurfaceCuts between = coarser(middle);
+    if (between.quads > budget) {
+      above = middle;
+    } else {
+      below = middle;
+      cuts = std::move(between);
+    }
   }
   return cuts;
 }

@@ -16,12 +16,17 @@ namespace snowbough::tree {
 struct SurfaceCuts {
   /// Per limb and row: shares of the row at which its levels lie, from 0 to 1.
   std::vector<std::vector<std::vector<double>>> rows;
+  /// Per limb and row: strips of the row, from its end with fewer quads across, before their number
+  /// changes.
+  std::vector<std::vector<int>> plain;
   /// Per limb and ring: quads across each of the four sides, a power of two. Of a hole in the
   /// parent's side, that of the limb's next ring.
   std::vector<std::vector<int>> across;
   /// Per base edge: shares of the edge, from its vertex a (the lower one), at which its pieces
   /// begin and end, from 0 to 1.
   std::vector<std::vector<double>> edges;
+  /// Per base quad: PatchCuts::plain.
+  std::vector<int> face_plain;
   /// Quads that come out.
   int64_t quads = 0;
 };

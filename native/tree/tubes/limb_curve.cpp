@@ -97,6 +97,18 @@ glm::dvec3 LimbCurve::position(double s) const {
          segment.end_slope * bulge(1.0 - t, segment.end_reach);
 }
 
+glm::dvec3 LimbCurve::straight_position(double s) const {
+  double t = 0.0;
+  const Segment& segment = segment_of(s, t);
+  return segment.begin + segment.along * t;
+}
+
+double LimbCurve::straight_corner(double s) const {
+  double t = 0.0;
+  const Segment& segment = segment_of(s, t);
+  return segment.begin_corner * (1.0 - t) + segment.end_corner * t;
+}
+
 double LimbCurve::corner(double s) const {
   double t = 0.0;
   const Segment& segment = segment_of(s, t);

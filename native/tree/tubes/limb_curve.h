@@ -27,6 +27,13 @@ class LimbCurve {
   glm::dvec3 position(double s) const;
   double corner(double s) const;
 
+  /// Both on the straight segments.
+  glm::dvec3 straight_position(double s) const;
+  double straight_corner(double s) const;
+
+  /// Arc lengths of the joints, ascending.
+  const std::vector<double>& joints() const { return lengths_; }
+
  private:
   struct Segment {
     glm::dvec3 begin{0.0}, along{0.0};

@@ -7,8 +7,22 @@
 namespace snowbough::tree {
 namespace {
 
+/// A joint nearer to a ring than this share of the row is at it.
+constexpr double kAtRing = 1e-3;
 /// Between two rings a limb is no thinner than this share of the thinner one's radius.
 constexpr double kThinnest = 0.7;
+
+/// A ring's directions to its corners 0 and 1, square to each other. Those of a hole lie askew:
+/// what it takes to make them square both share.
+Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
+  const glm::dvec3 first = glm::normalize(vertices[ring.vertices[0]] - ring.centre);
+  const glm::dvec3 second = glm::normalize(vertices[ring.vertices[1]] - ring.centre);
+  Frame frame;
+  frame.normal = glm::normalize(glm::cross(first, second));
+  frame.u = glm::normalize(first + glm::cross(second, frame.normal));
+  frame.v = glm::cross(frame.normal, frame.u);
+  return frame;
+}
 
 }  // namespace
 
@@ -19,16 +33,15 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   for (const Ring& ring : limb.rings) {
     RingShape& shape = rings_.emplace_back();
     shape.length = ring.bone_length;
-    shape.offset = ring.centre - curve_.position(ring.bone_length);
+    // A ring of the base that lies on the straight segments lies on the curve here.
+    shape.offset = ring.centre - curve_.straight_position(ring.bone_length);
     shape.corner = ring.corner;
-    shape.corner_offset = ring.corner - curve_.corner(ring.bone_length);
-    shape.first = glm::normalize(vertices[ring.vertices[0]] - ring.centre);
-    shape.second = glm::normalize(vertices[ring.vertices[1]] - ring.centre);
+    shape.corner_offset = ring.corner - curve_.straight_corner(ring.bone_length);
+    shape.frame = frame_of(ring, vertices);
   }
   if (!limb.continues_parent && rings_.size() > 1) {
     // The hole lies askew; around it the limb is as round as at its first own ring.
-    rings_[0].first = rings_[1].first;
-    rings_[0].second = rings_[1].second;
+    rings_[0].frame = rings_[1].frame;
   }
 }
 
@@ -49,10 +62,22 @@ double LimbShape::radius(size_t row, double v) const {
   return std::max(corner, kThinnest * std::min(a.corner, b.corner)) * std::sqrt(2.0 / M_PI);
 }
 
-std::array<glm::dvec3, 2> LimbShape::corner_directions(size_t row, double v) const {
-  const RingShape& a = rings_[row];
-  const RingShape& b = rings_[row + 1];
-  return {a.first * (1.0 - v) + b.first * v, a.second * (1.0 - v) + b.second * v};
+Frame LimbShape::frame(size_t row, double v, const glm::dvec3& tangent) const {
+  const Frame low = transport(rings_[row].frame, tangent);
+  const Frame high = transport(rings_[row + 1].frame, tangent);
+  const double twist = v * std::atan2(glm::dot(high.u, low.v), glm::dot(high.u, low.u));
+  const glm::dvec3 u = low.u * std::cos(twist) + low.v * std::sin(twist);
+  return {u, glm::cross(tangent, u), tangent};
+}
+
+std::vector<double> LimbShape::joints(size_t row) const {
+  const double low = rings_[row].length, length = rings_[row + 1].length - low;
+  std::vector<double> shares;
+  for (const double s : curve_.joints()) {
+    const double share = length > 0.0 ? (s - low) / length : 0.0;
+    if (share > kAtRing && share < 1.0 - kAtRing) shares.push_back(share);
+  }
+  return shares;
 }
 
 std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,

@@ -1,17 +1,18 @@
 #pragma once
 
-#include <array>
 #include <glm/vec3.hpp>
 #include <vector>
 
+#include "tree/surface/frames.h"
 #include "tree/surface/surface.h"
 #include "tree/tubes/limb_curve.h"
 
 namespace snowbough::tree {
 
 /// A limb as a round tube along a smooth curve, row by row of its strip: `v` is the share of the
-/// way, along the branch's own centreline, from ring `row` to ring `row + 1`. It passes through the
-/// centres of the strip's rings with their thickness, wherever the base moved or narrowed them.
+/// way, along the branch's own centreline, from ring `row` to ring `row + 1`. It lies
+/// beside the curve, and is thinner or thicker, as the strip's rings are against the straight
+/// segments, wherever the base moved or narrowed them.
 class LimbShape {
  public:
   /// @param path  the branch's own, limb_paths; before, after, height: see LimbCurve.
@@ -21,9 +22,11 @@ class LimbShape {
   glm::dvec3 centre(size_t row, double v) const;
   /// Of the circle that has the limb's area there.
   double radius(size_t row, double v) const;
-  /// Unit directions from the centre to corners 0 and 1 of the square ring, between the two rings
-  /// not yet square to the limb.
-  std::array<glm::dvec3, 2> corner_directions(size_t row, double v) const;
+  /// The directions of corners 0 and 1 of the square ring, where the limb runs along `tangent`: the
+  /// frames of the rings before and after it, turned there as little as possible.
+  Frame frame(size_t row, double v, const glm::dvec3& tangent) const;
+  /// Shares of a row, ascending, at which the centreline has joints between its two rings.
+  std::vector<double> joints(size_t row) const;
   size_t row_count() const { return rings_.size() - 1; }
 
  private:
@@ -32,7 +35,7 @@ class LimbShape {
     glm::dvec3 offset{0.0};
     double corner_offset = 0.0;
     double corner = 0.0;
-    glm::dvec3 first{1.0, 0.0, 0.0}, second{0.0, 1.0, 0.0};
+    Frame frame;
   };
 
   double length_at(size_t row, double v) const;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
+#include <utility>
 
 namespace snowbough::tree {
 namespace {
@@ -20,20 +21,9 @@ glm::dvec3 unit_or(const glm::dvec3& v, const glm::dvec3& otherwise) {
   return length > 1e-12 ? v / length : otherwise;
 }
 
-/// Makes the section's directions square to `tangent`, turned towards it as little as possible.
-void square_to(const glm::dvec3& tangent, TubeSection& section) {
-  const glm::dvec3 first = section.first - tangent * glm::dot(section.first, tangent);
-  const glm::dvec3 second = section.second - tangent * glm::dot(section.second, tangent);
-  // Both share what it takes to make them square to each other.
-  const glm::dvec3 u = unit_or(first, glm::dvec3(0.0));
-  const glm::dvec3 turned = unit_or(glm::cross(second, tangent), glm::dvec3(0.0));
-  const glm::dvec3 some = std::abs(tangent.x) < 0.9 ? glm::dvec3(1, 0, 0) : glm::dvec3(0, 1, 0);
-  section.first = unit_or(u + turned, unit_or(glm::cross(tangent, some), some));
-  section.second = glm::cross(tangent, section.first);
-}
-
-/// Turns sections square to their limb, and says how much room they have inside its bends.
-void fit_to_limb(const LimbSurface& limb, std::span<TubeSection> sections) {
+/// Unit directions in which a limb runs through its sections.
+std::vector<glm::dvec3> section_tangents(const LimbSurface& limb,
+                                         std::span<const TubeSection> sections) {
   const size_t count = sections.size();
   const auto chord = [&](size_t i) {
     return unit_or(sections[i + 1].centre - sections[i].centre, glm::dvec3(0.0));
@@ -47,9 +37,15 @@ void fit_to_limb(const LimbSurface& limb, std::span<TubeSection> sections) {
   // Both limbs share the ring where one goes on from the other.
   if (limb.continues_parent) tangents.front() = limb.rings.front().normal;
   tangents.back() = limb.rings.back().normal;
-  for (size_t i = 0; i < count; ++i) {
-    square_to(tangents[i], sections[i]);
-    if (i == 0 || i + 1 == count) continue;
+  return tangents;
+}
+
+/// Says how much room sections have inside their limb's bends.
+void find_room(std::span<TubeSection> sections) {
+  const auto chord = [&](size_t i) {
+    return unit_or(sections[i + 1].centre - sections[i].centre, glm::dvec3(0.0));
+  };
+  for (size_t i = 1; i + 1 < sections.size(); ++i) {
     const glm::dvec3 turn = chord(i) - chord(i - 1);
     const double shorter = std::min(glm::distance(sections[i].centre, sections[i - 1].centre),
                                     glm::distance(sections[i + 1].centre, sections[i].centre));
@@ -107,26 +103,34 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
   Limb& own = limbs_[number];
   Chain& chain = tubes_[chains_[number]];
   own.first = chain.sections.size();
+  /// Row and share of every section.
+  std::vector<std::pair<size_t, double>> places;
   for (size_t row = 0; row < shape.row_count(); ++row) {
     const std::vector<double>& levels = cuts_.rows[number][row];
     own.rows.push_back(chain.sections.size() - own.first);
     const int high = cuts_.across[number][row + 1];
     const int low = row == 0 && hole ? high : cuts_.across[number][row];
     const int strips = static_cast<int>(levels.size()) - 1;
+    const PatchCuts across{low, strips, high, strips, cuts_.plain[number][row]};
     // The last level is the next row's first.
     const bool last_row = row + 1 == shape.row_count();
     for (int level = 0; level < strips + (last_row ? 1 : 0); ++level) {
       TubeSection& section = chain.sections.emplace_back();
       section.centre = shape.centre(row, levels[level]);
-      section.radius = shape.radius(row, levels[level]) *
-                       corner_factor(4 * quads_across(low, high, strips, level));
-      const auto directions = shape.corner_directions(row, levels[level]);
-      section.first = directions[0];
-      section.second = directions[1];
+      section.radius =
+          shape.radius(row, levels[level]) * corner_factor(4 * quads_across(across, level));
+      places.emplace_back(row, levels[level]);
     }
   }
   own.count = chain.sections.size() - own.first;
-  fit_to_limb(limb, {chain.sections.data() + own.first, own.count});
+  const std::span<TubeSection> sections{chain.sections.data() + own.first, own.count};
+  const std::vector<glm::dvec3> tangents = section_tangents(limb, sections);
+  for (size_t i = 0; i < own.count; ++i) {
+    const Frame frame = shape.frame(places[i].first, places[i].second, tangents[i]);
+    sections[i].first = frame.u;
+    sections[i].second = frame.v;
+  }
+  find_room(sections);
   for (size_t i = own.first; i < chain.sections.size(); ++i) {
     const double step =
         i == 0 ? 0.0 : glm::distance(chain.sections[i - 1].centre, chain.sections[i].centre);

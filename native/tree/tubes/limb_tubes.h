@@ -47,6 +47,9 @@ class LimbTubes {
 
   int32_t chain(int32_t limb) const { return chains_[limb]; }
 
+  /// Sides with which a limb leaves its parent.
+  int first_sides(int32_t limb) const { return 4 * cuts_.across[limb].front(); }
+
   /// Arc length along a limb's chain at the share `v` of a row.
   double length(int32_t limb, int32_t row, double v) const;
 

@@ -18,8 +18,8 @@ int log2_of(int power) {
 void check(const PatchCuts& cuts) {
   const auto power = [](int n) { return n > 0 && std::has_single_bit(static_cast<unsigned>(n)); };
   const int apart = std::abs(cuts.left - cuts.right);
-  if (!power(cuts.low) || !power(cuts.high) || cuts.strips() < 1 ||
-      cuts.strips() < halvings(cuts.low, cuts.high) ||
+  if (!power(cuts.low) || !power(cuts.high) || cuts.strips() < 1 || cuts.plain < 0 ||
+      cuts.strips() < halvings(cuts.low, cuts.high) + cuts.plain ||
       apart != (is_odd(cuts.low, cuts.high) ? 1 : 0)) {
     throw std::invalid_argument("a patch cannot be cut into " + std::to_string(cuts.low) + ", " +
                                 std::to_string(cuts.right) + ", " + std::to_string(cuts.high) +
@@ -31,7 +31,7 @@ void check(const PatchCuts& cuts) {
 class Levels {
  public:
   Levels(const PatchCuts& cuts, Patch& patch) : cuts_(cuts), strips_(cuts.strips()) {
-    odd_ = is_odd(cuts.low, cuts.high) ? odd_strip(cuts.low, cuts.high, strips_) : strips_;
+    odd_ = is_odd(cuts.low, cuts.high) ? odd_strip(cuts) : strips_;
     first_inside_.assign(strips_ + 1, 0);
     for (int level = 1; level < strips_; ++level) {
       first_inside_[level] = static_cast<int32_t>(patch.inside.size());
@@ -42,7 +42,7 @@ class Levels {
     }
   }
 
-  int at(int level) const { return quads_across(cuts_.low, cuts_.high, strips_, level); }
+  int at(int level) const { return quads_across(cuts_, level); }
 
   PatchVertex vertex(int level, int step) const {
     if (level == 0) return {Place::kLow, step};
@@ -79,21 +79,23 @@ bool is_odd(int low, int high) {
   return low != high && std::min(low, high) == 1;
 }
 
-int quads_across(int low, int high, int strips, int level) {
-  const int steps = halvings(low, high);
-  return high < low ? low >> std::max(0, level - (strips - steps)) : low << std::min(level, steps);
+int quads_across(const PatchCuts& cuts, int level) {
+  const int steps = halvings(cuts.low, cuts.high);
+  return cuts.high < cuts.low
+             ? cuts.low >> std::clamp(level - (cuts.strips() - steps - cuts.plain), 0, steps)
+             : cuts.low << std::clamp(level - cuts.plain, 0, steps);
 }
 
-int odd_strip(int low, int high, int strips) {
-  return high < low ? strips - 1 : 0;
+int odd_strip(const PatchCuts& cuts) {
+  return cuts.high < cuts.low ? cuts.strips() - 1 - cuts.plain : cuts.plain;
 }
 
 int64_t count_quads(const PatchCuts& cuts) {
   int64_t count = 0;
   const int strips = cuts.strips();
   for (int strip = 0; strip < strips; ++strip) {
-    const int a = quads_across(cuts.low, cuts.high, strips, strip);
-    const int b = quads_across(cuts.low, cuts.high, strips, strip + 1);
+    const int a = quads_across(cuts, strip);
+    const int b = quads_across(cuts, strip + 1);
     const int fewer = std::min(a, b);
     count += a == b ? a : fewer == 1 ? 2 : fewer / 2 * 3;
   }

@@ -14,13 +14,14 @@ namespace snowbough::tree {
 /// from 1 to 2, `high` from 3 to 2, `left` from 0 to 3. `low` and `high` are powers of two.
 ///
 /// Strips of quads run from left to right. Where low and high differ, their number halves or
-/// doubles from strip to strip, in the strips nearest to the edge with fewer; there must be enough
+/// doubles from strip to strip, after `plain` strips from the edge with fewer; there must be enough
 /// of these. A strip that goes from one quad to two, or back, needs one more vertex on one side:
 /// left and right are equal but where exactly one of low and high is 1, in which case they differ
 /// by one. So every patch is made of quads alone, and edges that are cut alike fit, without
 /// T-junctions.
 struct PatchCuts {
   int low = 1, right = 1, high = 1, left = 1;
+  int plain = 0;
 
   int strips() const { return left < right ? left : right; }
 };
@@ -31,11 +32,11 @@ int halvings(int a, int b);
 /// Whether a patch with such edges needs sides that differ by one.
 bool is_odd(int low, int high);
 
-/// Quads across at level 0 (low) to `strips` (high).
-int quads_across(int low, int high, int strips, int level);
+/// Quads across between low and high, at level 0 (low) to `strips` (high).
+int quads_across(const PatchCuts& cuts, int level);
 
 /// The strip that goes from one quad to two or back in an odd patch.
-int odd_strip(int low, int high, int strips);
+int odd_strip(const PatchCuts& cuts);
 
 /// Number of quads that a patch is cut into.
 int64_t count_quads(const PatchCuts& cuts);

@@ -17,7 +17,8 @@ Surface square_and(const std::vector<glm::dvec3>& corners, const Quad& quad) {
 }
 
 bool cross(const Surface& surface) {
-  return faces_cross(make_crossing_face(surface, 0), make_crossing_face(surface, 1));
+  return faces_cross(make_crossing_face(surface.vertices, surface.quads, 0),
+                     make_crossing_face(surface.vertices, surface.quads, 1));
 }
 
 TEST(CrossingFace, FacesThroughEachOtherCross) {

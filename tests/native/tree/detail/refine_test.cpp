@@ -224,7 +224,7 @@ TEST(Refine, AForkDoesNotCrossItself) {
       surface.quads = mesh.quads;
       std::vector<int32_t> all(mesh.quads.size());
       std::iota(all.begin(), all.end(), 0);
-      EXPECT_THAT(crossing_quads(surface, all), SizeIs(0));
+      EXPECT_THAT(crossing_quads(surface.vertices, surface.quads, all), SizeIs(0));
     }
   }
 }

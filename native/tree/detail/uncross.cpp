@@ -1,0 +1,175 @@
+#include "tree/detail/uncross.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <utility>
+
+#include "tree/crossings/whole.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// What crosses goes back by this factor, entirely once less than the least share is left, in at
+/// most so many rounds; with its neighbours, which keep at most so much more of their ways.
+constexpr double kBack = 0.6;
+constexpr double kLeastShare = 0.15;
+constexpr int kBackRounds = 8;
+constexpr double kShareStep = 0.34;
+/// What crosses still is put between its neighbours by this share of the way, in at most so many
+/// rounds.
+constexpr double kSmoothing = 0.5;
+constexpr int kSmoothRounds = 12;
+/// Share of the time until what has come to cross is taken back.
+constexpr float kTakenBack = 0.9f;
+/// Forks that a thread looks at at a time.
+constexpr size_t kForkBlock = 8;
+
+using Pairs = std::vector<std::pair<int32_t, int32_t>>;
+
+class Uncrosser {
+ public:
+  Uncrosser(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
+            std::vector<glm::dvec3>& points)
+      : forks_(forks),
+        before_(before),
+        points_(points),
+        crossing_(forks.faces.size()),
+        crossed_before_(forks.faces.size()) {}
+
+  void take_back(const base::Execution& execution) {
+    const std::vector<glm::dvec3> moved(points_);
+    // Share of its way that every vertex goes.
+    std::vector<double> shares(points_.size(), 1.0);
+    std::vector<uint8_t> due(forks_.faces.size(), 1);
+    for (int round = 0; round < kBackRounds; ++round) {
+      find(due, execution.part(static_cast<float>(round) / kBackRounds,
+                               static_cast<float>(round + 1) / kBackRounds));
+      std::vector<double> wanted(shares);
+      bool crosses = false;
+      for (size_t j = 0; j < crossing_.size(); ++j) {
+        if (due[j] == 0) continue;
+        for (const auto& pair : crossing_[j]) {
+          const Pairs& before = crossed_before_[j];
+          if (std::binary_search(before.begin(), before.end(), pair)) continue;
+          crosses = true;
+          for (const int32_t face : {pair.first, pair.second}) {
+            for (const int32_t v : forks_.quads[face]) {
+              const bool gone = round + 2 >= kBackRounds || shares[v] < kLeastShare;
+              wanted[v] = gone ? 0.0 : kBack * shares[v];
+            }
+          }
+        }
+      }
+      if (!crosses) return;
+      even_out(wanted);
+      for (const int32_t v : forks_.moving) {
+        if (wanted[v] != shares[v]) points_[v] = before_[v] + (moved[v] - before_[v]) * wanted[v];
+      }
+      find_due(shares, wanted, due);
+      shares = std::move(wanted);
+    }
+    find(due, execution);
+  }
+
+  void smooth() {
+    std::vector<uint8_t> moves(points_.size(), 0);
+    for (const int32_t v : forks_.moving) moves[v] = 1;
+    for (size_t j = 0; j < crossing_.size(); ++j) {
+      if (!crossing_[j].empty()) smooth(forks_.faces[j], moves);
+    }
+  }
+
+ private:
+  /// Finds what crosses in the forks that are due, and where there is some, what did before.
+  void find(const std::vector<uint8_t>& due, const base::Execution& execution) {
+    base::parallel_for(due.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+      for (size_t j = begin; j < end; ++j) {
+        if (due[j] == 0) continue;
+        crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
+        if (!crossing_[j].empty() && crossed_before_[j].empty()) {
+          crossed_before_[j] = crossing_quads(before_, forks_.quads, forks_.faces[j]);
+        }
+      }
+    });
+  }
+
+  /// Forks of which a face has a corner that has moved.
+  void find_due(const std::vector<double>& from, const std::vector<double>& to,
+                std::vector<uint8_t>& due) const {
+    for (size_t j = 0; j < due.size(); ++j) {
+      due[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
+        const Quad& quad = forks_.quads[face];
+        return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return from[v] != to[v]; });
+      });
+    }
+  }
+
+  /// Neighbours' shares differ by no more than kShareStep.
+  void even_out(std::vector<double>& shares) const {
+    for (int pass = 0; pass < 3; ++pass) {
+      for (const int32_t vertex : forks_.moving) {
+        for (const int32_t v : forks_.neighbours.of(vertex)) {
+          shares[vertex] = std::min(shares[vertex], shares[v] + kShareStep);
+        }
+      }
+    }
+  }
+
+  /// The corners of crossing faces and what is beside them, of what may move.
+  std::vector<int32_t> around(const Pairs& crossing, const std::vector<uint8_t>& moves) const {
+    std::vector<int32_t> vertices;
+    for (const auto& [f, g] : crossing) {
+      for (const int32_t face : {f, g}) {
+        for (const int32_t v : forks_.quads[face]) {
+          vertices.push_back(v);
+          const auto beside = forks_.neighbours.of(v);
+          vertices.insert(vertices.end(), beside.begin(), beside.end());
+        }
+      }
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    std::erase_if(vertices, [&](int32_t v) { return moves[v] == 0; });
+    return vertices;
+  }
+
+  void smooth(const std::vector<int32_t>& faces, const std::vector<uint8_t>& moves) {
+    // An earlier fork may have mended it, or not.
+    Pairs crossing = crossing_quads(points_, forks_.quads, faces);
+    const size_t at_first = crossing.size();
+    std::vector<std::pair<int32_t, glm::dvec3>> kept;
+    for (int round = 0; round < kSmoothRounds && !crossing.empty(); ++round) {
+      const size_t first = kept.size();
+      for (const int32_t v : around(crossing, moves)) kept.emplace_back(v, points_[v]);
+      std::vector<glm::dvec3> places;
+      for (size_t i = first; i < kept.size(); ++i) {
+        const auto beside = forks_.neighbours.of(kept[i].first);
+        glm::dvec3 sum(0.0);
+        for (const int32_t v : beside) sum += points_[v];
+        const glm::dvec3 middle = sum / static_cast<double>(beside.size());
+        places.push_back(kept[i].second + (middle - kept[i].second) * kSmoothing);
+      }
+      for (size_t i = first; i < kept.size(); ++i) points_[kept[i].first] = places[i - first];
+      crossing = crossing_quads(points_, forks_.quads, faces);
+    }
+    if (crossing.size() < at_first) return;
+    for (size_t i = kept.size(); i-- > 0;) points_[kept[i].first] = kept[i].second;
+  }
+
+  const ForkFaces& forks_;
+  const std::vector<glm::dvec3>& before_;
+  std::vector<glm::dvec3>& points_;
+  /// Per fork: pairs of its faces that cross when last looked at, and that did before.
+  std::vector<Pairs> crossing_, crossed_before_;
+};
+
+}  // namespace
+
+void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
+             const base::Execution& execution, std::vector<glm::dvec3>& points) {
+  Uncrosser uncrosser(forks, before, points);
+  uncrosser.take_back(execution.part(0.0f, kTakenBack));
+  uncrosser.smooth();
+}
+
+}  // namespace snowbough::tree
