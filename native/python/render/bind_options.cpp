@@ -97,6 +97,7 @@ void bind_render_options(py::module_& module) {
       .field("speed", &Snowfall::speed, "Metres a second.")
       .field("flutter", &Snowfall::flutter, "Degrees by which they stray, 0 to 45.")
       .field("radius", &Snowfall::radius, "Of a flake, metres.")
+      .field("metre", &Snowfall::metre, "A metre in the scene's units.")
       .field("shutter", &Snowfall::shutter, "How long the picture is exposed, seconds.")
       .field("time", &Snowfall::time, "Of the picture, seconds.")
       .field("seed", &Snowfall::seed, "The same seed and time give the same flakes.");
