@@ -42,7 +42,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     flake_rate: FloatProperty(
         name="Snowfall",
         description="What the flakes in the air would lay in an hour, times the scene's Rate: how many there are "
-        "(metres an hour)",
+        "(metres per hour)",
         default=0.015,
         min=0.0,
         soft_max=0.2,
