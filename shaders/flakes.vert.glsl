@@ -59,6 +59,6 @@ void main() {
   const vec3 border = abs(from_eye) / (0.5 * box);
   const float within = 1.0 - smoothstep(1.0 - kFade, 1.0, max(border.x, max(border.y, border.z)));
   const float paler = radius * radius / (drawn * (drawn + 0.5 * streak));
-  visible = flake < fall.counts.y ? within * smoothstep(kNearest, 3.0 * kNearest, away) * min(paler, 1.0) : 0.0;
+  visible = flake < fall.counts.y ? within * smoothstep(kNearest, 3.0 * kNearest, away / fall.scale.x) * min(paler, 1.0) : 0.0;
   gl_Position = view.clip_from_world * vec4(place, 1.0);
 }

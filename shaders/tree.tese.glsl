@@ -14,6 +14,11 @@ layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
 out vec3 world;
 out vec3 smooth_normal;
 out vec4 bark;
+#ifdef IMAGE
+layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
+/// Coordinates of the bark's image, and its layer.
+out vec3 image_place;
+#endif
 #ifdef SNOW
 #ifndef WIRE
 /// Where the snow is on its map, and the bark in the rest pose.
@@ -35,6 +40,10 @@ void main() {
   world = point.position;
   smooth_normal = point.normal;
   bark = vec4(patch_bark_uv(of, at), point.limb);
+#ifdef IMAGE
+  const BarkPlace place = bark_places[patch_index];
+  image_place = vec3(patch_uv(place.uv_01, place.uv_23, at), place.layer.x);
+#endif
 #ifdef SNOW
 #ifndef WIRE
   snow_place = patch_snow_uv(of, at);

@@ -22,7 +22,12 @@ void main() {
   if (uint(view.tessellation.x) == kMetricThesis) {
     edge_levels[index] = thesis_level(away, edge.metric.x, edge.metric.y, view.thesis, highest);
   } else {
-    edge_levels[index] = screen_level(away, distance(a.xyz, b.xyz), max(a.w, b.w) * edge.metric.z, view.eye.w,
-                                      view.tessellation.z, highest);
+    const float chord = distance(a.xyz, b.xyz);
+    const float target = view.tessellation.z;
+    float level = screen_level(away, chord, max(a.w, b.w) * edge.metric.z, view.eye.w, target, highest);
+    if (edge.first_rest.w > 0.5) {
+      level = max(level, outline_level(away, chord, view.eye.w, target, highest));
+    }
+    edge_levels[index] = level;
   }
 }

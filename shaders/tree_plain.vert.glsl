@@ -15,6 +15,11 @@ layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
 out vec3 world;
 out vec3 smooth_normal;
 out vec4 bark;
+#ifdef IMAGE
+layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
+/// Coordinates of the bark's image, and its layer.
+out vec3 image_place;
+#endif
 #ifdef SNOW
 #ifndef WIRE
 layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
@@ -28,8 +33,14 @@ out vec3 rest_place;
 
 const int kCorners[6] = int[6](0, 1, 2, 0, 2, 3);
 
+vec2 corner_uv(vec4 uv_01, vec4 uv_23, int corner) {
+  const vec4 uv = corner < 2 ? uv_01 : uv_23;
+  return (corner & 1) == 0 ? uv.xy : uv.zw;
+}
+
 void main() {
-  const TreePatch of = patches[plain_patches[gl_VertexID / 6]];
+  const uint index = plain_patches[gl_VertexID / 6];
+  const TreePatch of = patches[index];
   const int corner = kCorners[gl_VertexID % 6];
   const PosedVertex at = posed[of.vertices[corner]];
 #ifdef CAPTURE
@@ -38,12 +49,14 @@ void main() {
 #ifndef SHADOW
   world = at.position.xyz;
   smooth_normal = at.normal.xyz;
-  const vec4 uv = corner < 2 ? of.bark_uv_01 : of.bark_uv_23;
-  bark = vec4((corner & 1) == 0 ? uv.xy : uv.zw, at.normal.w, at.position.w);
+  bark = vec4(corner_uv(of.bark_uv_01, of.bark_uv_23, corner), at.normal.w, at.position.w);
+#ifdef IMAGE
+  const BarkPlace place = bark_places[index];
+  image_place = vec3(corner_uv(place.uv_01, place.uv_23, corner), place.layer.x);
+#endif
 #ifdef SNOW
 #ifndef WIRE
-  const vec4 on_map = corner < 2 ? of.snow_uv_01 : of.snow_uv_23;
-  snow_place = (corner & 1) == 0 ? on_map.xy : on_map.zw;
+  snow_place = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
   rest_place = vertices[of.vertices[corner]].position.xyz;
 #endif
 #endif

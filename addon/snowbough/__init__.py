@@ -27,6 +27,7 @@ MODULES = (
     "cli",
     "tree.presets",
     "tree.kept_skeleton",
+    "tree.kept_bark",
     "bake.engine",
     "bake.outcome",
     "bake.preflight",

@@ -17,6 +17,9 @@ SNOW_UV = "snow"
 # How far beyond 0 to 1 UVs may lie on a snow map; the native module has the same.
 UV_TOLERANCE = 1e-4
 
+# Our render engine for 3D views and F12, as Blender knows it.
+REALTIME_ENGINE = "SNOWBOUGH_REALTIME"
+
 # On an object: the side in texels that its UV map `snow` was laid out for.
 SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
 

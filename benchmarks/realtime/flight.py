@@ -41,6 +41,16 @@ def settings(**options):
     return native.RenderSettings(**{**scenes.LIGHT, "antialias": True, **options})
 
 
+def smooth_picture(renderer, number, size, samples=4, **options):
+    """A frame of `samples` x `samples` pixels each, (height, width, 3), 0 to 255: edges that cross few samples would
+    change in steps, whatever the level of detail."""
+    scale = {"target_pixels": 4.0, "min_pixels": 0.5, **options}
+    scale = {**scale, **{key: samples * scale[key] for key in ("target_pixels", "min_pixels")}}
+    large = camera(number, tuple(samples * edge for edge in size))
+    fine = renderer.render(large, settings(**scale, antialias=False))[..., :3].astype(float)
+    return fine.reshape(size[1], samples, size[0], samples, 3).mean(axis=(1, 3))
+
+
 def scene(resolution=1024):
     """Things, and which of them are trees."""
     tree, mesh = scenes.maple(resolution)

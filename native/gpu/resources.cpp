@@ -1,6 +1,7 @@
 #include "gpu/resources.h"
 
 #include <algorithm>
+#include <bit>
 #include <stdexcept>
 
 namespace snowbough::gpu {
@@ -87,14 +88,18 @@ void Buffer::clear(int64_t bytes) {
   }
 }
 
+int32_t all_mip_levels(int32_t width, int32_t height) {
+  return static_cast<int32_t>(std::bit_width(static_cast<uint32_t>(std::max(width, height))));
+}
+
 Texture::Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers,
-                 GLenum filter)
+                 GLenum filter, int32_t mip_levels)
     : format_(internal_format), width_(width), height_(height), layers_(layers) {
   glCreateTextures(layers == 0 ? GL_TEXTURE_2D : GL_TEXTURE_2D_ARRAY, 1, &id_);
   if (layers == 0) {
-    glTextureStorage2D(id_, 1, internal_format, width, height);
+    glTextureStorage2D(id_, mip_levels, internal_format, width, height);
   } else {
-    glTextureStorage3D(id_, 1, internal_format, width, height, layers);
+    glTextureStorage3D(id_, mip_levels, internal_format, width, height, layers);
   }
   try {
     require_memory(texel_bytes(internal_format) * width * height * std::max(layers, 1),

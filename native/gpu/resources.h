@@ -62,8 +62,11 @@ class Buffer : public Handle {
   int64_t bytes_ = 0;
 };
 
-/// A two-dimensional texture, or an array of them, with one mip level and nearest or linear
-/// filtering, clamped at its edges.
+/// Mip levels of a texture down to one texel.
+int32_t all_mip_levels(int32_t width, int32_t height);
+
+/// A two-dimensional texture, or an array of them, with nearest or linear filtering, clamped at its
+/// edges. All that is read and written is its mip level 0.
 class Texture : public Handle {
  public:
   Texture() = default;
@@ -71,7 +74,7 @@ class Texture : public Handle {
   /// `internal_format` is a sized one, e.g. GL_R32F. @throws std::runtime_error when memory runs
   /// out.
   Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers = 0,
-          GLenum filter = GL_NEAREST);
+          GLenum filter = GL_NEAREST, int32_t mip_levels = 1);
   Texture(Texture&&) noexcept = default;
   Texture& operator=(Texture&&) noexcept = default;
   ~Texture();

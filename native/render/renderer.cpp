@@ -83,6 +83,10 @@ void Renderer::set_leaves(const std::string& tree, const LeafSource& leaves) {
   change([tree, leaves](Scene& scene) { scene.set_leaves(tree, leaves); });
 }
 
+void Renderer::set_bark(const std::string& tree, const BarkSource& bark) {
+  change([tree, bark](Scene& scene) { scene.set_bark(tree, bark); });
+}
+
 void Renderer::set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices) {
   change([tree, matrices](Scene& scene) { scene.set_pose(tree, matrices); });
 }

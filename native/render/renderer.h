@@ -99,6 +99,8 @@ class Renderer {
   void add_tree(const std::string& name, const TreeSource& source, const TreeLook& look = {});
   /// Leaves of a tree, which move with its bones; replaces those that it has.
   void set_leaves(const std::string& tree, const LeafSource& leaves);
+  /// What a tree's bark shows in place of its look's colours; its relief stays.
+  void set_bark(const std::string& tree, const BarkSource& bark);
   /// A matrix a bone from the rest pose to the pose; the only upload of a frame.
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);

@@ -9,23 +9,25 @@
 #include <vector>
 
 #include "gpu/timer.h"
-#include "render/drawables.h"
-#include "render/mesh_passes.h"
-#include "render/posed_bounds.h"
+#include "render/draw/mesh_passes.h"
+#include "render/draw/posed_bounds.h"
 #include "render/renderer.h"
 #include "render/snow/flakes.h"
 #include "render/snow/snow_passes.h"
 #include "render/targets.h"
-#include "render/tree_passes.h"
+#include "render/tree/leaf_passes.h"
+#include "render/tree/tree_passes.h"
 
 namespace snowbough::render {
 
-/// The renderer's part on the GPU thread: what it draws, and the passes of a frame in order. All of
-/// its functions run there; they mean what Renderer's mean.
+/// The renderer's part on the GPU thread: what it draws (scene.cpp, scene_trees.cpp,
+/// scene_snow.cpp) and the passes of a frame in order (scene_frames.cpp). All of its functions run
+/// there; they mean what Renderer's mean.
 class Scene {
  public:
   void add_tree(const std::string& name, const TreePatches& patches, const TreeLook& look);
   void set_leaves(const std::string& tree, const LeafSource& leaves);
+  void set_bark(const std::string& tree, const BarkSource& bark);
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
   void add_snow_mesh(const std::string& name, SnowMesh&& mesh, const glm::vec3& color,
@@ -136,7 +138,7 @@ class Scene {
   TreePasses passes_;
   SnowPasses snow_;
   FlakePass flakes_;
-  DrawablePasses drawables_;
+  LeafPasses leaf_passes_;
   MeshPasses mesh_passes_;
   gpu::Program sum_{{"frame_sum.comp.glsl"}};
   gpu::VertexArray no_vertices_;

@@ -79,6 +79,16 @@ struct LeafSource {
   std::vector<Material> materials;
 };
 
+/// What the bark of a tree shows in place of its own colours, by quad of its base.
+struct BarkSource {
+  /// Per corner, coordinates of the material's image.
+  std::vector<std::array<glm::vec2, 4>> uv;
+  std::vector<int32_t> material;
+
+  /// At least one.
+  std::vector<Material> materials;
+};
+
 /// A mesh that is drawn as it is, seen from both sides. Metres, Z up, in a space of its own.
 struct MeshSource {
   std::vector<glm::vec3> vertices;

@@ -50,6 +50,8 @@ struct Snowfall {
   /// Degrees by which they stray.
   float flutter = 10.0f;
   float radius = 0.004f;
+  /// A metre in the scene's units.
+  float metre = 1.0f;
   /// How long the picture is exposed: flakes are drawn out by their way in that time.
   float shutter = 1.0f / 100.0f;
   /// Of the picture; the same seed and time give the same flakes.

@@ -4,12 +4,20 @@
 #include "glsl/lighting.glsl"
 #include "glsl/relief.glsl"
 
-/// Linear light of a pixel. `bark`: coordinates, circumference and rise (m).
-vec3 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
-  const vec3 normal = normalize(smooth_normal);
+/// The bark's height, -1 to 1, as much of it as a pixel shows. `bark`: coordinates, circumference and rise (m).
+float bark_relief(vec3 position, vec4 bark) {
   const float away = max(distance(position, view.eye.xyz), 1e-6);
-  const float samples = bark.z * view.eye.w / away;
-  const float height = bark_height(bark.xy, samples);
+  return bark_height(bark.xy, bark.z * view.eye.w / away);
+}
+
+/// Between the colours of furrows and ridges.
+vec3 bark_color(float height) {
+  return mix(view.bark_dark.rgb, view.bark_light.rgb, clamp(0.5 + 0.6 * height, 0.0, 1.0));
+}
+
+/// Linear light of a pixel of this height and colour.
+vec3 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark, float height, vec3 albedo) {
+  const vec3 normal = normalize(smooth_normal);
   // The furrows' depth is real where the relief is drawn; a pixel's own slope is damped to what a pixel shows.
   vec3 shaded = normal;
   if (bark.w > 0.0) {
@@ -18,6 +26,5 @@ vec3 shaded_bark(vec3 position, vec3 smooth_normal, vec4 bark) {
   if (dot(shaded, normal) < 0.0) {
     shaded = normal;
   }
-  const vec3 albedo = mix(view.bark_dark.rgb, view.bark_light.rgb, clamp(0.5 + 0.6 * height, 0.0, 1.0));
   return lit(albedo, position, normal, shaded, 0.0);
 }

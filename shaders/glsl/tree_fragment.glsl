@@ -1,6 +1,6 @@
 // A pixel of the tree, plain or tessellated alike.
 //
-// SNOW: with the snow of its map. SHADOW: depth alone. WIRE: the lines of a wireframe, or the paper that hides those behind.
+// SNOW: with the snow of its map. IMAGE: in the colours of its bark's image. SHADOW: depth alone. WIRE: the lines of a wireframe, or the paper that hides those behind.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
 #ifdef WIRE
@@ -10,6 +10,10 @@ uniform vec4 wire_color;
 in vec3 world;
 in vec3 smooth_normal;
 in vec4 bark;
+#ifdef IMAGE
+uniform sampler2DArray bark_images;
+in vec3 image_place;
+#endif
 #ifdef SNOW
 #include "glsl/snow_map.glsl"
 #include "glsl/snow_shading.glsl"
@@ -37,7 +41,13 @@ void main() {
 #ifdef WIRE
   color = wire_color;
 #else
-  vec3 light = shaded_bark(world, smooth_normal, bark);
+  const float height = bark_relief(world, bark);
+#ifdef IMAGE
+  const vec3 albedo = texture(bark_images, image_place).rgb;
+#else
+  const vec3 albedo = bark_color(height);
+#endif
+  vec3 light = shaded_bark(world, smooth_normal, bark, height, albedo);
 #ifdef SNOW
   light = with_snow(light);
 #endif

@@ -101,14 +101,19 @@ vec4 bilinear(vec4 a, vec4 b, vec4 c, vec4 d, vec2 at) {
   return mix(mix(a, b, at.x), mix(d, c, at.x), at.y);
 }
 
+/// Coordinates within a patch from those of corners 0 and 1, 2 and 3.
+vec2 patch_uv(vec4 uv_01, vec4 uv_23, vec2 at) {
+  return mix(mix(uv_01.xy, uv_01.zw, at.x), mix(uv_23.zw, uv_23.xy, at.x), at.y);
+}
+
 /// The bark's coordinates, those of the patch's own side of a seam.
 vec2 patch_bark_uv(TreePatch of, vec2 at) {
-  return mix(mix(of.bark_uv_01.xy, of.bark_uv_01.zw, at.x), mix(of.bark_uv_23.zw, of.bark_uv_23.xy, at.x), at.y);
+  return patch_uv(of.bark_uv_01, of.bark_uv_23, at);
 }
 
 /// Its place on the snow map.
 vec2 patch_snow_uv(TreePatch of, vec2 at) {
-  return mix(mix(of.snow_uv_01.xy, of.snow_uv_01.zw, at.x), mix(of.snow_uv_23.zw, of.snow_uv_23.xy, at.x), at.y);
+  return patch_uv(of.snow_uv_01, of.snow_uv_23, at);
 }
 
 /// A point within a patch.

@@ -9,16 +9,18 @@ namespace snowbough::shared {
 
 /// What falls, as a picture's draw of flakes is told; lies in a uniform block.
 struct FlakeFall {
-  /// Metres that the fall has come by now, wrapped to the box; w: edge of the box in metres.
+  /// How far the fall has come by now, wrapped to the box; w: edge of the box. All lengths are in the scene's units.
   vec4 drift;
-  /// Metres a second; w: radius of a flake in metres.
+  /// A second's way; w: radius of a flake.
   vec4 velocity;
-  /// Metres that flutter takes a flake aside, swings a second, seconds that the shutter is open, time in seconds.
+  /// How far flutter takes a flake aside, swings a second, seconds that the shutter is open, time in seconds.
   vec4 flutter;
   /// Seed and number of flakes; z, w: unused.
   uvec4 counts;
+  /// x: a metre.
+  vec4 scale;
 };
-SNOWBOUGH_SHARED_SIZE(FlakeFall, 64)
+SNOWBOUGH_SHARED_SIZE(FlakeFall, 80)
 
 #ifndef SNOWBOUGH_GLSL
 }  // namespace snowbough::shared

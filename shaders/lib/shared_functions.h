@@ -17,6 +17,7 @@
 #define SNOWBOUGH_SHARED_FUNCTION inline
 namespace snowbough::shared {
 using glm::abs;
+using glm::acos;
 using glm::clamp;
 using glm::cross;
 using glm::dot;

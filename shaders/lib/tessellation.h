@@ -34,6 +34,20 @@ SNOWBOUGH_SHARED_FUNCTION float screen_level(float away, float edge_length, floa
   return clamp(pixels / target, 1.0f, highest);
 }
 
+/// Share of the target by which a limb's outline may stray from its circle, in pixels.
+const float kOutlineShare = 0.025f;
+
+/// The level at which a quarter of a limb's circle, seen from the side, strays from its chords by no more than
+/// `kOutlineShare` of the target: the largest distance of a chord that spans an angle 2 a is radius * (1 - cos(a)).
+/// `chord`: from a quarter's begin to its end (m).
+SNOWBOUGH_SHARED_FUNCTION float outline_level(float away, float chord, float pixels_at_one_metre, float target,
+                                              float highest) {
+  const float radius = 0.70710678f * chord;
+  const float pixels = radius * pixels_at_one_metre / max(away, radius);
+  const float strays = kOutlineShare * target / max(pixels, 1e-6f);
+  return clamp(0.78539816f / acos(max(1.0f - strays, 0.0f)), 1.0f, highest);
+}
+
 /// Whether patches of a branch level are left out at a distance: levels over 1 beyond
 /// Mtd * levels * (1 - level / levels). Source as above.
 SNOWBOUGH_SHARED_FUNCTION bool is_level_too_far(float away, float branch_level, vec4 thesis) {

@@ -92,6 +92,14 @@ struct TreePatch {
 };
 SNOWBOUGH_SHARED_SIZE(TreePatch, 192)
 
+/// Where a patch shows its material's image: coordinates of corners 0 and 1, 2 and 3, and the image's layer (x).
+struct BarkPlace {
+  vec4 uv_01;
+  vec4 uv_23;
+  vec4 layer;
+};
+SNOWBOUGH_SHARED_SIZE(BarkPlace, 48)
+
 /// Where a picture is taken from, and all that its passes are told; lies in a uniform block.
 struct TreeView {
   mat4 clip_from_world;

@@ -150,3 +150,36 @@ def test_another_shading_and_switching_the_addon_off_end_it(window):
     window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
     window.run("bpy.context.scene.render.engine = 'SNOWBOUGH_REALTIME'\nresult = True")
     settled(window)
+
+
+# The ground as the only receiver: 0.2 m in 20 frames.
+PREVIEW = """
+scene.frame_start, scene.frame_end = 1, 20
+scene.snowbough.end_depth = 0.2
+bpy.context.view_layer.objects.active = bpy.data.objects["Plane"]
+bpy.data.objects["Plane"].select_set(True)
+bpy.ops.snowbough.add_receivers()
+scene.snowbough.receivers[0].resolution = 256
+scene.frame_set(1)
+with bpy.context.temp_override(window=view3d()[0]):
+    bpy.ops.snowbough.toggle_preview()
+result = True
+"""
+STOP = "with bpy.context.temp_override(window=view3d()[0]):\n    bpy.ops.snowbough.toggle_preview()\nresult = True"
+
+
+def test_the_view_shows_the_live_previews_snow_as_the_timeline_plays(window):
+    show(window)
+    bare = color(settled(window), 0.5, 0.95)
+    window.run(PREVIEW, timeout=60)
+    for frame in range(2, 16):
+        window.run(f"scene.frame_set({frame})\nresult = True")
+    snowy = settled(window)
+    window.screenshot("realtime_live")
+    window.run(STOP)
+    red, green, blue = bare
+    assert green > 1.5 * red
+    red, green, blue = color(snowy, 0.5, 0.95)
+    assert min(red, green, blue) > 150
+    red, green, blue = color(settled(window), 0.5, 0.95)
+    assert green > 1.5 * red  # gone with the preview

@@ -10,6 +10,7 @@ import time
 import bpy
 
 from .. import session
+from ..names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
 from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
@@ -42,6 +43,9 @@ class Preview:
         self.drawn = None
         self.was_undone = False
         """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
+        self.revision = 0
+        """Counts changes of the snow or of where it lies."""
+        self._heights = {}
         self._metres = metres_per_unit(scene)
         self._draws = draws
         # The simulation that self.drawn was made for.
@@ -67,15 +71,23 @@ class Preview:
     def simulation(self):
         return self.simulated.simulation
 
+    def heights(self, key):
+        """(H, H) metres of snow on a receiver as it is now, row 0 = v 0, negative on the back."""
+        if key not in self._heights:
+            self._heights[key] = self.simulation.output(key, normal=False)["height"]
+        return self._heights[key]
+
     def show(self):
         """Hands the snow as it is now to what draws it."""
+        self.revision += 1
+        self._heights = {}
         if not self._draws:
             return
         if self._shown is not self.simulation:
             self._shown = self.simulation
             self.drawn = make_drawing(self.simulated, self._metres)
         for key, receiver in self.drawn.receivers.items():
-            receiver.set_heights(self.simulation.output(key, normal=False)["height"])
+            receiver.set_heights(self.heights(key))
         self._show_poses()
 
     def _show_poses(self):
@@ -96,6 +108,8 @@ class Preview:
         if self.drawn is None or context.scene is None or context.scene.name != self.scene_name:
             return
         shading = context.space_data.shading
+        if shading.type == "RENDERED" and context.engine == REALTIME_ENGINE:
+            return  # which shows this snow in its own picture
         try:
             self.drawn.draw(shading.type == "WIREFRAME" or (shading.type == "SOLID" and shading.show_xray))
         except Exception:

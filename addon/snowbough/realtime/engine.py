@@ -9,11 +9,11 @@ import weakref
 import bpy
 
 from .. import compat, native, session
+from ..names import REALTIME_ENGINE as ENGINE
 from . import lights, viewport
 from .final import FinalRenderer
+from .flakes import flakes_of
 from .reader import Reader
-
-ENGINE = "SNOWBOUGH_REALTIME"
 
 # How often a class that waits for a job's end looks for it.
 POLL_SECONDS = 0.2
@@ -68,22 +68,28 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
             except RuntimeError as error:
                 self.report({"ERROR"}, f"Snowbough Realtime: {error}")
                 return
-            self._reader = Reader(module)
+            self._reader = Reader(module, shows_live=True)
             # As the engine goes its own attributes cannot be asked any more.
             weakref.finalize(self, self._view.close)
         self._reader.forget(depsgraph)
+        self._read(context, depsgraph)
+
+    def _read(self, context, depsgraph):
         space = context.space_data
         self._view.update(self._reader.read(depsgraph, lambda obj: obj.visible_in_viewport_get(space)))
 
     def view_draw(self, context, depsgraph):
         if self._view is None:
             return
+        if self._reader.is_outdated(depsgraph):
+            self._read(context, depsgraph)
         options = depsgraph.scene_eval.snowbough_realtime.as_render_settings()
         shading = context.space_data.shading
         light = lights.shown(
             self._view.light, shading.use_scene_lights_render, shading.use_scene_world_render
         )
-        self._view.draw(viewport.view_of(context.region, context.region_data), light, options)
+        view = viewport.view_of(context.region, context.region_data)
+        self._view.draw(view, light, options, flakes_of(depsgraph.scene_eval))
         if self._view.error is not None:
             self.update_stats("Snowbough", self._view.error)
 

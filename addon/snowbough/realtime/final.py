@@ -4,6 +4,7 @@
 import numpy as np
 
 from . import sync
+from .flakes import flakes_of
 from .reader import Reader
 from .records import View
 
@@ -25,7 +26,9 @@ class FinalRenderer:
         content = Reader(self._native).read(depsgraph)
         self._sync.update(content)
         options = scene.snowbough_realtime
-        settings = sync.settings(self._native, content.light, **options.as_render_settings())
+        settings = sync.settings(
+            self._native, content.light, flakes_of(scene), **options.as_render_settings()
+        )
         transparent = scene.render.film_transparent
         if transparent:
             settings.background = (0.0, 0.0, 0.0)

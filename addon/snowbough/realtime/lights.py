@@ -61,22 +61,30 @@ def shown(light, with_lamps, with_world):
     """The records.Light of a 3D view, which may be told to leave out the scene's lamps or its world."""
     sky, ground = (light.sky, light.ground) if with_world else (STUDIO_SKY, STUDIO_SKY)
     sun = light if with_lamps else STUDIO_SUN
-    return Light(sun.direction, sun.sun, sky, ground)
+    behind = light.behind if with_world else STUDIO_SKY
+    return Light(sun.direction, sun.sun, sky, ground, behind)
+
+
+NO_SUN = (Light().direction, Light().sun)
 
 
 def light_of(lamps, world, centre=(0.0, 0.0, 0.0)):
     """The records.Light of lamps and of a world's colour (linear, times its strength).
 
     The brightest sun is the sun; where there is none, the lamp that is brightest at `centre`, shining from there
-    as if from far away. The renderer has one sun: other lamps are left out.
+    as if from far away. The renderer has one sun with shadows: further suns are added to the light from above or
+    below, as bright as what lies level sees them, and other lamps are left out.
     """
-    suns = [lamp for lamp in lamps if lamp.kind == "SUN"] or list(lamps)
-    best = Light(sky=tuple(world), ground=tuple(GROUND_SHARE * c for c in world))
-    brightest = 0.0
-    for lamp in suns:
+    suns = [lamp for lamp in lamps if lamp.kind == "SUN"]
+    sky, ground = list(world), [GROUND_SHARE * c for c in world]
+    shining = []
+    for lamp in suns or lamps:
         direction, away = _towards(lamp, centre)
-        sun = tuple(c * _irradiance(lamp, direction, away) / math.pi for c in lamp.color)
-        if _brightness(sun) > brightest:
-            brightest = _brightness(sun)
-            best = Light(direction, sun, best.sky, best.ground)
-    return best
+        color = tuple(c * _irradiance(lamp, direction, away) / math.pi for c in lamp.color)
+        shining.append((direction, color))
+    shining.sort(key=lambda sun: -_brightness(sun[1]))
+    for direction, color in shining[1:] if suns else ():
+        side = sky if direction[2] > 0.0 else ground
+        side[:] = (old + abs(direction[2]) * c for old, c in zip(side, color))
+    direction, sun = shining[0] if shining and _brightness(shining[0][1]) > 0.0 else NO_SUN
+    return Light(direction, sun, tuple(sky), tuple(ground), tuple(world))

@@ -11,6 +11,9 @@ from .records import Paint, Shape
 class MeshArrays:
     """What is read of a mesh once, however many of its parts are asked for. Valid as long as the mesh is."""
 
+    corners = 3
+    """Of a face."""
+
     def __init__(self, mesh):
         self._mesh = mesh
         compat.ensure_triangles(mesh)
@@ -49,12 +52,13 @@ class MeshArrays:
 
 
 def painted(arrays, looks):
-    """(uv (T, 3, 2), paint (T,), paints) of MeshArrays whose materials have these Looks.
+    """(uv (T, corners, 2), paint (T,), paints) of MeshArrays, or what is asked like them, whose materials have these
+    Looks.
 
     A material whose UV map the mesh does not have shows its colour without its image.
     """
     paint = arrays.materials(len(looks))
-    uv = np.zeros((len(paint), 3, 2), dtype=np.float32)
+    uv = np.zeros((len(paint), arrays.corners, 2), dtype=np.float32)
     paints = []
     for index, look in enumerate(looks):
         own = paint == index

@@ -2,7 +2,7 @@
 """The engine's own settings: ``scene.snowbough_realtime``."""
 
 import bpy
-from bpy.props import EnumProperty, FloatProperty, IntProperty, PointerProperty
+from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, PointerProperty
 
 
 class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
@@ -32,6 +32,38 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
             ("4096", "4096 px", "For whole gardens"),
         ),
         default="2048",
+    )
+
+    show_flakes: BoolProperty(
+        name="Falling Snow",
+        description="Show flakes in the air. They fall in the direction and flutter of the scene's snow",
+        default=False,
+    )
+    flake_rate: FloatProperty(
+        name="Snowfall",
+        description="What the flakes in the air would lay in an hour, times the scene's Rate: how many there are "
+        "(metres per hour)",
+        default=0.015,
+        min=0.0,
+        soft_max=0.2,
+        precision=3,
+    )
+    flake_speed: FloatProperty(
+        name="Speed",
+        description="How fast flakes fall (metres a second)",
+        default=1.2,
+        min=0.05,
+        soft_max=10.0,
+        max=90.0,
+    )
+    flake_radius: FloatProperty(
+        name="Size",
+        description="Radius of a flake: the same snowfall in larger ones is fewer of them (metres)",
+        default=0.004,
+        min=0.0005,
+        soft_max=0.02,
+        max=0.09,
+        precision=4,
     )
 
     def as_render_settings(self):

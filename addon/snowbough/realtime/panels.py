@@ -3,7 +3,7 @@
 
 import bpy
 
-from .engine import ENGINE
+from ..names import REALTIME_ENGINE as ENGINE
 
 # Panels that every engine shares say so by naming Blender's old one; of EEVEE's, those that hold for us, too.
 SHARED = "BLENDER_RENDER"
@@ -49,8 +49,34 @@ class SNOWBOUGH_PT_realtime(bpy.types.Panel):
         column.prop(settings, "shadow_resolution")
 
 
+class SNOWBOUGH_PT_realtime_flakes(bpy.types.Panel):
+    bl_label = "Falling Snow"
+    bl_parent_id = "SNOWBOUGH_PT_realtime"
+    bl_space_type = "PROPERTIES"
+    bl_region_type = "WINDOW"
+    bl_context = "render"
+    bl_options = {"DEFAULT_CLOSED"}
+    COMPAT_ENGINES = {ENGINE}
+
+    def draw_header(self, context):
+        self.layout.prop(context.scene.snowbough_realtime, "show_flakes", text="")
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.snowbough_realtime
+        layout.use_property_split = True
+        layout.active = settings.show_flakes
+        column = layout.column(align=True)
+        column.prop(settings, "flake_rate")
+        column.prop(settings, "flake_speed")
+        column.prop(settings, "flake_radius")
+
+
+OWN_PANELS = (SNOWBOUGH_PT_realtime, SNOWBOUGH_PT_realtime_flakes)
+
+
 def register():
-    bpy.utils.register_class(SNOWBOUGH_PT_realtime)
+    for panel in OWN_PANELS:
+        bpy.utils.register_class(panel)
     for panel in _fitting_panels():
         panel.COMPAT_ENGINES.add(ENGINE)
 
@@ -58,4 +84,5 @@ def register():
 def unregister():
     for panel in bpy.types.Panel.__subclasses__():
         getattr(panel, "COMPAT_ENGINES", set()).discard(ENGINE)
-    bpy.utils.unregister_class(SNOWBOUGH_PT_realtime)
+    for panel in reversed(OWN_PANELS):
+        bpy.utils.unregister_class(panel)

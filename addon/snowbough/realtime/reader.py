@@ -3,7 +3,7 @@
 
 All that the depsgraph shows is there: meshes, and curves, texts and metaballs as the meshes that it makes of them;
 many instances of one object are one mesh in many places. Bark and leaves of imported trees become records.Tree,
-one an instance, as long as the armature is all that moves them; else, and where snow of a bake lies on them, they
+one an instance, as long as the armature is all that moves them; else, and where snow lies on them, they
 are meshes like others.
 
 What is read stays until `forget` hears that it changed: geometry is read once for all views of it.
@@ -18,7 +18,7 @@ from ..scene.pose import library_path
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
 from .records import Mesh, Scene, Shape
-from .snow import BakedSnow
+from .snow import SceneSnow
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _Z = Vector((0.0, 0.0, 1.0))
@@ -30,14 +30,16 @@ LOOK_TYPES = (bpy.types.Material, bpy.types.Image)
 
 
 class Reader:
-    """Reads one scene again and again. native: the module."""
+    """Reads one scene again and again. native: the module; shows_live: the live preview's snow while it runs."""
 
-    def __init__(self, native):
-        self._snow = BakedSnow(native)
+    def __init__(self, native, shows_live=False):
+        self._snow = SceneSnow(native, shows_live)
+        self._revision = None
         self._surfaces = trees.Surfaces()
         self._looks = {}
         self._shapes = {}
         self._leaves = {}
+        self._coats = {}
 
     def forget(self, depsgraph):
         """Drops what the depsgraph says has changed."""
@@ -47,15 +49,22 @@ class Reader:
                 self._looks.clear()
                 self._shapes.clear()
                 self._leaves.clear()
+                self._coats.clear()
             elif isinstance(block, bpy.types.Mesh):  # edited; where a pose bends it, only its object says so
                 _drop(self._leaves, block)
+                _drop(self._coats, block)
             elif isinstance(block, bpy.types.Object):
                 if update.is_updated_geometry or update.is_updated_shading:
                     _drop(self._shapes, block)
 
+    def is_outdated(self, depsgraph):
+        """Whether the live simulation's snow has changed since `read`."""
+        return self._snow.revision(depsgraph.scene_eval) != self._revision
+
     def read(self, depsgraph, is_shown=None):
         """The records.Scene of a depsgraph. is_shown(original object) -> bool: what else decides about an object."""
         self._snow.begin(depsgraph.scene_eval)
+        self._revision = self._snow.revision(depsgraph.scene_eval)
         self._meshes, self._trees, lamps = {}, {}, []
         self._trees_left = MOST_TREES
         self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
@@ -108,8 +117,9 @@ class Reader:
         pose = trees.pose_of(obj, rig.evaluated_get(depsgraph), place)
         if len(pose) != arrays["bone_count"]:
             return False
-        look = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)[0]
-        slot["tree"] = trees.tree_of(key, arrays, print_, look, pose)
+        looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
+        coat, coat_print = self._coat_of(original, rig, arrays, print_, looks)
+        slot["tree"] = trees.tree_of(key, arrays, print_ + coat_print, looks[0], pose, coat)
         self._trees_left -= 1
         return True
 
@@ -125,6 +135,14 @@ class Reader:
             if leaves is not None:
                 tree.leaves, tree.leaves_print = self._leaves_of(leaves[0])
             self._trees[key] = tree
+
+    def _coat_of(self, original, rig, arrays, print_, looks):
+        """(Coat or None, its print) of a tree's bark with these looks."""
+        key = (original.data.name, library_path(original.data), print_)
+        if key not in self._coats:
+            coat = trees.coat_of(original, rig, arrays, looks)
+            self._coats[key] = (coat, "" if coat is None else coat.print)
+        return self._coats[key]
 
     def _leaves_of(self, obj):
         original = obj.original
@@ -151,9 +169,10 @@ class Reader:
             data,
             obj.data.as_pointer() if obj.type == "MESH" else 0,
         )
-        if key not in self._shapes:
-            self._shapes[key] = self._read_shape(obj)
-        shape, print_, snow_arrays = self._shapes[key]
+        known = self._shapes.get(key)
+        if known is None or (known[2] is None and self._snow.is_on(original)):
+            known = self._shapes[key] = self._read_shape(obj)
+        shape, print_, snow_arrays = known
         if not len(shape.triangles):
             return
         name = f"mesh {' '.join(map(str, key[:3]))} {print_}"
@@ -163,7 +182,7 @@ class Reader:
         self._meshes[name][2].append(place)
 
     def _read_shape(self, obj):
-        """(Shape, its print, what BakedSnow asks for UV maps or None) of an evaluated object."""
+        """(Shape, its print, what SceneSnow asks for UV maps or None) of an evaluated object."""
         temporary = obj.type != "MESH"
         mesh = obj.to_mesh() if temporary else obj.data
         try:

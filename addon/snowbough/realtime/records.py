@@ -57,7 +57,7 @@ class Shape:
 
 @dataclass(frozen=True)
 class LyingSnow:
-    """Snow of a bake on a shape."""
+    """Snow of a bake or of the live simulation on a shape."""
 
     heights: np.ndarray
     """(H, W) float32, Blender's units along the normal, row 0 = v 0."""
@@ -112,6 +112,21 @@ class Bark:
 
 
 @dataclass
+class Coat:
+    """Images on a tree's bark."""
+
+    uv: np.ndarray
+    """(Q, 4, 2) float32 of the corners of the surface's quads."""
+    paint: np.ndarray
+    """(Q,) int32."""
+    paints: tuple
+
+    @property
+    def print(self):
+        return "".join([fingerprint(self.uv, self.paint), *(paint.print for paint in self.paints)])
+
+
+@dataclass
 class Tree:
     """An imported tree, drawn from its four-sided base."""
 
@@ -119,12 +134,14 @@ class Tree:
     surface: dict
     """What the native tree_arrays gave."""
     print: str
-    """Of the surface and the bark."""
+    """Of the surface, the bark and its coat."""
     bark: Bark
     pose: np.ndarray
     """(B, 4, 4) float32: for each bone what takes its rest pose to the world."""
     leaves: Leaves = None
     leaves_print: str = ""
+    coat: Coat = None
+    """What the bark shows in place of its two colours."""
 
 
 @dataclass(frozen=True)
@@ -136,9 +153,28 @@ class Light:
     sun: tuple = (0.0, 0.0, 0.0)
     """Light that a white surface sends back that faces it."""
     sky: tuple = (0.05, 0.05, 0.05)
-    """From above, and behind everything."""
+    """From above."""
     ground: tuple = (0.05, 0.05, 0.05)
     """From below."""
+    behind: tuple = (0.05, 0.05, 0.05)
+    """Behind everything."""
+
+
+@dataclass(frozen=True)
+class Flakes:
+    """Snow in the air, as the native Snowfall has it. Metres, seconds."""
+
+    rate: float
+    direction: tuple
+    speed: float
+    flutter: float
+    """Degrees."""
+    radius: float
+    shutter: float
+    time: float
+    seed: int
+    metre: float
+    """Blender's units a metre."""
 
 
 @dataclass

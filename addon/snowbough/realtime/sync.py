@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Hands scenes to a renderer: what is new, other or gone since the scene before, and nothing else. No ``bpy``."""
 
+from dataclasses import asdict
+
 import numpy as np
 
 
@@ -64,7 +66,7 @@ class Sync:
         )
 
     def _set_snow(self, mesh, known, renewed, moved):
-        """The one place that says how a bake's snow is drawn: as a layer of its own, tessellated and raised along the
+        """The one place that says how snow is drawn: as a layer of its own, tessellated and raised along the
         normals; where that cannot be, painted on the mesh.
 
         It cannot on cut-out leaves, whose cards have no edges to bear it, on what several places share, and where
@@ -120,6 +122,8 @@ class Sync:
             self._renderer.add_tree(
                 tree.key, tree.surface, bark_depth=bark.depth, bark_dark=bark.dark, bark_light=bark.light
             )
+            if tree.coat is not None:
+                self._set_bark(tree)
         leafed = tree.leaves_print != ("" if renewed else known.leaves_print)
         if leafed:
             self._set_leaves(tree)
@@ -128,6 +132,16 @@ class Sync:
             self._renderer.set_pose(tree.key, tree.pose)
         self._trees[tree.key] = tree
         return renewed or leafed or posed
+
+    def _set_bark(self, tree):
+        coat = tree.coat
+        self._renderer.set_bark(
+            tree.key,
+            coat.uv,
+            coat.paint,
+            colors=[paint.color for paint in coat.paints],
+            images=[paint.image for paint in coat.paints],
+        )
 
     def _set_leaves(self, tree):
         leaves = tree.leaves
@@ -184,13 +198,16 @@ def camera(native, view):
     return native.Camera(view=view.view, projection=view.projection, width=view.width, height=view.height)
 
 
-def settings(native, light, **own):
-    """The native RenderSettings under a records.Light; own: further fields."""
+def settings(native, light, flakes=None, **own):
+    """The native RenderSettings under a records.Light, with records.Flakes in the air; own: further fields."""
+    if flakes is not None:
+        own["snowfall"] = native.Snowfall(**asdict(flakes))
     return native.RenderSettings(
         sun_direction=light.direction,
         sun_color=light.sun,
         sky_color=light.sky,
         ground_color=light.ground,
+        background=light.behind,
         cull_back_faces=False,
         **own,
     )

@@ -4,12 +4,12 @@ it."""
 
 import numpy as np
 
-from ..names import LEAF_BONE_ATTRIBUTE
+from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, ORIGINAL_UV
 from ..scene.inputs import fingerprint
-from ..tree import kept_skeleton
+from ..tree import kept_bark, kept_skeleton
 from .materials import bark_of
 from .meshes import MeshArrays, painted
-from .records import Leaves, Tree
+from .records import Coat, Leaves, Tree
 
 
 def rig_of(obj, mode):
@@ -74,6 +74,35 @@ def pose_of(obj, rig, place):
     return (np.asarray(place, np.float64) @ back @ moved @ to_rig).astype(np.float32)
 
 
+class BaseArrays:
+    """What meshes.painted asks of a mesh, of a tree's four-sided base."""
+
+    corners = 4
+
+    def __init__(self, mesh, surface, kept):
+        """mesh: the finest one's data; surface: what the native tree_arrays gave; kept: kept_bark.kept(), or None."""
+        self._slots = np.zeros(len(surface["quads"]), np.int32) if kept is None else kept.slots
+        self._uv = {BARK_UV: surface["bark_uv"]}
+        if kept is not None:
+            self._uv[ORIGINAL_UV] = kept.uv
+        self._rendered = next((layer.name for layer in mesh.uv_layers if layer.active_render), "")
+
+    def materials(self, count):
+        return np.clip(self._slots, 0, count - 1)
+
+    def uv(self, name):
+        return self._uv.get(name or self._rendered)
+
+
+def coat_of(obj, rig, surface, looks):
+    """The Coat of a tree's bark object with these looks; None where no image is to be seen on it."""
+    kept = kept_bark.kept(rig.data)
+    if kept is not None and len(kept.slots) != len(surface["quads"]):
+        kept = None
+    coat = Coat(*painted(BaseArrays(obj.data, surface, kept), looks))
+    return coat if any(paint.image is not None for paint in coat.paints) else None
+
+
 def leaves_of(obj, looks):
     """The Leaves of a tree's leaf object, in the rest pose."""
     mesh = obj.data
@@ -86,7 +115,7 @@ def leaves_of(obj, looks):
     return Leaves(vertices[triangles], bones[triangles[:, 0]], *painted(arrays, looks))
 
 
-def tree_of(key, surface, surface_print, look, pose):
-    """A records.Tree without leaves; look: the bark's."""
+def tree_of(key, surface, print_, look, pose, coat):
+    """A records.Tree without leaves; look: the bark's; print_: of the surface and the Coat."""
     bark = bark_of(look)
-    return Tree(key, surface, surface_print + repr(bark), bark, pose)
+    return Tree(key, surface, print_ + repr(bark), bark, pose, coat=coat)

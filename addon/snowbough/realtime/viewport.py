@@ -86,11 +86,11 @@ class Viewport:
             self._generation += 1
         self.light = scene.light
 
-    def draw(self, view, light, options):
-        """Draws the newest frame and asks for one of this records.View under a records.Light; options: fields of
-        RenderSettings."""
+    def draw(self, view, light, options, flakes=None):
+        """Draws the newest frame and asks for one of this records.View under a records.Light, with records.Flakes in
+        the air; options: fields of RenderSettings."""
         self._take()
-        key = (view, light, self._generation, tuple(sorted(options.items())))
+        key = (view, light, flakes, self._generation, tuple(sorted(options.items())))
         now = time.monotonic()
         if key != self._key:
             self._key = key
@@ -99,15 +99,15 @@ class Viewport:
         self._show_arrived()
         quality = self._pacing.wanted(now)
         if quality != self._last_wish and not self._pacing.is_done():
-            self._ask(view, light, options, quality)
+            self._ask(view, light, flakes, options, quality)
         if self._texture is not None:
             draw_frame(self._texture)
         if not self._is_settled():
             _start_timer()
 
-    def _ask(self, view, light, options, quality):
+    def _ask(self, view, light, flakes, options, quality):
         settings = sync.settings(
-            self._native, light, antialias=quality.antialias, draft=quality.divisor > 1, **options
+            self._native, light, flakes, antialias=quality.antialias, draft=quality.divisor > 1, **options
         )
         camera = sync.camera(self._native, view.divided(quality.divisor))
         ticket = self._renderer.request_frame(camera, settings)

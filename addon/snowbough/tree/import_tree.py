@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import compat, native
 from ..names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
-from . import armature, kept_skeleton, materials, objects, thumbnail, wind_attributes
+from . import armature, kept_bark, kept_skeleton, materials, objects, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
 
@@ -108,6 +108,7 @@ def create_tree(context, title, tree, options):
         bones = armature.bone_arrays(tree.meshes[0].native)
         rig = armature.create_armature(context, name, bones, collection)
         kept_skeleton.keep(rig.data, tree, options)
+        kept_bark.keep(rig.data, tree.base, tree.meshes[-1])
         barks = _create_bark(name, tree, options, bones.names)
         leaves = [_create_leaves(name, tree, options, bones.names)] if tree.leaf_bones is not None else []
         for obj in (*barks, *leaves):

@@ -47,6 +47,7 @@ class NativeTree:
 
     skeleton: object
     meshes: list  # of BarkMesh, the coarsest first
+    base: BarkMesh  # the four-sided base, which may be the coarsest of them
     leaf_bones: object
     leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
     report: dict
@@ -94,6 +95,14 @@ def _build_meshes(module, skeleton, options, progress):
             workers.shutdown(wait=True, cancel_futures=True)
             raise
     return built[meshes[0]][0], [built[fineness][1] for fineness in meshes]
+
+
+def _base_of(module, skeleton, options, meshes):
+    """The BarkMesh of the four-sided base."""
+    if meshes[0].fineness == Fineness(0):
+        return meshes[0]
+    base = module.build_tree_mesh(skeleton, options.width, options.species, lod=0)
+    return BarkMesh(Fineness(0), base, *module.original_uvs(skeleton, base))
 
 
 def size_settings(options, metre):
@@ -148,6 +157,7 @@ def read_native(path, options, progress=None, metre=1.0):
         try:
             leaf_charts = worker.submit(_lay_out_leaves, module, skeleton, options, stopped)
             whole, meshes = _build_meshes(module, skeleton, options, part(0.4, 0.95))
+            base = _base_of(module, skeleton, options, meshes)
             leaf_layout = leaf_charts.result()
         except BaseException:
             stopped.set()
@@ -180,4 +190,4 @@ def read_native(path, options, progress=None, metre=1.0):
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
-    return NativeTree(skeleton, meshes, leaf_bones, leaf_layout, report)
+    return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report)

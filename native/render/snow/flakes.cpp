@@ -35,6 +35,7 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
   require(fall.radius > 0.0f && fall.radius < 0.1f, "snowfall: radius must be over 0, to 0.1 m");
   require(fall.flutter >= 0.0f && fall.flutter <= 45.0f, "snowfall: flutter must be from 0 to 45");
   require(fall.shutter >= 0.0f && fall.shutter <= 1.0f, "snowfall: shutter must be from 0 to 1 s");
+  require(fall.metre > 0.0f && std::isfinite(fall.metre), "snowfall: metre must be over 0");
   const dvec3 along = glm::normalize(direction);
   const double sinking = fall.speed * std::max(-along.z, kLeastSinking);
   const double laid = kLaidVolume * std::pow(static_cast<double>(fall.radius), 3.0);
@@ -45,11 +46,13 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
   const double aside = fall.speed * std::tan(fall.flutter * 3.14159265 / 180.0) /
                        (2.0 * 3.14159265 * static_cast<double>(kSwings));
   shared::FlakeFall made{};
-  made.drift = vec4(glm::vec3(drift), static_cast<float>(kBox));
-  made.velocity = vec4(glm::vec3(along * static_cast<double>(fall.speed)), fall.radius);
-  made.flutter = vec4(static_cast<float>(aside), kSwings, fall.shutter, fall.time);
+  made.drift = fall.metre * vec4(glm::vec3(drift), static_cast<float>(kBox));
+  made.velocity =
+      fall.metre * vec4(glm::vec3(along * static_cast<double>(fall.speed)), fall.radius);
+  made.flutter = vec4(fall.metre * static_cast<float>(aside), kSwings, fall.shutter, fall.time);
   made.counts = {fall.seed, static_cast<uint32_t>(std::min(std::ceil(flakes), double{kMostFlakes})),
                  0, 0};
+  made.scale = vec4(fall.metre, 0.0f, 0.0f, 0.0f);
   return made;
 }
 

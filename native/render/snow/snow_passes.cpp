@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "shaders/lib/tree_shared.h"
+#include "shaders/lib/snow_patch.h"
 
 namespace snowbough::render {
 namespace {
@@ -111,43 +111,35 @@ void SnowPasses::edge_levels(SnowBuffers& mesh, const gpu::Buffer& view) {
 
 void SnowPasses::classify(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
                           float max_level) {
-  classify_.use();
-  classify_.bind("ViewBlock", view);
-  classify_.bind("SnowVertices", mesh.vertices);
-  classify_.bind("SnowPatches", mesh.patches);
-  classify_.bind("PatchDepths", mesh.patch_depths);
-  classify_.bind("EdgeLevels", mesh.edge_levels);
-  lists_.run(classify_, list, kPlainVertices, max_level);
+  patches_.classify(list, view, max_level, [&](gpu::Program& program) {
+    program.bind("SnowVertices", mesh.vertices);
+    program.bind("SnowPatches", mesh.patches);
+    program.bind("PatchDepths", mesh.patch_depths);
+    program.bind("EdgeLevels", mesh.edge_levels);
+  });
 }
 
 void SnowPasses::draw_plain(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
                             const DrawStyle& style) {
-  gpu::Program& program = begin_draw(plain_, plain_capture_, style);
-  program.bind("SnowPatches", mesh.patches);
-  program.bind("SnowPoints", mesh.points);
-  program.bind("PlainPatches", list.plain);
-  program.bind("ViewBlock", view);
-  if (style.kind == DrawKind::kShaded) {
+  patches_.draw_plain(list, view, style, {}, [&](gpu::Program& program) {
+    program.bind("SnowPatches", mesh.patches);
+    program.bind("SnowPoints", mesh.points);
+    if (style.kind != DrawKind::kShaded) return;
     bind_shading(program, mesh);
     program.set("base_color", mesh.color);
-  }
-  draw_indirect(program, style.kind, GL_TRIANGLES, list.commands, 0, 1);
+  });
 }
 
 void SnowPasses::draw_tessellated(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
                                   const DrawStyle& style) {
-  gpu::Program& program = begin_draw(snow_, snow_capture_, style);
-  program.bind("ViewBlock", view);
-  program.bind("SnowPatches", mesh.patches);
-  program.bind("SnowPoints", mesh.points);
-  program.bind("SnowEdges", mesh.edges);
-  program.bind("EdgeLevels", mesh.edge_levels);
-  program.bind("TessellatedPatches", list.tessellated);
-  bind_shading(program, mesh);
-  if (style.kind == DrawKind::kShaded) program.set("base_color", mesh.color);
-  glPatchParameteri(GL_PATCH_VERTICES, 1);
-  draw_indirect(program, style.kind, GL_PATCHES, list.commands, sizeof(shared::TreeDrawCommand),
-                list.draws);
+  patches_.draw_tessellated(list, view, style, {}, [&](gpu::Program& program) {
+    program.bind("SnowPatches", mesh.patches);
+    program.bind("SnowPoints", mesh.points);
+    program.bind("SnowEdges", mesh.edges);
+    program.bind("EdgeLevels", mesh.edge_levels);
+    bind_shading(program, mesh);
+    if (style.kind == DrawKind::kShaded) program.set("base_color", mesh.color);
+  });
 }
 
 }  // namespace snowbough::render

@@ -8,8 +8,9 @@
 #include "gpu/program.h"
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
-#include "render/draw_kind.h"
-#include "render/patch_lists.h"
+#include "render/draw/draw_kind.h"
+#include "render/draw/patch_lists.h"
+#include "render/draw/patch_passes.h"
 #include "render/snow/snow_patches.h"
 
 namespace snowbough::render {
@@ -55,12 +56,11 @@ class SnowPasses {
   void lay(SnowBuffers& mesh);
   /// The tessellation level of each edge.
   void edge_levels(SnowBuffers& mesh, const gpu::Buffer& view);
-  /// As TreePasses::classify.
+  /// As PatchPasses'.
   void classify(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view, float max_level);
 
   /// Vertices of a plain patch.
   static constexpr int32_t kPlainVertices = 3;
-  /// As TreePasses'.
   void draw_plain(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
                   const DrawStyle& style);
   void draw_tessellated(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
@@ -73,13 +73,7 @@ class SnowPasses {
   gpu::Program depths_{{"snow_depths.comp.glsl"}};
   gpu::Program vertices_{{"snow_vertices.comp.glsl"}};
   gpu::Program edges_{{"snow_edges.comp.glsl"}};
-  gpu::Program classify_{{"snow_classify.comp.glsl"}};
-  PatchListPasses lists_;
-  gpu::ProgramVariants plain_{{"snow_plain.vert.glsl", "snow_plain.frag.glsl"}};
-  gpu::ProgramVariants plain_capture_{{"snow_plain.vert.glsl"}};
-  gpu::ProgramVariants snow_{
-      {"snow.vert.glsl", "snow.tesc.glsl", "snow.tese.glsl", "snow.frag.glsl"}};
-  gpu::ProgramVariants snow_capture_{{"snow.vert.glsl", "snow.tesc.glsl", "snow.tese.glsl"}};
+  PatchPasses patches_{"snow", kPlainVertices};
 };
 
 }  // namespace snowbough::render

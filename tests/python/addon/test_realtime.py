@@ -165,6 +165,17 @@ def test_a_layers_positions_and_normals_are_the_worlds():
     assert normals[0, 0].tolist() == [0, 0, 1]
 
 
+def test_a_tree_is_given_its_barks_images(renderer):
+    coat = records.Coat(np.zeros((1, 4, 2), np.float32), np.zeros(1, np.int32), (records.Paint((1, 1, 1)),))
+    of = tree()
+    of.coat = coat
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene([], [of]))
+    assert renderer.take() == [("add_tree", "t"), ("set_bark", "t"), ("set_pose", "t")]
+    keeper.update(records.Scene([], [of]))
+    assert renderer.take() == []
+
+
 def test_a_tree_of_other_wood_is_replaced_with_its_leaves(renderer):
     triangles = np.zeros((1, 3, 3), np.float32)
     leaves = records.Leaves(
@@ -196,6 +207,7 @@ def test_a_sun_of_pi_watts_makes_white_white():
     assert light.sun == pytest.approx((1.0, 0.5, 0.25))
     assert light.sky == (0.1, 0.2, 0.4)
     assert light.ground == pytest.approx((0.05, 0.1, 0.2))
+    assert light.behind == (0.1, 0.2, 0.4)
 
 
 def test_the_brightest_sun_shines_and_lamps_only_without_one():
@@ -203,6 +215,16 @@ def test_the_brightest_sun_shines_and_lamps_only_without_one():
     near = lamp("POINT", energy=1e6)
     assert lights.light_of([weak, near, strong], (0, 0, 0)).direction == (0, 1, 0)
     assert lights.light_of([near], (0, 0, 0)).direction == pytest.approx((0, 0, 1))
+
+
+def test_further_suns_light_from_above_or_below_what_lies_level():
+    slanting = lamp(energy=0.5 * math.pi, direction=(0.8, 0.0, -0.6), color=(1, 1, 1))
+    below = lamp(energy=0.1 * math.pi, direction=(0, 0, 1), color=(1, 1, 1))
+    light = lights.light_of([slanting, lamp(), below, lamp("POINT", energy=1e6)], (0.1, 0.2, 0.4))
+    assert light.direction == (0, 0, 1) and light.sun == pytest.approx((1.0, 0.5, 0.25))
+    assert light.sky == pytest.approx((0.4, 0.5, 0.7))
+    assert light.ground == pytest.approx((0.15, 0.2, 0.3))
+    assert light.behind == (0.1, 0.2, 0.4)
 
 
 @pytest.mark.parametrize(

@@ -1,4 +1,4 @@
-#include "render/drawables.h"
+#include "render/tree/leaf_passes.h"
 
 #include <algorithm>
 #include <bit>
@@ -7,6 +7,7 @@
 #include <string>
 #include <utility>
 
+#include "render/draw/image_texture.h"
 #include "shaders/lib/leaf_vertex.h"
 
 namespace snowbough::render {
@@ -43,20 +44,6 @@ void check(const LeafSource& source, int32_t bone_count) {
 
 }  // namespace
 
-gpu::Texture image_texture(const Image& image, const char* what) {
-  const bool empty = image.rgba.empty();
-  const int32_t width = empty ? 1 : image.width, height = empty ? 1 : image.height;
-  require(width > 0 && height > 0 &&
-              (empty || image.rgba.size() == static_cast<size_t>(width) * height * 4),
-          std::string(what) + ": an image must have height x width x 4 bytes");
-  const std::vector<uint8_t> white(4, 255);
-  gpu::Texture texture(GL_SRGB8_ALPHA8, width, height, 0, GL_LINEAR);
-  texture.write(0, GL_RGBA, GL_UNSIGNED_BYTE, empty ? white.data() : image.rgba.data());
-  glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_S, GL_REPEAT);
-  glTextureParameteri(texture.id(), GL_TEXTURE_WRAP_T, GL_REPEAT);
-  return texture;
-}
-
 LeafBuffers::LeafBuffers(const LeafSource& source, int32_t bone_count) {
   check(source, bone_count);
   std::vector<shared::LeafVertex> made;
@@ -82,22 +69,16 @@ LeafBuffers::LeafBuffers(const LeafSource& source, int32_t bone_count) {
   vertices = gpu::Buffer(made);
 }
 
-void DrawablePasses::draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones,
-                                 const gpu::Buffer& view, Kind kind, const gpu::Texture& shadow_map,
-                                 const glm::vec4& wire_color) {
-  gpu::Program& program = leaves_.with(defines_of(kind));
+void LeafPasses::draw(LeafBuffers& leaves, const gpu::Buffer& bones, const gpu::Buffer& view,
+                      const DrawStyle& style) {
   for (LeafBuffers::Part& part : leaves.parts) {
-    program.use();
+    gpu::Program& program = begin_draw(leaves_, style);
     program.bind("ViewBlock", view);
     program.bind("LeafVertices", leaves.vertices);
     program.bind("BoneRows", bones);
     program.bind_texture("image", part.image);
     program.set("first_vertex", part.first_vertex);
-    if (kind == Kind::kShaded) {
-      program.bind_texture("shadow_map", shadow_map);
-      program.set("leaf_color", vec4(part.color, 1.0f));
-    }
-    if (kind == Kind::kWire) program.set("wire_color", wire_color);
+    if (style.kind == DrawKind::kShaded) program.set("image_color", vec4(part.color, 1.0f));
     program.draw(GL_TRIANGLES, 0, part.vertex_count);
   }
 }

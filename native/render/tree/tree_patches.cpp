@@ -1,4 +1,4 @@
-#include "render/tree_patches.h"
+#include "render/tree/tree_patches.h"
 
 #include <algorithm>
 #include <bit>
@@ -11,7 +11,7 @@
 #include <tuple>
 #include <utility>
 
-#include "render/patch_bounds.h"
+#include "render/tree/patch_bounds.h"
 #include "shaders/lib/limb_section.h"
 
 namespace snowbough::render {

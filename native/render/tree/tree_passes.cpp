@@ -1,4 +1,6 @@
-#include "render/tree_passes.h"
+#include "render/tree/tree_passes.h"
+
+#include "render/draw/matrix_rows.h"
 
 namespace snowbough::render {
 namespace {
@@ -13,18 +15,19 @@ std::vector<std::string> snow_define(const TreeBuffers& tree) {
   return tree.snow != nullptr ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{};
 }
 
-}  // namespace
-
-std::vector<glm::vec4> bone_rows(std::span<const glm::mat4> matrices) {
-  std::vector<glm::vec4> rows;
-  rows.reserve(3 * matrices.size());
-  for (const glm::mat4& m : matrices) {
-    for (int row = 0; row < 3; ++row) {
-      rows.emplace_back(m[0][row], m[1][row], m[2][row], m[3][row]);
-    }
-  }
-  return rows;
+std::vector<std::string> defines_for(const TreeBuffers& tree, const DrawStyle& style) {
+  std::vector<std::string> defines = snow_define(tree);
+  if (style.kind == DrawKind::kShaded && tree.images) defines.emplace_back("IMAGE");
+  return defines;
 }
+
+void bind_images(gpu::Program& program, const TreeBuffers& tree) {
+  if (!tree.images) return;
+  program.bind("BarkPlaces", tree.images->places);
+  program.bind_texture("bark_images", tree.images->layers);
+}
+
+}  // namespace
 
 TreeBuffers::TreeBuffers(const TreePatches& tree)
     : vertex_count(static_cast<int32_t>(tree.vertices.size())),
@@ -35,8 +38,8 @@ TreeBuffers::TreeBuffers(const TreePatches& tree)
       edges(tree.edges),
       patches(tree.patches),
       vertex_snow(tree.vertex_snow),
-      bones(
-          bone_rows(std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
+      bones(matrix_rows(
+          std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
       posed(bytes_of(tree.vertices.size(), sizeof(shared::PosedVertex))),
       edge_levels(bytes_of(tree.edges.size(), sizeof(float))),
       camera(tree.patches.size()),
@@ -71,43 +74,40 @@ void TreePasses::edge_levels(TreeBuffers& tree, const gpu::Buffer& view) {
 
 void TreePasses::classify(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
                           float max_level) {
-  classify_.use();
-  classify_.bind("ViewBlock", view);
-  classify_.bind("PosedVertices", tree.posed);
-  classify_.bind("TreePatches", tree.patches);
-  classify_.bind("EdgeLevels", tree.edge_levels);
-  lists_.run(classify_, list, kPlainVertices, max_level);
+  patches_.classify(list, view, max_level, [&](gpu::Program& program) {
+    program.bind("PosedVertices", tree.posed);
+    program.bind("TreePatches", tree.patches);
+    program.bind("EdgeLevels", tree.edge_levels);
+  });
 }
 
 void TreePasses::draw_plain(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
                             const DrawStyle& style) {
-  gpu::Program& program = begin_draw(plain_, plain_capture_, style, snow_define(tree));
-  if (tree.snow != nullptr && style.kind == DrawKind::kShaded) {
+  patches_.draw_plain(list, view, style, defines_for(tree, style), [&](gpu::Program& program) {
+    program.bind("PosedVertices", tree.posed);
+    program.bind("TreePatches", tree.patches);
+    if (style.kind != DrawKind::kShaded) return;
+    bind_images(program, tree);
+    if (tree.snow == nullptr) return;
     program.bind("TreeVertices", tree.vertices);
     program.bind_texture("height_map", *tree.snow);
-  }
-  program.bind("ViewBlock", view);
-  program.bind("PosedVertices", tree.posed);
-  program.bind("TreePatches", tree.patches);
-  program.bind("PlainPatches", list.plain);
-  draw_indirect(program, style.kind, GL_TRIANGLES, list.commands, 0, 1);
+  });
 }
 
 void TreePasses::draw_tessellated(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
                                   const DrawStyle& style) {
-  gpu::Program& program = begin_draw(tree_, tree_capture_, style, snow_define(tree));
-  if (tree.snow != nullptr) program.bind_texture("height_map", *tree.snow);
-  program.bind("ViewBlock", view);
-  program.bind("TreeVertices", tree.vertices);
-  program.bind("PosedVertices", tree.posed);
-  program.bind("TreeSections", tree.sections);
-  program.bind("TreeEdges", tree.edges);
-  program.bind("TreePatches", tree.patches);
-  program.bind("EdgeLevels", tree.edge_levels);
-  program.bind("TessellatedPatches", list.tessellated);
-  glPatchParameteri(GL_PATCH_VERTICES, 1);
-  draw_indirect(program, style.kind, GL_PATCHES, list.commands, sizeof(shared::TreeDrawCommand),
-                list.draws);
+  patches_.draw_tessellated(list, view, style, defines_for(tree, style),
+                            [&](gpu::Program& program) {
+                              program.bind("TreeVertices", tree.vertices);
+                              program.bind("PosedVertices", tree.posed);
+                              program.bind("TreeSections", tree.sections);
+                              program.bind("TreeEdges", tree.edges);
+                              program.bind("TreePatches", tree.patches);
+                              program.bind("EdgeLevels", tree.edge_levels);
+                              if (style.kind == DrawKind::kShaded) bind_images(program, tree);
+                              if (tree.snow != nullptr)
+                                program.bind_texture("height_map", *tree.snow);
+                            });
 }
 
 }  // namespace snowbough::render

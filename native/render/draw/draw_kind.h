@@ -26,13 +26,8 @@ struct DrawStyle {
   glm::vec4 wire_color{0.0f};
 };
 
-/// The program of a style, in use, with what that style needs. `capture` is `shading` without its
-/// fragments; `more`: further defines.
-gpu::Program& begin_draw(gpu::ProgramVariants& shading, gpu::ProgramVariants& capture,
-                         const DrawStyle& style, const std::vector<std::string>& more = {});
-
-/// Draws as Program::draw_indirect, with transform feedback around it where the draw is for that.
-void draw_indirect(gpu::Program& program, DrawKind kind, GLenum mode, const gpu::Buffer& commands,
-                   int64_t offset, int32_t draws);
+/// The program of a style, in use, with what that style needs. `more`: further defines.
+gpu::Program& begin_draw(gpu::ProgramVariants& programs, const DrawStyle& style,
+                         const std::vector<std::string>& more = {});
 
 }  // namespace snowbough::render

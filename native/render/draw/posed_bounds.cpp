@@ -1,4 +1,4 @@
-#include "render/posed_bounds.h"
+#include "render/draw/posed_bounds.h"
 
 #include <glm/common.hpp>
 

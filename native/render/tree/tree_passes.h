@@ -1,23 +1,20 @@
 #pragma once
 
 #include <cstdint>
-#include <glm/mat4x4.hpp>
-#include <glm/vec4.hpp>
 #include <memory>
-#include <span>
+#include <optional>
 #include <vector>
 
 #include "gpu/program.h"
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
-#include "render/draw_kind.h"
-#include "render/patch_lists.h"
-#include "render/tree_patches.h"
+#include "render/draw/draw_kind.h"
+#include "render/draw/patch_lists.h"
+#include "render/draw/patch_passes.h"
+#include "render/tree/bark_images.h"
+#include "render/tree/tree_patches.h"
 
 namespace snowbough::render {
-
-/// Rows of matrices in the order in which shaders read them: three a bone.
-std::vector<glm::vec4> bone_rows(std::span<const glm::mat4> matrices);
 
 /// A tree on the GPU: uploaded once, but for its pose.
 struct TreeBuffers {
@@ -35,6 +32,8 @@ struct TreeBuffers {
   gpu::Buffer bones;
   gpu::Buffer posed;
   gpu::Buffer edge_levels;
+  /// What its bark shows in place of its own colours, if anything.
+  std::optional<BarkImages> images;
   /// Heights of its snow: R32F; null: it carries none.
   std::shared_ptr<const gpu::Texture> snow;
   /// Most of them, metres.
@@ -51,15 +50,11 @@ class TreePasses {
   void pose(TreeBuffers& tree, const gpu::Buffer& view);
   /// The tessellation level of each edge.
   void edge_levels(TreeBuffers& tree, const gpu::Buffer& view);
-  /// Sorts patches into dropped, plain and tessellated and writes their lists and draws.
-  /// `max_level`: the highest level that an edge of the view can have.
+  /// As PatchPasses'.
   void classify(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view, float max_level);
 
-  using Kind = DrawKind;
   /// Vertices of a plain patch: two triangles.
   static constexpr int32_t kPlainVertices = 6;
-  /// Draws a list's two parts into the bound framebuffer (kCapture: into the buffer bound to
-  /// transform feedback).
   void draw_plain(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
                   const DrawStyle& style);
   void draw_tessellated(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
@@ -68,13 +63,7 @@ class TreePasses {
  private:
   gpu::ProgramVariants pose_{{"tree_pose.comp.glsl"}};
   gpu::Program edges_{{"tree_edges.comp.glsl"}};
-  gpu::Program classify_{{"tree_classify.comp.glsl"}};
-  PatchListPasses lists_;
-  gpu::ProgramVariants plain_{{"tree_plain.vert.glsl", "tree_plain.frag.glsl"}};
-  gpu::ProgramVariants plain_capture_{{"tree_plain.vert.glsl"}};
-  gpu::ProgramVariants tree_{
-      {"tree.vert.glsl", "tree.tesc.glsl", "tree.tese.glsl", "tree.frag.glsl"}};
-  gpu::ProgramVariants tree_capture_{{"tree.vert.glsl", "tree.tesc.glsl", "tree.tese.glsl"}};
+  PatchPasses patches_{"tree", kPlainVertices};
 };
 
 }  // namespace snowbough::render

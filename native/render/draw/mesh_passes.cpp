@@ -1,4 +1,4 @@
-#include "render/mesh_passes.h"
+#include "render/draw/mesh_passes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -7,7 +7,8 @@
 #include <string>
 #include <utility>
 
-#include "render/drawables.h"
+#include "render/draw/image_texture.h"
+#include "render/draw/matrix_rows.h"
 #include "shaders/lib/mesh_corner.h"
 
 namespace snowbough::render {
@@ -113,7 +114,7 @@ MeshBuffers::MeshBuffers(const MeshSource& source) {
 }
 
 void MeshBuffers::set_places(const std::vector<glm::mat4>& matrices) {
-  places_ = gpu::Buffer(bone_rows(matrices));
+  places_ = gpu::Buffer(matrix_rows(matrices));
   place_count_ = static_cast<int32_t>(matrices.size());
   bounds_ = Box();
   for (const glm::mat4& matrix : matrices) bounds_.add(own_.moved(matrix));
@@ -141,24 +142,18 @@ void MeshBuffers::set_snow(const MeshSnow& snow) {
   snow_heights_ = std::move(heights);
 }
 
-void MeshPasses::draw(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind,
-                      const gpu::Texture& shadow_map, const glm::vec4& wire_color) {
-  std::vector<std::string> defines = defines_of(kind);
-  const bool snow = kind == Kind::kShaded && mesh.snow_heights_.id() != 0;
-  if (snow) defines.emplace_back("SNOW");
-  gpu::Program& program = mesh_.with(defines);
+void MeshPasses::draw(MeshBuffers& mesh, const gpu::Buffer& view, const DrawStyle& style) {
+  const bool shaded = style.kind == DrawKind::kShaded;
+  const bool snow = shaded && mesh.snow_heights_.id() != 0;
   for (MeshBuffers::Piece& piece : mesh.pieces_) {
     const MeshBuffers::DrawnMaterial& material = mesh.materials_[piece.material];
-    program.use();
+    gpu::Program& program = begin_draw(
+        mesh_, style, snow ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{});
     program.bind("ViewBlock", view);
     program.bind("MeshCorners", piece.corners);
     program.bind("MeshPlaces", mesh.places_);
     program.bind_texture("image", material.image);
-    if (kind == Kind::kShaded) {
-      program.bind_texture("shadow_map", shadow_map);
-      program.set("mesh_color", vec4(material.color, 1.0f));
-    }
-    if (kind == Kind::kWire) program.set("wire_color", wire_color);
+    if (shaded) program.set("image_color", vec4(material.color, 1.0f));
     if (snow) {
       program.bind("SnowCorners", piece.snow_corners);
       program.bind_texture("snow_heights", mesh.snow_heights_);

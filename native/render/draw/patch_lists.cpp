@@ -1,4 +1,4 @@
-#include "render/patch_lists.h"
+#include "render/draw/patch_lists.h"
 
 #include <algorithm>
 #include <cmath>

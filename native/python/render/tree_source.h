@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "numpy_arrays.h"
+#include "python/numpy_arrays.h"
 #include "render/sources.h"
 #include "tree/skeleton/tree_mesh.h"
 

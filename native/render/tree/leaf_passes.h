@@ -6,8 +6,8 @@
 
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
+#include "render/draw/draw_kind.h"
 #include "render/sources.h"
-#include "render/tree_passes.h"
 
 namespace snowbough::render {
 
@@ -27,18 +27,12 @@ struct LeafBuffers {
   gpu::Buffer vertices;
 };
 
-/// An image as shaders sample it: repeated, filtered, linear. `what` names it in messages. GPU
-/// thread. @throws std::invalid_argument where its bytes do not fit its size.
-gpu::Texture image_texture(const Image& image, const char* what);
-
 /// Draws leaves. Kinds as the tree's, without kCapture. GPU thread.
-class DrawablePasses {
+class LeafPasses {
  public:
-  using Kind = TreePasses::Kind;
-
   /// `bones`: three rows a bone.
-  void draw_leaves(LeafBuffers& leaves, const gpu::Buffer& bones, const gpu::Buffer& view,
-                   Kind kind, const gpu::Texture& shadow_map, const glm::vec4& wire_color);
+  void draw(LeafBuffers& leaves, const gpu::Buffer& bones, const gpu::Buffer& view,
+            const DrawStyle& style);
 
  private:
   gpu::ProgramVariants leaves_{{"leaves.vert.glsl", "leaves.frag.glsl"}};

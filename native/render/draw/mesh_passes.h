@@ -9,10 +9,9 @@
 
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
-#include "render/draw_kind.h"
-#include "render/posed_bounds.h"
+#include "render/draw/draw_kind.h"
+#include "render/draw/posed_bounds.h"
 #include "render/sources.h"
-#include "render/tree_passes.h"
 
 namespace snowbough::render {
 
@@ -59,10 +58,7 @@ class MeshBuffers {
 /// Draws meshes. Kinds as the tree's, without kCapture. GPU thread.
 class MeshPasses {
  public:
-  using Kind = DrawKind;
-
-  void draw(MeshBuffers& mesh, const gpu::Buffer& view, Kind kind, const gpu::Texture& shadow_map,
-            const glm::vec4& wire_color);
+  void draw(MeshBuffers& mesh, const gpu::Buffer& view, const DrawStyle& style);
 
  private:
   gpu::ProgramVariants mesh_{{"mesh.vert.glsl", "mesh.frag.glsl"}};

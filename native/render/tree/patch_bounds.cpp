@@ -1,4 +1,4 @@
-#include "render/patch_bounds.h"
+#include "render/tree/patch_bounds.h"
 
 #include <algorithm>
 #include <array>

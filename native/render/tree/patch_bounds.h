@@ -1,6 +1,6 @@
 #pragma once
 
-#include "render/tree_patches.h"
+#include "render/tree/tree_patches.h"
 
 namespace snowbough::render {
 

@@ -1,0 +1,33 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Flakes in the air, by the engine's own settings and the direction and flutter of the scene's snow."""
+
+import math
+
+from ..bake.plan import fall_direction
+from ..scene.pose import metres_per_unit
+from .records import Flakes
+
+SECONDS_AN_HOUR = 3600.0
+# As the renderer takes it.
+MOST_FLUTTER = 45.0
+
+
+def flakes_of(scene):
+    """The records.Flakes of an evaluated scene's frame; None where it shows none."""
+    options, snow = scene.snowbough_realtime, scene.snowbough
+    rate = options.flake_rate / SECONDS_AN_HOUR * snow.rate
+    if not options.show_flakes or rate <= 0.0:
+        return None
+    render = scene.render
+    fps = render.fps / render.fps_base
+    return Flakes(
+        rate=rate,
+        direction=tuple(fall_direction(snow.fall_angle, snow.bearing)),
+        speed=options.flake_speed,
+        flutter=min(math.degrees(snow.flutter), MOST_FLUTTER),
+        radius=options.flake_radius,
+        shutter=min(render.motion_blur_shutter / fps, 1.0),
+        time=scene.frame_current_final / fps,
+        seed=snow.seed,
+        metre=1.0 / metres_per_unit(scene),
+    )

@@ -1,0 +1,62 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What an imported tree keeps of its bark's images: where they lie on the four-sided base that the real-time renderer
+draws, and which material its quads have.
+
+It lies on the armature's data (``armature.snowbough_bark``), beside the skeleton that the base is built from.
+"""
+
+import base64
+import zlib
+from typing import NamedTuple
+
+import bpy
+import numpy as np
+
+FORMAT = b"bark 1\n"
+
+
+class KeptBark(NamedTuple):
+    uv: np.ndarray
+    """(Q, 4, 2) float32: the export's own texture coordinates."""
+    slots: np.ndarray
+    """(Q,) int32: material slots of the finest bark object."""
+
+
+def keep(armature, base, finest):
+    """Writes a native_tree.BarkMesh of lod=0 onto a new armature; finest: the one whose object has the slots.
+    Where no piece has coordinates, nothing is kept."""
+    if base.original_uv is None:
+        return
+    count = 1 + max(int(made.face_material.max(initial=-1)) for made in (base, finest))
+    # As objects.create_bark fills the slots: those in use in their order, faces without a material last.
+    used = np.unique(finest.face_material % (count + 1))
+    slots = np.searchsorted(used, base.face_material % (count + 1)).clip(max=len(used) - 1)
+    data = slots.astype("<i4").tobytes() + np.ascontiguousarray(base.original_uv, "<f4").tobytes()
+    armature.snowbough_bark = base64.b85encode(zlib.compress(FORMAT + data, 6)).decode("ascii")
+
+
+def kept(armature):
+    """The KeptBark of an armature; None where it keeps none that can be read."""
+    if not armature.snowbough_bark:
+        return None
+    try:
+        data = zlib.decompress(base64.b85decode(armature.snowbough_bark))
+    except (ValueError, zlib.error):
+        return None
+    data = data[len(FORMAT) :] if data.startswith(FORMAT) else b""
+    quads, rest = divmod(len(data), 4 + 32)
+    if not quads or rest:
+        return None
+    slots = np.frombuffer(data, "<i4", quads).astype(np.int32)
+    uv = np.frombuffer(data, "<f4", offset=4 * quads).astype(np.float32)
+    return KeptBark(uv.reshape(quads, 4, 2), slots)
+
+
+def register():
+    bpy.types.Armature.snowbough_bark = bpy.props.StringProperty(
+        name="Bark", description="Where the bark's images lie on the tree's base", options={"HIDDEN"}
+    )
+
+
+def unregister():
+    del bpy.types.Armature.snowbough_bark

@@ -1,0 +1,156 @@
+#include <pybind11/stl.h>
+
+#include <optional>
+
+#include "python/choose.h"
+#include "python/render/arrays.h"
+#include "python/render/bind_parts.h"
+#include "render/view.h"
+
+namespace snowbough::python {
+namespace {
+
+using namespace snowbough::render;
+
+/// Binds a struct of options whose fields keywords set, in the constructor or one by one.
+template <typename Options>
+class OptionsClass {
+ public:
+  OptionsClass(py::module_& module, const char* name, const char* doc) : class_(module, name, doc) {
+    class_.def(py::init([](const py::kwargs& values) {
+      py::object made = py::cast(Options{});
+      for (const auto& [key, value] : values) {
+        const auto field = py::cast<std::string>(key);
+        if (!py::hasattr(made, key)) throw py::type_error("there is no setting '" + field + "'");
+        py::setattr(made, key, value);
+      }
+      return made.cast<Options>();
+    }));
+  }
+  template <typename Value>
+  OptionsClass& field(const char* name, Value Options::*member, const char* doc) {
+    class_.def_readwrite(name, member, doc);
+    return *this;
+  }
+  OptionsClass& field(const char* name, glm::vec3 Options::*member, const char* doc) {
+    class_.def_property(
+        name,
+        [member](const Options& self) {
+          const glm::vec3& v = self.*member;
+          return py::make_tuple(v.x, v.y, v.z);
+        },
+        [member](Options& self, const Vec3& value) { self.*member = to_vec3(value); }, doc);
+    return *this;
+  }
+  py::class_<Options>& python() { return class_; }
+
+ private:
+  py::class_<Options> class_;
+};
+
+/// A 4 x 4 matrix, rows first as numpy writes them, or None.
+template <typename Options>
+void matrix_field(OptionsClass<Options>& to, const char* name,
+                  std::optional<glm::mat4> Options::*member, const char* doc) {
+  to.python().def_property(
+      name,
+      [member](const Options& self) -> py::object {
+        const std::optional<glm::mat4>& matrix = self.*member;
+        if (!matrix) return py::none();
+        const glm::mat4 rows = glm::transpose(*matrix);
+        return py::array_t<float>({4, 4}, &rows[0][0]);
+      },
+      [member](Options& self, const py::object& value) {
+        (self.*member).reset();
+        if (value.is_none()) return;
+        const auto rows = py::cast<InputArray<float>>(value);
+        require_shape(rows, {4, 4}, "a matrix");
+        self.*member = glm::transpose(elements<glm::mat4>(rows)[0]);
+      },
+      doc);
+}
+
+}  // namespace
+
+void bind_render_options(py::module_& module) {
+  OptionsClass<Camera> camera(module, "Camera",
+                              "A camera, its fields set by keyword: a pinhole, or whatever two "
+                              "matrices say. Metres, radians.");
+  camera.field("eye", &Camera::eye, "Where it stands, (3,).")
+      .field("target", &Camera::target, "What it looks at, (3,).")
+      .field("up", &Camera::up, "What is up in the picture, (3,).")
+      .field("field_of_view", &Camera::field_of_view, "From the bottom to the top, radians.")
+      .field("near", &Camera::near, "Metres; 0: from the scene's size.")
+      .field("far", &Camera::far, "Metres; 0: from the scene's size.")
+      .field("width", &Camera::width, "Pixels.")
+      .field("height", &Camera::height, "Pixels.");
+  matrix_field(
+      camera, "view", &Camera::view,
+      "(4, 4) from the world to the camera's space, as OpenGL's; with `projection` instead "
+      "of all but the size.");
+  matrix_field(camera, "projection", &Camera::projection,
+               "(4, 4) from the camera's space to clip space, in perspective or orthographic.");
+  OptionsClass<Snowfall>(module, "Snowfall",
+                         "Flakes in the air, its fields set by keyword. Metres, seconds.")
+      .field("rate", &Snowfall::rate, "Depth on open level ground in a second; 0: no flakes.")
+      .field("direction", &Snowfall::direction, "In which they fall, downwards, (3,).")
+      .field("speed", &Snowfall::speed, "Metres a second.")
+      .field("flutter", &Snowfall::flutter, "Degrees by which they stray, 0 to 45.")
+      .field("radius", &Snowfall::radius, "Of a flake, metres.")
+      .field("metre", &Snowfall::metre, "A metre in the scene's units.")
+      .field("shutter", &Snowfall::shutter, "How long the picture is exposed, seconds.")
+      .field("time", &Snowfall::time, "Of the picture, seconds.")
+      .field("seed", &Snowfall::seed, "The same seed and time give the same flakes.");
+  OptionsClass<RenderSettings> settings(module, "RenderSettings",
+                                        "How a picture is made, its fields set by keyword.");
+  settings
+      .field("max_level", &RenderSettings::max_level,
+             "Most parts of an edge, 1 to 64; 1: all plain.")
+      .field("target_pixels", &RenderSettings::target_pixels,
+             "SCREEN: pixels that a part of an edge covers.")
+      .field("min_pixels", &RenderSettings::min_pixels,
+             "Patches that cover fewer pixels are dropped; 0: none.")
+      .field("max_distance", &RenderSettings::max_distance,
+             "THESIS: metres at which the level has come down to 1.")
+      .field("max_area", &RenderSettings::max_area,
+             "THESIS: m2 at which the level is highest; 0: the tree's largest patch.")
+      .field("snow_factor", &RenderSettings::snow_factor,
+             "THESIS, of snow: m of tf = clamp(max(n.up, 0) * m * A, 1, max).")
+      .field("wireframe", &RenderSettings::wireframe, "Lines, those behind hidden.")
+      .field("cull_back_faces", &RenderSettings::cull_back_faces,
+             "Leaves out bark seen from its back.")
+      .field("antialias", &RenderSettings::antialias, "Means of 2 x 2 pixels.")
+      .field("draft", &RenderSettings::draft,
+             "Of frames: keeps the shadow map of the frame before where only the camera moved.")
+      .field("sun_direction", &RenderSettings::sun_direction, "Towards the sun, (3,).")
+      .field("sun_color", &RenderSettings::sun_color, "Linear light on what faces the sun.")
+      .field("sky_color", &RenderSettings::sky_color, "Linear light on what faces up.")
+      .field("ground_color", &RenderSettings::ground_color, "Linear light on what faces down.")
+      .field("snowfall", &RenderSettings::snowfall,
+             "Falling flakes, a Snowfall; not in wireframes.")
+      .field("shadow_resolution", &RenderSettings::shadow_resolution,
+             "Edge of the shadow map in texels; 0: no shadows.");
+  settings.python().def_property(
+      "background",
+      [](const RenderSettings& self) -> py::object {
+        if (!self.background) return py::none();
+        return py::make_tuple(self.background->x, self.background->y, self.background->z);
+      },
+      [](RenderSettings& self, const std::optional<Vec3>& value) {
+        self.background.reset();
+        if (value) self.background = to_vec3(*value);
+      },
+      "Linear light behind everything, (3,); None: the sky's.");
+  settings.python().def_property(
+      "metric",
+      [](const RenderSettings& self) {
+        return self.metric == Metric::kThesis ? "THESIS" : "SCREEN";
+      },
+      [](RenderSettings& self, const std::string& value) {
+        self.metric = choose<Metric>("metric", value,
+                                     {{"THESIS", Metric::kThesis}, {"SCREEN", Metric::kScreen}});
+      },
+      "SCREEN: parts of edges cover target_pixels; THESIS: the thesis's eq. 3.4.1.");
+}
+
+}  // namespace snowbough::python

@@ -1,0 +1,119 @@
+#include <pybind11/stl.h>
+
+#include <utility>
+
+#include "python/bound_mesh.h"
+#include "python/render/arrays.h"
+#include "python/render/bind_parts.h"
+#include "python/render/tree_source.h"
+
+namespace snowbough::python {
+namespace {
+
+using namespace snowbough::render;
+
+void add_tree(Renderer& renderer, const std::string& name, const py::object& tree, float bark_depth,
+              const Vec3& bark_dark, const Vec3& bark_light) {
+  const TreeSource source = py::isinstance<py::dict>(tree)
+                                ? tree_source(py::cast<py::dict>(tree))
+                                : tree_source(py::cast<const BoundMesh&>(tree).mesh);
+  const py::gil_scoped_release release;
+  renderer.add_tree(name, source, {bark_depth, to_vec3(bark_dark), to_vec3(bark_light)});
+}
+
+void set_pose(Renderer& renderer, const std::string& tree, const InputArray<float>& matrices) {
+  const std::vector<glm::mat4> columns = matrices_of(matrices);
+  const py::gil_scoped_release release;
+  renderer.set_pose(tree, columns);
+}
+
+void set_bark(Renderer& renderer, const std::string& tree, const InputArray<float>& uv,
+              const InputArray<int32_t>& materials, const std::vector<Vec3>& colors,
+              const std::vector<py::object>& images) {
+  require_shape(uv, {-1, 4, 2}, "uv");
+  require_shape(materials, {uv.shape(0)}, "materials");
+  const BarkSource source{elements<std::array<glm::vec2, 4>>(uv), elements<int32_t>(materials),
+                          materials_of(colors, images)};
+  const py::gil_scoped_release release;
+  renderer.set_bark(tree, source);
+}
+
+void set_leaves(Renderer& renderer, const std::string& tree, const InputArray<float>& triangles,
+                const InputArray<int32_t>& bones, const py::object& uv, const py::object& materials,
+                const std::vector<Vec3>& colors, const std::vector<py::object>& images) {
+  require_shape(triangles, {-1, 3, 3}, "triangles");
+  const py::ssize_t count = triangles.shape(0);
+  require_shape(bones, {count}, "bones");
+  LeafSource source;
+  source.positions = elements<glm::vec3>(triangles);
+  source.bone = elements<int32_t>(bones);
+  source.uv.resize(source.positions.size(), glm::vec2(0.0f));
+  source.material.resize(source.bone.size(), 0);
+  if (!uv.is_none()) {
+    const auto array = py::cast<InputArray<float>>(uv);
+    require_shape(array, {count, 3, 2}, "uv");
+    source.uv = elements<glm::vec2>(array);
+  }
+  if (!materials.is_none()) {
+    const auto array = py::cast<InputArray<int32_t>>(materials);
+    require_shape(array, {count}, "materials");
+    source.material = elements<int32_t>(array);
+  }
+  source.materials = materials_of(colors, images);
+  const py::gil_scoped_release release;
+  renderer.set_leaves(tree, source);
+}
+
+py::dict levels(const Renderer& renderer, const std::string& tree) {
+  TreeLevels found;
+  {
+    const py::gil_scoped_release release;
+    found = renderer.levels(tree);
+  }
+  const auto count = static_cast<py::ssize_t>(found.classes.size());
+  py::dict dict;
+  dict["class"] = to_numpy<uint32_t>(std::move(found.classes), {count});
+  dict["edge"] = to_numpy<float>(std::move(found.edges), {count, 4});
+  return dict;
+}
+
+}  // namespace
+
+void bind_render_trees(py::module_& module, RendererClass& to) {
+  using namespace py::literals;
+  module.def(
+      "tree_arrays", [](const BoundMesh& mesh) { return tree_arrays(tree_source(mesh.mesh)); },
+      "mesh"_a,
+      "What Renderer.add_tree needs of a TreeMesh of lod=0, as arrays by name that a file can "
+      "keep.");
+  to.def("add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
+         "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
+         "Adds a TreeMesh of lod=0, or what tree_arrays gave for it, in its rest pose. "
+         "bark_depth: how far bark rises and falls, "
+         "as a\n"
+         "share of the limb's radius, 0 to 1; colours are linear.")
+      .def("set_bark", &set_bark, "tree"_a, "uv"_a, "materials"_a, "colors"_a,
+           "images"_a = std::vector<py::object>{},
+           "Lets a tree's bark show images in place of its two colours: coordinates uv (Q, 4, 2) "
+           "of the corners\n"
+           "of the base's quads, materials (Q,), colors and images as set_leaves's. The bark's "
+           "relief stays.")
+      .def("set_pose", &set_pose, "tree"_a, "matrices"_a,
+           "Poses a tree: (B, 4, 4), for each bone what takes its rest pose to the pose.")
+      .def(
+          "set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
+          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
+          "images"_a = std::vector<py::object>{},
+          "Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) that "
+          "each\n"
+          "hangs on, texture coordinates uv (T, 3, 2), materials (T,) as indices into colors\n"
+          "(linear) and images ((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). "
+          "What\n"
+          "is less than half there by its alpha is a hole.")
+      .def("levels", &levels, "tree"_a,
+           "Of the last picture, for the quads of the tree's mesh: 'class' (F,), 0 dropped, 1 "
+           "plain, 2\n"
+           "tessellated, and 'edge' (F, 4), the level of the edge from each corner to the next.");
+}
+
+}  // namespace snowbough::python

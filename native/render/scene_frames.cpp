@@ -1,0 +1,343 @@
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <stdexcept>
+
+#include "render/scene.h"
+
+namespace snowbough::render {
+namespace {
+
+using glm::vec3;
+using glm::vec4;
+
+const vec4 kPaper(1.0f, 1.0f, 1.0f, 1.0f);
+const vec4 kInk(0.05f, 0.08f, 0.15f, 1.0f);
+/// Pixels of a work group's side.
+constexpr int32_t kTileSize = 8;
+
+/// Where in a pixel's tent filter, two pixels wide, a sample of a frame lies.
+/// Source: M. Roberts, The Unreasonable Effectiveness of Quasirandom Sequences, 2018.
+glm::vec2 sample_offset(int32_t index) {
+  const auto tent = [&](double step) {
+    const double share = std::fmod(0.5 + step * index, 1.0);
+    return static_cast<float>(share < 0.5 ? std::sqrt(2.0 * share) - 1.0
+                                          : 1.0 - std::sqrt(2.0 * (1.0 - share)));
+  };
+  return {tent(0.7548776662466927), tent(0.5698402909980532)};
+}
+
+/// Sets what the passes need and puts it back, because snow shares the context.
+class DrawState {
+ public:
+  DrawState() {
+    glEnable(GL_DEPTH_TEST);
+    glDepthFunc(GL_LESS);
+    glDepthMask(GL_TRUE);
+    glDisable(GL_BLEND);
+  }
+  ~DrawState() {
+    glDisable(GL_DEPTH_TEST);
+    glDisable(GL_CULL_FACE);
+    glDisable(GL_POLYGON_OFFSET_FILL);
+    glDisable(GL_RASTERIZER_DISCARD);
+    glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+    glBindFramebuffer(GL_FRAMEBUFFER, 0);
+    glBindVertexArray(0);
+  }
+  DrawState(const DrawState&) = delete;
+  DrawState& operator=(const DrawState&) = delete;
+};
+
+float encoded(float linear) {
+  const float c = std::clamp(linear, 0.0f, 1.0f);
+  return c <= 0.0031308f ? 12.92f * c : 1.055f * std::pow(c, 1.0f / 2.4f) - 0.055f;
+}
+
+}  // namespace
+
+bool Scene::ShadowInputs::sees(const ShadowInputs& before, bool roughly) const {
+  const bool same_sun = scene == before.scene && resolution == before.resolution &&
+                        shadow_from_world == before.shadow_from_world;
+  const bool same_levels = eye == before.eye && level == before.level && drop == before.drop &&
+                           max_level == before.max_level && thesis == before.thesis;
+  return same_sun && (roughly || same_levels);
+}
+
+shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& settings,
+                                    bool linear) {
+  Bounds around = bounds();
+  // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
+  around.reach =
+      meshes_.empty() && receivers_.empty() ? around.radius : std::numeric_limits<float>::max();
+  const shared::TreeView base = camera_view(camera, settings, around, linear);
+  const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
+    buffer.write(0, sizeof view, &view);
+  };
+  write(camera_view_, base);
+  write(sun_view_, sun_view(base));
+  for (const auto& [name, of] : trees_) {
+    shared::TreeView view = base;
+    if (settings.max_area == 0.0f) view.thesis.y = of->largest_area;
+    view.thesis.z = static_cast<float>(of->levels);
+    view.bark_dark = vec4(of->look.bark_dark, 1.0f);
+    view.bark_light = vec4(of->look.bark_light, 1.0f);
+    view.snow.y = of->buffers.deepest_snow;
+    write(of->camera_view, view);
+    write(of->sun_view, sun_view(view));
+  }
+  return base;
+}
+
+void Scene::draw_shadows(const RenderSettings& settings) {
+  const int32_t size = std::max(settings.shadow_resolution, 1);
+  const Target& target = shadow_.of_size(size, size);
+  shadow_map_ = &target.depth;
+  target.begin(0.0f, 0.0f, 0.0f);
+  if (settings.shadow_resolution == 0) return;
+  const auto measured = timer_.measure("shadow");
+  glDisable(GL_CULL_FACE);
+  const DrawStyle style{Kind::kDepth, shadow_map_, kInk};
+  for (const auto& [name, of] : trees_) {
+    PatchList& list = of->buffers.sun;
+    passes_.classify(of->buffers, list, of->sun_view, settings.max_level);
+    passes_.draw_plain(of->buffers, list, of->sun_view, style);
+    passes_.draw_tessellated(of->buffers, list, of->sun_view, style);
+    if (of->leaves) {
+      leaf_passes_.draw(*of->leaves, of->buffers.bones, of->sun_view, style);
+    }
+  }
+  for (const auto& [name, of] : receivers_) {
+    PatchList& list = of->buffers.sun;
+    snow_.classify(of->buffers, list, sun_view_, settings.max_level);
+    snow_.draw_plain(of->buffers, list, sun_view_, style);
+    snow_.draw_tessellated(of->buffers, list, sun_view_, style);
+  }
+  for (const auto& [name, mesh] : meshes_) {
+    mesh_passes_.draw(*mesh, sun_view_, style);
+  }
+}
+
+void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured) {
+  const auto pass = [&](const char* name, auto&& work) {
+    if (!measured) return work();
+    const auto timed = timer_.measure(name);
+    work();
+  };
+  (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
+  pass("plain", [&] {
+    for (const auto& [name, of] : trees_) {
+      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
+    }
+  });
+  pass("tessellated", [&] {
+    for (const auto& [name, of] : trees_) {
+      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
+    }
+  });
+  glDisable(GL_CULL_FACE);
+  pass("leaves", [&] {
+    for (const auto& [name, of] : trees_) {
+      if (of->leaves) {
+        leaf_passes_.draw(*of->leaves, of->buffers.bones, of->camera_view, style);
+      }
+    }
+  });
+  draw_snow(style, measured, false);
+  pass("meshes", [&] {
+    for (const auto& [name, mesh] : meshes_) {
+      mesh_passes_.draw(*mesh, camera_view_, style);
+    }
+  });
+  draw_snow_layers(style, measured);
+}
+
+void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
+  DrawStyle style{Kind::kShaded, shadow_map_, kInk};
+  if (!settings.wireframe) {
+    const vec3 sky = settings.background.value_or(settings.sky_color);
+    const vec3 clear = linear ? sky : vec3(encoded(sky.r), encoded(sky.g), encoded(sky.b));
+    target.begin(clear.r, clear.g, clear.b);
+    draw_all(style, settings.cull_back_faces, true);
+    if (settings.snowfall.rate > 0.0f) {
+      const auto measured = timer_.measure("flakes");
+      flakes_.draw(settings.snowfall, camera_view_);
+    }
+    return;
+  }
+  target.begin(1.0f, 1.0f, 1.0f);
+  glEnable(GL_POLYGON_OFFSET_FILL);
+  glPolygonOffset(1.0f, 1.0f);
+  style.kind = Kind::kWire;
+  style.wire_color = kPaper;
+  draw_all(style, settings.cull_back_faces, false);
+  glDisable(GL_POLYGON_OFFSET_FILL);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_LINE);
+  style.wire_color = kInk;
+  draw_all(style, settings.cull_back_faces, true);
+  glPolygonMode(GL_FRONT_AND_BACK, GL_FILL);
+}
+
+void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
+                       KeptTarget& large, bool linear, Shadows shadows) {
+  const DrawState state;
+  glBindVertexArray(no_vertices_.id());
+  Camera of_pixels = camera;
+  RenderSettings for_pixels = settings;
+  if (settings.antialias) {
+    of_pixels.width *= 2;
+    of_pixels.height *= 2;
+    for_pixels.target_pixels *= 2.0f;
+    for_pixels.min_pixels *= 2.0f;
+  }
+  const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
+  prepare_trees(settings);
+  prepare_snow(settings);
+  const ShadowInputs inputs{revision_,
+                            settings.shadow_resolution,
+                            view.shadow_from_world,
+                            vec3(view.eye),
+                            view.eye.w / view.tessellation.z,
+                            view.eye.w / view.tessellation.w,
+                            view.tessellation.y,
+                            view.thesis};
+  const bool stays = shadows == Shadows::kKeep || (shadows == Shadows::kIfOther && shadow_inputs_ &&
+                                                   inputs.sees(*shadow_inputs_, settings.draft));
+  if (!stays) {
+    draw_shadows(settings);
+    shadow_inputs_ = inputs;
+  }
+  if (settings.antialias) {
+    const Target& twice = large.of_size(of_pixels.width, of_pixels.height);
+    draw_picture(twice, settings, linear);
+    halve(twice, target);
+  } else {
+    draw_picture(target, settings, linear);
+  }
+}
+
+Picture Scene::render(const Camera& camera, const RenderSettings& settings) {
+  const auto started = std::chrono::steady_clock::now();
+  timer_.take();
+  const Target& picture = picture_.of_size(camera.width, camera.height);
+  draw_frame(camera, settings, picture, large_, false, Shadows::kDraw);
+  Picture made{camera.width, camera.height, read_color(picture)};
+
+  statistics_.emplace();
+  statistics_->wall_seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - started).count();
+  statistics_->passes = timer_.take();
+  for (const gpu::PassTime& pass : statistics_->passes) {
+    if (pass.name != "shadow") statistics_->triangles += static_cast<int64_t>(pass.primitives);
+  }
+  count_all_patches();
+  return made;
+}
+
+const gpu::Texture& Scene::draw_light(const Camera& camera, const RenderSettings& settings,
+                                      Shadows shadows) {
+  const Target& picture = light_.of_size(camera.width, camera.height);
+  timer_.set_enabled(false);
+  draw_frame(camera, settings, picture, large_light_, true, shadows);
+  timer_.set_enabled(true);
+  return picture.color;
+}
+
+LightPicture Scene::render_light(const Camera& camera, const RenderSettings& settings,
+                                 int32_t samples) {
+  const gpu::Texture sum(GL_RGBA32F, camera.width, camera.height);
+  Camera of_sample = camera;
+  for (int32_t i = 0; i < samples; ++i) {
+    if (samples > 1) of_sample.jitter = camera.jitter + sample_offset(i);
+    const gpu::Texture& light =
+        draw_light(of_sample, settings, i == 0 ? Shadows::kDraw : Shadows::kKeep);
+    sum_.use();
+    sum_.bind_texture("light", light);
+    sum_.bind_image("sum", sum, GL_READ_WRITE);
+    sum_.set("weight", 1.0f / static_cast<float>(samples));
+    sum_.dispatch(gpu::group_count(camera.width, kTileSize),
+                  gpu::group_count(camera.height, kTileSize));
+    glMemoryBarrier(GL_SHADER_IMAGE_ACCESS_BARRIER_BIT | GL_TEXTURE_UPDATE_BARRIER_BIT);
+  }
+  LightPicture made{camera.width, camera.height, {}};
+  made.rgba.resize(static_cast<size_t>(camera.width) * camera.height * 4);
+  sum.read(0, GL_RGBA, GL_FLOAT, static_cast<int64_t>(made.rgba.size() * sizeof(float)),
+           made.rgba.data());
+  return made;
+}
+
+FrameStatistics Scene::statistics() const {
+  if (!statistics_) throw std::runtime_error("statistics: render a picture first");
+  return *statistics_;
+}
+
+void Scene::count_all_patches() {
+  const auto add = [&](const PatchCounts& counts) {
+    statistics_->dropped += counts.dropped;
+    statistics_->plain += counts.plain;
+    statistics_->tessellated += counts.tessellated;
+  };
+  for (const auto& [name, of] : trees_) {
+    add(count_patches(of->buffers.camera, TreePasses::kPlainVertices));
+  }
+  for (const auto& [name, of] : receivers_) {
+    add(count_patches(of->buffers.camera, SnowPasses::kPlainVertices));
+  }
+}
+
+std::vector<vec3> Scene::captured(const PatchList& list,
+                                  const std::function<void(Kind)>& draw_plain,
+                                  const std::function<void(Kind)>& draw_tessellated) {
+  timer_.take();
+  {
+    const auto counted = timer_.measure("count");
+    draw_plain(Kind::kDepth);
+    draw_tessellated(Kind::kDepth);
+  }
+  const uint64_t count = timer_.take()[0].primitives;
+  const gpu::Buffer positions(static_cast<int64_t>(3 * count * sizeof(vec3)));
+  const auto plain_corners = list.commands.read_all<shared::TreeDrawCommand>()[0].count;
+  const auto split = static_cast<int64_t>(plain_corners * sizeof(vec3));
+  const auto into = [&](int64_t offset, int64_t bytes, const std::function<void(Kind)>& draw) {
+    if (bytes == 0) return;
+    glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, positions.id(), offset, bytes);
+    draw(Kind::kCapture);
+  };
+  into(0, split, draw_plain);
+  into(split, positions.bytes() - split, draw_tessellated);
+  glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
+  return positions.read_all<vec3>();
+}
+
+std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
+                                   const RenderSettings& settings) {
+  const bool is_receiver = receivers_.count(name) != 0;
+  if (!is_receiver) tree(name);
+  const DrawState state;
+  glBindVertexArray(no_vertices_.id());
+  // Nothing is drawn, yet draws want a framebuffer.
+  nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
+  glEnable(GL_RASTERIZER_DISCARD);
+  write_views(camera, settings, false);
+  const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
+  if (is_receiver) {
+    SnowBuffers& of = receiver(name).buffers;
+    snow_.lay(of);
+    snow_.edge_levels(of, camera_view_);
+    snow_.classify(of, of.camera, camera_view_, settings.max_level);
+    return captured(
+        of.camera, [&](Kind kind) { snow_.draw_plain(of, of.camera, camera_view_, style(kind)); },
+        [&](Kind kind) { snow_.draw_tessellated(of, of.camera, camera_view_, style(kind)); });
+  }
+  Tree& of = tree(name);
+  PatchList& list = of.buffers.camera;
+  passes_.pose(of.buffers, of.camera_view);
+  passes_.edge_levels(of.buffers, of.camera_view);
+  passes_.classify(of.buffers, list, of.camera_view, settings.max_level);
+  return captured(
+      list, [&](Kind kind) { passes_.draw_plain(of.buffers, list, of.camera_view, style(kind)); },
+      [&](Kind kind) { passes_.draw_tessellated(of.buffers, list, of.camera_view, style(kind)); });
+}
+
+}  // namespace snowbough::render
