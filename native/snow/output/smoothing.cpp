@@ -94,7 +94,7 @@ class Smoother::Works {
 /// Makes a level's arrays unless they are there, all 0.
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
-    level.loose.resize(grid_.levels[number].link_other.size());
+    level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
     level.stray_joins.resize(grid_.levels[number].strays.size());
   };
   if (number < levels_.size()) {
@@ -111,16 +111,20 @@ void Smoother::make_level(size_t number) {
     values->assign(count, 0.0f);
   }
   if (number > 0) level.before.assign(count, 0.0f);
+  if (number == 0) level.edges.assign(4 * count, 0);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
+}
+
+int32_t Smoother::band_count(const SmoothingLevel& grid) const {
+  return grid.size <= kSmallLevel ? 1 : threads_;
 }
 
 void Smoother::for_each_row_band(
     const SmoothingLevel& grid,
-    const std::function<void(int32_t first, int32_t last)>& work) const {
-  const int32_t threads = grid.size <= kSmallLevel ? 1 : threads_;
-  base::parallel_for(threads, [&](size_t part, size_t parts) {
+    const std::function<void(size_t band, int32_t first, int32_t last)>& work) const {
+  base::parallel_for(band_count(grid), [&](size_t part, size_t parts) {
     const auto rows = static_cast<size_t>(grid.size);
-    work(static_cast<int32_t>(rows * part / parts),
+    work(part, static_cast<int32_t>(rows * part / parts),
          static_cast<int32_t>(rows * (part + 1) / parts));
   });
 }
@@ -128,7 +132,7 @@ void Smoother::for_each_row_band(
 void Smoother::for_each_run(size_t number,
                             const std::function<void(int32_t row, Run run)>& work) const {
   const Level& level = levels_[number];
-  for_each_row_band(grid_.levels[number], [&](int32_t first, int32_t last) {
+  for_each_row_band(grid_.levels[number], [&](size_t, int32_t first, int32_t last) {
     for (int32_t y = first; y < last; ++y) {
       for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) work(y, level.runs[r]);
     }
@@ -141,6 +145,14 @@ void Smoother::clear_runs(size_t number) {
   for (const Run& run : level.runs) {
     for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
       std::fill(level.at(*values) + run.begin, level.at(*values) + run.end, 0.0f);
+    }
+  }
+  if (number == 0) {
+    const EdgeArrays edges = edge_arrays(level);
+    for (const Run& run : level.runs) {
+      for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
+        std::fill(values + run.begin, values + run.end, uint8_t{0});
+      }
     }
   }
   level.runs.clear();
@@ -179,6 +191,35 @@ void Smoother::load(const std::vector<float>& map) {
   });
 }
 
+void Smoother::open_loose_links(
+    size_t number, const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed) {
+  Level& level = levels_[number];
+  const SmoothingLevel& grid = grid_.levels[number];
+  const float* const height = level.at(level.height);
+  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
+    auto& [cells, links] = level.loose[band];
+    cells.clear();
+    links.clear();
+    for (int32_t y = first; y < last; ++y) {
+      if (level.run_row[y] == level.run_row[y + 1]) continue;
+      for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
+        const int32_t cell = grid.link_cell[k];
+        if (height[cell] == 0.0f) continue;
+        const size_t before = links.size();
+        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
+          const int32_t other = grid.link_other[t];
+          if (is_open(height[cell], height[other])) {
+            links.push_back({other, grid.link_weight[t], grid.link_closeness[t], 0.0f});
+          } else if (on_closed) {
+            on_closed(y, cell, t);
+          }
+        }
+        if (links.size() > before) cells.push_back({cell, static_cast<int32_t>(links.size())});
+      }
+    }
+  });
+}
+
 float Smoother::conduct(size_t number) {
   Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
@@ -186,7 +227,8 @@ float Smoother::conduct(size_t number) {
   const float* const height = level.at(level.height);
   const float* const inverse = level.at(level.inverse_weight);
   std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
-  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+  std::vector<float> loose_largest(level.loose.size(), 0.0f);
+  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
     for (int32_t y = first; y < last; ++y) {
       for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
         const Run run = level.runs[r];
@@ -195,19 +237,22 @@ float Smoother::conduct(size_t number) {
             conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
                         level.at(level.right), level.at(level.above), terms, run.begin, run.end));
       }
-      for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
-        const int32_t cell = grid.link_cell[k];
-        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-          const int32_t other = grid.link_other[t];
-          const LinkConductance link = conductance(height[cell], height[other], inverse[cell],
-                                                   inverse[other], grid.link_closeness[t], terms);
-          level.loose[t] = grid.link_weight[t] * link.conductance;
-          largest[y] = std::max(largest[y], link.wanted);
-        }
+    }
+    OpenLinks& loose = level.loose[band];
+    size_t t = 0;
+    for (const OpenLinks::Cell& at : loose.cells) {
+      for (; t < static_cast<size_t>(at.end); ++t) {
+        OpenLink& link = loose.links[t];
+        const LinkConductance crosses =
+            conductance(height[at.cell], height[link.other], inverse[at.cell], inverse[link.other],
+                        link.closeness, terms);
+        link.conductance = link.weight * crosses.conductance;
+        loose_largest[band] = std::max(loose_largest[band], crosses.wanted);
       }
     }
   });
-  return *std::max_element(largest.begin(), largest.end());
+  return std::max(*std::max_element(largest.begin(), largest.end()),
+                  *std::max_element(loose_largest.begin(), loose_largest.end()));
 }
 
 void Smoother::stages(size_t number, int32_t count) {
@@ -217,19 +262,20 @@ void Smoother::stages(size_t number, int32_t count) {
     const float* const from = level.at(level.height);
     float* const to = level.at(level.next);
     const float* const inverse = level.at(level.inverse_weight);
-    for_each_row_band(grid, [&](int32_t first, int32_t last) {
+    for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
       for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
         stage_run(from, to, level.at(level.right), level.at(level.above), inverse, grid.size,
                   level.runs[r].begin, level.runs[r].end);
       }
-      for (int32_t k = grid.link_row[first]; k < grid.link_row[last]; ++k) {
-        const int32_t cell = grid.link_cell[k];
-        if (from[cell] == 0.0f) continue;
+      const OpenLinks& loose = level.loose[band];
+      const OpenLink* link = loose.links.data();
+      for (const OpenLinks::Cell& at : loose.cells) {
+        const float own = from[at.cell];
         float flux = 0.0f;
-        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-          flux += level.loose[t] * (from[grid.link_other[t]] - from[cell]);
+        for (const OpenLink* const end = loose.links.data() + at.end; link < end; ++link) {
+          flux += link->conductance * (from[link->other] - own);
         }
-        to[cell] += inverse[cell] * flux;
+        to[at.cell] += inverse[at.cell] * flux;
       }
     });
     std::swap(level.height, level.next);
@@ -271,7 +317,7 @@ void Smoother::restrict_to(size_t number) {
       },
       level.runs, level.run_row);
 
-  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+  for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       const Run run = level.runs[r];
       const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
@@ -308,7 +354,7 @@ void Smoother::prolong_from(size_t number) {
   float* const height = fine.at(fine.height);
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
-  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+  for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       const Run run = level.runs[r];
       const int32_t child = run.begin / grid.size * 2 * fine_grid.size + run.begin % grid.size * 2;
@@ -340,6 +386,7 @@ void Smoother::cycle(size_t number, float variance) {
   stages(number, kStagesUp);
   make_level(next);
   restrict_to(next);
+  open_loose_links(next);
   conduct(next);
   cycle(next, variance);
   prolong_from(next);

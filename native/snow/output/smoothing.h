@@ -52,6 +52,23 @@ class Smoother {
     int32_t begin;
     int32_t end;
   };
+  /// A link of SmoothingLevel::link_other that snow may cross, at its end in a cell with snow.
+  struct OpenLink {
+    int32_t other;
+    float weight;
+    float closeness;
+    /// m2 a stage.
+    float conductance;
+  };
+  /// The cells of some rows that have such links: those of cells[c] end at links[cells[c].end].
+  struct OpenLinks {
+    struct Cell {
+      int32_t cell;
+      int32_t end;
+    };
+    std::vector<Cell> cells;
+    std::vector<OpenLink> links;
+  };
   /// What a level works on. Arrays have a margin of kMargin cells and a row before the first cell.
   struct Level {
     ptrdiff_t margin = 0;
@@ -65,8 +82,10 @@ class Smoother {
     std::vector<float> inverse_weight;
     /// The height before the level's stages.
     std::vector<float> before;
-    /// Per end of a link of SmoothingLevel::link_other.
-    std::vector<float> loose;
+    /// Per band of rows.
+    std::vector<OpenLinks> loose;
+    /// Level 0 only: EdgeArrays, one after the other. 0 beyond the runs.
+    std::vector<uint8_t> edges;
     std::vector<Run> runs;
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
@@ -79,12 +98,19 @@ class Smoother {
   class Works;
 
   void make_level(size_t number);
-  void for_each_row_band(const SmoothingLevel& grid,
-                         const std::function<void(int32_t first, int32_t last)>& work) const;
+  int32_t band_count(const SmoothingLevel& grid) const;
+  void for_each_row_band(
+      const SmoothingLevel& grid,
+      const std::function<void(size_t band, int32_t first, int32_t last)>& work) const;
   void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
   void clear_runs(size_t number);
   void load(const std::vector<float>& map);
+  /// Notes the open ones of the links across seams, and calls `on_closed(row, cell, link)` for the
+  /// others of cells with snow.
+  void open_loose_links(
+      size_t number,
+      const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed = nullptr);
   bool open_links(const EdgeArrays& edges);
   float find_edges(const EdgeArrays& edges);
   void spread_distance(EdgeArrays& edges);
@@ -100,6 +126,8 @@ class Smoother {
   void prolong_from(size_t number);
   void cycle(size_t number, float variance);
   void store(std::vector<float>& map);
+
+  EdgeArrays edge_arrays(Level& level) const;
 
   const SmoothingGrid& grid_;
   float least_variance_;

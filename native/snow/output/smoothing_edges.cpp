@@ -15,6 +15,12 @@ constexpr int32_t kWidestShoulder = 12;
 
 }  // namespace
 
+EdgeArrays Smoother::edge_arrays(Level& level) const {
+  const auto count = static_cast<ptrdiff_t>(level.edges.size()) / 4;
+  uint8_t* const first = level.edges.data() + level.margin;
+  return {first, first + count, first + 2 * count, first + 3 * count};
+}
+
 /// Says which links are open; returns false where every cell that is linked to snow holds some.
 bool Smoother::open_links(const EdgeArrays& edges) {
   const Level& level = levels_[0];
@@ -55,19 +61,13 @@ float Smoother::find_edges(const EdgeArrays& edges) {
       std::memset(edges.next + run.begin, kFarFromEdge, static_cast<size_t>(run.end - run.begin));
     });
   }
-  for (size_t k = 0; k < grid.link_cell.size(); ++k) {
-    const int32_t cell = grid.link_cell[k];
-    for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-      const float other = height[grid.link_other[t]];
-      const bool open = is_open(height[cell], other);
-      level.loose[t] = open ? 1.0f : 0.0f;
-      if (open || height[cell] == 0.0f || std::fabs(height[cell]) < std::fabs(other)) continue;
-      edges.distance[cell] = 0;
-      const float variance = std::max(least_variance_, third_squared(height[cell]));
-      float& own = widest[static_cast<size_t>(cell / grid.size)];
-      own = std::max(own, variance * grid.link_closeness[t]);
-    }
-  }
+  open_loose_links(0, [&](int32_t row, int32_t cell, int32_t link) {
+    if (std::fabs(height[cell]) < std::fabs(height[grid.link_other[link]])) return;
+    edges.distance[cell] = 0;
+    const float variance = std::max(least_variance_, third_squared(height[cell]));
+    float& own = widest[static_cast<size_t>(row)];
+    own = std::max(own, variance * grid.link_closeness[link]);
+  });
   return *std::max_element(widest.begin(), widest.end());
 }
 
@@ -75,15 +75,16 @@ float Smoother::find_edges(const EdgeArrays& edges) {
 void Smoother::spread_distance(EdgeArrays& edges) {
   const Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
-  for_each_row_band(grid, [&](int32_t first, int32_t last) {
+  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       spread_distance_run(edges, grid.size, level.runs[r].begin, level.runs[r].end);
     }
-    for (int32_t k = grid.link_row[first]; k < grid.link_row[last]; ++k) {
-      uint8_t& own = edges.next[grid.link_cell[k]];
-      for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-        if (level.loose[t] == 0.0f) continue;
-        own = std::min(own, static_cast<uint8_t>(edges.distance[grid.link_other[t]] + 1));
+    const OpenLinks& loose = level.loose[band];
+    const OpenLink* link = loose.links.data();
+    for (const OpenLinks::Cell& at : loose.cells) {
+      uint8_t& own = edges.next[at.cell];
+      for (const OpenLink* const end = loose.links.data() + at.end; link < end; ++link) {
+        own = std::min(own, static_cast<uint8_t>(edges.distance[link->other] + 1));
       }
     }
   });
@@ -93,12 +94,7 @@ void Smoother::spread_distance(EdgeArrays& edges) {
 bool Smoother::shape_edges() {
   Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
-  // The array is not in use yet; its bytes hold distances and which links are open.
-  auto* const bytes = reinterpret_cast<uint8_t*>(level.next.data());
-  const auto count = static_cast<ptrdiff_t>(level.next.size());
-  EdgeArrays edges{bytes + level.margin, bytes + count + level.margin,
-                   bytes + 2 * count + level.margin, bytes + 3 * count + level.margin};
-  std::memset(bytes, 0, static_cast<size_t>(4 * count));
+  EdgeArrays edges = edge_arrays(level);
   const float widest = find_edges(edges);
   if (widest > 0.0f) {
     const int32_t rounds =
@@ -110,7 +106,6 @@ bool Smoother::shape_edges() {
                 level.at(level.inverse_weight), run.begin, run.end);
     });
   }
-  std::fill(level.next.begin(), level.next.end(), 0.0f);
   return widest > 0.0f;
 }
 
