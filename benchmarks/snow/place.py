@@ -9,7 +9,7 @@ import numpy as np
 from meshes import box, bunny, grid, native, rotated, sphere, spot, texel_size, tree, wind
 from rows import row
 from snow_meshes import STAYS
-from snow_rays import lit_shares, near_any, plane_axes, texel_points
+from snow_rays import first_hits, lit_shares, near_any, plane_axes, texel_points
 
 DOWN = (0.0, 0.0, -1.0)
 
@@ -51,6 +51,22 @@ def far_from_light(points, facing, lit, direction, pixel_size, texel):
     return far
 
 
+def light_beside(points, normals, scene, direction, reach):
+    """Whether a ray passes a point within `reach` of it, across the fall, in the plane of its own surface: beside what
+    hides it, be there a surface for the ray to light or none, as on a limb that is narrower than what is over it."""
+    x, y, d = (np.asarray(axis) for axis in plane_axes(direction))
+    places = np.linspace(-1.0, 1.0, 17)
+    across = np.stack([axis.ravel() for axis in np.meshgrid(places, places)], axis=1)
+    across = across[np.linalg.norm(across, axis=1) <= 1.0] * reach
+    passed = np.zeros(len(points), bool)
+    for u, v in across:
+        way = u * x + v * y
+        along = -(normals @ way) / np.minimum(normals @ d, -0.02)
+        beside = points + way + along[:, None] * d
+        passed |= np.isinf(first_hits(beside, scene, direction, margin=0.05 * reach))
+    return passed
+
+
 def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=16, flutter=0.0):
     """Whether snow lies where rays arrive. A texel is the smallest thing that holds snow, so it should hold
     some when a ray reaches any part of it, and none when no ray does: intersection over union of the two sets
@@ -64,7 +80,7 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
         for _ in range(steps - 1):
             sim.step({}, 0.001, direction, 0.0)
         height, area = sim.height(receiver).ravel(), sim.texel_area(receiver).ravel()
-    points, _, texel, table = texel_points(native, positions, triangles, uv, resolution)
+    points, normals, texel, table = texel_points(native, positions, triangles, uv, resolution)
     scene = np.concatenate([mesh[0][mesh[1]] for mesh in meshes.values()])
     snowed, weight = height[texel] > 0.0, area[texel]
     share, dark = reached_texels(
@@ -86,9 +102,11 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
     if leaking.any():
         facing = facing_slopes(table, meshes[receiver], np.flatnonzero(leaking), direction)
         reached = lit | (snowed & ~dark)  # some by one of the finer rays only
-        far = far_from_light(
-            points[leaking], facing, points[reached], direction, pixel_size, weight.max() ** 0.5
-        )
+        texel_edge = weight.max() ** 0.5
+        far = far_from_light(points[leaking], facing, points[reached], direction, pixel_size, texel_edge)
+        if far.any():
+            own = np.flatnonzero(leaking)[far]
+            far[far] = ~light_beside(points[own], normals[own], scene, direction, pixel_size + texel_edge)
         leaked = amount[leaking][far].sum() / amount.sum()
         row(
             f"3 {name}: beyond a pixel's footprint",

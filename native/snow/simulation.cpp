@@ -33,6 +33,7 @@ void check_settings(const SimulationSettings& s) {
           "slide_half_life must be 0 seconds or more");
   require(std::isfinite(s.repose) && s.repose > 0.0 && s.repose <= 1.5708,
           "repose must be over 0 and at most pi / 2 radians");
+  require(std::isfinite(s.cohesion) && s.cohesion >= 0.0, "cohesion must be 0 metres or more");
   require(std::isfinite(s.blur_radius) && s.blur_radius >= 0.0,
           "blur_radius must be 0 metres or more");
   require(
@@ -139,6 +140,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   frame.stability = {static_cast<float>(settings_.max_depth),
                      static_cast<float>(settings_.slide_half_life)};
   frame.repose.angle = settings_.repose;
+  frame.repose.cohesion = settings_.cohesion;
   frame.dt = dt;
   frame.tile_size = settings_.tile_size;
   take_positions(positions);

@@ -46,6 +46,7 @@ std::string describe(const SimulationSettings& s,
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
   text += "repose=" + number(s.repose) + "\n";
+  if (s.cohesion > 0.0) text += "cohesion=" + number(s.cohesion) + "\n";
   text += "seed=" + std::to_string(s.seed) + "\n";
   text += std::string("mapping=") +
           (s.mapping == gl::DepositMapping::kCompute ? "COMPUTE" : "GEOMETRY") + "\n";

@@ -16,6 +16,7 @@ OTHER = {
     "max_depth": 0.5,
     "slide_half_life": 1.5,
     "repose": 0.75,
+    "cohesion": 0.004,
     "seed": 3,
     "noise_density": 0.5,
     "mapping": "GEOMETRY",

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinds of snow: what they set on the sliders of all snow in a scene, and on the scene's angle of repose.
+"""Kinds of snow: what they set on the sliders of all snow in a scene, and on the scene's angle of repose and
+cohesion.
 
 The sliders stay the artist's: choosing a kind sets them once, and nothing sets them back.
 """
@@ -14,7 +15,8 @@ from .relief_nodes import RELIEF_INPUT
 
 @dataclass(frozen=True)
 class Look:
-    """Values of the inputs of those names (snow_nodes.INPUTS), the relief of shells, the repose in degrees."""
+    """Values of the inputs of those names (snow_nodes.INPUTS), the relief of shells, the repose in degrees, the
+    cohesion in metres."""
 
     color: tuple
     dusting: float
@@ -23,6 +25,7 @@ class Look:
     sparkle: float
     relief: float
     repose: float
+    cohesion: float
 
     def inputs(self):
         return {
@@ -41,10 +44,10 @@ LOOKS = dict(
     zip(
         (kind for kind, *_ in SNOW_KINDS),
         (
-            Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 0.6, 0.7, 40.0),
-            Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.3, 1.0, 65.0),
-            Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.05, 0.6, 80.0),
-            Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.15, 1.6, 60.0),
+            Look((0.92, 0.94, 0.97), 0.006, 1.3, 0.35, 0.6, 0.7, 40.0, 0.003),
+            Look((0.90, 0.93, 0.96), 0.004, 1.0, 0.40, 0.3, 1.0, 65.0, 0.015),
+            Look((0.80, 0.86, 0.92), 0.003, 0.5, 0.60, 0.05, 0.6, 80.0, 0.03),
+            Look((0.80, 0.82, 0.84), 0.005, 1.8, 0.25, 0.15, 1.6, 60.0, 0.01),
         ),
     )
 )
@@ -83,6 +86,7 @@ def apply(scene, kind):
     settings, look = scene.snowbough, LOOKS[kind]
     settings.kind = kind
     settings.repose = math.radians(look.repose)
+    settings.cohesion = look.cohesion
     for obj in scene.objects:
         if obj.library is None and obj.snowbough.is_shell:
             set_shell_relief(obj, look)

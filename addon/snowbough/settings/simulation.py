@@ -51,6 +51,14 @@ class SnowProperties:
         min=math.radians(5.0),
         max=math.radians(90.0),
     )
+    cohesion: FloatProperty(
+        name="Cohesion",
+        description="How high a front of snow stands upright at an edge; what is about as thin as that, twigs and "
+        "wires, carries steeper caps. 0 for snow that does not hold together (metres)",
+        default=0.015,
+        min=0.0,
+        soft_max=0.1,
+    )
     seed: IntProperty(
         name="Seed",
         description="Another number gives other random flakes (no unit)",

@@ -111,7 +111,7 @@ class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
 class SNOWBOUGH_PT_settling(_Settings, bpy.types.Panel):
     bl_label = "Settling"
     bl_options = {"DEFAULT_CLOSED"}
-    names = (("max_depth", "slide_half_life", "repose"), ("blur_radius",))
+    names = (("max_depth", "slide_half_life"), ("repose", "cohesion"), ("blur_radius",))
 
 
 class SNOWBOUGH_PT_cache(_Settings, bpy.types.Panel):

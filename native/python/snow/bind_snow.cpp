@@ -21,7 +21,7 @@ using snow::SnowSimulation;
 std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
                                                 double flutter, double max_depth,
                                                 double slide_half_life, double repose,
-                                                double blur_radius, int64_t seed,
+                                                double cohesion, double blur_radius, int64_t seed,
                                                 const std::string& mapping, int32_t tile_size,
                                                 const std::string& device,
                                                 const std::string& engine, bool wait_for_gpu) {
@@ -31,6 +31,7 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                     max_depth,
                                     slide_half_life,
                                     repose,
+                                    cohesion,
                                     blur_radius,
                                     static_cast<uint32_t>(seed),
                                     mapping_from(mapping),
@@ -79,13 +80,14 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
 void change_settings(SnowSimulation& simulation, std::optional<double> noise_density,
                      std::optional<double> flutter, std::optional<double> max_depth,
                      std::optional<double> slide_half_life, std::optional<double> repose,
-                     std::optional<int64_t> seed) {
+                     std::optional<double> cohesion, std::optional<int64_t> seed) {
   snow::SimulationSettings settings = simulation.settings();
   settings.noise_density = noise_density.value_or(settings.noise_density);
   settings.flutter = flutter.value_or(settings.flutter);
   settings.max_depth = max_depth.value_or(settings.max_depth);
   settings.slide_half_life = slide_half_life.value_or(settings.slide_half_life);
   settings.repose = repose.value_or(settings.repose);
+  settings.cohesion = cohesion.value_or(settings.cohesion);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
   const py::gil_scoped_release release;
   simulation.change_settings(settings);
@@ -205,7 +207,8 @@ void bind_snow(py::module_& module) {
       "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
       "where\n"
       "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
-      "fell. blur_radius: sigma of output's blur in metres.\n"
+      "fell. cohesion: metres that a front of snow stands upright at a rim; what is as thin as that\n"
+      "carries steeper snow. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
       "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
       "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 "
@@ -218,17 +221,17 @@ void bind_snow(py::module_& module) {
       "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
-                       double slide_half_life, double repose, double blur_radius, int64_t seed,
+                       double slide_half_life, double repose, double cohesion, double blur_radius, int64_t seed,
                        const std::string& mapping, int32_t tile_size, const std::string& device,
                        const std::string& engine, bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
-                                           slide_half_life, repose, blur_radius, seed, mapping,
+                                           slide_half_life, repose, cohesion, blur_radius, seed, mapping,
                                            tile_size, device, engine, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
            "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose,
-           "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
+           "cohesion"_a = 0.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
            "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
@@ -281,7 +284,7 @@ void bind_snow(py::module_& module) {
       .def(
           "change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
           "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
-          "repose"_a = py::none(), "seed"_a = py::none(),
+          "repose"_a = py::none(), "cohesion"_a = py::none(), "seed"_a = py::none(),
           "Takes other settings from the next step on, in the constructor's units; the snow that\n"
           "lies stays, and so do settings that are not named. ValueError for what is out of range.")
       .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,

@@ -15,6 +15,8 @@ namespace snowbough::snow {
 struct ReposeSettings {
   /// Radians from level; from kOff on snow stays where it fell, to the bit.
   double angle = 1.5707963267948966;
+  /// Metres that a front of snow stands upright; 0: it does not hold together.
+  double cohesion = 0.0;
   static constexpr double kOff = 1.5706;
   bool is_on() const { return angle < kOff; }
 };
