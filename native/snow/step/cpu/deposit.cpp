@@ -19,8 +19,8 @@ using cpu::FragmentRuns;
 using cpu::kMostInRun;
 using Run = FragmentRuns::Run;
 
-/// Numbers of a run's fragments, and what loops over whole vectors write behind them.
-using RunFloats = std::array<float, kMostInRun + FragmentRuns::kSpare>;
+/// Numbers of a run's fragments.
+using RunFloats = std::array<float, kMostInRun>;
 
 /// Sides of a texel, as bits, that face the fall.
 constexpr uint8_t kFront = 1;
@@ -267,8 +267,8 @@ class GroupGather {
   vec2 reach_{0.0f};
   RunFloats most_;
   RunFloats plane_depth_;
-  std::array<int, kMostInRun + FragmentRuns::kSpare> pixel_;
-  std::array<uint8_t, kMostInRun + FragmentRuns::kSpare> open_;
+  std::array<int, kMostInRun> pixel_;
+  std::array<uint8_t, kMostInRun> open_;
   RunFloats seen_;
   /// Fragments that may see a part of the sky only.
   std::array<uint32_t, kMostInRun> others_;

@@ -38,7 +38,7 @@ struct RunTexels {
 };
 
 /// Finds what a run has after the step where all of them have snow on the front only and keep all
-/// of it; else returns false. `count`: at most kRun; vectors go over kRun.
+/// of it; else returns false.
 inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels& __restrict run) {
   const uint* __restrict gain = stability.steps->gain.data() + begin;
   const float* __restrict area = stability.steps->area.data() + begin;
