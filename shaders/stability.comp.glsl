@@ -6,6 +6,9 @@
 #include "glsl/texel_place.glsl"
 #include "lib/texel_stability.h"
 
+/// A TexelStep each.
+uniform usamplerBuffer texel_steps;
+
 layout(local_size_x = LOCAL_SIZE) in;
 #ifdef DEPOSIT_MAP
 uniform sampler2DArray deposit_map;

@@ -7,8 +7,6 @@
 #include "snow_shared.h"
 #include "texel_repose.h"
 
-/// A TexelStep each.
-KERNEL_VIEW_RGBA32UI(texel_steps);
 /// Metres that a texel which gains kGainUnits is given: the step's thickness perpendicular to the fall.
 KERNEL_UNIFORM(float, full_gain);
 KERNEL_UNIFORM(float, max_depth);

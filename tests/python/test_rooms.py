@@ -163,7 +163,7 @@ def test_the_processors_engine_includes_nothing_of_opengl():
     folder = ROOT / "native" / "snow" / "step" / "cpu"
     lines = [
         f"{path.name}:{number}: {line}"
-        for path in sorted(folder.iterdir())
+        for path in sorted(folder.rglob("*.*"))
         for number, line in enumerate(path.read_text().splitlines(), 1)
         if line.startswith("#include") and ('"gpu/' in line or "/gl/" in line or "epoxy" in line)
     ]

@@ -35,11 +35,7 @@ void MapContinuation::run(std::vector<float>& map, const std::vector<uint8_t>& f
   for (int32_t tile = 0; tile + 1 < static_cast<int32_t>(begin_.size()); ++tile) {
     if (begin_[tile] == begin_[tile + 1] || !reads_.sees(tile, filled)) continue;
     for (int32_t row = begin_[tile]; row < begin_[tile + 1]; ++row) {
-      float sum = 0.0f;
-      for (int32_t t = rows_.begin[row]; t < rows_.begin[row + 1]; ++t) {
-        sum += rows_.weight[t] * map[rows_.source[t]];
-      }
-      map[texel_[row]] = sum;
+      map[texel_[row]] = rows_.sum(static_cast<size_t>(row), map);
     }
   }
 }

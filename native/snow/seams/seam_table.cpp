@@ -306,13 +306,8 @@ void fill_lines(const TexelLines& lines, const std::vector<float>& values,
   line.assign(static_cast<size_t>(lines.length), kNothing);
   for (size_t i = 0; i < values.size(); ++i) line[lines.place[i]] = values[i];
   for (size_t g = 0; g < lines.ghost_place.size(); ++g) {
-    const int32_t begin = lines.ghosts.begin[g];
-    const int32_t end = lines.ghosts.begin[g + 1];
-    if (begin == end) continue;
-    float sum = 0.0f;
-    for (int32_t t = begin; t < end; ++t)
-      sum += lines.ghosts.weight[t] * values[lines.ghosts.source[t]];
-    line[lines.ghost_place[g]] = sum;
+    if (lines.ghosts.begin[g] == lines.ghosts.begin[g + 1]) continue;
+    line[lines.ghost_place[g]] = lines.ghosts.sum(g, values);
   }
 }
 

@@ -17,6 +17,12 @@ struct WeightedRows {
   std::vector<float> weight;
 
   size_t size() const { return begin.size() - 1; }
+  /// Row r's sum over `values`; 0 where it has no terms.
+  float sum(size_t r, const std::vector<float>& values) const {
+    float result = 0.0f;
+    for (int32_t t = begin[r]; t < begin[r + 1]; ++t) result += weight[t] * values[source[t]];
+    return result;
+  }
 };
 
 /// How far a filter may reach along a line, in texels.

@@ -25,11 +25,8 @@ inline std::vector<float> dilated(const TexelTable& table, const SeamTable& seam
                                   const std::vector<float>& values) {
   std::vector<float> map(static_cast<size_t>(table.resolution) * table.resolution, 0.0f);
   for (size_t i = 0; i < values.size(); ++i) map[table.texel[i]] = values[i];
-  const WeightedRows& rows = seams.dilated_rows;
-  for (size_t r = 0; r < rows.size(); ++r) {
-    for (int32_t t = rows.begin[r]; t < rows.begin[r + 1]; ++t) {
-      map[seams.dilated[r]] += rows.weight[t] * values[rows.source[t]];
-    }
+  for (size_t r = 0; r < seams.dilated_rows.size(); ++r) {
+    map[seams.dilated[r]] = seams.dilated_rows.sum(r, values);
   }
   return map;
 }

@@ -19,8 +19,8 @@ using cpu::FragmentRuns;
 using cpu::kMostInRun;
 using Run = FragmentRuns::Run;
 
-/// Numbers of a run's fragments, and what loops over whole vectors write behind them.
-using RunFloats = std::array<float, kMostInRun + FragmentRuns::kSpare>;
+/// Numbers of a run's fragments.
+using RunFloats = std::array<float, kMostInRun>;
 
 /// Sides of a texel, as bits, that face the fall.
 constexpr uint8_t kFront = 1;
@@ -44,12 +44,12 @@ class GroupGather {
   GroupGather(const Gain& gain, const FragmentRuns& all, const Tile& tile, int32_t map_offset)
       : gain_(gain), all_(all), tile_(tile), map_offset_(map_offset) {}
 
-  void run(size_t group, size_t texel_count, bool goes_on, TexelStep* steps) {
+  void run(size_t group, size_t texel_count, bool goes_on, uint* gain) {
     const Run* begin = all_.runs.data() + all_.group_begin[group];
     const Run* end = all_.runs.data() + all_.group_begin[group + 1];
     find_sides(begin, end, texel_count);
     for (size_t i = 0; i < texel_count; ++i) {
-      sums_.gain[i] = goes_on ? steps[i].gain & ~(kBackSide | kMixedSides) : 0u;
+      sums_.gain[i] = goes_on ? gain[i] & ~(kBackSide | kMixedSides) : 0u;
     }
     for (const Run* run = begin; run < end; ++run) {
       const vec4 surface = texelFetch(gain_.triangle_surface, static_cast<int>(run->triangle));
@@ -57,7 +57,7 @@ class GroupGather {
     }
     for (size_t i = 0; i < texel_count; ++i) {
       const bool back = sums_.some >= kBack && (sums_.sides[i] & kBack) != 0;
-      steps[i].gain = sums_.gain[i] | gain_.gain_sides(sums_.is_mixed(i), back);
+      gain[i] = sums_.gain[i] | gain_.gain_sides(sums_.is_mixed(i), back);
     }
   }
 
@@ -267,8 +267,8 @@ class GroupGather {
   vec2 reach_{0.0f};
   RunFloats most_;
   RunFloats plane_depth_;
-  std::array<int, kMostInRun + FragmentRuns::kSpare> pixel_;
-  std::array<uint8_t, kMostInRun + FragmentRuns::kSpare> open_;
+  std::array<int, kMostInRun> pixel_;
+  std::array<uint8_t, kMostInRun> open_;
   RunFloats seen_;
   /// Fragments that may see a part of the sky only.
   std::array<uint32_t, kMostInRun> others_;
@@ -279,8 +279,8 @@ class GroupGather {
 
 SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Tile& tile,
                              int32_t map_offset, size_t group, size_t texel_count, bool goes_on,
-                             TexelStep* steps) {
-  GroupGather(gain, all, tile, map_offset).run(group, texel_count, goes_on, steps);
+                             uint* gained) {
+  GroupGather(gain, all, tile, map_offset).run(group, texel_count, goes_on, gained);
 }
 
 }  // namespace
@@ -308,7 +308,7 @@ void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
       evaluate_group(scene, receiver, group);
       kernel::gather(gain, receiver.fragments, tile, receiver.map_offset, group,
                      receiver.first_texel(group + 1) - first, !is_first,
-                     receiver.steps.data() + first);
+                     receiver.steps.gain.data() + first);
     });
   }
 }

@@ -180,7 +180,7 @@ FragmentRuns make_fragment_runs(const SceneObject& object, const std::vector<int
   std::partial_sum(first_fragment.begin(), first_fragment.end(), first_fragment.begin());
 
   FragmentRuns all;
-  const size_t count = first_fragment.back() + FragmentRuns::kSpare;
+  const size_t count = first_fragment.back();
   all.texel.resize(count);
   for (std::vector<float>* values : {&all.share, &all.weight_b, &all.weight_c, &all.part}) {
     values->resize(count);

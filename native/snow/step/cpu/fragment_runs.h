@@ -29,7 +29,7 @@ struct FragmentRuns {
   /// Runs of group g: [group_begin[g], group_begin[g + 1]). Behind the last one stands an end.
   std::vector<uint32_t> group_begin;
   std::vector<Run> runs;
-  /// Per fragment, and kSpare more: its texel, counted from the group's first; its share of the
+  /// Per fragment: its texel, counted from the group's first; its share of the
   /// triangle's area; its centroid's weights; the part of it that is there for snow
   /// (snow/scene/fragment_opacity.h), empty: opaque.
   std::vector<uint16_t> texel;
@@ -39,9 +39,6 @@ struct FragmentRuns {
   std::vector<float> opacity;
   /// What part of its texel's area it is on the current vertices; of what is there for snow only.
   std::vector<float> part;
-
-  /// What loops over whole vectors may read behind a run's end.
-  static constexpr size_t kSpare = 16;
 };
 
 inline constexpr int32_t kRunSquare = 16;

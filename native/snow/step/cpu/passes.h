@@ -48,8 +48,8 @@ void count_back_faces(Scene& scene, const Tile& tile);
 
 /// The deposit of a tile, gathered by the chosen texels (shaders/lib/texel_gain.h, where the method
 /// stands): adds what they gain to `gain` of their steps, or sets it where this is the step's first
-/// tile, and fills in their `area`, `up` and `back_up`. The scene's `seen` shows the tile and its
-/// margin.
+/// tile, after evaluate_group. The scene's `seen` shows the tile and its margin, and kSeenSpare
+/// pixels more. Fragment by fragment it would be the same to the bit.
 void gather_deposit(Scene& scene, const Tile& tile, bool is_first);
 
 /// Adds the chosen texels' deposit to their heights and lets slide what the slope cannot hold, in

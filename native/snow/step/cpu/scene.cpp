@@ -18,7 +18,7 @@ Receiver make_receiver(const SceneObject& object, uint32_t first_triangle) {
     receiver.places.push_back(static_cast<uint32_t>(object.table.texel[static_cast<size_t>(i)]));
   }
   receiver.fragments = make_fragment_runs(object, order, first_triangle);
-  receiver.steps.resize(receiver.places.size());
+  receiver.steps = TexelSteps(receiver.places.size());
   receiver.height.assign(
       static_cast<size_t>(receiver.resolution) * static_cast<size_t>(receiver.resolution), 0.0f);
   // Until the first step has looked, any of them may hold snow.

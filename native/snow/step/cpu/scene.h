@@ -12,6 +12,17 @@
 
 namespace snowbough::snow::cpu {
 
+/// Per texel what a shared::TexelStep holds, each in an array of its own: what the passes write in
+/// every step lies apart from what stays while a surface stands still.
+struct TexelSteps {
+  std::vector<uint32_t> gain;
+  std::vector<float> area;
+  std::vector<float> up;
+  std::vector<float> back_up;
+
+  explicit TexelSteps(size_t count = 0) : gain(count), area(count), up(count), back_up(count) {}
+};
+
 /// A receiver's map and what the passes keep of its texels, which lie in groups of
 /// shared::kTexelGroup, near ones together (snow/texels/texel_order.h).
 struct Receiver {
@@ -25,7 +36,7 @@ struct Receiver {
   FragmentRuns fragments;
   /// Of the step that is being computed; area and upward parts are those of the pose in which the
   /// texel's group was evaluated last.
-  std::vector<shared::TexelStep> steps;
+  TexelSteps steps;
   /// Counts the receiver's poses, and per group: the pose in which it was evaluated.
   uint32_t pose = 1;
   std::vector<uint32_t> evaluated_in;

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <bit>
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
@@ -18,6 +19,13 @@ struct Stability {
   float* height_map;
   const uint* places;
   size_t texel_count;
+  const cpu::TexelSteps* steps;
+
+  /// A TexelStep as one vector.
+  uvec4 step_of(size_t i) const {
+    return {steps->gain[i], std::bit_cast<uint>(steps->area[i]), std::bit_cast<uint>(steps->up[i]),
+            std::bit_cast<uint>(steps->back_up[i])};
+  }
 };
 
 /// The texels of a run, side by side.
@@ -30,20 +38,22 @@ struct RunTexels {
 };
 
 /// Finds what a run has after the step where all of them have snow on the front only and keep all
-/// of it; else returns false. `count`: at most kRun; vectors go over kRun.
-inline bool keep_run(Stability stability, const TexelStep* __restrict steps, size_t count,
-                     RunTexels& __restrict run) {
+/// of it; else returns false.
+inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels& __restrict run) {
+  const uint* __restrict gain = stability.steps->gain.data() + begin;
+  const float* __restrict area = stability.steps->area.data() + begin;
+  const float* __restrict up = stability.steps->up.data() + begin;
   int32_t others = 0;
   for (size_t k = 0; k < count; ++k) {
     const float height = run.height[k];
-    const float deposit = stability.front_deposit(steps[k].gain);
-    others += stability.gains_in_front(steps[k].gain) ? 0 : 1;
+    const float deposit = stability.front_deposit(gain[k]);
+    others += stability.gains_in_front(gain[k]) ? 0 : 1;
     others += height >= 0.0f ? 0 : 1;
-    others += stability.keeps_all(height, deposit, steps[k].up) ? 0 : 1;
+    others += stability.keeps_all(height, deposit, up[k]) ? 0 : 1;
     run.stable[k] = height + deposit;
-    run.deposited[k] = deposit * steps[k].area;
-    run.held[k] = run.stable[k] * steps[k].area;
-    run.visible[k] = stability.visible_part(deposit) * steps[k].area;
+    run.deposited[k] = deposit * area[k];
+    run.held[k] = run.stable[k] * area[k];
+    run.visible[k] = stability.visible_part(deposit) * area[k];
   }
   return others == 0;
 }
@@ -54,7 +64,6 @@ inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whol
                           size_t end, bool& holds_snow) {
   // A row of the map lies in another page: it is asked for some texels before it is needed.
   constexpr size_t kAhead = 64;
-  const TexelStep* steps = reinterpret_cast<const TexelStep*>(stability.texel_steps) + begin;
   const uint* places = stability.places + begin;
   const size_t count = end - begin;
   RunTexels run;
@@ -66,14 +75,14 @@ inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whol
   }
   vec4 sums(0.0f);
   float highest = 0.0f;
-  if (keep_run(stability, steps, count, run)) {
+  if (keep_run(stability, begin, count, run)) {
     for (size_t k = 0; k < count; ++k) {
       sums += vec4(run.deposited[k], 0.0f, run.held[k], run.visible[k]);
       highest = max(highest, run.stable[k]);
     }
   } else {
     for (size_t k = 0; k < count; ++k) {
-      const uvec4 step = stability.texel_steps[begin + k];
+      const uvec4 step = stability.step_of(begin + k);
       const Stability::StableTexel stable =
           stability.stabilise_texel(run.height[k], stability.deposit_of(step), step, whole);
       run.stable[k] = stable.height;
@@ -107,7 +116,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     kernel::Stability stability{};
     stability.places = receiver.places.data();
     stability.texel_count = receiver.places.size();
-    stability.texel_steps = kernel::rows<glm::uvec4>(receiver.steps);
+    stability.steps = &receiver.steps;
     stability.height_map = receiver.height.data();
     stability.full_gain = full_gain;
     stability.max_depth = settings.max_depth;

@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <array>
 
 #include "base/parallel_for.h"
@@ -47,7 +48,7 @@ inline void find_parts(const cpu::FragmentRuns& all, uint32_t begin, uint32_t en
 }
 
 SNOWBOUGH_KERNEL void evaluate(Surface surface, cpu::FragmentRuns& all, size_t group,
-                               size_t texel_count, TexelStep* steps) {
+                               size_t first_texel, size_t texel_count, cpu::TexelSteps& steps) {
   Sums sums;
   std::fill_n(sums.begin(), texel_count, Surface::SurfaceSums{});
   const cpu::FragmentRuns::Run* begin = all.runs.data() + all.group_begin[group];
@@ -59,7 +60,9 @@ SNOWBOUGH_KERNEL void evaluate(Surface surface, cpu::FragmentRuns& all, size_t g
   for (size_t i = 0; i < texel_count; ++i) {
     const Surface::TexelSurface texel = surface.surface_of_sums(sums[i]);
     area[i] = texel.area;
-    steps[i] = {0, texel.area, texel.up, texel.back_up};
+    steps.area[first_texel + i] = texel.area;
+    steps.up[first_texel + i] = texel.up;
+    steps.back_up[first_texel + i] = texel.back_up;
   }
   for (const cpu::FragmentRuns::Run* run = begin; run < end; ++run) {
     find_parts(all, run->begin, run[1].begin, surface.triangle_surface[run->triangle].y,
@@ -80,8 +83,8 @@ void cpu::evaluate_group(const Scene& scene, Receiver& receiver, size_t group) {
     surface.smooth_points = scene.smooth_points.data();
   }
   const size_t first = receiver.first_texel(group);
-  kernel::evaluate(surface, receiver.fragments, group, receiver.first_texel(group + 1) - first,
-                   receiver.steps.data() + first);
+  kernel::evaluate(surface, receiver.fragments, group, first,
+                   receiver.first_texel(group + 1) - first, receiver.steps);
 }
 
 void cpu::evaluate_texels(Scene& scene) {
@@ -89,9 +92,10 @@ void cpu::evaluate_texels(Scene& scene) {
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];
       evaluate_group(scene, receiver, group);
-      for (size_t t = receiver.first_texel(group); t < receiver.first_texel(group + 1); ++t) {
-        receiver.steps[t].gain = 0;
-      }
+      std::fill(
+          receiver.steps.gain.begin() + static_cast<ptrdiff_t>(receiver.first_texel(group)),
+          receiver.steps.gain.begin() + static_cast<ptrdiff_t>(receiver.first_texel(group + 1)),
+          0u);
     });
   }
 }

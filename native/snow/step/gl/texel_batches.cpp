@@ -120,7 +120,7 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   batch.first = first;
   batch.count = static_cast<int32_t>(arrays.places.size());
   *arrays.fragment_begin.add(1) = static_cast<uint32_t>(arrays.fragments.size());
-  // What fills up a work group has no fragments; see shaders/lib/texel_surface.h, which reads one.
+  // What fills up a work group has no fragments; see shaders/glsl/texel_fragments.glsl, which reads one.
   *arrays.fragments.add(1) = {0, 0.0f, 0.0f, 0.0f};
   batch.places = arrays.places.take();
   batch.fragment_begin = arrays.fragment_begin.take();
