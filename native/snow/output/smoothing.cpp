@@ -139,23 +139,31 @@ void Smoother::for_each_run(size_t number,
   });
 }
 
-/// Leaves no trace of the map before.
-void Smoother::clear_runs(size_t number) {
+/// Empties what was under the runs of the map before and is under none of this one: what is under
+/// these is written anew.
+void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) {
   Level& level = levels_[number];
-  for (const Run& run : level.runs) {
+  const EdgeArrays edges = number == 0 ? edge_arrays(level) : EdgeArrays{};
+  const auto clear = [&](int32_t begin, int32_t end) {
+    if (begin >= end) return;
     for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
-      std::fill(level.at(*values) + run.begin, level.at(*values) + run.end, 0.0f);
+      std::fill(level.at(*values) + begin, level.at(*values) + end, 0.0f);
     }
-  }
-  if (number == 0) {
-    const EdgeArrays edges = edge_arrays(level);
-    for (const Run& run : level.runs) {
-      for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
-        std::fill(values + run.begin, values + run.end, uint8_t{0});
-      }
+    if (number > 0) return;
+    for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
+      std::fill(values + begin, values + end, uint8_t{0});
     }
+  };
+  size_t next = 0;
+  for (const Run& old : before) {
+    while (next < level.runs.size() && level.runs[next].end <= old.begin) ++next;
+    int32_t at = old.begin;
+    for (size_t r = next; r < level.runs.size() && level.runs[r].begin < old.end; ++r) {
+      clear(at, level.runs[r].begin);
+      at = level.runs[r].end;
+    }
+    clear(at, old.end);
   }
-  level.runs.clear();
 }
 
 /// `is_filled(cell, count)`: whether some of the cells hold snow.
@@ -177,10 +185,12 @@ static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
 }
 
 void Smoother::find_runs(const std::vector<float>& map) {
+  const std::vector<Run> before = std::exchange(levels_[0].runs, {});
   find_level_runs(
       grid_.levels[0].size,
       [&](int32_t cell, int32_t count) { return holds_anything(map.data() + cell, count); },
       levels_[0].runs, levels_[0].run_row);
+  clear_beyond_runs(0, before);
 }
 
 void Smoother::load(const std::vector<float>& map) {
@@ -201,10 +211,12 @@ void Smoother::open_loose_links(
     cells.clear();
     links.clear();
     for (int32_t y = first; y < last; ++y) {
-      if (level.run_row[y] == level.run_row[y + 1]) continue;
+      int32_t run = level.run_row[y];
       for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
         const int32_t cell = grid.link_cell[k];
-        if (height[cell] == 0.0f) continue;
+        while (run < level.run_row[y + 1] && level.runs[run].end <= cell) ++run;
+        if (run == level.run_row[y + 1]) break;
+        if (cell < level.runs[run].begin || height[cell] == 0.0f) continue;
         const size_t before = links.size();
         for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
           const int32_t other = grid.link_other[t];
@@ -309,6 +321,7 @@ void Smoother::restrict_to(size_t number) {
   for (const SmoothingLevel::Stray& stray : fine_grid.strays) {
     if (height[stray.cell] != 0.0f) mark(stray.parent);
   }
+  const std::vector<Run> old_runs = std::exchange(level.runs, {});
   find_level_runs(
       grid.size,
       [&](int32_t cell, int32_t) {
@@ -316,6 +329,7 @@ void Smoother::restrict_to(size_t number) {
                0;
       },
       level.runs, level.run_row);
+  clear_beyond_runs(number, old_runs);
 
   for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
@@ -406,7 +420,6 @@ void Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
   levels_ = Works::shared().take(size);
   make_level(0);
-  for (size_t number = 0; number < levels_.size(); ++number) clear_runs(number);
   find_runs(map);
   if (!levels_[0].runs.empty()) {
     load(map);

@@ -15,7 +15,7 @@ namespace {
 /// How much a change of the map counts beside a difference that is left: in the first problem (both
 /// in metres), then in the second (both parts of the height).
 constexpr float kDamping = 0.05f;
-constexpr float kFineDamping = 0.0015f;
+constexpr float kFineDamping = 0.0005f;
 /// What part of the height at a seam the sides may differ by, what the second problem is solved
 /// again for, and how much more makes a texel take part fully; heights under least_height count as
 /// that.
