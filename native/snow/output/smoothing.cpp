@@ -15,10 +15,6 @@ namespace {
 constexpr ptrdiff_t kMargin = 32;
 /// Cells of a row that are passed over together where they are bare.
 constexpr int32_t kBlock = 32;
-/// Stages of a level on the way up and on the way down.
-constexpr int32_t kStagesUp = 1;
-constexpr int32_t kStagesDown = 3;
-constexpr auto kStages = static_cast<float>(kStagesUp + kStagesDown);
 /// Levels of at most this size are not worth a second thread.
 constexpr int32_t kSmallLevel = 128;
 
@@ -139,23 +135,31 @@ void Smoother::for_each_run(size_t number,
   });
 }
 
-/// Leaves no trace of the map before.
-void Smoother::clear_runs(size_t number) {
+/// Empties what was under the runs of the map before and is under none of this one: what is under
+/// these is written anew.
+void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) {
   Level& level = levels_[number];
-  for (const Run& run : level.runs) {
+  const EdgeArrays edges = number == 0 ? edge_arrays(level) : EdgeArrays{};
+  const auto clear = [&](int32_t begin, int32_t end) {
+    if (begin >= end) return;
     for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
-      std::fill(level.at(*values) + run.begin, level.at(*values) + run.end, 0.0f);
+      std::fill(level.at(*values) + begin, level.at(*values) + end, 0.0f);
     }
-  }
-  if (number == 0) {
-    const EdgeArrays edges = edge_arrays(level);
-    for (const Run& run : level.runs) {
-      for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
-        std::fill(values + run.begin, values + run.end, uint8_t{0});
-      }
+    if (number > 0) return;
+    for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
+      std::fill(values + begin, values + end, uint8_t{0});
     }
+  };
+  size_t next = 0;
+  for (const Run& old : before) {
+    while (next < level.runs.size() && level.runs[next].end <= old.begin) ++next;
+    int32_t at = old.begin;
+    for (size_t r = next; r < level.runs.size() && level.runs[r].begin < old.end; ++r) {
+      clear(at, level.runs[r].begin);
+      at = level.runs[r].end;
+    }
+    clear(at, old.end);
   }
-  level.runs.clear();
 }
 
 /// `is_filled(cell, count)`: whether some of the cells hold snow.
@@ -177,10 +181,12 @@ static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
 }
 
 void Smoother::find_runs(const std::vector<float>& map) {
+  const std::vector<Run> before = std::exchange(levels_[0].runs, {});
   find_level_runs(
       grid_.levels[0].size,
       [&](int32_t cell, int32_t count) { return holds_anything(map.data() + cell, count); },
       levels_[0].runs, levels_[0].run_row);
+  clear_beyond_runs(0, before);
 }
 
 void Smoother::load(const std::vector<float>& map) {
@@ -189,97 +195,6 @@ void Smoother::load(const std::vector<float>& map) {
     load_run(map.data(), grid_.inverse_area.data(), level.at(level.height),
              level.at(level.inverse_weight), run.begin, run.end);
   });
-}
-
-void Smoother::open_loose_links(
-    size_t number, const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed) {
-  Level& level = levels_[number];
-  const SmoothingLevel& grid = grid_.levels[number];
-  const float* const height = level.at(level.height);
-  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
-    auto& [cells, links] = level.loose[band];
-    cells.clear();
-    links.clear();
-    for (int32_t y = first; y < last; ++y) {
-      if (level.run_row[y] == level.run_row[y + 1]) continue;
-      for (int32_t k = grid.link_row[y]; k < grid.link_row[y + 1]; ++k) {
-        const int32_t cell = grid.link_cell[k];
-        if (height[cell] == 0.0f) continue;
-        const size_t before = links.size();
-        for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-          const int32_t other = grid.link_other[t];
-          if (is_open(height[cell], height[other])) {
-            links.push_back({other, grid.link_weight[t], grid.link_closeness[t], 0.0f});
-          } else if (on_closed) {
-            on_closed(y, cell, t);
-          }
-        }
-        if (links.size() > before) cells.push_back({cell, static_cast<int32_t>(links.size())});
-      }
-    }
-  });
-}
-
-float Smoother::conduct(size_t number) {
-  Level& level = levels_[number];
-  const SmoothingLevel& grid = grid_.levels[number];
-  const ConductanceTerms terms{least_variance_, done_below_[number], kStages};
-  const float* const height = level.at(level.height);
-  const float* const inverse = level.at(level.inverse_weight);
-  std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
-  std::vector<float> loose_largest(level.loose.size(), 0.0f);
-  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
-    for (int32_t y = first; y < last; ++y) {
-      for (int32_t r = level.run_row[y]; r < level.run_row[y + 1]; ++r) {
-        const Run run = level.runs[r];
-        largest[y] = std::max(
-            largest[y],
-            conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
-                        level.at(level.right), level.at(level.above), terms, run.begin, run.end));
-      }
-    }
-    OpenLinks& loose = level.loose[band];
-    size_t t = 0;
-    for (const OpenLinks::Cell& at : loose.cells) {
-      for (; t < static_cast<size_t>(at.end); ++t) {
-        OpenLink& link = loose.links[t];
-        const LinkConductance crosses =
-            conductance(height[at.cell], height[link.other], inverse[at.cell], inverse[link.other],
-                        link.closeness, terms);
-        link.conductance = link.weight * crosses.conductance;
-        loose_largest[band] = std::max(loose_largest[band], crosses.wanted);
-      }
-    }
-  });
-  return std::max(*std::max_element(largest.begin(), largest.end()),
-                  *std::max_element(loose_largest.begin(), loose_largest.end()));
-}
-
-void Smoother::stages(size_t number, int32_t count) {
-  Level& level = levels_[number];
-  const SmoothingLevel& grid = grid_.levels[number];
-  for (int32_t stage = 0; stage < count; ++stage) {
-    const float* const from = level.at(level.height);
-    float* const to = level.at(level.next);
-    const float* const inverse = level.at(level.inverse_weight);
-    for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
-      for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-        stage_run(from, to, level.at(level.right), level.at(level.above), inverse, grid.size,
-                  level.runs[r].begin, level.runs[r].end);
-      }
-      const OpenLinks& loose = level.loose[band];
-      const OpenLink* link = loose.links.data();
-      for (const OpenLinks::Cell& at : loose.cells) {
-        const float own = from[at.cell];
-        float flux = 0.0f;
-        for (const OpenLink* const end = loose.links.data() + at.end; link < end; ++link) {
-          flux += link->conductance * (from[link->other] - own);
-        }
-        to[at.cell] += inverse[at.cell] * flux;
-      }
-    });
-    std::swap(level.height, level.next);
-  }
 }
 
 /// Fills the next level with the mean heights of its blocks.
@@ -309,6 +224,7 @@ void Smoother::restrict_to(size_t number) {
   for (const SmoothingLevel::Stray& stray : fine_grid.strays) {
     if (height[stray.cell] != 0.0f) mark(stray.parent);
   }
+  const std::vector<Run> old_runs = std::exchange(level.runs, {});
   find_level_runs(
       grid.size,
       [&](int32_t cell, int32_t) {
@@ -316,6 +232,7 @@ void Smoother::restrict_to(size_t number) {
                0;
       },
       level.runs, level.run_row);
+  clear_beyond_runs(number, old_runs);
 
   for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
@@ -406,7 +323,6 @@ void Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
   levels_ = Works::shared().take(size);
   make_level(0);
-  for (size_t number = 0; number < levels_.size(); ++number) clear_runs(number);
   find_runs(map);
   if (!levels_[0].runs.empty()) {
     load(map);

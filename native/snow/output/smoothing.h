@@ -104,7 +104,7 @@ class Smoother {
       const std::function<void(size_t band, int32_t first, int32_t last)>& work) const;
   void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
-  void clear_runs(size_t number);
+  void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
   /// Notes the open ones of the links across seams, and calls `on_closed(row, cell, link)` for the
   /// others of cells with snow.

@@ -13,6 +13,10 @@ namespace snowbough::snow {
 
 /// What of a difference crosses a link in a stage, at most.
 inline constexpr float kStageShare = 0.2f;
+/// Stages of a level on the way up and on the way down.
+inline constexpr int32_t kStagesUp = 1;
+inline constexpr int32_t kStagesDown = 3;
+inline constexpr auto kStages = static_cast<float>(kStagesUp + kStagesDown);
 /// A neighbour that holds less than this part is no neighbour.
 inline constexpr float kLeastPart = 0.02f;
 /// Width of a shoulder in standard deviations.

@@ -1,11 +1,12 @@
 #include "snow/seams/curvature.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
-#include <limits>
 
 #include "base/parallel_for.h"
+#include "snow/seams/layer_height.h"
 
 namespace snowbough::snow {
 namespace {
@@ -13,10 +14,6 @@ namespace {
 constexpr LayerTerms kFlat{1.0f, 0.0f, 0.0f};
 /// Normals at more than about 80 degrees from the face would make heights explode.
 constexpr float kLeastCosine = 0.2f;
-constexpr float kMostGrowth = 1.25f;
-/// How near a layer comes to folding.
-constexpr float kFold = 0.98f;
-constexpr int kNewtonSteps = 5;
 
 glm::vec3 unit(const glm::vec3& v) {
   const float length = glm::length(v);
@@ -93,24 +90,6 @@ LayerTerms prism_terms(const Face& face, const glm::vec3 (&normal)[3]) {
   return {std::max(kLeastCosine, sum.x), sum.y, sum.z};
 }
 
-/// The height per held, 1 on flat ground: y of y + a y^2 + b y^3 = 1.
-float growth(float a, float b) {
-  const float root = a * a - 3.0f * b;
-  const float turn = root >= 0.0f ? std::sqrt(root) - a : 0.0f;
-  // Where the layer folds: 1 + 2 a y + 3 b y^2 = 0.
-  const float fold = turn > 0.0f ? kFold / turn : std::numeric_limits<float>::max();
-  const float most = std::min(fold, kMostGrowth);
-  if (most * (1.0f + most * (a + most * b)) <= 1.0f) return most;
-  const float without_b = 1.0f + 4.0f * a;
-  float y = without_b > 0.0f ? std::min(2.0f / (1.0f + std::sqrt(without_b)), most) : most;
-  for (int step = 0; step < kNewtonSteps; ++step) {
-    const float excess = y * (1.0f + y * (a + y * b)) - 1.0f;
-    const float slope = 1.0f + y * (2.0f * a + y * 3.0f * b);
-    y = std::clamp(y - excess / std::max(slope, 0.05f), 0.0f, most);
-  }
-  return y;
-}
-
 }  // namespace
 
 std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles,
@@ -149,22 +128,37 @@ std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles,
 }
 
 float layer_height(float held, LayerTerms terms) {
-  const float level = held / terms.x;
-  return level * growth(terms.y * level / terms.x, terms.z * level * level / terms.x);
+  LayerBlock<1> layer;
+  layer.set(0, held, terms);
+  raise_layers(layer.view(), 1);
+  return layer.height[0];
 }
 
 void show_layers(const TexelTable& table, const std::vector<LayerTerms>& terms,
                  std::vector<float>& map, int32_t threads) {
   if (terms.empty()) return;
+  constexpr size_t kBlock = 256;
+  const size_t count = table.texel.size();
   base::for_each_item(
-      table.texel.size(), 8192,
-      [&](size_t i) {
-        float& height = map[static_cast<size_t>(table.texel[i])];
-        if (height == 0.0f) return;
-        const LayerTerms* corner = terms.data() + 3 * static_cast<size_t>(table.triangle[i]);
-        const glm::vec2 w = table.barycentric[i];
-        height = layer_height(height,
-                              corner[0] * (1.0f - w.x - w.y) + corner[1] * w.x + corner[2] * w.y);
+      (count + kBlock - 1) / kBlock, 32,
+      [&](size_t block) {
+        LayerBlock<kBlock> layer;
+        std::array<int32_t, kBlock> texel;
+        int32_t filled = 0;
+        for (size_t i = block * kBlock; i < std::min(count, (block + 1) * kBlock); ++i) {
+          const float held = map[static_cast<size_t>(table.texel[i])];
+          if (held == 0.0f) continue;
+          const LayerTerms* corner = terms.data() + 3 * static_cast<size_t>(table.triangle[i]);
+          const glm::vec2 w = table.barycentric[i];
+          const LayerTerms own = corner[0] * (1.0f - w.x - w.y) + corner[1] * w.x + corner[2] * w.y;
+          texel[static_cast<size_t>(filled)] = table.texel[i];
+          layer.set(filled++, held, own);
+        }
+        raise_layers(layer.view(), filled);
+        for (int32_t k = 0; k < filled; ++k) {
+          map[static_cast<size_t>(texel[static_cast<size_t>(k)])] =
+              layer.height[static_cast<size_t>(k)];
+        }
       },
       threads);
 }

@@ -15,7 +15,7 @@ namespace {
 /// How much a change of the map counts beside a difference that is left: in the first problem (both
 /// in metres), then in the second (both parts of the height).
 constexpr float kDamping = 0.05f;
-constexpr float kFineDamping = 0.0015f;
+constexpr float kFineDamping = 0.0005f;
 /// What part of the height at a seam the sides may differ by, what the second problem is solved
 /// again for, and how much more makes a texel take part fully; heights under least_height count as
 /// that.
@@ -29,6 +29,9 @@ constexpr int64_t kMostFineWork = int64_t{1} << 26;
 /// How often the second problem is solved again at most, each time for what is still too far apart:
 /// what suits the thinnest snow drives thicker snow beside it apart again.
 constexpr int32_t kMostRepeats = 4;
+/// What part of the texels may be left for a repeat to be worth another: where snow ends on a seam
+/// no heights make the sides equal, and there all repeats come to the same.
+constexpr double kWorthRepeating = 0.85;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
@@ -281,20 +284,21 @@ bool SeamLeveller::accept_within_limits() {
   return any;
 }
 
-bool SeamLeveller::level_fine(float within) {
+size_t SeamLeveller::level_fine(float within) {
   mark(within);
   assemble();
-  if (fine_texels_.empty()) return false;
+  const size_t count = fine_texels_.size();
+  if (count == 0) return 0;
   if (solve_fine()) {
-    if (!accept_within_limits()) return true;
+    if (!accept_within_limits()) return count;
     assemble();
-    if (fine_texels_.empty()) return true;
+    if (fine_texels_.empty()) return count;
     solve_fine();
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     heights_[fine_texels_[k]] = fine_height(k).second;
   }
-  return true;
+  return count;
 }
 
 void SeamLeveller::run(std::vector<float>& map) {
@@ -302,10 +306,12 @@ void SeamLeveller::run(std::vector<float>& map) {
   level_all();
   refresh_foreign();
   marked_within_ = -1.0f;
-  bool differs = level_fine(kLevelWithin);
-  for (int32_t repeat = 0; repeat < kMostRepeats && differs; ++repeat) {
+  size_t left = level_fine(kLevelWithin);
+  for (int32_t repeat = 0; repeat < kMostRepeats && left > 0; ++repeat) {
     refresh_foreign();
-    differs = level_fine(kLevelAgain);
+    const size_t before = left;
+    left = level_fine(kLevelAgain);
+    if (static_cast<double>(left) > kWorthRepeating * static_cast<double>(before)) break;
   }
   for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];
 }

@@ -18,9 +18,9 @@ namespace snowbough::snow {
 /// some thousandths of the height, but more where snow thins out beside deep snow. It depends on
 /// the layout alone, so that its matrix is factorised once. The second is over what the first left
 /// too far apart, measured by the height there, and is factorised anew for each map; what it leaves
-/// too far apart is solved again, a few times. No texel falls below 0 or rises above the highest
-/// that its points look at: where the second problem wants that, the texel stays at its limit and
-/// what hangs together with it is solved once more.
+/// too far apart is solved again, a few times, while that helps. No texel falls below 0 or rises
+/// above the highest that its points look at: where the second problem wants that, the texel stays
+/// at its limit and what hangs together with it is solved once more.
 ///
 /// How much a texel takes part in the second problem grows slowly from 0 at kLevelWithin on, so
 /// that whoever rounds otherwise comes to the same map.
@@ -59,8 +59,8 @@ class SeamLeveller {
   SeamResidual residual_at(int32_t point) const;
   void level_all();
   void refresh_foreign();
-  /// Returns false where no point was further apart than a part `within` of the height.
-  bool level_fine(float within);
+  /// Returns how many texels had points further apart than a part `within` of the height.
+  size_t level_fine(float within);
   void mark(float within);
   void mark_for(SeamResidual& residual, float within);
   void activate_points();

@@ -1,5 +1,6 @@
 #include "snow/seams/curvature.h"
 
+#include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -9,6 +10,7 @@
 
 #include "native/snow/layouts.h"
 #include "snow/output/cpu_filter.h"
+#include "snow/seams/layer_height.h"
 #include "snow/seams/seam_table.h"
 
 namespace snowbough::snow {
@@ -163,6 +165,22 @@ Shown shown(const LaidOutMesh& mesh, const std::function<float(glm::vec3)>& dept
 TEST(LayerHeight, isWhatIsHeldOnFlatGround) {
   EXPECT_FLOAT_EQ(layer_height(0.05f, {1, 0, 0}), 0.05f);
   EXPECT_FLOAT_EQ(layer_height(-0.05f, {1, 0, 0}), -0.05f);
+}
+
+TEST(LayerHeight, isTheSameSideBySideAsAlone) {
+  // More than a register holds, and an odd number: convex, hollow, flat, the back, and a fold.
+  constexpr int32_t kCount = 37;
+  LayerBlock<kCount> layers;
+  std::vector<float> alone;
+  for (int32_t k = 0; k < kCount; ++k) {
+    const float held = 0.01f * static_cast<float>(k - 7);
+    const LayerTerms terms(0.8f + 0.01f * static_cast<float>(k), static_cast<float>(k % 9 - 4),
+                           static_cast<float>(k % 5 - 1));
+    layers.set(k, held, terms);
+    alone.push_back(layer_height(held, terms));
+  }
+  raise_layers(layers.view(), kCount);
+  EXPECT_THAT(layers.height, testing::ElementsAreArray(alone));
 }
 
 TEST(LayerHeight, solvesSteinersFormulaOnATwigAndABall) {

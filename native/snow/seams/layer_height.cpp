@@ -1,0 +1,54 @@
+#include "snow/seams/layer_height.h"
+
+#include <cmath>
+
+#include "base/simd.h"
+
+namespace snowbough::snow {
+namespace {
+
+constexpr float kMostGrowth = 1.25f;
+/// How near a layer comes to folding.
+constexpr float kFold = 0.98f;
+constexpr int kNewtonSteps = 5;
+constexpr float kLeastSlope = 0.05f;
+
+inline float smaller(float a, float b) {
+  return a < b ? a : b;
+}
+inline float larger(float a, float b) {
+  return a > b ? a : b;
+}
+
+/// The height per held, 1 on flat ground: y of y + a y^2 + b y^3 = 1.
+inline float growth(float a, float b) {
+  const float root = a * a - 3.0f * b;
+  const float turn = root >= 0.0f ? std::sqrt(larger(root, 0.0f)) - a : 0.0f;
+  // Where the layer folds: 1 + 2 a y + 3 b y^2 = 0.
+  const float fold = turn > 0.0f ? kFold / (turn > 0.0f ? turn : 1.0f) : kMostGrowth;
+  const float most = smaller(fold, kMostGrowth);
+  const float without_b = 1.0f + 4.0f * a;
+  const float guess = smaller(2.0f / (1.0f + std::sqrt(larger(without_b, 0.0f))), most);
+  float y = without_b > 0.0f ? guess : most;
+  for (int step = 0; step < kNewtonSteps; ++step) {
+    const float excess = y * (1.0f + y * (a + y * b)) - 1.0f;
+    const float slope = 1.0f + y * (2.0f * a + y * 3.0f * b);
+    y = smaller(larger(y - excess / larger(slope, kLeastSlope), 0.0f), most);
+  }
+  return most * (1.0f + most * (a + most * b)) <= 1.0f ? most : y;
+}
+
+}  // namespace
+
+SNOWBOUGH_WIDE void raise_layers(const LayerView& layers, int32_t count) {
+  float* __restrict height = layers.height;
+  const float* __restrict x = layers.x;
+  const float* __restrict y = layers.y;
+  const float* __restrict z = layers.z;
+  for (int32_t i = 0; i < count; ++i) {
+    const float level = height[i] / x[i];
+    height[i] = level * growth(y[i] * level / x[i], z[i] * level * level / x[i]);
+  }
+}
+
+}  // namespace snowbough::snow

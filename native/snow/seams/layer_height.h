@@ -1,0 +1,40 @@
+#pragma once
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+
+#include "snow/seams/curvature.h"
+
+namespace snowbough::snow {
+
+/// What layers hold (m3/m2), which raise_layers turns into their heights, and their terms.
+struct LayerView {
+  float* height;
+  const float* x;
+  const float* y;
+  const float* z;
+};
+
+/// Room for some layers.
+template <size_t Count>
+struct LayerBlock {
+  std::array<float, Count> height;
+  std::array<float, Count> x;
+  std::array<float, Count> y;
+  std::array<float, Count> z;
+
+  void set(int32_t number, float held, LayerTerms terms) {
+    const auto k = static_cast<size_t>(number);
+    height[k] = held;
+    x[k] = terms.x;
+    y[k] = terms.y;
+    z[k] = terms.z;
+  }
+  LayerView view() { return {height.data(), x.data(), y.data(), z.data()}; }
+};
+
+/// layer_height of `count` layers side by side.
+void raise_layers(const LayerView& layers, int32_t count);
+
+}  // namespace snowbough::snow
