@@ -5,8 +5,9 @@
 // Between two neighbouring texels a link carries snow from the higher surface point to the lower one. What flows in
 // a round is a part of what the height difference is over its limit, and it keeps its momentum from round to
 // round: heavy-ball relaxation (B. T. Polyak, Some methods of speeding up the convergence of iteration methods,
-// 1964, with the growing momentum k / (k + 3) of Y. Nesterov, 1983), which comes to rest on a bank of L texels in
-// a few L rounds where plain relaxation takes L^2. Snow starts to flow over the limit and comes to rest a little
+// 1964, with the growing momentum k / (k + a) of Y. Nesterov, 1983, and a over 3 as A. Chambolle and C. Dossal, On the
+// convergence of the iterates of FISTA, 2015, have it, so that it does not swing), which comes to rest on a bank of L
+// texels in a few L rounds where plain relaxation takes L^2. Snow starts to flow over the limit and comes to rest a little
 // under it, so that a round without flow is rest. Flows are whole units of volume, so that what leaves one texel
 // arrives at the other to the last bit; where more is wanted of a texel than it holds, all get their part of it.
 #include "shared_functions.h"
@@ -73,7 +74,7 @@ SNOWBOUGH_SHARED_FUNCTION float link_rate(float stiffness_a, float stiffness_b) 
 }
 
 /// What part of its last flow a link keeps in round `round` (0, 1, ...).
-SNOWBOUGH_SHARED_FUNCTION float flow_momentum(int round) { return float(round) / float(round + 3); }
+SNOWBOUGH_SHARED_FUNCTION float flow_momentum(int round) { return float(round) / float(round + 8); }
 
 /// Units that would flow from a to b in a round (negative: from b to a). `before`: what did in the round before;
 /// `fall`: height of a's surface over b's; `limit` and `fall` in metres.

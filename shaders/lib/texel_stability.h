@@ -5,7 +5,6 @@
 // closed form, so that the result does not depend on the length of a step.
 #include "kernel.h"
 #include "snow_shared.h"
-#include "texel_repose.h"
 
 /// Metres that a texel which gains kGainUnits is given: the step's thickness perpendicular to the fall.
 KERNEL_UNIFORM(float, full_gain);
@@ -13,8 +12,6 @@ KERNEL_UNIFORM(float, max_depth);
 /// Seconds; the half-life is positive.
 KERNEL_UNIFORM(float, dt);
 KERNEL_UNIFORM(float, half_life);
-/// Not 0: walls hold nothing, and what sticks there is gone within a second.
-KERNEL_UNIFORM(int, walls_are_bare);
 
 /// (1 - 2^(-t / half_life)) / (t ln 2 / half_life): the part of a steady deposit that stays.
 float staying_part(float t, float halving) {
@@ -32,19 +29,9 @@ WholeStep whole_step() {
   return KERNEL_MAKE2(WholeStep, 1.0f - exp2(-dt / half_life), staying_part(dt, half_life));
 }
 
-/// What is left on a wall. A wall is faced by snow from the side only: it holds what flies at it for a moment.
-float height_on_wall(float height, float deposit) {
-  const float left =
-      height * exp2(-dt / kWallHalfLife) + deposit * staying_part(dt, kWallHalfLife);
-  return left < kWallLeast && dt > 0.0f ? 0.0f : left;
-}
-
-/// Metres that a texel holds; `up`: upward part of the normal.
-float capacity_of(float up) { return walls_are_bare != 0 && is_wall(up) ? -1.0f : max_depth * up; }
-
-/// Whether all of it stays: what lies there and what comes.
+/// Whether all of it stays: what lies there and what comes. `up`: upward part of the normal.
 bool keeps_all(float height, float deposit, float up) {
-  const float capacity = height + deposit == 0.0f ? 1.0f : capacity_of(up);
+  const float capacity = height + deposit == 0.0f ? 1.0f : max_depth * up;
   return height < capacity && height + deposit <= capacity;
 }
 
@@ -114,9 +101,9 @@ StableTexel stabilise_texel(float height, float deposit, uvec4 step, WholeStep w
   const float up = up_on(side, step);
   const float staying = stays ? lies : 0.0f;
   const float coming = stays && meet ? 0.0f : comes;
-  const float stable = keeps_all(staying, coming, up)                ? staying + coming
-                       : walls_are_bare != 0 && is_wall(up) ? height_on_wall(staying, coming)
-                                                            : stable_height(staying, coming, max_depth * up, whole);
+  const float stable = keeps_all(staying, coming, up)
+                           ? staying + coming
+                           : stable_height(staying, coming, max_depth * up, whole);
   const vec4 sums =
       vec4(comes * area, (lies + comes - stable) * area, stable * area, visible_part(comes) * area);
   return KERNEL_MAKE2(StableTexel, stable > 0.0f ? side * stable : 0.0f, sums);

@@ -27,7 +27,8 @@ int64_t ReposePass::memory(const std::vector<const SceneObject*>& objects) {
     }
     blocks += std::count(has_texels.begin(), has_texels.end(), uint8_t{1});
   }
-  return blocks * static_cast<int64_t>(sizeof(ReposeTile));
+  return blocks * static_cast<int64_t>(sizeof(ReposeTile) +
+                                       sizeof(std::array<ReposeTile::Plane, kForwardLinks>));
 }
 
 void ReposePass::lay_out(const std::vector<const SceneObject*>& objects) {

@@ -5,6 +5,7 @@
 
 #include "base/parallel_for.h"
 #include "snow/repose/links.h"
+#include "snow/repose/pose.h"
 #include "snow/repose/surface.h"
 #include "snow/repose/tile.h"
 #include "snow/scene/scene_object.h"
@@ -71,23 +72,33 @@ class Repose {
     float rate = 0.0f;
     float flow = 0.0f;
   };
+  /// What was written of a block: units that left the surface (they fell over rims, onto walls or
+  /// off them), and whether heights changed.
+  struct Written {
+    double lost = 0.0;
+    bool has_changed = false;
+  };
   using Blocks = std::vector<int32_t>;
   /// Per block of the map.
   using Marks = std::vector<uint8_t>;
 
+  /// Calls work(i) for i from 0 to count - 1.
+  template <typename Work>
+  void for_each(size_t count, const Work& work) const {
+    base::for_each_item(count, 1, work, on_all_cores_ ? base::default_threads() : 1);
+  }
   template <typename Work>
   void for_blocks(const Blocks& blocks, const Work& work) const {
-    if (on_all_cores_) {
-      base::for_each_item(blocks.size(), 1, [&](size_t i) { work(blocks[i]); });
-    } else {
-      for (const int32_t block : blocks) work(block);
-    }
+    for_each(blocks.size(), [&](size_t i) { work(blocks[i]); });
   }
   Blocks near(const Blocks& blocks) const;
   void mark_near(int32_t block, Marks& marks) const;
 
   // setup.cpp
-  void take_pose();
+  void find_links();
+  bool take_pose();
+  template <typename Visit>
+  void for_rows(int32_t block, const Visit& visit) const;
   bool is_bare(int32_t block, const std::vector<float>& height) const;
   Relief relief_of(int32_t block, const std::vector<float>& height) const;
   bool is_level(int32_t block, const Relief& relief) const;
@@ -103,32 +114,38 @@ class Repose {
   void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
   void find_slack(int32_t block);
 
+  // across.cpp
+  template <typename Visit>
+  void for_across(int32_t block, const Visit& visit);
+  bool lower_across(Marks& awake);
+  Blocks stirred_at_seams();
+  bool flow_across(float momentum);
+
   // repose.cpp
-  Blocks awake_of_colour(const Marks& awake, int32_t colour) const;
+  template <typename Chosen>
+  Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
   void link_tile(int32_t block);
   void empty_over_outlets();
-  bool lower_across(Marks& awake);
-  void run_rounds(const Blocks& doubtful, float patience);
-  double run_colour(const Blocks& blocks, int first_round, Marks& awake, Marks& seams);
-  void flow_across(float momentum, Marks& awake, Marks& seams);
-  bool walls_hold_snow(int32_t block) const;
-  double write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
+  void run_rounds(float patience);
+  double run_colour(const Blocks& blocks, int first_round);
+  Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 
   const SceneObject* object_;
   ReposeLinks links_;
+  ReposePose pose_;
   ReposeSurface surface_;
   bool has_pose_ = false;
   /// Whether the pose is that of the step before.
   bool stands_still_ = false;
   bool on_all_cores_ = false;
   bool has_changed_ = false;
+  /// Whether snow may flow across seams.
+  bool seams_are_due_ = false;
   float slope_ = 0.0f;
   std::vector<BlockSlack> slack_;
   /// Blocks to look at closely, and these with those near them.
   Blocks doubtful_;
   Blocks chosen_;
-  /// Per block, during a run: nothing flows in it.
-  Marks rests_;
   /// Of the chosen blocks, during a run; all that there are, between runs.
   ReposeTiles tiles_;
   ReposeTiles kept_;
@@ -136,8 +153,9 @@ class Repose {
   Marks was_chosen_;
   /// By block.
   std::vector<std::vector<RimLink>> rims_;
-  /// By link across a seam.
+  /// By link across a seam; and by block, whether snow flows along any that it keeps.
   std::vector<Flow> across_;
+  Marks flows_across_;
 };
 
 }  // namespace snowbough::snow

@@ -26,23 +26,46 @@ struct Repose::Cell {
   float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
 };
 
-void Repose::take_pose() {
-  if (links_.resolution == 0) {
-    const std::vector<glm::vec3>& rest = object_->description.rest;
-    links_ = find_repose_links(object_->description.topology, object_->table,
-                               rest.empty() ? object_->positions : rest);
-    tiles_.resize(links_.block_count());
-    kept_.resize(links_.block_count());
-    rims_.resize(links_.block_count());
-    across_.resize(links_.across.size());
-    was_chosen_.assign(links_.block_count(), 0);
+void Repose::find_links() {
+  const std::vector<glm::vec3>& rest = object_->description.rest;
+  links_ = find_repose_links(object_->description.topology, object_->table,
+                             rest.empty() ? object_->positions : rest);
+  tiles_.resize(links_.block_count());
+  kept_.resize(links_.block_count());
+  rims_.resize(links_.block_count());
+  across_.resize(links_.across.size());
+  flows_across_.assign(links_.block_count(), 0);
+  was_chosen_.assign(links_.block_count(), 0);
+}
+
+/// Returns whether the surface is another for repose than before.
+bool Repose::take_pose() {
+  has_pose_ = true;
+  if (!pose_.set(object_->description.rest, object_->positions,
+                 object_->description.topology.vertex_count)) {
+    return false;
   }
-  surface_.set_pose(*object_);
+  if (links_.resolution == 0) find_links();
+  surface_.set_pose(*object_, pose_.positions());
   slack_.assign(links_.block_count(), {});
   for (const std::unique_ptr<ReposeTile>& tile : kept_) {
     if (tile != nullptr) tile->has_pose = false;
   }
-  has_pose_ = true;
+  return true;
+}
+
+/// Calls visit(row of the block, place of its first texel on the map, texels) for a block's rows.
+template <typename Visit>
+void Repose::for_rows(int32_t block, const Visit& visit) const {
+  const int32_t size = links_.resolution;
+  const int32_t left = block % links_.blocks_a_side * kReposeBlock;
+  const int32_t first = block / links_.blocks_a_side * kReposeBlock;
+  const auto count = static_cast<size_t>(std::min(kReposeBlock, size - left));
+  for (int32_t row = 0; row < std::min(kReposeBlock, size - first); ++row) {
+    visit(static_cast<size_t>(row),
+          static_cast<size_t>(first + row) * static_cast<size_t>(size) + static_cast<size_t>(left),
+          count);
+  }
 }
 
 /// Whether snow lies in a block.
@@ -110,7 +133,7 @@ size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
   if (!has_pose_) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
     if (is_bare) return 0;
-    take_pose();
+    stands_still_ = !take_pose();
   }
   if (slope != slope_) forget_links();
   slope_ = slope;
@@ -133,21 +156,14 @@ float Repose::link_limit(const glm::vec3& way) const {
 /// Takes note of a link for is_level.
 void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
   if (!a.is_there() || !b.is_there()) return;
-  if (a.is_wall() && b.is_wall()) {
-    // Whether they are bare is to be looked at.
+  // Whether walls are bare is to be looked at.
+  if (a.is_wall() || b.is_wall()) {
     slack.at_edges = -1.0f;
     return;
   }
   const glm::vec3 way = b.point() - a.point();
   const float bare = link_limit(way) - std::abs(way.z);
-  for (const Cell& cell : {a, b}) {
-    if (!cell.is_wall()) slack.column = std::max(slack.column, cell.column());
-  }
-  if (a.is_wall() || b.is_wall()) {
-    const bool falls = a.is_wall() ? way.z > 0.0f : way.z < 0.0f;
-    if (falls) slack.at_edges = std::min(slack.at_edges, bare);
-    return;
-  }
+  slack.column = std::max(slack.column, std::max(a.column(), b.column()));
   slack.inside = std::min(slack.inside, bare);
   slack.turn = std::max(slack.turn, std::abs(b.column() - a.column()));
 }
@@ -199,7 +215,7 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   if (!a.is_there() || a.is_wall()) return link;
   const glm::vec3 way = at - a.point();
   link.limit = link_limit(way);
-  link.rate = shared::link_rate(a.tile->stiffness[a.at], 0.0f);
+  link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
   link.slack = link.limit - std::abs(way.z);
   return link;
 }
@@ -230,7 +246,7 @@ void Repose::set_up_ends(int32_t block) {
     }
     if (end.sign > 0) continue;
     flow.limit = link_limit(b.point() - a.point());
-    flow.rate = shared::link_rate(a.tile->stiffness[a.at], b.tile->stiffness[b.at]);
+    flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
   }
 }
 
@@ -254,13 +270,19 @@ void Repose::take_tiles(Marks& changes) {
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   bool changes = !tile.has_pose;
-  if (changes) surface_.fill_block(links_, block, tile);
-  const std::vector<int32_t>& places = object_->table.texel;
-  links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
-    const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
-    changes |= tile.cover(cell, height[place], surface_.unit());
-  });
-  for (ReposeTile::Plane& flow : tile.flow) flow.fill(0.0f);
+  if (changes) {
+    surface_.fill_block(links_, block, tile);
+    const std::vector<int32_t>& places = object_->table.texel;
+    links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
+      const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
+      tile.cover(cell, height[place], surface_.unit());
+    });
+  } else {
+    for_rows(block, [&](size_t row, size_t place, size_t count) {
+      changes |= tile.cover_row(row, &height[place], count, surface_.unit());
+    });
+  }
+  tile.begin_step();
   for (RimLink& rim : rims_[static_cast<size_t>(block)]) rim.flow = 0.0f;
   return changes;
 }

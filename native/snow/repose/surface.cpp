@@ -7,13 +7,17 @@
 
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
+#include "snow/scene/projection.h"
 
 namespace snowbough::snow {
 
-void ReposeSurface::set_pose(const SceneObject& object) {
+void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions) {
   constexpr size_t kRun = 1024;
   object_ = &object;
-  anchor_ = glm::vec3(0.5 * (object.bounds.low + object.bounds.high));
+  positions_ = &positions;
+  Bounds bounds;
+  for (const glm::vec3& position : positions) bounds.include(glm::dvec3(position));
+  anchor_ = glm::vec3(0.5 * (bounds.low + bounds.high));
   const std::vector<int32_t>& indices = object.description.topology.triangles;
   triangles_.resize(indices.size() / 3);
   const size_t runs = (triangles_.size() + kRun - 1) / kRun;
@@ -21,7 +25,7 @@ void ReposeSurface::set_pose(const SceneObject& object) {
   base::for_each_item(runs, 1, [&](size_t run) {
     for (size_t t = run * kRun; t < std::min(triangles_.size(), (run + 1) * kRun); ++t) {
       const auto corner = [&](size_t k) {
-        return glm::dvec3(object.positions[static_cast<size_t>(indices[3 * t + k])]);
+        return glm::dvec3(positions[static_cast<size_t>(indices[3 * t + k])]);
       };
       const glm::dvec3 cross = glm::cross(corner(1) - corner(0), corner(2) - corner(0));
       const double size = glm::length(cross);
@@ -42,7 +46,7 @@ glm::vec3 ReposeSurface::point(int32_t triangle, glm::vec2 weights) const {
   const int32_t* corners =
       &object_->description.topology.triangles[3 * static_cast<size_t>(triangle)];
   const auto corner = [&](int k) {
-    return object_->positions[static_cast<size_t>(corners[k])] - anchor_;
+    return (*positions_)[static_cast<size_t>(corners[k])] - anchor_;
   };
   const glm::vec3 a = corner(0);
   return a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
@@ -96,13 +100,16 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
     tile.up[cell] = own.up;
     tile.area[cell] = own.area;
     tile.two_sided[cell] = own.two_sided ? 1 : 0;
+    tile.any_two_sided = tile.any_two_sided || own.two_sided;
     tile.forward[cell] = links.forward[static_cast<size_t>(index)];
   });
   const int32_t* ends = &links.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links.ends[static_cast<size_t>(e)];
-    tile.part[static_cast<size_t>(end.cell % kTileCells)] =
-        1.0f / std::max(shared::kLinks, static_cast<float>(end.links));
+    const auto cell = static_cast<size_t>(end.cell % kTileCells);
+    tile.links[cell] = static_cast<uint8_t>(
+        std::clamp(end.links, static_cast<int32_t>(shared::kLinks), int32_t{255}));
+    if (static_cast<size_t>(end.link) < links.across.size()) tile.forward[cell] |= kAtSeam;
   }
 }
 

@@ -12,8 +12,8 @@ namespace snowbough::snow {
 /// An object's surface in the current pose, as repose needs it.
 class ReposeSurface {
  public:
-  /// Evaluates the triangles; `object` and its positions must stay until the last call.
-  void set_pose(const SceneObject& object);
+  /// Evaluates the triangles; `object` and `positions` must stay until the last call.
+  void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions);
 
   /// Volume in m3 of a unit in which snow moves: a power of two, shared::kUnitsAMetre of which lie
   /// on a texel of mean area under a metre of snow.
@@ -37,6 +37,7 @@ class ReposeSurface {
   Texel texel(int32_t index) const;
 
   const SceneObject* object_ = nullptr;
+  const std::vector<glm::vec3>* positions_ = nullptr;
   /// xyz: normal, w: area in m2.
   std::vector<glm::vec4> triangles_;
   glm::vec3 anchor_{0.0f};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <atomic>
 #include <cstdint>
 #include <memory>
 #include <vector>
@@ -13,53 +14,96 @@ inline constexpr int32_t kTileCells = kReposeBlock * kReposeBlock;
 inline constexpr uint8_t kWall = 1;
 inline constexpr uint8_t kBack = 2;
 inline constexpr uint8_t kUnknown = 4;
+/// In ReposeTile::forward, beside the links: one across a seam ends at the cell.
+inline constexpr uint8_t kAtSeam = 16;
+/// All rows of a tile, a bit each.
+inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
+static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
 
 /// What the rounds of repose reckon with in one block of a map: cells row by row. A cell without a
 /// texel has an area of 0.
 struct ReposeTile {
   using Plane = std::array<float, kTileCells>;
+  using Bytes = std::array<uint8_t, kTileCells>;
 
-  /// The bare surface: a point of it in metres, from the object's anchor, the upward part of its
-  /// normal, the same for the capacity, covered area in m2; the links of ReposeLinks::forward; and
-  /// 1 / (links that the texel has, at least kLinks).
-  Plane x, y, z, normal_z, up, area, part;
-  std::array<uint8_t, kTileCells> forward;
-  /// Not 0: the texel takes snow on both sides.
-  std::array<uint8_t, kTileCells> two_sided;
-  /// Whether the above is that of the current pose, and whether the links are set up for it and for
-  /// what their cells are.
+  /// Whether the bare surface is that of the current pose, and whether the links are set up for it
+  /// and for what their cells are.
   bool has_pose = false;
   bool has_links = false;
+  /// Whether any texel takes snow on both sides; whether any cell holds any on the back.
+  bool any_two_sided = false;
+  bool any_back = false;
+  /// Whether any cell is a wall, as the step begins.
+  bool any_wall = false;
+  /// Whether the bound of any cell is finite, and whether any was lowered since it was last asked.
+  std::atomic<bool> has_bounds = false;
+  std::atomic<bool> has_fresh_bounds = false;
+  /// Rows with links that are to be looked at, since a surface beside them has changed, and rows
+  /// with links along which snow flows: a bit each. In all others nothing would flow.
+  std::atomic<uint32_t> stirred = 0;
+  uint32_t flowing = 0;
+  /// Rows with links along which snow would flow, but not a whole unit.
+  uint32_t waiting = 0;
+  /// Rows with surfaces at seams that have changed, a bit each.
+  std::atomic<uint32_t> stirred_at_seams = 0;
+  /// Whether snow has moved since the step began.
+  std::atomic<bool> has_moved = false;
+
+  /// The bare surface: a point of it in metres, from the object's anchor, the upward part of its
+  /// normal, the same for the capacity, covered area in m2; the links of ReposeLinks::forward with
+  /// kAtSeam; and the links that the texel has, at least kLinks.
+  Plane x, y, z, normal_z, up, area;
+  Bytes forward, links;
+  /// Not 0: the texel takes snow on both sides.
+  Bytes two_sided;
 
   /// kWall: it holds nothing; kBack: snow lies or would lie against the normal.
-  std::array<uint8_t, kTileCells> kind;
+  Bytes kind;
   /// Units of volume when the step began, and what has come since: whole numbers.
   Plane held;
   std::array<double, kTileCells> moved;
-  /// Height of the snow's surface in metres, how much a unit lifts it, whether a texel gives
-  /// anything (1, walls 0), and the units that it has to give; how stiff it is for link_rate; and
-  /// units in a metre of snow.
-  Plane top, lift, share, gives, stiffness, units_a_metre;
+  /// Height of the snow's surface in metres, how much a unit lifts it (0 on walls), and the units
+  /// that a cell has to give: walls give nothing.
+  Plane top, lift, gives;
   /// Metres that the snow's surface may reach, for what lies lower: see lower_tile_bounds.
   Plane bound;
-  /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none),
-  /// link_rate and given_flow.
-  std::array<Plane, kForwardLinks> limit, rate, flow;
+  /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none).
+  std::array<Plane, kForwardLinks> limit;
+  /// And given_flow of the last round; null before any is done.
+  std::unique_ptr<std::array<Plane, kForwardLinks>> flow;
 
   /// No surface, links to none, kinds unknown.
   void begin_pose();
   /// Takes a cell's snow, `height` (signed) metres on the current pose, as the step begins. `unit`:
   /// see ReposeSurface. Returns whether the cell is of another kind than it was.
   bool cover(size_t cell, float height, float unit);
-  void set_kind(size_t cell, uint8_t now, float unit);
-  /// Brings top and gives up to date.
-  void raise(size_t cell) {
+  /// The same for the cells of a row, the first `count` of them; `height` by cell.
+  bool cover_row(size_t row, const float* height, size_t count, float unit);
+  /// Forgets what moved in the step before.
+  void begin_step();
+
+  /// Whether anything may flow.
+  bool is_awake() const { return (stirred.load(std::memory_order_relaxed) | flowing) != 0; }
+  /// Metres by which a unit lifts a cell's surface, times its links: see shared::link_rate.
+  float stiffness(size_t cell) const {
+    return lift[cell] / (1.0f / static_cast<float>(links[cell]));
+  }
+  /// Lets units come to a cell.
+  void add(size_t cell, double units) {
+    moved[cell] += units;
     const float now = held[cell] + static_cast<float>(moved[cell]);
     top[cell] = z[cell] + lift[cell] * now;
-    gives[cell] = now > 0.0f ? share[cell] * now : 0.0f;
+    gives[cell] = now > 0.0f && lift[cell] > 0.0f ? now : 0.0f;
+    has_moved.store(true, std::memory_order_relaxed);
+    if ((forward[cell] & kAtSeam) != 0) {
+      stirred_at_seams.fetch_or(1u << (cell / kReposeBlock), std::memory_order_relaxed);
+    }
   }
   /// Takes away what lies over the bounds; returns whether there was any.
   bool cut();
+
+ private:
+  void set_kind(size_t cell, uint8_t now, float unit);
 };
 
 /// Tiles by block; null where there is none.
@@ -79,11 +123,9 @@ struct RimLink {
 /// What a tile's rounds did.
 struct TileRounds {
   int rounds = 0;
-  /// Whether snow still flowed in the last round, whether any did in one, and whether cells changed
-  /// that neighbouring tiles look at.
+  /// Whether snow still flowed in the last round, and whether any did in one.
   bool flows = false;
   bool has_changed = false;
-  bool border_has_changed = false;
 };
 
 /// Sets up the links that a block's cells keep, on tiles that are covered. `slope`: tangent of the
@@ -104,14 +146,11 @@ struct TileBounds {
 TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                              const std::vector<RimLink>& rims);
 
-/// Whether no link of a block's cells is over its limit.
-bool is_at_rest(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-                const std::vector<RimLink>& rims);
-
 /// Lets snow move for at most `rounds` rounds along the links of a block's cells, as many as are
-/// needed until it rests. `first_round`: for the momentum. Neighbouring tiles' cells beside the
-/// block change with it, so tiles next to each other must not do their rounds at one time; every
-/// second one of a row or column may.
+/// needed until it rests: in rows that are stirred or flowing, and in those that they stir.
+/// `first_round`: for the momentum. Neighbouring tiles' cells beside the block change with it, so
+/// tiles next to each other must not do their rounds at one time; every second one of a row or
+/// column may.
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                            std::vector<RimLink>& rims, int first_round, int rounds);
 

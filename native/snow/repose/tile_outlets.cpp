@@ -1,5 +1,6 @@
 // How high snow can lie over the outlets of a surface: its rims and walls.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/simd.h"
@@ -9,10 +10,6 @@
 
 namespace snowbough::snow {
 namespace {
-
-struct alignas(64) Bounds {
-  TileWindow::Plane bound, top, z, passed;
-};
 
 /// What cells pass on to their neighbours; returns whether any does.
 SNOWBOUGH_WIDE bool pass_row(const float* __restrict bound, const float* __restrict top,
@@ -38,106 +35,143 @@ SNOWBOUGH_WIDE bool lower_row(const float* __restrict passed, const float* __res
   return changes != 0;
 }
 
+constexpr uint64_t bit(int32_t row) {
+  return uint64_t{1} << static_cast<uint32_t>(row);
+}
+
+/// Lowers the bounds of a block's window row by row, as long as any passes on what it did not
+/// before.
 class BoundSweep {
  public:
-  BoundSweep(Bounds& bounds, const ReposeTile& tile) : bounds_(bounds), tile_(tile) {}
+  BoundSweep(const TilesAround& around, const std::vector<RimLink>& rims)
+      : around_(around), tile_(*around.at(0, 0)) {
+    for (int32_t row = 0; row < TileWindow::kRows; ++row) {
+      TileWindow::copy_row(around, row, &ReposeTile::bound, bound_, shared::kUnbounded);
+      TileWindow::copy_row(around, row, &ReposeTile::top, top_, 0.0f);
+      TileWindow::copy_row(around, row, &ReposeTile::z, z_, 0.0f);
+    }
+    for (const RimLink& rim : rims) {
+      const int32_t row = rim.cell / kReposeBlock;
+      lower(row, rim.cell % kReposeBlock, rim.top + shared::kCuts * rim.limit);
+    }
+  }
 
-  /// Once up and once down; returns whether bounds changed.
-  bool run() {
-    bool changes = false;
-    for (int32_t row = 0; row < kReposeBlock; ++row) changes |= within(row) | upwards(row);
-    for (int32_t row = kReposeBlock - 1; row >= 0; --row) changes |= downwards(row) | within(row);
-    return changes;
+  /// Up and down in turns until nothing changes.
+  void run() {
+    uint64_t rows = (bit(TileWindow::kRows) - 1);
+    while (rows != 0) {
+      fresh_ = 0;
+      for (int32_t row = 0; row < TileWindow::kRows; ++row) {
+        if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+      }
+      rows = fresh_;
+      fresh_ = 0;
+      for (int32_t row = TileWindow::kRows - 1; row >= 0; --row) {
+        if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+      }
+      rows = fresh_;
+    }
+  }
+
+  /// Writes what changed to the tiles.
+  TileBounds write() {
+    TileBounds result;
+    for (int32_t row = 0; row < TileWindow::kRows; ++row) {
+      if ((changed_ & bit(row)) == 0) continue;
+      TileWindow::for_row(around_, row,
+                          [&](ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+                            const size_t at = TileWindow::at(column, row);
+                            for (size_t i = 0; tile != nullptr && i < count; ++i) {
+                              if (!(bound_[at + i] < tile->bound[cell + i])) continue;
+                              tile->bound[cell + i] = bound_[at + i];
+                              tile->has_bounds.store(true, std::memory_order_relaxed);
+                              tile->has_fresh_bounds.store(true, std::memory_order_relaxed);
+                              result.has_changed = true;
+                              result.border_has_changed |=
+                                  TileWindow::is_border(column + static_cast<int32_t>(i), row);
+                            }
+                          });
+    }
+    return result;
   }
 
  private:
   const float* limit(int32_t k, int32_t row) const {
     return tile_.limit[static_cast<size_t>(k)].data() + static_cast<size_t>(row * kReposeBlock);
   }
+  void lower(int32_t row, int32_t column, float bound) {
+    float& own = bound_[TileWindow::at(column, row)];
+    if (!(bound < own)) return;
+    own = bound;
+    changed_ |= bit(row);
+  }
   bool pass(int32_t row) {
     const size_t at = TileWindow::at(-1, row);
-    return pass_row(&bounds_.bound[at], &bounds_.top[at], &bounds_.z[at], &bounds_.passed[at]);
+    return pass_row(&bound_[at], &top_[at], &z_[at], &passed_[at]);
   }
-  /// To the right and to the left, as far as it goes: mostly nowhere.
+  /// To the right and to the left, as far as it goes: mostly nowhere. Returns whether the row
+  /// passes anything on.
   bool within(int32_t row) {
-    bool changes = false;
     while (pass(row)) {
+      if (row == kReposeBlock) return true;
       const size_t at = TileWindow::at(0, row);
-      bool goes_on = lower_row(&bounds_.passed[at], limit(0, row), &bounds_.bound[at + 1]);
-      goes_on |= lower_row(&bounds_.passed[at + 1], limit(0, row), &bounds_.bound[at]);
-      if (!goes_on) break;
-      changes = true;
+      bool goes_on = lower_row(&passed_[at], limit(0, row), &bound_[at + 1]);
+      goes_on |= lower_row(&passed_[at + 1], limit(0, row), &bound_[at]);
+      if (!goes_on) return true;
+      changed_ |= bit(row);
     }
-    return changes;
+    return false;
   }
-  bool upwards(int32_t row) {
-    if (!pass(row)) return false;
-    bool changes = false;
+  /// All that a row passes on, to itself and to the rows beside it.
+  void pass_on(int32_t row) {
+    const bool passes = within(row);
+    fresh_ &= ~bit(row);
+    if (!passes) return;
+    bool up = false;
+    bool down = false;
     for (int32_t k = 1; k < kForwardLinks; ++k) {
-      changes |= lower_row(&bounds_.passed[TileWindow::at(0, row)], limit(k, row),
-                           &bounds_.bound[TileWindow::at(kForwardColumn[k], row + 1)]);
+      if (row < kReposeBlock) {
+        up |= lower_row(&passed_[TileWindow::at(0, row)], limit(k, row),
+                        &bound_[TileWindow::at(kForwardColumn[k], row + 1)]);
+      }
+      if (row > 0) {
+        down |= lower_row(&passed_[TileWindow::at(kForwardColumn[k], row)], limit(k, row - 1),
+                          &bound_[TileWindow::at(0, row - 1)]);
+      }
     }
-    return changes;
-  }
-  bool downwards(int32_t row) {
-    if (!pass(row + 1)) return false;
-    bool changes = false;
-    for (int32_t k = 1; k < kForwardLinks; ++k) {
-      changes |= lower_row(&bounds_.passed[TileWindow::at(kForwardColumn[k], row + 1)],
-                           limit(k, row), &bounds_.bound[TileWindow::at(0, row)]);
-    }
-    return changes;
+    if (up) fresh_ |= bit(row + 1);
+    if (down) fresh_ |= bit(row - 1);
+    changed_ |= (up ? bit(row + 1) : 0) | (down ? bit(row - 1) : 0);
   }
 
-  Bounds& bounds_;
+  const TilesAround& around_;
   const ReposeTile& tile_;
+  /// Rows whose bounds are lower than when they were last passed on, and than the tiles'.
+  uint64_t fresh_ = 0, changed_ = 0;
+  alignas(64) TileWindow::Plane bound_;
+  TileWindow::Plane top_, z_, passed_;
 };
+
+/// Whether any cell of a block's window has a bound.
+bool has_bounds(const TilesAround& around) {
+  for (int32_t dy = 0; dy <= 1; ++dy) {
+    for (int32_t dx = -1; dx <= 1; ++dx) {
+      const ReposeTile* const tile = around.at(dx, dy);
+      if (tile != nullptr && tile->has_bounds.load(std::memory_order_relaxed)) return true;
+    }
+  }
+  return false;
+}
 
 }  // namespace
 
 TileBounds lower_tile_bounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                              const std::vector<RimLink>& rims) {
-  Bounds bounds;
-  bounds.bound.fill(shared::kUnbounded);
-  bounds.top.fill(0.0f);
-  bounds.z.fill(0.0f);
-  bounds.passed.fill(shared::kUnbounded);
-  TileWindow::for_runs(tiles, blocks_a_side, block,
-                       [&](const ReposeTile& tile, size_t cell, size_t at, size_t count) {
-                         TileWindow::copy_run(tile.bound, cell, count, bounds.bound, at);
-                         TileWindow::copy_run(tile.top, cell, count, bounds.top, at);
-                         TileWindow::copy_run(tile.z, cell, count, bounds.z, at);
-                       });
-  for (const RimLink& rim : rims) {
-    float& bound = bounds.bound[TileWindow::at(rim.cell % kReposeBlock, rim.cell / kReposeBlock)];
-    bound = std::min(bound, rim.top + shared::kCuts * rim.limit);
-  }
-  BoundSweep sweep(bounds, *tiles[static_cast<size_t>(block)]);
-  bool may_have_changed = !rims.empty();
-  while (sweep.run()) may_have_changed = true;
-  TileBounds result;
-  if (!may_have_changed) return result;
-  TileWindow::for_cells(tiles, blocks_a_side, block, [&](ReposeTile& part, size_t cell, size_t at) {
-    if (!(bounds.bound[at] < part.bound[cell])) return;
-    part.bound[cell] = bounds.bound[at];
-    result.has_changed = true;
-    result.border_has_changed |= TileWindow::is_border(at);
-  });
-  return result;
-}
-
-bool ReposeTile::cut() {
-  bool cuts = false;
-  for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
-    if (!(bound[cell] < top[cell]) || !(gives[cell] > 0.0f)) continue;
-    const float over = (top[cell] - std::max(bound[cell], z[cell])) / lift[cell];
-    const float units = std::floor(std::min(over, gives[cell]));
-    if (!(units > 0.0f)) continue;
-    moved[cell] -= static_cast<double>(units);
-    raise(cell);
-    cuts = true;
-  }
-  return cuts;
+  const TilesAround around(tiles, blocks_a_side, block);
+  if (rims.empty() && !has_bounds(around)) return {};
+  BoundSweep sweep(around, rims);
+  sweep.run();
+  return sweep.write();
 }
 
 }  // namespace snowbough::snow

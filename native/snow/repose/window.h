@@ -9,6 +9,30 @@
 
 namespace snowbough::snow {
 
+/// A tile and those around it: by row and column from -1 to 1, null where there is none.
+struct TilesAround {
+  std::array<std::array<ReposeTile*, 3>, 3> tiles{};
+
+  TilesAround(const ReposeTiles& all, int32_t blocks_a_side, int32_t block) {
+    for (int32_t dy = -1; dy <= 1; ++dy) {
+      for (int32_t dx = -1; dx <= 1; ++dx) {
+        const int32_t column = block % blocks_a_side + dx;
+        const int32_t row = block / blocks_a_side + dy;
+        if (column < 0 || column >= blocks_a_side || row < 0 || row >= blocks_a_side) continue;
+        tiles[static_cast<size_t>(dy + 1)][static_cast<size_t>(dx + 1)] =
+            all[static_cast<size_t>(row * blocks_a_side + column)].get();
+      }
+    }
+  }
+  ReposeTile* at(int32_t dx, int32_t dy) const {
+    return tiles[static_cast<size_t>(dy + 1)][static_cast<size_t>(dx + 1)];
+  }
+};
+
+/// Marks the rows of all tiles with links to a cell as stirred; `column` and `row` are counted from
+/// the middle tile's first, from -1 to kReposeBlock.
+void stir_cell(const TilesAround& around, int32_t column, int32_t row);
+
 /// A block of a map with the cells that its links lead to: a column on either side and a row behind
 /// the last. What works on a block copies these cells to a window, and back.
 struct TileWindow {
@@ -24,57 +48,33 @@ struct TileWindow {
   /// From a cell to its forward neighbour `k`.
   static constexpr int32_t step(int32_t k) { return kForwardRow[k] * kStride + kForwardColumn[k]; }
   /// Whether other blocks look at that cell.
-  static constexpr bool is_border(size_t at) {
-    const auto row = static_cast<int32_t>(at) / kStride;
-    const int32_t column = static_cast<int32_t>(at) % kStride - kFirst;
+  static constexpr bool is_border(int32_t column, int32_t row) {
     return row == 0 || row >= kReposeBlock - 1 || column <= 0 || column >= kReposeBlock - 1;
   }
 
-  /// Calls visit(tile, first cell of the tile, its index in a plane, count) for all cells that
-  /// there are, in runs along rows.
+  /// Calls visit(tile or null, first cell of the tile, column, count) for the runs of cells of a
+  /// row, from column -1 to kReposeBlock.
   template <typename Visit>
-  static void for_runs(const ReposeTiles& tiles, int32_t blocks_a_side, int32_t block,
-                       const Visit& visit) {
-    for (int32_t dy = 0; dy <= 1; ++dy) {
-      for (int32_t dx = -1; dx <= 1; ++dx) {
-        const int32_t column = block % blocks_a_side + dx;
-        const int32_t row = block / blocks_a_side + dy;
-        if (column < 0 || column >= blocks_a_side || row >= blocks_a_side) continue;
-        ReposeTile* const tile = tiles[static_cast<size_t>(row * blocks_a_side + column)].get();
-        if (tile != nullptr) for_part(*tile, dx, dy, visit);
+  static void for_row(const TilesAround& around, int32_t row, const Visit& visit) {
+    const int32_t dy = row / kReposeBlock;
+    const int32_t first = row % kReposeBlock * kReposeBlock;
+    visit(around.at(-1, dy), static_cast<size_t>(first + kReposeBlock - 1), -1, size_t{1});
+    visit(around.at(0, dy), static_cast<size_t>(first), 0, static_cast<size_t>(kReposeBlock));
+    visit(around.at(1, dy), static_cast<size_t>(first), kReposeBlock, size_t{1});
+  }
+  /// Copies a row from a plane of the tiles, `absent` where there is none.
+  static void copy_row(const TilesAround& around, int32_t row, ReposeTile::Plane ReposeTile::*plane,
+                       Plane& to, float absent) {
+    for_row(around, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+      float* const place = to.data() + at(column, row);
+      if (tile == nullptr) {
+        std::fill_n(place, count, absent);
+      } else if (count == 1) {
+        *place = (tile->*plane)[cell];
+      } else {
+        std::copy_n((tile->*plane).data() + cell, kReposeBlock, place);
       }
-    }
-  }
-  /// The same cell by cell: visit(tile, cell, index in a plane).
-  template <typename Visit>
-  static void for_cells(const ReposeTiles& tiles, int32_t blocks_a_side, int32_t block,
-                        const Visit& visit) {
-    for_runs(tiles, blocks_a_side, block,
-             [&](ReposeTile& tile, size_t cell, size_t at, size_t count) {
-               for (size_t i = 0; i < count; ++i) visit(tile, cell + i, at + i);
-             });
-  }
-  /// Copies such a run from a tile's plane to one of the window.
-  static void copy_run(const ReposeTile::Plane& from, size_t cell, size_t count, Plane& to,
-                       size_t at) {
-    if (count == 1) {
-      to[at] = from[cell];
-    } else {
-      std::copy_n(from.data() + cell, kReposeBlock, to.data() + at);
-    }
-  }
-
- private:
-  template <typename Visit>
-  static void for_part(ReposeTile& tile, int32_t dx, int32_t dy, const Visit& visit) {
-    const int32_t last = kReposeBlock - 1;
-    const int32_t begin = dx < 0 ? last : 0;
-    const int32_t rows = dy > 0 ? 1 : kReposeBlock;
-    for (int32_t y = 0; y < rows; ++y) {
-      visit(tile, static_cast<size_t>(y * kReposeBlock + begin),
-            at(begin + dx * kReposeBlock, y + dy * kReposeBlock),
-            static_cast<size_t>(dx == 0 ? kReposeBlock : 1));
-    }
+    });
   }
 };
 

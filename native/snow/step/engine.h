@@ -25,8 +25,6 @@ struct StabilitySettings {
   float max_depth = 1.0f;
   /// Seconds in which what is too much halves.
   float half_life = 2.0f;
-  /// Whether walls hold nothing, as where snow has an angle of repose.
-  bool walls_are_bare = false;
 
   /// The half-life that is reckoned with: so short a one is as good as none.
   float reckoned_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }

@@ -79,9 +79,7 @@ void run_step(Engine& engine, const std::vector<SceneObject*>& objects, const Fr
     engine.gather_deposit(tile, &tile == &tiles.front());
   }
   const double density = std::min(1.0, step.fall.noise_density);
-  StabilitySettings stability = step.stability;
-  stability.walls_are_bare = step.repose.is_on();
-  engine.apply_stability(stability, static_cast<float>(shared::snow_depth(frame) / density),
+  engine.apply_stability(step.stability, static_cast<float>(shared::snow_depth(frame) / density),
                          static_cast<float>(step.dt));
   engine.apply_repose(step.repose, static_cast<float>(step.dt));
   engine.close_statistics(static_cast<float>(step.fall.pixel_size * step.fall.pixel_size));

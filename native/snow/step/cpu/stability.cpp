@@ -2,7 +2,6 @@
 #include <bit>
 
 #include "base/parallel_for.h"
-#include "shaders/lib/texel_repose.h"
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/passes.h"
 
@@ -121,7 +120,6 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.full_gain = full_gain;
     stability.max_depth = settings.max_depth;
     stability.dt = dt;
-    stability.walls_are_bare = settings.walls_are_bare ? 1 : 0;
     stability.half_life = settings.reckoned_half_life();
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {

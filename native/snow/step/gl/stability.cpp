@@ -22,7 +22,6 @@ void StabilityPass::run(SceneBuffers& scene, const StabilitySettings& settings, 
     program.bind_image("height_map", group.height, GL_READ_WRITE);
     program.set("max_depth", settings.max_depth);
     program.set("dt", dt);
-    program.set("walls_are_bare", settings.walls_are_bare ? 1 : 0);
     program.set("half_life", settings.reckoned_half_life());
     program.dispatch_indirect(batch.active_groups, kWholeGroups);
   }

@@ -3,8 +3,8 @@
 
 #include <cmath>
 #include <limits>
-#include <numeric>
 
+#include "row_of_texels.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/tile.h"
 
@@ -63,30 +63,6 @@ TEST(ReposeSide, IsThatOfTheSnowOrOfABareSheetTheOneThatFacesUp) {
   EXPECT_EQ(shared::snow_side(0.0f, 0.5f, true), 1.0f);
 }
 
-constexpr float kUnit = 1e-9f;
-
-/// A level row of `count` texels of 1 cm in a tile, each linked with the next; 0.1 m up.
-ReposeTiles row_of(int count) {
-  ReposeTiles tiles(1);
-  tiles[0] = std::make_unique<ReposeTile>();
-  ReposeTile& tile = *tiles[0];
-  tile.begin_pose();
-  for (int i = 0; i < count; ++i) {
-    const auto cell = static_cast<size_t>(i);
-    tile.x[cell] = 0.01f * static_cast<float>(i);
-    tile.z[cell] = 0.1f;
-    tile.normal_z[cell] = tile.up[cell] = 1.0f;
-    tile.area[cell] = 1e-4f;
-    tile.forward[cell] = i + 1 < count ? 1 : 0;
-  }
-  return tiles;
-}
-
-void cover(ReposeTiles& tiles, const std::vector<float>& heights) {
-  for (size_t i = 0; i < heights.size(); ++i) tiles[0]->cover(i, heights[i], kUnit);
-  set_up_tile_links(tiles, 0, 1, 1.0f / shared::kEven);
-}
-
 void run_to_rest(ReposeTiles& tiles, std::vector<RimLink>& rims) {
   TileRounds done;
   done.flows = true;
@@ -94,10 +70,6 @@ void run_to_rest(ReposeTiles& tiles, std::vector<RimLink>& rims) {
     done = run_tile_rounds(tiles, 0, 1, rims, round, 10);
   }
   EXPECT_FALSE(done.flows);
-}
-
-double all_moved(const ReposeTile& tile) {
-  return std::accumulate(tile.moved.begin(), tile.moved.end(), 0.0);
 }
 
 TEST(ReposeRounds, LeaveTwoTexelsAsTheyAreUpToTheLimit) {
@@ -136,7 +108,7 @@ TEST(ReposeRounds, LetFallOverARimWhatItDoesNotSupport) {
   ReposeTiles tiles = row_of(1);
   cover(tiles, {0.02f});
   // The rim is half a texel away.
-  std::vector<RimLink> rims{{0, 0.1f, 0.005f, shared::link_rate(tiles[0]->stiffness[0], 0.0f)}};
+  std::vector<RimLink> rims{{0, 0.1f, 0.005f, shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
   run_to_rest(tiles, rims);
   EXPECT_LE(tiles[0]->top[0] - 0.1f, 0.0050001f);
   EXPECT_GT(tiles[0]->top[0] - 0.1f, 0.001f);
@@ -175,60 +147,38 @@ TEST(ReposeRounds, EmptyWhatIsSteeperThanTheLimitWhenBare) {
   EXPECT_EQ(all_moved(*tiles[0]), 0.0);
 }
 
-/// A level row whose first texel has a rim half a texel away.
-std::vector<RimLink> rim_of(const ReposeTiles& tiles) {
-  return {{0, 0.1f, 0.005f, shared::link_rate(tiles[0]->stiffness[0], 0.0f)}};
-}
-
-TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
-  ReposeTiles tiles = row_of(32);
-  cover(tiles, std::vector<float>(32, 0.2f));
-  lower_tile_bounds(tiles, 0, 1, rim_of(tiles));
-  EXPECT_TRUE(tiles[0]->cut());
-  for (size_t i = 0; i < 32; ++i) {
-    const float slope = shared::kCuts * 0.01f * (static_cast<float>(i) + 0.5f);
-    EXPECT_NEAR(tiles[0]->top[i], 0.1f + std::min(slope, 0.2f), 1.1e-5f) << i;
-  }
-  EXPECT_EQ(all_moved(*tiles[0]), std::floor(all_moved(*tiles[0])));
-  // Nothing is left for the rounds.
-  std::vector<RimLink> rims = rim_of(tiles);
-  EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, rims, 0, 1).has_changed);
-}
-
-TEST(ReposeOutlets, LeaveAHeapInlandToTheRounds) {
-  ReposeTiles tiles = row_of(32);
-  std::vector<float> heights(32, 0.0f);
-  heights[20] = 0.8f;
-  cover(tiles, heights);
-  lower_tile_bounds(tiles, 0, 1, rim_of(tiles));
-  EXPECT_FALSE(tiles[0]->cut());
-}
-
-TEST(ReposeOutlets, TakeAWallForOne) {
-  ReposeTiles tiles = row_of(8);
-  tiles[0]->z[7] = 0.0f;
-  tiles[0]->up[7] = tiles[0]->normal_z[7] = 0.05f;
-  cover(tiles, std::vector<float>(8, 0.2f));
-  lower_tile_bounds(tiles, 0, 1, {});
-  tiles[0]->cut();
-  // Its own point is far below, and no snow over it bears that beside it.
-  EXPECT_NEAR(tiles[0]->held[6] + tiles[0]->moved[6], 0.0, 1.0);
-  EXPECT_NEAR(tiles[0]->top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
-}
-
-TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
+/// Two tiles side by side, a row of texels through both.
+ReposeTiles two_tiles(const std::vector<float>& heights) {
   ReposeTiles tiles(4);
   for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
   for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
   tiles[0]->forward[31] = 1;
-  for (size_t t : {0, 1}) {
-    for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
-  }
+  for (size_t i = 0; i < heights.size(); ++i) tiles[i / 32]->cover(i % 32, heights[i], kUnit);
+  for (size_t t : {0, 1}) tiles[t]->begin_step();
   for (const int32_t block : {0, 1}) set_up_tile_links(tiles, block, 2, 1.0f / shared::kEven);
-  EXPECT_TRUE(lower_tile_bounds(tiles, 0, 2, rim_of(tiles)).border_has_changed);
-  EXPECT_NEAR(tiles[1]->bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
-  lower_tile_bounds(tiles, 1, 2, {});
-  EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
+  return tiles;
+}
+
+TEST(ReposeRounds, LetATileSleepUntilSnowComesFromBeside) {
+  std::vector<float> heights(64, 0.05f);
+  heights[31] = 0.0645f;
+  ReposeTiles tiles = two_tiles(heights);
+  std::vector<RimLink> none;
+  EXPECT_FALSE(run_tile_rounds(tiles, 1, 2, none, 0, 8).has_changed);
+  EXPECT_FALSE(tiles[1]->is_awake());
+  EXPECT_TRUE(run_tile_rounds(tiles, 0, 2, none, 0, 8).has_changed);
+  EXPECT_GT(tiles[1]->moved[0], 0.0);
+  EXPECT_EQ(tiles[1]->stirred.load(), 1u);  // its first row
+  EXPECT_EQ(all_moved(*tiles[0]) + all_moved(*tiles[1]), 0.0);
+}
+
+TEST(ReposeRounds, DoNotAskABareSlopeForSnow) {
+  ReposeTiles tiles = row_of(3);
+  for (size_t i = 0; i < 3; ++i) tiles[0]->z[i] = 0.1f - 0.02f * static_cast<float>(i);
+  cover(tiles, {0.0f, 0.0f, 0.0f});
+  std::vector<RimLink> none;
+  EXPECT_EQ(run_tile_rounds(tiles, 0, 1, none, 0, 8).rounds, 0);
+  EXPECT_FALSE(tiles[0]->is_awake());
 }
 
 TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {
@@ -239,7 +189,7 @@ TEST(ReposeRounds, CarryABankToRestInAFewRoundsATexel) {
   std::vector<RimLink> none;
   int rounds = 0;
   while (run_tile_rounds(tiles, 0, 1, none, rounds, 1).flows && rounds < 1000) ++rounds;
-  EXPECT_LT(rounds, 220);
+  EXPECT_LT(rounds, 200);
   for (size_t i = 0; i + 1 < 32; ++i) {
     EXPECT_LE(std::abs(tiles[0]->top[i] - tiles[0]->top[i + 1]), 0.0100001f);
   }

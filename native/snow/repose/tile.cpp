@@ -1,0 +1,139 @@
+#include "snow/repose/tile.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/simd.h"
+#include "shaders/lib/texel_repose.h"
+#include "snow/repose/window.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// Whether any of a row's heights lies on the back.
+SNOWBOUGH_WIDE bool any_below(const float* height, size_t count) {
+  int32_t below = 0;
+  for (size_t i = 0; i < count; ++i) below |= height[i] < 0.0f ? 1 : 0;
+  return below != 0;
+}
+
+/// Takes the snow of cells whose kinds stay.
+SNOWBOUGH_WIDE void hold_row(const float* __restrict height, size_t count,
+                             const float* __restrict area, float units, const float* __restrict z,
+                             const float* __restrict lift, float* __restrict held,
+                             float* __restrict top, float* __restrict gives) {
+  for (size_t i = 0; i < count; ++i) {
+    held[i] = std::abs(height[i]) * (area[i] * units);
+    top[i] = z[i] + lift[i] * held[i];
+    gives[i] = lift[i] > 0.0f ? held[i] : 0.0f;
+  }
+}
+
+}  // namespace
+
+void ReposeTile::begin_pose() {
+  x = y = z = normal_z = up = area = lift = {};
+  held = top = gives = {};
+  moved.fill(0.0);
+  forward.fill(0);
+  two_sided.fill(0);
+  links.fill(static_cast<uint8_t>(shared::kLinks));
+  kind.fill(kUnknown);
+  bound.fill(shared::kUnbounded);
+  any_two_sided = any_back = false;
+  has_pose = true;
+  has_links = false;
+}
+
+void ReposeTile::begin_step() {
+  if (has_moved) {
+    moved.fill(0.0);
+    if (flow != nullptr) {
+      for (Plane& plane : *flow) plane.fill(0.0f);
+    }
+  } else {
+    flow.reset();
+  }
+  if (has_bounds) {
+    any_wall = false;
+    for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
+      const bool wall = (kind[cell] & kWall) != 0;
+      bound[cell] = wall ? z[cell] : shared::kUnbounded;
+      any_wall = any_wall || wall;
+    }
+    has_bounds = any_wall;
+  }
+  has_moved = has_fresh_bounds = false;
+  flowing = waiting = 0;
+  stirred = stirred_at_seams = kAllRows;
+}
+
+void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {
+  kind[cell] = now;
+  const bool wall = (now & kWall) != 0;
+  const bool back = (now & kBack) != 0;
+  const float side = back ? -1.0f : 1.0f;
+  any_back = any_back || back;
+  lift[cell] = wall ? 0.0f : shared::column_height(side * normal_z[cell]) * (unit / area[cell]);
+  // A wall is an outlet: what lies over it falls.
+  bound[cell] = wall ? z[cell] : shared::kUnbounded;
+  if (wall) has_bounds = true;
+}
+
+bool ReposeTile::cover(size_t cell, float height, float unit) {
+  const float side = shared::snow_side(height, up[cell], two_sided[cell] != 0);
+  const bool wall = shared::is_wall(side * up[cell]) || area[cell] <= 0.0f;
+  const auto now = static_cast<uint8_t>((wall ? kWall : 0) | (side < 0.0f ? kBack : 0));
+  const bool changes = now != kind[cell];
+  if (changes) set_kind(cell, now, unit);
+  held[cell] = std::abs(height) * (area[cell] / unit);
+  top[cell] = z[cell] + lift[cell] * held[cell];
+  gives[cell] = lift[cell] > 0.0f ? held[cell] : 0.0f;
+  return changes;
+}
+
+bool ReposeTile::cover_row(size_t row, const float* height, size_t count, float unit) {
+  const size_t first = row * static_cast<size_t>(kReposeBlock);
+  const bool may_change = any_two_sided || any_back || any_below(height, count);
+  if (!may_change) {
+    hold_row(height, count, area.data() + first, 1.0f / unit, z.data() + first, lift.data() + first,
+             held.data() + first, top.data() + first, gives.data() + first);
+    return false;
+  }
+  bool changes = false;
+  for (size_t cell = first; cell < first + count; ++cell) {
+    if (kind[cell] != kUnknown) changes |= cover(cell, height[cell - first], unit);
+  }
+  return changes;
+}
+
+bool ReposeTile::cut() {
+  if (!has_bounds) return false;
+  bool cuts = false;
+  for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
+    if (!(bound[cell] < top[cell])) continue;
+    if (!(gives[cell] > 0.0f)) continue;
+    const float over = (top[cell] - std::max(bound[cell], z[cell])) / lift[cell];
+    const float units = std::floor(std::min(over, gives[cell]));
+    if (!(units > 0.0f)) continue;
+    add(cell, -static_cast<double>(units));
+    cuts = true;
+  }
+  return cuts;
+}
+
+void stir_cell(const TilesAround& around, int32_t column, int32_t row) {
+  const auto stir = [&](int32_t x, int32_t y) {
+    const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
+    const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
+    ReposeTile* const tile = around.at(dx, dy);
+    if (tile == nullptr) return;
+    tile->stirred.fetch_or(1u << static_cast<uint32_t>(y & (kReposeBlock - 1)),
+                           std::memory_order_relaxed);
+  };
+  stir(column, row);
+  stir(column - 1, row);
+  for (int32_t x = column - 1; x <= column + 1; ++x) stir(x, row - 1);
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,64 @@
+// How high snow can lie over rims and walls, in a tile and the one beside it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "row_of_texels.h"
+
+namespace snowbough::snow {
+namespace {
+
+TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
+  ReposeTiles tiles = row_of(32);
+  cover(tiles, std::vector<float>(32, 0.2f));
+  lower_tile_bounds(tiles, 0, 1, rim_of(tiles));
+  EXPECT_TRUE(tiles[0]->cut());
+  for (size_t i = 0; i < 32; ++i) {
+    const float slope = shared::kCuts * 0.01f * (static_cast<float>(i) + 0.5f);
+    EXPECT_NEAR(tiles[0]->top[i], 0.1f + std::min(slope, 0.2f), 1.1e-5f) << i;
+  }
+  EXPECT_EQ(all_moved(*tiles[0]), std::floor(all_moved(*tiles[0])));
+  // Nothing is left for the rounds.
+  std::vector<RimLink> rims = rim_of(tiles);
+  EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, rims, 0, 1).has_changed);
+}
+
+TEST(ReposeOutlets, LeaveAHeapInlandToTheRounds) {
+  ReposeTiles tiles = row_of(32);
+  std::vector<float> heights(32, 0.0f);
+  heights[20] = 0.8f;
+  cover(tiles, heights);
+  lower_tile_bounds(tiles, 0, 1, rim_of(tiles));
+  EXPECT_FALSE(tiles[0]->cut());
+}
+
+TEST(ReposeOutlets, TakeAWallForOne) {
+  ReposeTiles tiles = row_of(8);
+  tiles[0]->z[7] = 0.0f;
+  tiles[0]->up[7] = tiles[0]->normal_z[7] = 0.05f;
+  cover(tiles, std::vector<float>(8, 0.2f));
+  lower_tile_bounds(tiles, 0, 1, {});
+  tiles[0]->cut();
+  // Its own point is far below, and no snow over it bears that beside it.
+  EXPECT_NEAR(tiles[0]->held[6] + tiles[0]->moved[6], 0.0, 1.0);
+  EXPECT_NEAR(tiles[0]->top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
+}
+
+TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
+  ReposeTiles tiles(4);
+  for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
+  for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
+  tiles[0]->forward[31] = 1;
+  for (size_t t : {0, 1}) {
+    for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
+    tiles[t]->begin_step();
+  }
+  for (const int32_t block : {0, 1}) set_up_tile_links(tiles, block, 2, 1.0f / shared::kEven);
+  EXPECT_TRUE(lower_tile_bounds(tiles, 0, 2, rim_of(tiles)).border_has_changed);
+  EXPECT_NEAR(tiles[1]->bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
+  lower_tile_bounds(tiles, 1, 2, {});
+  EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
+}
+
+}  // namespace
+}  // namespace snowbough::snow

@@ -1,0 +1,47 @@
+#pragma once
+
+// Tiles with a few texels, for tests of what repose does on them.
+#include <memory>
+#include <numeric>
+#include <vector>
+
+#include "shaders/lib/texel_repose.h"
+#include "snow/repose/tile.h"
+
+namespace snowbough::snow {
+
+inline constexpr float kUnit = 1e-9f;
+
+/// A level row of `count` texels of 1 cm in a tile, each linked with the next; 0.1 m up.
+inline ReposeTiles row_of(int count) {
+  ReposeTiles tiles(1);
+  tiles[0] = std::make_unique<ReposeTile>();
+  ReposeTile& tile = *tiles[0];
+  tile.begin_pose();
+  for (int i = 0; i < count; ++i) {
+    const auto cell = static_cast<size_t>(i);
+    tile.x[cell] = 0.01f * static_cast<float>(i);
+    tile.z[cell] = 0.1f;
+    tile.normal_z[cell] = tile.up[cell] = 1.0f;
+    tile.area[cell] = 1e-4f;
+    tile.forward[cell] = i + 1 < count ? 1 : 0;
+  }
+  return tiles;
+}
+
+inline void cover(ReposeTiles& tiles, const std::vector<float>& heights) {
+  for (size_t i = 0; i < heights.size(); ++i) tiles[0]->cover(i, heights[i], kUnit);
+  tiles[0]->begin_step();
+  set_up_tile_links(tiles, 0, 1, 1.0f / shared::kEven);
+}
+
+inline double all_moved(const ReposeTile& tile) {
+  return std::accumulate(tile.moved.begin(), tile.moved.end(), 0.0);
+}
+
+/// A level row whose first texel has a rim half a texel away.
+inline std::vector<RimLink> rim_of(const ReposeTiles& tiles) {
+  return {{0, 0.1f, 0.005f, shared::link_rate(tiles[0]->stiffness(0), 0.0f)}};
+}
+
+}  // namespace snowbough::snow
