@@ -43,6 +43,8 @@ KERNEL_CONSTANT float kRate = 0.2f;
 /// Links in eight directions let a slope between two of them be up to 1 / cos(22.5 degrees) = 1.08 times as steep: by
 /// this much each allows less, so that all directions have the angle of repose in the mean.
 KERNEL_CONSTANT float kEven = 0.95f;
+/// Tangent of the steepest slope that holds together on what is curved, 82 degrees.
+KERNEL_CONSTANT float kSteepestHeld = 7.1f;
 /// On which side of a surface snow lies: 1 along the normal, -1 against it. `height`: signed; `up`: upward part of
 /// the normal. A bare surface that takes snow on both sides shows the one that faces up.
 SNOWBOUGH_SHARED_FUNCTION float snow_side(float height, float up, bool both_sides) {
@@ -59,6 +61,15 @@ SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, 
 /// Metres by which the surface of the snow may fall between two neighbours. `way`: from one bare point to the other,
 /// level; `slope`: tangent of the angle.
 SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope) { return kEven * slope * way; }
+
+/// Tangent of the angle up to which snow rests on a surface. A front of snow that holds together stands upright up to a
+/// height that belongs to the snow, `cohesion` metres (for soils 4 c / gamma tan(45 + phi / 2): K. Terzaghi, Theoretical
+/// Soil Mechanics, 1943), so the smaller the steeper: on a limb of that radius slopes are twice as steep as at rest on
+/// level ground, on thick ones hardly steeper. `slope`: of the angle of repose; `curvature`: sum of the principal
+/// curvatures in 1/m, positive where the surface is convex.
+SNOWBOUGH_SHARED_FUNCTION float held_slope(float slope, float cohesion, float curvature) {
+  return max(slope, min(slope * (1.0f + cohesion * max(curvature, 0.0f)), kSteepestHeld));
+}
 
 /// The height that the snow's surface may have on a texel over an outlet, as far as it bounds its neighbours too: it
 /// does where it cuts the snow, or nearly. `top`: height of the snow's surface, `bare`: of the surface below.

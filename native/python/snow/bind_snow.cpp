@@ -207,7 +207,8 @@ void bind_snow(py::module_& module) {
       "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
       "where\n"
       "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
-      "fell. cohesion: metres that a front of snow stands upright at a rim; what is as thin as that\n"
+      "fell. cohesion: metres that a front of snow stands upright at a rim; what is as thin as "
+      "that\n"
       "carries steeper snow. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
       "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
@@ -221,18 +222,18 @@ void bind_snow(py::module_& module) {
       "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
       .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
-                       double slide_half_life, double repose, double cohesion, double blur_radius, int64_t seed,
-                       const std::string& mapping, int32_t tile_size, const std::string& device,
-                       const std::string& engine, bool wait_for_gpu) {
+                       double slide_half_life, double repose, double cohesion, double blur_radius,
+                       int64_t seed, const std::string& mapping, int32_t tile_size,
+                       const std::string& device, const std::string& engine, bool wait_for_gpu) {
              return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
-                                           slide_half_life, repose, cohesion, blur_radius, seed, mapping,
-                                           tile_size, device, engine, wait_for_gpu)
+                                           slide_half_life, repose, cohesion, blur_radius, seed,
+                                           mapping, tile_size, device, engine, wait_for_gpu)
                                .release());
            }),
            "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
            "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose,
-           "cohesion"_a = 0.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
-           "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+           "cohesion"_a = 0.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
+           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {

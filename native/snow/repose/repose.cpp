@@ -65,7 +65,7 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
 /// Brings a tile's links up to date. Those of tiles to which nothing comes are not asked for.
 void Repose::link_tile(int32_t block) {
   if (tiles_[static_cast<size_t>(block)]->has_links) return;
-  set_up_tile_links(tiles_, block, links_.blocks_a_side, slope_);
+  set_up_tile_links(tiles_, block, links_.blocks_a_side, limits_);
 }
 
 /// Those of the chosen blocks that chosen(block) says and that are in every second row and column,

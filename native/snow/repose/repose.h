@@ -40,8 +40,7 @@ class Repose {
   void forget_pose() { has_pose_ = false; }
 
   /// Looks at the heights and chooses the blocks in which snow may move; returns their number.
-  /// `slope`: tangent of the angle.
-  size_t choose_blocks(const std::vector<float>& height, float slope);
+  size_t choose_blocks(const std::vector<float>& height, const ReposeLimits& limits);
 
   /// Moves snow on `height` in those blocks. `dt`: seconds; a long step may go on for longer than
   /// usual. `on_all_cores`: shares the work among threads. Returns what fell over rims and off
@@ -110,7 +109,7 @@ class Repose {
   struct Cell;
   RimLink rim_link(const Cell& a, const glm::vec3& at) const;
   Cell across_end(int32_t link, size_t end) const;
-  float link_limit(const glm::vec3& way) const;
+  float link_limit(const glm::vec3& way, float curvature) const;
   void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
   void find_slack(int32_t block);
 
@@ -141,7 +140,7 @@ class Repose {
   bool has_changed_ = false;
   /// Whether snow may flow across seams.
   bool seams_are_due_ = false;
-  float slope_ = 0.0f;
+  ReposeLimits limits_;
   std::vector<BlockSlack> slack_;
   /// Blocks to look at closely, and these with those near them.
   Blocks doubtful_;

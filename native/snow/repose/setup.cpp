@@ -24,6 +24,7 @@ struct Repose::Cell {
   glm::vec3 point() const { return {tile->x[at], tile->y[at], tile->z[at]}; }
   /// See shared::column_height.
   float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
+  float curvature() const { return tile->curvature[at]; }
 };
 
 void Repose::find_links() {
@@ -46,7 +47,7 @@ bool Repose::take_pose() {
     return false;
   }
   if (links_.resolution == 0) find_links();
-  surface_.set_pose(*object_, pose_.positions());
+  surface_.set_pose(*object_, pose_.positions(), limits_.cohesion > 0.0f);
   slack_.assign(links_.block_count(), {});
   for (const std::unique_ptr<ReposeTile>& tile : kept_) {
     if (tile != nullptr) tile->has_pose = false;
@@ -126,17 +127,23 @@ void Repose::forget_links() {
   was_chosen_.assign(was_chosen_.size(), 0);
 }
 
-size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
+size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits) {
   has_changed_ = false;
   chosen_.clear();
+  // Curvatures are looked up where snow holds together only.
+  if ((limits.cohesion > 0.0f) != (limits_.cohesion > 0.0f)) {
+    has_pose_ = false;
+    pose_ = {};
+  }
+  const bool other_limits = limits != limits_;
+  limits_ = limits;
   stands_still_ = has_pose_;
   if (!has_pose_) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
     if (is_bare) return 0;
     stands_still_ = !take_pose();
   }
-  if (slope != slope_) forget_links();
-  slope_ = slope;
+  if (other_limits) forget_links();
   doubtful_.clear();
   for (size_t b = 0; b < slack_.size(); ++b) {
     const auto block = static_cast<int32_t>(b);
@@ -148,9 +155,10 @@ size_t Repose::choose_blocks(const std::vector<float>& height, float slope) {
   return chosen_.size();
 }
 
-/// `way`: between bare points.
-float Repose::link_limit(const glm::vec3& way) const {
-  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope_);
+/// `way`: between bare points; `curvature`: of the surface there.
+float Repose::link_limit(const glm::vec3& way, float curvature) const {
+  const float slope = shared::held_slope(limits_.slope, limits_.cohesion, curvature);
+  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope);
 }
 
 /// Takes note of a link for is_level.
@@ -162,7 +170,8 @@ void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
     return;
   }
   const glm::vec3 way = b.point() - a.point();
-  const float bare = link_limit(way) - std::abs(way.z);
+  const float curvature = 0.5f * (a.curvature() + b.curvature());
+  const float bare = link_limit(way, curvature) - std::abs(way.z);
   slack.column = std::max(slack.column, std::max(a.column(), b.column()));
   slack.inside = std::min(slack.inside, bare);
   slack.turn = std::max(slack.turn, std::abs(b.column() - a.column()));
@@ -214,7 +223,7 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   link.limit = link.slack = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
   const glm::vec3 way = at - a.point();
-  link.limit = link_limit(way);
+  link.limit = link_limit(way, a.curvature()) + limits_.cohesion;
   link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
   link.slack = link.limit - std::abs(way.z);
   return link;
@@ -245,7 +254,7 @@ void Repose::set_up_ends(int32_t block) {
       continue;
     }
     if (end.sign > 0) continue;
-    flow.limit = link_limit(b.point() - a.point());
+    flow.limit = link_limit(b.point() - a.point(), 0.5f * (a.curvature() + b.curvature()));
     flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
   }
 }

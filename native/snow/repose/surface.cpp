@@ -8,13 +8,32 @@
 #include "base/parallel_for.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/scene/projection.h"
+#include "snow/seams/curvature.h"
 
 namespace snowbough::snow {
 
-void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions) {
+namespace {
+
+/// Sums of the principal curvatures of triangles: twice the mean curvature at their corners.
+std::vector<float> curvatures_of(const ObjectDescription& description,
+                                 const std::vector<glm::vec3>& positions) {
+  const std::vector<LayerTerms> terms =
+      layer_terms(description.topology.triangles, description.shading, positions);
+  std::vector<float> curvatures(terms.size() / 3);
+  for (size_t t = 0; t < curvatures.size(); ++t) {
+    curvatures[t] = 2.0f / 3.0f * (terms[3 * t].y + terms[3 * t + 1].y + terms[3 * t + 2].y);
+  }
+  return curvatures;
+}
+
+}  // namespace
+
+void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions,
+                             bool curved) {
   constexpr size_t kRun = 1024;
   object_ = &object;
   positions_ = &positions;
+  curvatures_ = curved ? curvatures_of(object.description, positions) : std::vector<float>();
   Bounds bounds;
   for (const glm::vec3& position : positions) bounds.include(glm::dvec3(position));
   anchor_ = glm::vec3(0.5 * (bounds.low + bounds.high));
@@ -83,6 +102,9 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
     const float part = table.fragment_share[f] * triangle.w / all;
     texel.point += part * point(table.fragment_triangle[f], table.fragment_barycentric[f]);
     texel.normal += part * glm::vec3(triangle);
+    if (!curvatures_.empty()) {
+      texel.curvature += part * curvatures_[static_cast<size_t>(table.fragment_triangle[f])];
+    }
   }
   const float length = glm::length(texel.normal);
   if (length > 0.0f) texel.normal /= length;
@@ -99,6 +121,7 @@ void ReposeSurface::fill_block(const ReposeLinks& links, int32_t block, ReposeTi
     tile.normal_z[cell] = own.normal.z;
     tile.up[cell] = own.up;
     tile.area[cell] = own.area;
+    tile.curvature[cell] = own.curvature;
     tile.two_sided[cell] = own.two_sided ? 1 : 0;
     tile.any_two_sided = tile.any_two_sided || own.two_sided;
     tile.forward[cell] = links.forward[static_cast<size_t>(index)];

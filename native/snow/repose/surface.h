@@ -12,8 +12,9 @@ namespace snowbough::snow {
 /// An object's surface in the current pose, as repose needs it.
 class ReposeSurface {
  public:
-  /// Evaluates the triangles; `object` and `positions` must stay until the last call.
-  void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions);
+  /// Evaluates the triangles; `object` and `positions` must stay until the last call. `curved`:
+  /// whether curvatures are wanted, which are 0 else.
+  void set_pose(const SceneObject& object, const std::vector<glm::vec3>& positions, bool curved);
 
   /// Volume in m3 of a unit in which snow moves: a power of two, shared::kUnitsAMetre of which lie
   /// on a texel of mean area under a metre of snow.
@@ -30,6 +31,8 @@ class ReposeSurface {
     glm::vec3 point{0.0f};
     glm::vec3 normal{0.0f};
     float area = 0.0f;
+    /// Sum of the principal curvatures in 1/m.
+    float curvature = 0.0f;
     /// As for the capacity, see shaders/lib/texel_surface.h.
     float up = 0.0f;
     bool two_sided = false;
@@ -40,6 +43,8 @@ class ReposeSurface {
   const std::vector<glm::vec3>* positions_ = nullptr;
   /// xyz: normal, w: area in m2.
   std::vector<glm::vec4> triangles_;
+  /// Of triangles, as in Texel; empty where nothing is shaded smooth, or they are not wanted.
+  std::vector<float> curvatures_;
   glm::vec3 anchor_{0.0f};
   float unit_ = 1.0f;
 };

@@ -32,7 +32,7 @@ SNOWBOUGH_WIDE void hold_row(const float* __restrict height, size_t count,
 }  // namespace
 
 void ReposeTile::begin_pose() {
-  x = y = z = normal_z = up = area = lift = {};
+  x = y = z = normal_z = up = area = curvature = lift = {};
   held = top = gives = {};
   moved.fill(0.0);
   forward.fill(0);

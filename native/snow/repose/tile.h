@@ -20,6 +20,14 @@ inline constexpr uint8_t kAtSeam = 16;
 inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
 static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
 
+/// How steep snow may be: tangent of the angle of repose; see shared::held_slope for the cohesion,
+/// in metres, by which it may also stand over a rim or a wall.
+struct ReposeLimits {
+  float slope = 0.0f;
+  float cohesion = 0.0f;
+  bool operator==(const ReposeLimits&) const = default;
+};
+
 /// What the rounds of repose reckon with in one block of a map: cells row by row. A cell without a
 /// texel has an area of 0.
 struct ReposeTile {
@@ -53,6 +61,8 @@ struct ReposeTile {
   /// normal, the same for the capacity, covered area in m2; the links of ReposeLinks::forward with
   /// kAtSeam; and the links that the texel has, at least kLinks.
   Plane x, y, z, normal_z, up, area;
+  /// Sum of its principal curvatures in 1/m.
+  Plane curvature;
   Bytes forward, links;
   /// Not 0: the texel takes snow on both sides.
   Bytes two_sided;
@@ -128,9 +138,9 @@ struct TileRounds {
   bool has_changed = false;
 };
 
-/// Sets up the links that a block's cells keep, on tiles that are covered. `slope`: tangent of the
-/// angle of repose.
-void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side, float slope);
+/// Sets up the links that a block's cells keep, on tiles that are covered.
+void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
+                       const ReposeLimits& limits);
 
 /// What lower_tile_bounds did: whether bounds changed, and whether any that other tiles look at.
 struct TileBounds {

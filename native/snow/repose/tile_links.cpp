@@ -14,7 +14,7 @@ constexpr float kNoLink = std::numeric_limits<float>::infinity();
 
 /// What the links of a block are set up from, cell by cell of a window.
 struct alignas(64) Bare {
-  TileWindow::Plane x, y, z, area;
+  TileWindow::Plane x, y, z, area, curvature;
   /// 1 on walls, else 0.
   TileWindow::Plane wall;
 };
@@ -22,18 +22,26 @@ struct alignas(64) Bare {
 /// The limits of the links of a row of cells to those `step` cells away. Nothing moves on walls,
 /// and what lies at the foot of one leans against it.
 SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const uint8_t* forward,
-                               int32_t k, float slope, float* __restrict limit) {
+                               int32_t k, const ReposeLimits& limits, float* __restrict limit) {
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const z = bare.z.data() + at;
   const float* const area = bare.area.data() + at;
+  const float* const curvature = bare.curvature.data() + at;
   const float* const wall = bare.wall.data() + at;
+  const float slope_at_rest = limits.slope;
+  const float cohesion = limits.cohesion;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const int32_t j = i + step;
     const float way_x = x[j] - x[i];
     const float way_y = y[j] - y[i];
     const float falls = z[i] - z[j];
-    const float allowed = shared::link_limit(std::sqrt(way_x * way_x + way_y * way_y), slope);
+    const float slope =
+        shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
+    // Over a wall it may stand upright.
+    const float upright = cohesion * std::abs(wall[i] - wall[j]);
+    const float allowed =
+        shared::link_limit(std::sqrt(way_x * way_x + way_y * way_y), slope) + upright;
     // One of them a wall, and the other not over it; or both.
     const float over_wall = wall[j] > wall[i] ? falls : (wall[i] > wall[j] ? -falls : 1.0f);
     const bool is_open = (over_wall > 0.0f) & (wall[i] + wall[j] < 1.5f) & (area[i] > 0.0f) &
@@ -45,7 +53,7 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const 
 }  // namespace
 
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
-                       float slope) {
+                       const ReposeLimits& limits) {
   const TilesAround around(tiles, blocks_a_side, block);
   Bare bare;
   for (int32_t row = 0; row < TileWindow::kRows; ++row) {
@@ -53,6 +61,7 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
     TileWindow::copy_row(around, row, &ReposeTile::y, bare.y, 0.0f);
     TileWindow::copy_row(around, row, &ReposeTile::z, bare.z, 0.0f);
     TileWindow::copy_row(around, row, &ReposeTile::area, bare.area, 0.0f);
+    TileWindow::copy_row(around, row, &ReposeTile::curvature, bare.curvature, 0.0f);
     TileWindow::for_row(
         around, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
           float* const wall = bare.wall.data() + TileWindow::at(column, row);
@@ -68,7 +77,7 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
     const auto cells = static_cast<size_t>(row * kReposeBlock);
     for (int32_t k = 0; k < kForwardLinks; ++k) {
       set_up_row(bare, TileWindow::at(0, row), TileWindow::step(k), tile.forward.data() + cells, k,
-                 slope, tile.limit[static_cast<size_t>(k)].data() + cells);
+                 limits, tile.limit[static_cast<size_t>(k)].data() + cells);
     }
   }
 }
