@@ -10,7 +10,7 @@
 
 #include "tree/rings/loose_squares.h"
 #include "tree/rings/squares.h"
-#include "tree/rings/uneven_tubes.h"
+#include "tree/welded/uneven_tubes.h"
 
 namespace snowbough::tree {
 namespace {
@@ -47,6 +47,9 @@ constexpr size_t kFewestLimbs = 3;
 /// asked whether to go on.
 constexpr size_t kTraceBlock = 32;
 constexpr size_t kMostBlocks = 1024;
+
+/// Share of the time until every part's shape is known; surfaces that fork take the rest.
+constexpr float kShapesFound = 0.5f;
 
 enum class Shape : uint8_t { kUnknown, kTube, kPlane, kTriangle, kOther };
 
@@ -257,7 +260,7 @@ std::string why_no_tree(const std::optional<WeldedTree>& welded) {
 
 /// Surfaces that fork become wood where they are most of it.
 void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                 Shapes& shapes, ClassifiedParts& result) {
+                 const base::Progress& progress, Shapes& shapes, ClassifiedParts& result) {
   std::vector<int32_t> candidates;
   double forked = 0.0;
   double other = 0.0;
@@ -271,9 +274,14 @@ void find_welded(const ObjScene& scene, const Parts& parts, const PartLabels& la
     }
   }
   if (forked <= other) return;
+  double done = 0.0;
   for (const int32_t p : candidates) {
+    const auto begin = static_cast<float>(done / forked);
+    done += part_area(scene, parts, p);
+    const base::Progress part =
+        base::part_of(progress, begin, static_cast<float>(std::min(1.0, done / forked)));
     std::optional<WeldedTree> welded =
-        trace_welded(scene, parts.part_faces(p), parts.part_vertices(p));
+        trace_welded(scene, parts.part_faces(p), parts.part_vertices(p), part);
     std::string why = why_no_tree(welded);
     if (why.empty()) {
       result.role[p] = PartRole::kWelded;
@@ -310,7 +318,7 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
                                const base::Execution& execution) {
   ClassifiedParts result;
   result.role.assign(parts.count(), PartRole::kFoliage);
-  Shapes shapes = find_shapes(scene, parts, labels, result, execution);
+  Shapes shapes = find_shapes(scene, parts, labels, result, execution.part(0.0f, kShapesFound));
 
   std::vector<int32_t> tubes;
   for (int32_t p = 0; p < parts.count(); ++p) {
@@ -321,7 +329,8 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
     tubes.push_back(p);
   }
   const std::optional<TreeForm> squares = find_squares(scene, parts, labels, shapes, result);
-  find_welded(scene, parts, labels, shapes, result);
+  find_welded(scene, parts, labels, base::part_of(execution.progress, kShapesFound, 1.0f), shapes,
+              result);
 
   for (int32_t p = 0; p < parts.count(); ++p) {
     if (result.role[p] != PartRole::kFoliage || labels.meaning[p] == NameMeaning::kFoliage)

@@ -10,7 +10,7 @@
 #include "tree/obj/parts.h"
 #include "tree/read/part_names.h"
 #include "tree/rings/rings.h"
-#include "tree/rings/welded.h"
+#include "tree/welded/welded.h"
 
 namespace snowbough::tree {
 

@@ -10,9 +10,9 @@
 namespace snowbough::tree {
 namespace {
 
-/// Points are moved by at most this share of their corner radius, each time by this share of the way
-/// onto the line between their neighbours, at least so far from these as a share of that line; in at
-/// most so many sweeps. Bends of 60 degrees and more are meant.
+/// Points are moved by at most this share of their corner radius, each time by this share of the
+/// way onto the line between their neighbours, at least so far from these as a share of that line;
+/// in at most so many sweeps. Bends of 60 degrees and more are meant.
 constexpr double kFairStray = 0.1;
 constexpr double kFairStep = 0.7;
 constexpr double kFairMargin = 0.1;

@@ -181,8 +181,10 @@ class Cutter {
       const size_t rows = shapes_[b].row_count();
       std::vector<uint8_t> knuckle(rows, 0);
       std::vector<RowSamples> wanted(turns_[b]);
-      for (RowSamples& row : wanted) {
-        for (double& value : row.values) value /= settings_.turn;
+      for (size_t row = 0; row < rows; ++row) {
+        const int sides = std::max(cuts_.across[b][row], cuts_.across[b][row + 1]);
+        const double turn = sides > 1 ? settings_.turn : settings_.thin_turn;
+        for (double& value : wanted[row].values) value /= turn;
       }
       cuts_.rows[b].resize(rows);
       for (const int32_t j : leaving_[b]) {

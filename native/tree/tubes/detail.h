@@ -24,6 +24,8 @@ struct DetailSettings {
   double side_error = 1.5e-4;
   /// A limb turns by at most this many radians from one row of faces to the next but one.
   double turn = 0.17;
+  /// The same for limbs of four sides.
+  double thin_turn = 0.17;
   /// Faces that the level aims at: side_error grows until they are enough, or no limb has more
   /// than four sides. A tree whose four-sided base has many faces may have `per_base` times those.
   int faces = 55000;

@@ -68,8 +68,14 @@ glm::dvec3 mix(const glm::dvec3& a, const glm::dvec3& b, double t) {
 }  // namespace
 
 glm::dvec3 TubeSection::at(double quarter) const {
-  const double angle = 0.5 * M_PI * quarter;
-  glm::dvec3 off = (first * std::cos(angle) + second * std::sin(angle)) * radius;
+  const auto on_circle = [&](double quarters) {
+    const double angle = 0.5 * M_PI * quarters;
+    return (first * std::cos(angle) + second * std::sin(angle)) * radius;
+  };
+  const double corner = std::floor(quarter);
+  glm::dvec3 off = sides > 4 || quarter == corner
+                       ? on_circle(quarter)
+                       : mix(on_circle(corner), on_circle(corner + 1.0), quarter - corner);
   const double inwards = glm::dot(off, inside);
   if (inwards > room) {
     off -= inside * (inwards - room);
@@ -117,8 +123,8 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
     for (int level = 0; level < strips + (last_row ? 1 : 0); ++level) {
       TubeSection& section = chain.sections.emplace_back();
       section.centre = shape.centre(row, levels[level]);
-      section.radius =
-          shape.radius(row, levels[level]) * corner_factor(4 * quads_across(across, level));
+      section.sides = 4 * quads_across(across, level);
+      section.radius = shape.radius(row, levels[level]) * corner_factor(section.sides);
       places.emplace_back(row, levels[level]);
     }
   }

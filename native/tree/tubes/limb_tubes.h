@@ -18,6 +18,9 @@ struct TubeSection {
   glm::dvec3 first{1.0, 0.0, 0.0}, second{0.0, 1.0, 0.0};
   /// Of the corners of a polygon with as many sides as the limb has here and the limb's area.
   double radius = 0.0;
+  /// Of that polygon. With four the surface is flat between the corners: where a smaller limb
+  /// leaves a side, round would stand out by two fifths.
+  int sides = 4;
   /// Unit, towards the inside of the limb's bend, and how far the surface may reach there before it
   /// would fold; zero where the limb is straight.
   glm::dvec3 inside{0.0};

@@ -8,7 +8,7 @@
 
 #include "native/tree/grown_trees.h"
 #include "native/tree/tree_text.h"
-#include "tree/rings/uneven_tubes.h"
+#include "tree/welded/uneven_tubes.h"
 
 namespace snowbough::tree {
 namespace {

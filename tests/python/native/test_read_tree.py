@@ -221,6 +221,34 @@ def test_progress_cancels(small):
         native.read_tree(small, progress=lambda share: False)
 
 
+def test_a_welded_tree_can_be_cancelled_while_it_is_traced(tmp_path):
+    limbs = [
+        ("trunk", -1, (0, 0, 0), (0, 0, 8), 0.4),
+        ("left", 0, (0, 0, 3), (-4, 0.5, 6), 0.2),
+        ("right", 0, (0, 0, 4.5), (3, -1, 7.5), 0.15),
+    ]
+    grown = native.Skeleton.from_branches(
+        [
+            {"name": name, "level": 0 if parent < 0 else 1, "parent": parent, "attach_point": begin,
+             "points": np.linspace(begin, end, 9), "radii": np.linspace(radius, radius / 4, 9),
+             "areas": np.pi * np.linspace(radius, radius / 4, 9) ** 2}
+            for name, parent, begin, end, radius in limbs
+        ]
+    )  # fmt: skip
+    mesh = native.build_tree_mesh(grown, detail="GAME")
+    path = tmp_path / "welded.obj"
+    lines = ["v %.6f %.6f %.6f" % tuple(p) for p in mesh.vertices]
+    lines += ["f " + " ".join(str(v + 1) for v in quad) for quad in mesh.quads]
+    path.write_text("\n".join(lines) + "\n")
+    shares = []
+    assert native.read_tree(path, up_axis="Z", progress=shares.append).report["form"] == "WELDED"
+    assert shares == sorted(shares)
+    traced = sorted({share for share in shares if 0.7 < share < 0.8})
+    assert len(traced) >= 6
+    with pytest.raises(KeyboardInterrupt):
+        native.read_tree(path, up_axis="Z", progress=lambda share: share < traced[3])
+
+
 def test_what_progress_raises_comes_through(small):
     def stop(share):
         raise LookupError("enough")

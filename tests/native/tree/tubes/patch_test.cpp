@@ -7,6 +7,7 @@
 #include <map>
 #include <stdexcept>
 #include <utility>
+#include <vector>
 
 namespace snowbough::tree {
 namespace {
@@ -57,8 +58,10 @@ std::vector<PatchCuts> all_cuts() {
     for (const int high : {1, 2, 4, 8}) {
       for (int strips = std::max(1, halvings(low, high)); strips < 6; ++strips) {
         const int more = strips + (is_odd(low, high) ? 1 : 0);
-        all.push_back({low, more, high, strips});
-        all.push_back({low, strips, high, more});
+        for (int plain = 0; plain == 0 || plain + halvings(low, high) <= strips; ++plain) {
+          all.push_back({low, more, high, strips, plain});
+          all.push_back({low, strips, high, more, plain});
+        }
       }
     }
   }
@@ -114,6 +117,19 @@ TEST(Patch, QuadsAreCountedWithoutBeingMade) {
     cut_patch(cuts, patch);
     EXPECT_THAT(patch.quads, SizeIs(count_quads(cuts)));
   }
+}
+
+TEST(Patch, SidesChangeTheirNumberAfterPlainStrips) {
+  const auto across = [](const PatchCuts& cuts) {
+    std::vector<int> all;
+    for (int level = 0; level <= cuts.strips(); ++level) all.push_back(quads_across(cuts, level));
+    return all;
+  };
+  EXPECT_THAT(across({4, 5, 1, 5, 0}), testing::ElementsAre(4, 4, 4, 4, 2, 1));
+  EXPECT_THAT(across({4, 5, 1, 5, 2}), testing::ElementsAre(4, 4, 2, 1, 1, 1));
+  EXPECT_THAT(across({1, 5, 4, 5, 1}), testing::ElementsAre(1, 1, 2, 4, 4, 4));
+  Patch patch;
+  EXPECT_THROW(cut_patch({4, 3, 2, 3, 3}, patch), std::invalid_argument);
 }
 
 TEST(Patch, EdgesThatDoNotFitAreRefused) {

@@ -1,85 +1,22 @@
-#include "tree/rings/welded.h"
+#include "tree/welded/arcs.h"
 
 #include <algorithm>
 #include <cmath>
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
 #include <utility>
 
-#include "tree/rings/geodesic.h"
-#include "tree/rings/local_mesh.h"
-#include "tree/rings/reeb.h"
-
 namespace snowbough::tree {
 namespace {
 
-/// Distance of two rings, in radii of the limb and in mean lengths of the edges along it, whichever
-/// is more.
-constexpr double kRingSpacing = 1.5;
-constexpr double kEdgeSpacing = 0.75;
-/// No limb needs more rings than this between two forks.
-constexpr double kMostRings = 1000.0;
-/// Where along the first and the last stretch the rings at an arc's ends are, as a share.
-constexpr double kEndShare = 0.5;
 /// How far along its parent, in radii of the two together, a limb may lie from where they part.
 constexpr double kAttachReach = 4.0;
-/// Faces whose normals are this near to the limb's direction (cosine) close its end.
-constexpr double kCapCosine = 0.7;
 /// At a fork thickness counts times this power of (1 + cosine of the turn) / 2.
 constexpr double kStraightness = 4.0;
 /// A limb's tip is farther than this many of its parent's radii from the parent's centreline.
 constexpr double kStandsOut = 1.5;
 /// Rings from a fork on whose median tells how thick a limb goes on.
 constexpr size_t kThicknessRings = 5;
-
-/// Rings of one arc from below, and where they are.
-struct ArcRings {
-  std::vector<double> levels;
-  std::vector<Contour> contours;
-
-  bool empty() const { return contours.empty(); }
-};
-
-double mean_radius(const ReebArc& arc) {
-  const double length = arc.end - arc.begin;
-  return length > 0.0 ? arc.area / (2.0 * M_PI * length) : 0.0;
-}
-
-/// Mean rise of the edges of each arc: how far apart the surface's own rings are.
-std::vector<double> edge_rises(const std::vector<LocalTriangle>& triangles,
-                               const std::vector<double>& distance, const ReebTree& tree) {
-  std::vector<double> sum(tree.arcs.size(), 0.0);
-  std::vector<double> square(tree.arcs.size(), 0.0);
-  for (const auto& [a, b] : edges_of(triangles)) {
-    if (tree.arc_of[a] < 0 || tree.arc_of[a] != tree.arc_of[b]) continue;
-    const double rise = std::abs(distance[a] - distance[b]);
-    sum[tree.arc_of[a]] += rise;
-    square[tree.arc_of[a]] += rise * rise;
-  }
-  // Weighted by the rise itself: edges around the limb, which do not rise, do not count.
-  for (size_t a = 0; a < sum.size(); ++a) sum[a] = sum[a] > 0.0 ? square[a] / sum[a] : 0.0;
-  return sum;
-}
-
-std::vector<std::vector<double>> ring_levels(const std::vector<LocalTriangle>& triangles,
-                                             const std::vector<double>& distance,
-                                             const ReebTree& tree) {
-  const std::vector<double> rises = edge_rises(triangles, distance, tree);
-  std::vector<std::vector<double>> levels(tree.arcs.size());
-  for (size_t a = 0; a < tree.arcs.size(); ++a) {
-    const ReebArc& arc = tree.arcs[a];
-    const double length = arc.end - arc.begin;
-    if (length <= 0.0) continue;
-    const double spacing = std::max(kRingSpacing * mean_radius(arc), kEdgeSpacing * rises[a]);
-    const double count =
-        std::clamp(std::round(length / spacing), arc.above.empty() ? 2.0 : 1.0, kMostRings);
-    for (double i = 0.0; i < count; ++i) {
-      levels[a].push_back(arc.begin + length * (i + kEndShare) / count);
-    }
-  }
-  return levels;
-}
 
 glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
   const double length = glm::distance(from, to);
@@ -310,150 +247,11 @@ class Assembler {
   WeldedTree result_;
 };
 
-/// The widest open end.
-std::vector<int32_t> widest_loop(const LocalMesh& mesh, const Topology& topology) {
-  const std::vector<int32_t>* widest = nullptr;
-  double most = -1.0;
-  for (const std::vector<int32_t>& loop : topology.boundary_loops) {
-    glm::dvec3 centre(0.0);
-    for (const int32_t v : loop) centre += glm::dvec3(mesh.positions[v]);
-    centre /= static_cast<double>(loop.size());
-    double radius = 0.0;
-    for (const int32_t v : loop) radius += glm::distance(glm::dvec3(mesh.positions[v]), centre);
-    radius /= static_cast<double>(loop.size());
-    if (radius > most) {
-      most = radius;
-      widest = &loop;
-    }
-  }
-  return *widest;
-}
-
-/// The vertices of the cap that closes a limb around `end`: of the faces there that look along the
-/// limb.
-std::vector<int32_t> cap_around(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
-                                int32_t end, const glm::dvec3& along) {
-  std::vector<std::vector<int32_t>> facing(mesh.positions.size());
-  for (size_t i = 0; i < triangles.size(); ++i) {
-    const LocalTriangle& t = triangles[i];
-    const glm::dvec3 a(mesh.positions[t[0]]);
-    const glm::dvec3 area =
-        glm::cross(glm::dvec3(mesh.positions[t[1]]) - a, glm::dvec3(mesh.positions[t[2]]) - a);
-    if (std::abs(glm::dot(area, along)) < kCapCosine * glm::length(area)) continue;
-    for (const int32_t v : t) facing[v].push_back(static_cast<int32_t>(i));
-  }
-  std::vector<char> seen(mesh.positions.size(), 0);
-  std::vector<int32_t> cap{end};
-  seen[end] = 1;
-  for (size_t i = 0; i < cap.size(); ++i) {
-    for (const int32_t triangle : facing[cap[i]]) {
-      for (const int32_t v : triangles[triangle]) {
-        if (seen[v] != 0) continue;
-        seen[v] = 1;
-        cap.push_back(v);
-      }
-    }
-  }
-  std::sort(cap.begin(), cap.end());
-  return cap;
-}
-
-/// The vertices at the thickest end of a surface without open ends.
-std::vector<int32_t> thickest_end(const LocalMesh& mesh,
-                                  const std::vector<LocalTriangle>& triangles) {
-  const auto farthest = [](const std::vector<double>& distance) {
-    int32_t best = 0;
-    for (size_t v = 0; v < distance.size(); ++v) {
-      if (std::isfinite(distance[v]) && distance[v] > distance[best])
-        best = static_cast<int32_t>(v);
-    }
-    return best;
-  };
-  const std::vector<int32_t> first{0};
-  const int32_t far = farthest(geodesic_distances(mesh, triangles, first));
-  const std::vector<double> distance = geodesic_distances(mesh, triangles, std::vector{far});
-  const ReebTree tree = build_reeb_tree(mesh, triangles, distance);
-  // The end at `far` itself, and every arc that ends in a tip.
-  size_t thickest = tree.arcs.size() - 1;
-  for (size_t a = 0; a < tree.arcs.size(); ++a) {
-    if (tree.arcs[a].above.empty() &&
-        mean_radius(tree.arcs[a]) > mean_radius(tree.arcs[thickest])) {
-      thickest = a;
-    }
-  }
-  const ReebArc& arc = tree.arcs[thickest];
-  const bool at_far = thickest + 1 == tree.arcs.size() && !arc.above.empty();
-  int32_t end = far;
-  glm::dvec3 middle(0.0);
-  double members = 0.0;
-  for (size_t v = 0; v < distance.size(); ++v) {
-    if (tree.arc_of[v] != static_cast<int32_t>(thickest)) continue;
-    middle += glm::dvec3(mesh.positions[v]);
-    members += 1.0;
-    const bool bump = std::isfinite(tree.bump_from[v]);
-    if (!at_far && !bump && (end == far || distance[v] > distance[end])) {
-      end = static_cast<int32_t>(v);
-    }
-  }
-  middle /= std::max(members, 1.0);
-  return cap_around(mesh, triangles, end, direction(middle, glm::dvec3(mesh.positions[end])));
-}
-
-double largest_extent(const LocalMesh& mesh) {
-  glm::dvec3 low(std::numeric_limits<double>::max());
-  glm::dvec3 high(std::numeric_limits<double>::lowest());
-  for (const glm::vec3& p : mesh.positions) {
-    low = glm::min(low, glm::dvec3(p));
-    high = glm::max(high, glm::dvec3(p));
-  }
-  return std::max({high.x - low.x, high.y - low.y, high.z - low.z});
-}
-
-/// Mean radius over the surface: of each arc, weighted by its area.
-double mean_thickness(const ReebTree& tree, double& area) {
-  double sum = 0.0;
-  area = 0.0;
-  for (const ReebArc& arc : tree.arcs) {
-    sum += arc.area * mean_radius(arc);
-    area += arc.area;
-  }
-  return area > 0.0 ? sum / area : 0.0;
-}
-
 }  // namespace
 
-std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh,
-                                            const std::vector<int32_t>& root) {
-  const double extent = largest_extent(mesh);
-  if (!(extent > 0.0) || root.empty()) return std::nullopt;
-  const std::vector<LocalTriangle> triangles = triangulate(mesh);
-  const std::vector<double> distance = geodesic_distances(mesh, triangles, root);
-  const ReebTree tree = build_reeb_tree(mesh, triangles, distance);
-  if (tree.arcs.empty()) return std::nullopt;
-  const std::vector<std::vector<double>> levels = ring_levels(triangles, distance, tree);
-  const std::vector<std::vector<Contour>> contours =
-      trace_contours(mesh, triangles, distance, tree, levels);
-  std::vector<ArcRings> rings(tree.arcs.size());
-  for (size_t a = 0; a < rings.size(); ++a) {
-    for (size_t i = 0; i < levels[a].size(); ++i) {
-      if (!(contours[a][i].length > 0.0)) continue;
-      rings[a].levels.push_back(levels[a][i]);
-      rings[a].contours.push_back(contours[a][i]);
-    }
-  }
-  WeldedTree welded = Assembler(tree, std::move(rings), mesh, distance, root).assemble();
-  welded.thickness = mean_thickness(tree, welded.area) / extent;
-  return welded;
-}
-
-std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const int32_t> faces,
-                                       std::span<const int32_t> vertices) {
-  const LocalMesh mesh = weld_equal_positions(extract_component(scene, faces, vertices));
-  if (mesh.face_count() == 0) return std::nullopt;
-  const Topology topology = build_topology(mesh);
-  return trace_welded_from(mesh, topology.boundary_loops.empty()
-                                     ? thickest_end(mesh, triangulate(mesh))
-                                     : widest_loop(mesh, topology));
+WeldedTree assemble_limbs(const ReebTree& tree, std::vector<ArcRings> rings, const LocalMesh& mesh,
+                          const std::vector<double>& distance, const std::vector<int32_t>& root) {
+  return Assembler(tree, std::move(rings), mesh, distance, root).assemble();
 }
 
 }  // namespace snowbough::tree

@@ -4,8 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "tree/rings/geodesic.h"
+#include "base/progress.h"
 #include "tree/rings/local_mesh.h"
+#include "tree/welded/geodesic.h"
 
 namespace snowbough::tree {
 
@@ -20,6 +21,9 @@ struct ReebArc {
   double begin = 0.0, end = 0.0;
   /// Area of its surface, with bumps that were too small to be limbs.
   double area = 0.0;
+
+  /// Of a tube of its area and length; 0 where it has no length.
+  double mean_radius() const;
 };
 
 struct ReebTree {
@@ -37,13 +41,14 @@ struct ReebTree {
 /// one where all are.
 ///
 /// @param distance per vertex, finite: geodesic_distances.
+/// @throws Cancelled when progress says stop.
 ///
 /// Sources: Y. Shinagawa, T. L. Kunii, "Constructing a Reeb graph automatically from cross
 /// sections", IEEE Computer Graphics and Applications 11, 1991; the sweep: H. Carr, J. Snoeyink,
 /// U. Axen, "Computing contour trees in all dimensions", Computational Geometry 24, 2003 (the merge
 /// tree, which is all of the graph where the distance has one source).
 ReebTree build_reeb_tree(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
-                         const std::vector<double>& distance);
+                         const std::vector<double>& distance, const base::Progress& progress = {});
 
 /// Centre, radius (mean distance from the centre) and enclosed area of the curve on which the
 /// distance has one value, in one arc; all weighted by length, so that they do not depend on how

@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "base/progress.h"
 #include "tree/obj/obj_scene.h"
 #include "tree/rings/local_mesh.h"
 #include "tree/rings/rings.h"
@@ -34,14 +35,16 @@ struct WeldedTree {
 ///
 /// @param faces, vertices the component's faces and its vertices (ascending).
 /// @return nothing for a surface without extent.
+/// @throws Cancelled when progress says stop.
 ///
 /// Source: A. Verroust, F. Lazarus, "Extracting skeletal curves from 3D scattered data", The Visual
 /// Computer 16, 2000: centres of the level sets of the geodesic distance; see reeb.h for the graph.
 std::optional<WeldedTree> trace_welded(const ObjScene& scene, std::span<const int32_t> faces,
-                                       std::span<const int32_t> vertices);
+                                       std::span<const int32_t> vertices,
+                                       const base::Progress& progress = {});
 
 /// The same of one surface as LocalMesh, started from given vertices.
-std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh,
-                                            const std::vector<int32_t>& root);
+std::optional<WeldedTree> trace_welded_from(const LocalMesh& mesh, const std::vector<int32_t>& root,
+                                            const base::Progress& progress = {});
 
 }  // namespace snowbough::tree

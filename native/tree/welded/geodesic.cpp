@@ -1,4 +1,4 @@
-#include "tree/rings/geodesic.h"
+#include "tree/welded/geodesic.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +11,11 @@
 
 namespace snowbough::tree {
 namespace {
+
+/// Share of the time until the ways are found; vertices that are reached between two questions
+/// whether to go on.
+constexpr float kWaysFound = 0.6f;
+constexpr size_t kAskEvery = 16384;
 
 struct Way {
   int32_t from = 0, to = 0;
@@ -102,7 +107,9 @@ std::vector<std::array<int32_t, 2>> edges_of(const std::vector<LocalTriangle>& t
 
 std::vector<double> geodesic_distances(const LocalMesh& mesh,
                                        const std::vector<LocalTriangle>& triangles,
-                                       std::span<const int32_t> sources) {
+                                       std::span<const int32_t> sources,
+                                       const base::Progress& progress) {
+  base::report_progress(progress, 0.0f);
   const std::vector<Way> ways = find_ways(mesh, triangles);
   std::vector<size_t> begin(mesh.positions.size() + 1, 0);
   for (const Way& way : ways) ++begin[way.from + 1];
@@ -115,10 +122,17 @@ std::vector<double> geodesic_distances(const LocalMesh& mesh,
     distance[v] = 0.0;
     front.emplace(0.0, v);
   }
+  base::report_progress(progress, kWaysFound);
+  const base::Progress walk = base::part_of(progress, kWaysFound, 1.0f);
+  size_t reached = 0;
   while (!front.empty()) {
     const auto [at, v] = front.top();
     front.pop();
     if (at > distance[v]) continue;
+    if (++reached % kAskEvery == 0) {
+      base::report_progress(
+          walk, std::min(1.0f, static_cast<float>(reached) / static_cast<float>(distance.size())));
+    }
     for (size_t i = begin[v]; i < begin[v + 1]; ++i) {
       const double there = at + ways[i].length;
       if (there < distance[ways[i].to]) {

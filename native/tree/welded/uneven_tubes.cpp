@@ -1,4 +1,4 @@
-#include "tree/rings/uneven_tubes.h"
+#include "tree/welded/uneven_tubes.h"
 
 #include <algorithm>
 #include <glm/geometric.hpp>
@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "tree/rings/local_mesh.h"
-#include "tree/rings/welded.h"
+#include "tree/welded/welded.h"
 
 namespace snowbough::tree {
 namespace {

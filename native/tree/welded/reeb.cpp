@@ -1,4 +1,4 @@
-#include "tree/rings/reeb.h"
+#include "tree/welded/reeb.h"
 
 #include <algorithm>
 #include <array>
@@ -12,6 +12,9 @@
 
 namespace snowbough::tree {
 namespace {
+
+/// Vertices that are met between two questions whether to go on.
+constexpr size_t kAskEvery = 16384;
 
 /// A piece of surface is a limb from this many radii of its height on. A cone of slope one in a
 /// plane, as an uneven distance makes, has two.
@@ -67,12 +70,15 @@ class Sweep {
     std::sort(higher_.begin(), higher_.end());
   }
 
-  ReebTree run() {
+  ReebTree run(const base::Progress& progress) {
     std::vector<int32_t> order(distance_.size());
     std::iota(order.begin(), order.end(), 0);
     std::sort(order.begin(), order.end(), [&](int32_t a, int32_t b) { return comes_first(a, b); });
-    for (const int32_t v : order) {
-      if (std::isfinite(distance_[v])) meet(v);
+    for (size_t i = 0; i < order.size(); ++i) {
+      if (i % kAskEvery == 0) {
+        base::report_progress(progress, static_cast<float>(i) / static_cast<float>(order.size()));
+      }
+      if (std::isfinite(distance_[order[i]])) meet(order[i]);
     }
     return finish();
   }
@@ -245,9 +251,14 @@ void for_each_piece(const LocalMesh& mesh, const std::vector<LocalTriangle>& tri
 
 }  // namespace
 
+double ReebArc::mean_radius() const {
+  const double length = end - begin;
+  return length > 0.0 ? area / (2.0 * M_PI * length) : 0.0;
+}
+
 ReebTree build_reeb_tree(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
-                         const std::vector<double>& distance) {
-  return Sweep(mesh, triangles, distance).run();
+                         const std::vector<double>& distance, const base::Progress& progress) {
+  return Sweep(mesh, triangles, distance).run(progress);
 }
 
 std::vector<std::vector<Contour>> trace_contours(const LocalMesh& mesh,

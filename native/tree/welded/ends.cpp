@@ -1,0 +1,114 @@
+#include "tree/welded/ends.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+#include <glm/geometric.hpp>
+
+#include "tree/welded/reeb.h"
+
+namespace snowbough::tree {
+namespace {
+
+/// Faces whose normals are this near to the limb's direction (cosine) close its end.
+constexpr double kCapCosine = 0.7;
+
+glm::dvec3 direction(const glm::dvec3& from, const glm::dvec3& to) {
+  const double length = glm::distance(from, to);
+  return length > 0.0 ? (to - from) / length : glm::dvec3(0.0);
+}
+
+/// The vertices of the cap that closes a limb around `end`: of the faces there that look along the
+/// limb.
+std::vector<int32_t> cap_around(const LocalMesh& mesh, const std::vector<LocalTriangle>& triangles,
+                                int32_t end, const glm::dvec3& along) {
+  std::vector<std::vector<int32_t>> facing(mesh.positions.size());
+  for (size_t i = 0; i < triangles.size(); ++i) {
+    const LocalTriangle& t = triangles[i];
+    const glm::dvec3 a(mesh.positions[t[0]]);
+    const glm::dvec3 area =
+        glm::cross(glm::dvec3(mesh.positions[t[1]]) - a, glm::dvec3(mesh.positions[t[2]]) - a);
+    if (std::abs(glm::dot(area, along)) < kCapCosine * glm::length(area)) continue;
+    for (const int32_t v : t) facing[v].push_back(static_cast<int32_t>(i));
+  }
+  std::vector<char> seen(mesh.positions.size(), 0);
+  std::vector<int32_t> cap{end};
+  seen[end] = 1;
+  for (size_t i = 0; i < cap.size(); ++i) {
+    for (const int32_t triangle : facing[cap[i]]) {
+      for (const int32_t v : triangles[triangle]) {
+        if (seen[v] != 0) continue;
+        seen[v] = 1;
+        cap.push_back(v);
+      }
+    }
+  }
+  std::sort(cap.begin(), cap.end());
+  return cap;
+}
+
+}  // namespace
+
+std::vector<int32_t> widest_loop(const LocalMesh& mesh, const Topology& topology) {
+  const std::vector<int32_t>* widest = nullptr;
+  double most = -1.0;
+  for (const std::vector<int32_t>& loop : topology.boundary_loops) {
+    glm::dvec3 centre(0.0);
+    for (const int32_t v : loop) centre += glm::dvec3(mesh.positions[v]);
+    centre /= static_cast<double>(loop.size());
+    double radius = 0.0;
+    for (const int32_t v : loop) radius += glm::distance(glm::dvec3(mesh.positions[v]), centre);
+    radius /= static_cast<double>(loop.size());
+    if (radius > most) {
+      most = radius;
+      widest = &loop;
+    }
+  }
+  return *widest;
+}
+
+std::vector<int32_t> thickest_end(const LocalMesh& mesh,
+                                  const std::vector<LocalTriangle>& triangles,
+                                  const base::Progress& progress) {
+  const auto farthest = [](const std::vector<double>& distance) {
+    int32_t best = 0;
+    for (size_t v = 0; v < distance.size(); ++v) {
+      if (std::isfinite(distance[v]) && distance[v] > distance[best])
+        best = static_cast<int32_t>(v);
+    }
+    return best;
+  };
+  const std::vector<int32_t> first{0};
+  const int32_t far =
+      farthest(geodesic_distances(mesh, triangles, first, base::part_of(progress, 0.0f, 0.4f)));
+  const std::vector<double> distance =
+      geodesic_distances(mesh, triangles, std::vector{far}, base::part_of(progress, 0.4f, 0.8f));
+  const ReebTree tree =
+      build_reeb_tree(mesh, triangles, distance, base::part_of(progress, 0.8f, 1.0f));
+  // The end at `far` itself, and every arc that ends in a tip.
+  size_t thickest = tree.arcs.size() - 1;
+  for (size_t a = 0; a < tree.arcs.size(); ++a) {
+    if (tree.arcs[a].above.empty() &&
+        tree.arcs[a].mean_radius() > tree.arcs[thickest].mean_radius()) {
+      thickest = a;
+    }
+  }
+  const ReebArc& arc = tree.arcs[thickest];
+  const bool at_far = thickest + 1 == tree.arcs.size() && !arc.above.empty();
+  int32_t end = far;
+  glm::dvec3 middle(0.0);
+  double members = 0.0;
+  for (size_t v = 0; v < distance.size(); ++v) {
+    if (tree.arc_of[v] != static_cast<int32_t>(thickest)) continue;
+    middle += glm::dvec3(mesh.positions[v]);
+    members += 1.0;
+    const bool bump = std::isfinite(tree.bump_from[v]);
+    if (!at_far && !bump && (end == far || distance[v] > distance[end])) {
+      end = static_cast<int32_t>(v);
+    }
+  }
+  middle /= std::max(members, 1.0);
+  return cap_around(mesh, triangles, end, direction(middle, glm::dvec3(mesh.positions[end])));
+}
+
+}  // namespace snowbough::tree

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "base/progress.h"
+#include "tree/rings/local_mesh.h"
+#include "tree/welded/geodesic.h"
+
+namespace snowbough::tree {
+
+/// The vertices of the widest open end of a surface that has some.
+std::vector<int32_t> widest_loop(const LocalMesh& mesh, const Topology& topology);
+
+/// The vertices at the thickest end of a surface without open ends, with the cap that closes it.
+/// @throws Cancelled when progress says stop.
+std::vector<int32_t> thickest_end(const LocalMesh& mesh,
+                                  const std::vector<LocalTriangle>& triangles,
+                                  const base::Progress& progress);
+
+}  // namespace snowbough::tree
