@@ -251,7 +251,7 @@ def snow_filter(size=400):
 
 def snow_close():
     def picture(renderer):
-        size = (480, 360)
+        size = (440, 330)
         return np.concatenate([both(renderer, *view, size, target_pixels=14.0) for view in (BENCH, URN)])
 
     # Cut less finely than the maps would have it, so that wireframes show what the tessellator does.

@@ -58,7 +58,8 @@ def camera(size):
 
 
 def step_and_draw(things, way, arguments):
-    """Medians over frames, the first of which compiles shaders and does not count: GPU s, wall s, the processor's s, triangles."""
+    """Medians over frames, the first of which compiles shaders and does not count: GPU s, wall s, the processor's s,
+    triangles."""
     mapping, metric = WAYS[way]
     settings = native.RenderSettings(metric=metric, **scenes.LIGHT)
     found = []

@@ -2,11 +2,12 @@
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/trees.py [TREE.obj] [--size 1280 720] [--frames 20]
 
-Prints a markdown table for the driver at hand: GPU time, wall time and the processor's time of a frame (the picture's
-way back to the processor is in both; the latter sums over threads, so that it holds on a busy machine), patches by class and triangles, by distance, for both metrics; the same tree with
-nothing tessellated; and the same tree as a plain mesh subdivided in advance. The thesis's frame rates stand beside
-them: a GTX 460 and another tree, so a scale and not a contest. On a software renderer the table shows how the work
-grows, not how fast a card does it.
+Prints a markdown table for the driver at hand: GPU time, wall time and the processor's time of a frame (the
+picture's way back to the processor is in both; the latter sums over threads, so that it holds on a busy machine),
+patches by class and triangles, by distance, for both metrics; the same tree with nothing tessellated; and the same
+tree as a plain mesh subdivided in advance. The thesis's frame rates stand beside them: a GTX 460 and another tree,
+so a scale and not a contest. On a software renderer the table shows how the work grows, not how fast a card does
+it.
 """
 
 import argparse
