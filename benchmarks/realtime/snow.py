@@ -4,7 +4,7 @@
 
 Prints markdown tables for the driver at hand. A frame is a step of the simulation (engine GL), the map's way to the
 renderer (it stays on the GPU) and the picture; GPU time is that of the picture's passes, wall time that of all,
-reading the picture back included.
+reading the picture back included; the processor's time sums over threads.
 
 - Scenes: mapping GEOMETRY with the metric THESIS is the thesis's way on the same card, COMPUTE with SCREEN is ours.
   Its six scenes ran at 103 to 112 frames a second on a GTX 580; its meshes are not to be had, so these are of about
@@ -58,7 +58,8 @@ def camera(size):
 
 
 def step_and_draw(things, way, arguments):
-    """Medians over frames, the first of which compiles shaders and does not count: GPU s, wall s, triangles."""
+    """Medians over frames, the first of which compiles shaders and does not count: GPU s, wall s, the processor's s,
+    triangles."""
     mapping, metric = WAYS[way]
     settings = native.RenderSettings(metric=metric, **scenes.LIGHT)
     found = []
@@ -82,7 +83,7 @@ def step_and_draw(things, way, arguments):
                 thing.resolution,
             )
         for frame in range(arguments.frames + 1):
-            began = time.perf_counter()
+            began = time.perf_counter(), time.process_time()
             moved = {name: thing.positions for name, thing in things.items()} if frame == 0 else {}
             snow.step(moved, DEPTH, scenes.FALL)
             for name in things:
@@ -90,7 +91,8 @@ def step_and_draw(things, way, arguments):
                     raise SystemExit("the map did not stay on the GPU")
             renderer.render(camera(arguments.size), settings)
             one = renderer.statistics()
-            found.append((one["gpu_seconds"], time.perf_counter() - began, one["triangles"]))
+            taken = time.perf_counter() - began[0], time.process_time() - began[1]
+            found.append((one["gpu_seconds"], *taken, one["triangles"]))
     return [statistics.median(column) for column in zip(*found[1:], strict=True)]
 
 
@@ -99,13 +101,15 @@ def row(*cells):
 
 
 def measured_row(first, things, way, arguments):
-    gpu, wall, triangles = step_and_draw(things, way, arguments)
+    gpu, wall, processor, triangles = step_and_draw(things, way, arguments)
     polygons = sum(len(thing.triangles) for thing in things.values())
-    row(*first, way, polygons, int(triangles), f"{gpu * 1e3:.1f}", f"{wall * 1e3:.1f}", f"{1 / wall:.1f}")
+    taken = (f"{seconds * 1e3:.1f}" for seconds in (gpu, wall, processor))
+    row(*first, way, polygons, int(triangles), *taken, f"{1 / wall:.1f}")
 
 
 def head(*first):
-    cells = [*first, "way", "base polygons", "triangles drawn", "picture's GPU ms", "frame's wall ms", "1/s"]
+    times = ("picture's GPU ms", "frame's wall ms", "frame's processor ms")
+    cells = [*first, "way", "base polygons", "triangles drawn", *times, "1/s"]
     row(*cells)
     row(*["---"] * len(cells))
 

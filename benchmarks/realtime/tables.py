@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """All tables of the real-time half in one markdown document, with what others measured beside them.
 
-    /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--only trees,step,snow] > tables.md
+    /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--size WIDTH HEIGHT] [--only trees,step,snow] > tables.md
 
 Each section is a script of this folder or of benchmarks/snow, run in a process of its own: what one cannot do on a
 machine ends its section with the reason, and the exit code is 1. tools/gpu_kit.sh packs all of it for machines that
@@ -35,6 +35,7 @@ class Section:
     arguments: tuple = ()
     quick: tuple = ()
     note: str = ""
+    has_size: bool = False
 
 
 HANAK = """\
@@ -68,6 +69,7 @@ SECTIONS = (
         ("{grown}", "--frames", "20"),
         (str(MAPLE), "--frames", "2", "--size", "320", "180"),
         TREES,
+        has_size=True,
     ),
     Section(
         "step",
@@ -83,6 +85,7 @@ SECTIONS = (
         "realtime/snow.py",
         ("--frames", "20"),
         ("--quick", "--frames", "1", "--size", "160", "90"),
+        has_size=True,
     ),
     Section(
         "snow",
@@ -124,9 +127,11 @@ def machine():
     ]
 
 
-def section(one, quick, grown):
-    """Prints a section; returns whether its script did all of it."""
+def section(one, quick, grown, size):
+    """Prints a section; returns whether its script did all of it. size: of pictures, where another than usual."""
     arguments = [word.replace("{grown}", str(grown)) for word in (one.quick if quick else one.arguments)]
+    if size and one.has_size:
+        arguments += ["--size", *map(str, size)]
     started = time.perf_counter()
     code, tables, complaint = run(BENCHMARKS / one.script, *arguments)
     print(f"\n## {one.title}\n\n{tables}\n")
@@ -153,6 +158,13 @@ def main():
     parser.add_argument(
         "--quick", action="store_true", help="few frames and sizes: whether it runs, not how fast"
     )
+    parser.add_argument(
+        "--size",
+        nargs=2,
+        type=int,
+        metavar=("WIDTH", "HEIGHT"),
+        help="of pictures: small for software renderers",
+    )
     parser.add_argument("--only", default=",".join(names), metavar="NAMES", help=", ".join(names))
     given = parser.parse_args()
     unknown = set(given.only.split(",")) - set(names)
@@ -171,7 +183,7 @@ def main():
                 sys.exit(f"tables: the tree could not be grown: {complaint}")
         for one in available():
             if one.name in given.only.split(","):
-                whole = section(one, given.quick, grown) and whole
+                whole = section(one, given.quick, grown, given.size) and whole
     return 0 if whole else 1
 
 

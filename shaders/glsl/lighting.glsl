@@ -3,8 +3,10 @@
 
 uniform sampler2D shadow_map;
 
-/// Share of the sun that arrives at a point, over 3 x 3 texels with soft edges.
-float sunlit(vec3 position, vec3 normal) {
+/// Share of the sun that arrives at a point, over 3 x 3 texels with soft edges. `reach`: metres into what stands before
+/// it from which 1 / e of the light still arrives, as in snow; 0: none does.
+/// Source of the latter: C. Dachsbacher, M. Stamminger, Translucent Shadow Maps, 2003.
+float sunlit(vec3 position, vec3 normal, float reach) {
   if (view.sun_direction.w < 0.5) {
     return 1.0;
   }
@@ -22,13 +24,20 @@ float sunlit(vec3 position, vec3 normal) {
   const vec2 pixel = at.xy * vec2(size) - 0.5;
   const ivec2 low = ivec2(floor(pixel));
   const vec2 part = pixel - vec2(low);
+  const float depths_a_metre =
+      0.5 * length(vec3(view.shadow_from_world[0].z, view.shadow_from_world[1].z, view.shadow_from_world[2].z));
   float open = 0.0;
   for (int y = -1; y <= 2; ++y) {
     const float weight_y = y < 0 ? 1.0 - part.y : y > 1 ? part.y : 1.0;
     for (int x = -1; x <= 2; ++x) {
       const float weight_x = x < 0 ? 1.0 - part.x : x > 1 ? part.x : 1.0;
       const ivec2 texel_at = clamp(low + ivec2(x, y), ivec2(0), size - 1);
-      open += weight_x * weight_y * (texelFetch(shadow_map, texel_at, 0).x >= at.z ? 1.0 : 0.0);
+      const float behind = at.z - texelFetch(shadow_map, texel_at, 0).x;
+      float share = behind <= 0.0 ? 1.0 : 0.0;
+      if (reach > 0.0 && behind > 0.0) {
+        share = exp(-behind / (depths_a_metre * reach));
+      }
+      open += weight_x * weight_y * share;
     }
   }
   return open / 9.0;
@@ -42,7 +51,7 @@ vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float t
   float open = 0.0;
   if (sun > 0.0) {
     const float side = dot(geometric_normal, view.sun_direction.xyz) < 0.0 ? -1.0 : 1.0;
-    open = sunlit(position, side * geometric_normal);
+    open = sunlit(position, side * geometric_normal, 0.0);
   }
   return albedo * (sun * open * view.sun_color.rgb + sky);
 }

@@ -7,6 +7,8 @@
 const vec3 kSnowAlbedo = vec3(0.85, 0.885, 0.93);
 /// How far light reaches round from the lit side, by colour: red is swallowed first.
 const vec3 kWrap = vec3(0.16, 0.22, 0.30);
+/// Metres of snow that sunlight comes through to 1 / e: rims glow, and no facet's edge shows where a slope turns away.
+const float kReach = 0.02;
 /// Metres of snow through which the ground shows to 1 / e.
 const float kOpaqueDepth = 0.0022;
 /// Waves a metre and height in metres of the relief's octaves, and the depth from which on they are whole.
@@ -114,7 +116,7 @@ vec3 lit_snow(vec3 position, vec3 normal, float depth, vec3 place) {
   const vec3 wrapped = max((vec3(facing) + kWrap) / (1.0 + kWrap), 0.0);
   float open = 0.0;
   if (max(max(wrapped.r, wrapped.g), wrapped.b) > 0.0) {
-    open = sunlit(position, dot(normal, view.sun_direction.xyz) < 0.0 ? -normal : normal);
+    open = sunlit(position, dot(normal, view.sun_direction.xyz) < 0.0 ? -normal : normal, kReach);
   }
   const vec3 sky = mix(view.ground_color.rgb, view.sky_color.rgb, 0.5 + 0.5 * bumped.z);
   // What the snow around sends up lights its hollows from below.

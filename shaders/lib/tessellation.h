@@ -39,7 +39,7 @@ const float kOutlineShare = 0.025f;
 
 /// The level at which a quarter of a limb's circle, seen from the side, strays from its chords by no more than
 /// `kOutlineShare` of the target: the largest distance of a chord that spans an angle 2 a is radius * (1 - cos(a)).
-/// `chord`: from a quarter's begin to its end (m).
+/// `chord`: from a quarter's begin to its end (m), bark and snow included: what swells a limb needs parts as well.
 SNOWBOUGH_SHARED_FUNCTION float outline_level(float away, float chord, float pixels_at_one_metre, float target,
                                               float highest) {
   const float radius = 0.70710678f * chord;

@@ -15,10 +15,10 @@ PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
 # Units that a tooltip may name, in brackets: "(metres)", "(texels)", "(no unit)".
 UNITS = re.compile(
-    r"\((metres|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|keys|poses a frame|"
-    r"directions a shot|0 to 1|no unit)\)"
+    r"\((metres|metres an hour|metres a second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
+    r"keys|poses a frame|directions a shot|0 to 1|no unit)\)"
 )
-LENGTH, TIME = re.compile(r"depth|(texel|pixel)_size|^height$"), re.compile(r"half_life|seconds")
+LENGTH, TIME = re.compile(r"depth|(texel|pixel|flake)_size|^height$"), re.compile(r"half_life|seconds")
 FRAMES = re.compile(r"frame|checkpoint_interval")
 
 # These leave no step to undo.

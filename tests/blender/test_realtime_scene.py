@@ -118,7 +118,7 @@ def test_flakes_fall_where_they_are_asked_for(scene):
     snow_scene.square("Square", 0.1)
     clear = rendered(scene)
     options = scene.snowbough_realtime
-    options.show_flakes, options.flake_rate, options.flake_radius = True, 0.5, 0.02
+    options.show_flakes, options.flake_rate, options.flake_size = True, 0.5, 0.02
     falling = rendered(scene)
     changed = (abs(falling - clear)[..., :3].max(axis=2) > 0.01).mean()
     assert 0.02 < changed < 0.9

@@ -25,7 +25,7 @@ def flakes_of(scene):
         direction=tuple(fall_direction(snow.fall_angle, snow.bearing)),
         speed=options.flake_speed,
         flutter=min(math.degrees(snow.flutter), MOST_FLUTTER),
-        radius=options.flake_radius,
+        radius=options.flake_size,
         shutter=min(render.motion_blur_shutter / fps, 1.0),
         time=scene.frame_current_final / fps,
         seed=snow.seed,

@@ -42,7 +42,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     flake_rate: FloatProperty(
         name="Snowfall",
         description="What the flakes in the air would lay in an hour, times the scene's Rate: how many there are "
-        "(metres per hour)",
+        "(metres an hour)",
         default=0.015,
         min=0.0,
         soft_max=0.2,
@@ -56,7 +56,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
         soft_max=10.0,
         max=90.0,
     )
-    flake_radius: FloatProperty(
+    flake_size: FloatProperty(
         name="Size",
         description="Radius of a flake: the same snowfall in larger ones is fewer of them (metres)",
         default=0.004,

@@ -68,7 +68,7 @@ class SNOWBOUGH_PT_realtime_flakes(bpy.types.Panel):
         column = layout.column(align=True)
         column.prop(settings, "flake_rate")
         column.prop(settings, "flake_speed")
-        column.prop(settings, "flake_radius")
+        column.prop(settings, "flake_size")
 
 
 OWN_PANELS = (SNOWBOUGH_PT_realtime, SNOWBOUGH_PT_realtime_flakes)

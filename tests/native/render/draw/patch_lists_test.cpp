@@ -1,0 +1,76 @@
+#include "render/draw/patch_lists.h"
+
+#include <gtest/gtest.h>
+
+#include <vector>
+
+#include "gpu/gpu_thread.h"
+#include "render/view.h"
+#include "shaders/lib/tree_shared.h"
+
+namespace snowbough::render {
+namespace {
+
+using glm::vec3;
+using glm::vec4;
+
+/// Squares of 0.2 m around the points, each with an edge of its own for all four sides.
+struct Squares {
+  std::vector<shared::PosedVertex> vertices;
+  std::vector<shared::TreePatch> patches;
+
+  void add(const vec3& middle) {
+    const auto first = static_cast<int32_t>(vertices.size());
+    for (const vec3 corner : {vec3(-1, 0, -1), vec3(1, 0, -1), vec3(1, 0, 1), vec3(-1, 0, 1)}) {
+      shared::PosedVertex vertex{};
+      vertex.position = vec4(middle + 0.1f * corner, 0.0f);
+      vertices.push_back(vertex);
+    }
+    shared::TreePatch patch{};
+    patch.vertices = {first, first + 1, first + 2, first + 3};
+    patch.edges = glm::ivec4(2 * static_cast<int32_t>(patches.size()));
+    patches.push_back(patch);
+  }
+};
+
+TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
+  gpu::GpuThread::shared("")->run([] {
+    Squares of;
+    const vec3 seen(0, 0, 0), behind(0, -20, 0);
+    for (const vec3& middle : {seen, behind, seen, seen, behind, seen}) of.add(middle);
+    const std::vector<float> levels{1.0f, 5.0f, 2.0f, 1.0f, 1.0f, 3.0f};
+    Camera camera;
+    camera.target = vec3(0.0f);
+    const shared::TreeView seen_from =
+        camera_view(camera, RenderSettings{}, {vec3(0.0f), 1.0f, 1.0f}, false);
+    const gpu::Buffer view(std::vector<shared::TreeView>{seen_from});
+    const gpu::Buffer posed(of.vertices), patches(of.patches), edges(levels);
+
+    gpu::Program classify({"tree_classify.comp.glsl"});
+    PatchListPasses passes;
+    PatchList list(of.patches.size());
+    classify.use();
+    classify.bind("ViewBlock", view);
+    classify.bind("PosedVertices", posed);
+    classify.bind("TreePatches", patches);
+    classify.bind("EdgeLevels", edges);
+    passes.run(classify, list, 6, 5.0f);
+
+    const PatchCounts counts = count_patches(list, 6);
+    EXPECT_EQ(counts.dropped, 2);
+    EXPECT_EQ(counts.plain, 2);
+    EXPECT_EQ(counts.tessellated, 2);
+    const auto plain = list.plain.read_all<uint32_t>();
+    const auto tessellated = list.tessellated.read_all<uint32_t>();
+    EXPECT_EQ(std::vector<uint32_t>(plain.begin(), plain.begin() + 2),
+              (std::vector<uint32_t>{0, 3}));
+    EXPECT_EQ(std::vector<uint32_t>(tessellated.begin(), tessellated.begin() + 2),
+              (std::vector<uint32_t>{2, 5}));
+    EXPECT_EQ(list.classes.read_all<uint32_t>(),
+              (std::vector<uint32_t>{shared::kPlain, shared::kDropped, shared::kTessellated,
+                                     shared::kPlain, shared::kDropped, shared::kTessellated}));
+  });
+}
+
+}  // namespace
+}  // namespace snowbough::render
