@@ -26,13 +26,14 @@ from ..names import REST_ATTRIBUTE
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
-from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, rims, way_to
+from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, near_rim, rims, way_to
 
 HEIGHT_ATTRIBUTE = "snow_height"
 POSITION_ATTRIBUTE = "snow_position"
 
 _NORMAL = "snow_normal"
 _PLACE = "snow_map_place"
+_PIECE = "snow_piece"
 
 # Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
 SLIDERS = (
@@ -116,7 +117,7 @@ def build_tree(name, source):
     pieces, curvature = _phong(tree, _apart(tree, pieces, source))
     pieces, geometry = (_subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
     geometry, snow = _heights(tree, geometry, _Pieces(tree, pieces, source), curvature)
-    geometry = _raised(tree, _cut(tree, geometry, snow), source, snow, rim_edges, sliders)
+    geometry = _raised(tree, geometry, source, snow, rim_edges, sliders)
     if source.depths:
         geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], _keyed(tree, source.depths),
                                 (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
@@ -251,27 +252,32 @@ def _phong(tree, geometry):
 
     With p_i and n_i of a face's corners and b_i a point's weights in it, Phong tessellation puts p at
     sum b_i (p - ((p - p_i) . n_i) n_i) = p - M p + c, where M = sum b_i n_i n_i^T and c = sum b_i (p_i . n_i) n_i are
-    attributes that the subdivision interpolates.
+    attributes that the subdivision interpolates. Where all faces are shaded flat it is 0, and nothing is reckoned.
     """
     place = tree.node("GeometryNodeInputPosition").outputs[0]
     normal = tree.attribute(_NORMAL, "FLOAT_VECTOR")
-    geometry, offset = _capture(
+    curved, offset = _capture(
         tree, geometry, tree.scale(normal, tree.dot(place, normal)), "POINT", "FLOAT_VECTOR"
     )
     rows = []
     for component in tree.components(normal):
-        geometry, row = _capture(tree, geometry, tree.scale(normal, component), "POINT", "FLOAT_VECTOR")
+        curved, row = _capture(tree, curved, tree.scale(normal, component), "POINT", "FLOAT_VECTOR")
         rows.append(row)
     product = tree.combine(*(tree.dot(row, place) for row in rows))
-    return geometry, tree.scale(tree.vector("SUBTRACT", offset, product), 0.5)
+    curvature = tree.scale(tree.vector("SUBTRACT", offset, product), 0.5)
+    smooth = tree.node("GeometryNodeAttributeStatistic", domain="FACE")
+    tree.feed(smooth, Geometry=geometry, Attribute=tree.node("GeometryNodeInputShadeSmooth").outputs[0])
+    any_smooth = tree.math("GREATER_THAN", tree.output(smooth, "Max"), 0.5)
+    return tree.switch(any_smooth, geometry, curved, "GEOMETRY"), tree.switch(
+        any_smooth, (0.0, 0.0, 0.0), curvature, "VECTOR"
+    )
 
 
 def _subdivided(tree, geometry, levels):
     viewport, render = levels
-    level = tree.node("GeometryNodeSwitch", input_type="INT")
-    tree.feed(level, Switch=tree.node("GeometryNodeIsViewport").outputs[0], False_=render, True_=viewport)
+    level = tree.switch(tree.node("GeometryNodeIsViewport").outputs[0], render, viewport, "INT")
     node = tree.node("GeometryNodeSubdivideMesh")
-    return tree.feed(node, Mesh=geometry, Level=tree.output(level)).outputs["Mesh"]
+    return tree.feed(node, Mesh=geometry, Level=level).outputs["Mesh"]
 
 
 class _Pieces:
@@ -285,12 +291,18 @@ class _Pieces:
         self.geometry, captured = _capture(self.tree, self.geometry, value, "POINT", data_type)
         return captured
 
+    def number(self, geometry):
+        """The mesh with each corner's point in the pieces, as _PIECE."""
+        point = self.tree.node("GeometryNodeVertexOfCorner").outputs[0]
+        corner = _of_corner(self.tree, self.geometry, point, "INT")
+        return self.tree.store(geometry, _PIECE, corner, "CORNER", "INT")
+
     def mean(self, captured, data_type):
         """For points of the mesh: the mean over their corners."""
-        corner = self.tree.on_domain(
-            _of_corner(self.tree, self.geometry, captured, data_type), "CORNER", data_type
-        )
-        return self.tree.on_domain(corner, "POINT", data_type)
+        tree = self.tree
+        sample = tree.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
+        tree.feed(sample, Geometry=self.geometry, Value=captured, Index=tree.attribute(_PIECE, "INT"))
+        return tree.on_domain(tree.on_domain(tree.output(sample), "CORNER", data_type), "POINT", data_type)
 
 
 @dataclass(frozen=True)
@@ -303,8 +315,6 @@ class _Snow:
     """Of the bare surface, as long as 1."""
     curvature: object
     """See _phong; units of the scene."""
-    ever: object
-    """Over 0 where snow ever lies."""
 
 
 def _sampled(tree, source, image, interpolation, frame=None):
@@ -315,7 +325,7 @@ def _sampled(tree, source, image, interpolation, frame=None):
 
 
 def _heights(tree, geometry, pieces, curvature):
-    """(geometry with HEIGHT_ATTRIBUTE and the place in the snow of every point, its _Snow).
+    """(geometry without bare faces, with HEIGHT_ATTRIBUTE and the place in the snow of every point; its _Snow).
 
     The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
     not drawn out where snow is steep, and do not boil while it grows.
@@ -348,24 +358,28 @@ def _heights(tree, geometry, pieces, curvature):
 
     offset, numbers, normal, curvature = (pieces.mean(value, "FLOAT_VECTOR") for value in captured)
     weight, mean, square = tree.components(numbers)
+    edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
+    rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
+    geometry, inside = _capture(
+        tree, pieces.number(geometry), tree.math("LESS_THAN", rim, 1e-3), "POINT", "FLOAT"
+    )
+    offset = tree.scale(offset, tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)))
+    if ever is None:
+        ever = tree.math("GREATER_THAN", tree.vector("LENGTH", offset), 10.0 * BARE)
+    else:
+        ever = pieces.mean(ever, "FLOAT")
+    geometry = _cut(tree, geometry, ever)
     # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
-    edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
-    rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
-    inside = tree.math("LESS_THAN", rim, 1e-3)
-    offset = tree.scale(offset, tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)))
-    geometry, offset = _capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
-    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", offset), "POINT")
     normal = tree.vector("NORMALIZE", normal)
-    geometry, normal = _capture(tree, geometry, normal, "POINT", "FLOAT_VECTOR")
-    geometry, curvature = _capture(tree, geometry, curvature, "POINT", "FLOAT_VECTOR")
-    if ever is None:
-        ever = tree.math("GREATER_THAN", tree.attribute(HEIGHT_ATTRIBUTE), 10.0 * BARE)
-    else:
-        ever = pieces.mean(ever, "FLOAT")
-    return geometry, _Snow(offset, normal, curvature, ever)
+    snow = []
+    for value in (offset, normal, curvature):
+        geometry, known = _capture(tree, geometry, value, "POINT", "FLOAT_VECTOR")
+        snow.append(known)
+    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", snow[0]), "POINT")
+    return compat_nodes.remove_attribute(tree.tree, geometry, _PIECE), _Snow(*snow)
 
 
 def _raised(tree, geometry, source, snow, rim_edges, sliders):
@@ -395,14 +409,20 @@ def _raised(tree, geometry, source, snow, rim_edges, sliders):
     own = tree.scale(
         tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side
     )
+    geometry, own = _capture(tree, geometry, own, "POINT", "FLOAT_VECTOR")
     outside = tree.scale(snow.normal, side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
     way = add_shoulders(tree, to_rim, height, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT])
+    drawn = tree.node("GeometryNodeSetPosition")
+    tree.feed(
+        drawn, Geometry=geometry, Selection=near_rim(tree, to_rim, height), Offset=tree.scale(way, units)
+    )
     relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
-    if relief is not None:
-        way = tree.vector("ADD", way, tree.scale(own, relief))
+    if relief is None:
+        return drawn.outputs["Geometry"]
     moved = tree.node("GeometryNodeSetPosition")
-    return tree.feed(moved, Geometry=geometry, Offset=tree.scale(way, units)).outputs["Geometry"]
+    way = tree.scale(own, tree.multiply(relief, units))
+    return tree.feed(moved, Geometry=drawn.outputs["Geometry"], Offset=way).outputs["Geometry"]
 
 
 def _leaning(tree, outside):
@@ -413,9 +433,9 @@ def _leaning(tree, outside):
     return tree.vector("NORMALIZE", tree.vector("ADD", outside, up))
 
 
-def _cut(tree, geometry, snow):
-    """Without the faces that never carry snow, but for one ring around those that do."""
-    on_face = tree.on_domain(tree.on_domain(snow.ever, "POINT"), "FACE")
+def _cut(tree, geometry, ever):
+    """Without the faces that never carry snow (over 0: `ever`), but for one ring around those that do."""
+    on_face = tree.on_domain(tree.on_domain(ever, "POINT"), "FACE")
     node = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
     tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
     return node.outputs["Geometry"]
