@@ -24,6 +24,7 @@ import bpy
 from .. import compat, compat_nodes
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
+from .ragged_nodes import RAGGED_INPUT, add_ragged_edges, support
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
 from .shell_pieces import (
     NORMAL,
@@ -49,6 +50,7 @@ HEIGHT_ATTRIBUTE = "snow_height"
 SLIDERS = (
     (RELIEF_INPUT, "Bumps of the surface; 1 is fresh snow", 1.0, 10.0),
     (SHOULDERS_INPUT, "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 2.0),
+    (RAGGED_INPUT, "How uneven snow ends where shelter thins it out; 0 ends it where the map does", 1.0, 3.0),
     (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
 )
 
@@ -97,18 +99,20 @@ class ShellSource:
     weld: bool = False
     """Points that lie on one another are one."""
     depths: tuple = ()
-    """Depth of the snow on open ground, (frame, metres) of some frames. Without them there are no cushions."""
+    """Depth of the snow on open ground, (frame, metres) of some frames. Without them there are no cushions and no
+    ragged edges."""
     rest: bool = False
     """The receiver carries where its points are undeformed, as `rest_position`."""
 
 
 def build_tree(name, source):
     """A geometry node group that makes the shell of a ShellSource, for an object that stands at the world's
-    origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, cushions."""
+    origin. Its inputs besides the geometry are sliders: relief, shoulders and, with `depths`, ragged edges and
+    cushions."""
     tree = NodeBuilder(bpy.data.node_groups.new(name, "GeometryNodeTree"))
     compat_nodes.add_group_socket(tree.tree, "INPUT", "NodeSocketGeometry", "Geometry")
     for name, description, default, most in SLIDERS:
-        if name != CUSHIONS_INPUT or source.depths:
+        if name not in (CUSHIONS_INPUT, RAGGED_INPUT) or source.depths:
             compat_nodes.add_group_socket(
                 tree.tree, "INPUT", "NodeSocketFloat", name, description, default, 0.0, most
             )
@@ -119,13 +123,20 @@ def build_tree(name, source):
     pieces = corner_normals(tree, geometry, source.sharp_angle)
     if source.weld:
         geometry, pieces = welded(tree, geometry, source), welded(tree, pieces, source)
+    ragged = None
+    if source.depths:
+        open_depth = _keyed(tree, source.depths)
+        normal_of_points = tree.node("GeometryNodeInputNormal").outputs[0]
+        carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
+        geometry, carried_by = capture(tree, geometry, carried_by, "POINT", "FLOAT")
+        ragged = (carried_by, open_depth, sliders[RAGGED_INPUT])
     rim_edges = rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
     pieces, curvature = phong(tree, apart(tree, pieces, source))
     pieces, geometry = (subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
-    geometry, snow = _heights(tree, geometry, Pieces(tree, pieces, source), curvature)
+    geometry, snow = _heights(tree, geometry, Pieces(tree, pieces, source), curvature, ragged)
     geometry = _raised(tree, geometry, source, snow, rim_edges, sliders)
     if source.depths:
-        geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], _keyed(tree, source.depths),
+        geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], open_depth,
                                 (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
     smooth = tree.node("GeometryNodeSetShadeSmooth")
     tree.set(smooth.inputs[0], geometry)  # Geometry, from 5.0 on Mesh
@@ -169,7 +180,7 @@ def _sampled(tree, source, image, interpolation, frame=None):
     return node.outputs["Color"]
 
 
-def _heights(tree, geometry, pieces, curvature):
+def _heights(tree, geometry, pieces, curvature, ragged):
     """(geometry without bare faces, with HEIGHT_ATTRIBUTE and the place in the snow of every point; its _Snow).
 
     The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
@@ -218,6 +229,14 @@ def _heights(tree, geometry, pieces, curvature):
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
+    if ragged is not None:
+        carried_by, open_depth, strength = ragged
+        geometry, offset = capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
+        place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
+        thickness = tree.vector("LENGTH", offset)
+        offset = tree.scale(
+            offset, add_ragged_edges(tree, thickness, carried_by, place, open_depth, strength)
+        )
     normal = tree.vector("NORMALIZE", normal)
     snow = []
     for value in (offset, normal, curvature):
