@@ -209,10 +209,59 @@ def test_cushions_are_off_where_nothing_is_like_needles(snow, addon):
     assert addon("compat_nodes").modifier_input(shell.modifiers[0], "Cushions") == 0.0
 
 
-def test_cushions_are_off_where_they_would_be_too_heavy(snow, addon, monkeypatch):
+def test_cushions_are_off_where_they_would_be_too_heavy_and_it_is_said(snow, addon, monkeypatch):
     monkeypatch.setattr(addon("result.cushion_nodes"), "MOST_POINTS", 100)
     shell = snow(needles(), on_tops(), depth=0.012)
     assert addon("compat_nodes").modifier_input(shell.modifiers[0], "Cushions") == 0.0
+    (receiver,) = bpy.context.scene.snowbough.receivers
+    (note,) = addon("result.displacement").refresh(bpy.context.scene, receiver)
+    assert note.startswith("Needles has needles, but snow does not bridge them")
+
+
+def test_a_heavy_mesh_without_needles_gives_no_note(snow, addon, monkeypatch):
+    monkeypatch.setattr(addon("result.cushion_nodes"), "MOST_POINTS", 100)
+    snow(table(), heap(), depth=DEPTH)
+    (receiver,) = bpy.context.scene.snowbough.receivers
+    assert addon("result.displacement").refresh(bpy.context.scene, receiver) == []
+
+
+# -- sliders -----------------------------------------------------------------------------------------------
+
+
+def snow_inputs(addon, shell):
+    (node,) = addon("result.look").group_nodes(shell.material_slots[0].material)
+    return node.inputs
+
+
+def rebuilt(addon):
+    (receiver,) = bpy.context.scene.snowbough.receivers
+    addon("result.displacement").refresh(bpy.context.scene, receiver)
+    return addon("result.snow_shell").find(receiver)[0]
+
+
+def test_sliders_outlive_the_shell(snow, addon):
+    shell = snow(needles(), on_tops(), depth=0.012)
+    values = {"Shoulders": 0.25, "Relief": 2.5, "Cushions": 0.75}
+    for name, value in values.items():
+        set_slider(addon, shell, name, value)
+    snow_inputs(addon, shell)["Grain"].default_value = 2.0
+    snow_inputs(addon, shell)["Color"].default_value = (0.5, 0.25, 0.125, 1.0)
+    for _ in range(2):  # and the shell after that one, too
+        shell = rebuilt(addon)
+        read = {name: addon("compat_nodes").modifier_input(shell.modifiers[0], name) for name in values}
+        assert read == values
+        assert snow_inputs(addon, shell)["Grain"].default_value == 2.0
+        assert tuple(snow_inputs(addon, shell)["Color"].default_value) == (0.5, 0.25, 0.125, 1.0)
+
+
+def test_what_nobody_has_touched_is_chosen_anew(snow, addon, monkeypatch):
+    monkeypatch.setattr(addon("result.cushion_nodes"), "MOST_POINTS", 100)
+    shell = snow(needles(), on_tops(), depth=0.012)
+    assert addon("compat_nodes").modifier_input(shell.modifiers[0], "Cushions") == 0.0
+    monkeypatch.undo()
+    shell = rebuilt(addon)
+    assert addon("compat_nodes").modifier_input(shell.modifiers[0], "Cushions") == 1.0
+    assert addon("compat_nodes").modifier_input(shell.modifiers[0], "Relief") == 0.0  # the fixture's own
 
 
 @pytest.mark.parametrize(

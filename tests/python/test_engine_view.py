@@ -2,7 +2,6 @@
 """The shaders of docs/engines draw exported files: what they make of branch levels, of heights and of joints is counted
 and measured in the picture (tests/support/engine_view.py)."""
 
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -10,7 +9,6 @@ import pytest
 import snowbough_native as native
 from snowbough.gltf import png, snow_maps, surface, tree_file
 
-sys.path.insert(0, str(Path(__file__).resolve().parents[1] / "support"))
 pytest.importorskip("moderngl", reason="moderngl draws the files (package python3-moderngl)")
 pytest.importorskip("PIL.Image", reason="Pillow reads the images (package python3-pil)")
 import glb  # noqa: E402

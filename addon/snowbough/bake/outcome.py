@@ -45,8 +45,8 @@ def shown_folder(folder):
 
 def after_bake(scene, running):
     """What the scene learns from a bake: where the files of each receiver lie. What shows older ones is
-    wired to the new ones, and images are read again."""
-    job = running.job
+    wired to the new ones, and images are read again. Returns what the artist should know of that, a list of texts."""
+    job, notes = running.job, []
     scene.snowbough.cache_used = job.request.cache
     by_object = {}
     for receiver in job.baked:
@@ -57,10 +57,20 @@ def after_bake(scene, running):
         folder = by_object.get((entry.object.name, library_path(entry.object)))
         if folder is not None and baked_frames(folder):
             entry.folder = shown_folder(folder)
-            displacement.refresh(scene, entry)
+            notes += displacement.refresh(scene, entry)
     for image in bpy.data.images:
         if image.source == "SEQUENCE" and str(job.root) in bpy.path.abspath(image.filepath):
             image.reload()
+    return notes
+
+
+def conclude(scene, running):
+    """after_bake(), and describe() with what it noted."""
+    severity, text = describe(running)
+    notes = after_bake(scene, running)
+    if not notes:
+        return severity, text
+    return "WARNING" if severity == "INFO" else severity, one_line(f"{text}. {'; '.join(notes)}")
 
 
 @bpy.app.handlers.persistent

@@ -134,7 +134,5 @@ def add_cushions(builder, geometry, amount, depth, names, metres_per_unit):
     mesh = builder.store(mesh, place_name, grown, "POINT", "FLOAT_VECTOR")
     mesh = builder.store(mesh, height_name, builder.math("MAXIMUM", metres, DEPTH_SHOWN), "POINT")
 
-    chosen = builder.node("GeometryNodeSwitch", input_type="GEOMETRY")
     wanted = builder.math("GREATER_THAN", builder.multiply(amount, depth), 0.0)
-    builder.feed(chosen, Switch=wanted, False_=geometry, True_=_joined(builder, geometry, mesh))
-    return builder.output(chosen)
+    return builder.switch(wanted, geometry, _joined(builder, geometry, mesh), "GEOMETRY")

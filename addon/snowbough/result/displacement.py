@@ -143,9 +143,10 @@ def clear(scene, receiver):
 
 
 def apply(scene, receiver, mode):
-    """Adds snow of that mode to the receiver, replacing what an earlier call made.
+    """Adds snow of that mode to the receiver, replacing what an earlier call made; shells keep their sliders.
 
-    Raises ValueError that says what to do when the mode does not suit the object; nothing is changed then.
+    Returns what the artist should know, a list of texts. Raises ValueError that says what to do when the mode does not
+    suit the object; nothing is changed then.
     """
     obj = receiver.object
     if mode == "MODIFIER" and uniform_scale(obj) is None:
@@ -157,11 +158,12 @@ def apply(scene, receiver, mode):
         raise ValueError(
             f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
         )
+    sliders, notes = snow_shell.sliders_of(receiver), []
     clear(scene, receiver)
     record_update = {"displacement": mode}
     if mode == "SHELL":
         snow_material.remove(receiver)
-        snow_shell.make(scene, receiver)
+        snow_shell.make(scene, receiver, sliders, notes)
     else:
         snow_material.add(scene, receiver, displace=mode == "ADAPTIVE")
         if mode == "MODIFIER":
@@ -171,6 +173,7 @@ def apply(scene, receiver, mode):
     record = original_state.read(receiver)
     record.update(record_update)
     original_state.write(receiver, record)
+    return notes
 
 
 def mode_of(receiver):
@@ -179,10 +182,9 @@ def mode_of(receiver):
 
 
 def refresh(scene, receiver):
-    """After a bake: shows the new files on a receiver that has snow already."""
+    """After a bake: shows the new files on a receiver that has snow already. Returns what apply() does."""
     mode = mode_of(receiver)
-    if mode is not None:
-        apply(scene, receiver, mode)
+    return [] if mode is None else apply(scene, receiver, mode)
 
 
 def remove(scene, receiver):

@@ -72,7 +72,8 @@ def set_shell_relief(shell, look):
     shell.update_tag()
 
 
-def _group_nodes(material):
+def group_nodes(material):
+    """The nodes of a material, which may be None, that make it snow."""
     nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
     return [
         node
@@ -92,5 +93,5 @@ def apply(scene, kind):
             set_shell_relief(obj, look)
         for slot in obj.material_slots:
             if slot.material is not None and slot.material.library is None:
-                for node in _group_nodes(slot.material):
+                for node in group_nodes(slot.material):
                     set_group_inputs(node, look)

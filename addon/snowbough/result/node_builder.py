@@ -118,3 +118,8 @@ class NodeBuilder:
     def store(self, geometry, name, value, domain, data_type="FLOAT"):
         node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain=domain)
         return self.feed(node, Geometry=geometry, Name=name, Value=value).outputs["Geometry"]
+
+    def switch(self, condition, otherwise, value, input_type):
+        """`value` where the condition holds. What is not chosen is not worked out, unless the condition is a field."""
+        node = self.node("GeometryNodeSwitch", input_type=input_type)
+        return self.output(self.feed(node, Switch=condition, False_=otherwise, True_=value))

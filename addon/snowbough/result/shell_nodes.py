@@ -22,18 +22,29 @@ from dataclasses import dataclass
 import bpy
 
 from .. import compat, compat_nodes
-from ..names import REST_ATTRIBUTE
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
 from .node_builder import NodeBuilder
 from .ragged_nodes import RAGGED_INPUT, add_ragged_edges, support
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
-from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, rims, way_to
+from .shell_pieces import (
+    NORMAL,
+    PIECE,
+    PLACE,
+    POSITION_ATTRIBUTE,
+    Pieces,
+    apart,
+    capture,
+    corner_normals,
+    outside_out,
+    phong,
+    receiver,
+    sharp_edges,
+    subdivided,
+    welded,
+)
+from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, near_rim, rims, way_to
 
 HEIGHT_ATTRIBUTE = "snow_height"
-POSITION_ATTRIBUTE = "snow_position"
-
-_NORMAL = "snow_normal"
-_PLACE = "snow_map_place"
 
 # Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
 SLIDERS = (
@@ -43,10 +54,6 @@ SLIDERS = (
     (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
 )
 
-# Texels by which corners keep off the rim of their face on the map, since what lies beyond it may be another chart's;
-# at most so far towards the face's middle.
-INSET = 1.0
-MOST_INSET = 0.5
 # Depth of the shell below bare surfaces, and height of the thinnest snow above them (metres).
 SINK = 0.0004
 SKIN = 0.0004
@@ -112,26 +119,22 @@ def build_tree(name, source):
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     sliders = tree.node("NodeGroupInput").outputs
 
-    geometry = _outside_out(tree, _receiver(tree, source), source)
-    pieces = _corner_normals(tree, geometry, source.sharp_angle)
+    geometry = outside_out(tree, receiver(tree, source), source)
+    pieces = corner_normals(tree, geometry, source.sharp_angle)
     if source.weld:
-        geometry, pieces = _welded(tree, geometry, source), _welded(tree, pieces, source)
-    share = None
+        geometry, pieces = welded(tree, geometry, source), welded(tree, pieces, source)
+    ragged = None
     if source.depths:
         open_depth = _keyed(tree, source.depths)
-        normal = tree.node("GeometryNodeInputNormal").outputs[0]
-        carried_by = support(tree, geometry, normal, source.metres_per_unit)
-        geometry, carried_by = _capture(tree, geometry, carried_by, "POINT", "FLOAT")
-
-        def share(thickness):
-            place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-            return add_ragged_edges(tree, thickness, carried_by, place, open_depth, sliders[RAGGED_INPUT])
-
-    rim_edges = rims(tree, geometry, _sharp_edges(tree, source.sharp_angle))
-    pieces, curvature = _phong(tree, _apart(tree, pieces, source))
-    pieces, geometry = (_subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
-    geometry, snow = _heights(tree, geometry, _Pieces(tree, pieces, source), curvature, share)
-    geometry = _raised(tree, _cut(tree, geometry, snow), source, snow, rim_edges, sliders)
+        normal_of_points = tree.node("GeometryNodeInputNormal").outputs[0]
+        carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
+        geometry, carried_by = capture(tree, geometry, carried_by, "POINT", "FLOAT")
+        ragged = (carried_by, open_depth, sliders[RAGGED_INPUT])
+    rim_edges = rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
+    pieces, curvature = phong(tree, apart(tree, pieces, source))
+    pieces, geometry = (subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
+    geometry, snow = _heights(tree, geometry, Pieces(tree, pieces, source), curvature, ragged)
+    geometry = _raised(tree, geometry, source, snow, rim_edges, sliders)
     if source.depths:
         geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], open_depth,
                                 (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
@@ -142,16 +145,6 @@ def build_tree(name, source):
     output = tree.node("NodeGroupOutput")
     tree.set(output.inputs["Geometry"], painted.outputs["Geometry"])
     return tree.tree
-
-
-def _object(tree, obj, space):
-    node = tree.node("GeometryNodeObjectInfo", transform_space=space)
-    node.inputs["Object"].default_value = obj
-    return node
-
-
-def _realized(tree, geometry):
-    return tree.feed(tree.node("GeometryNodeRealizeInstances"), Geometry=geometry).outputs[0]
 
 
 def _keyed(tree, values):
@@ -168,146 +161,6 @@ def _keyed(tree, values):
     return node.outputs[0]
 
 
-def _capture(tree, geometry, value, domain, data_type):
-    """(geometry, value): the value as it is on this geometry, for what is made of it."""
-    return compat_nodes.capture_attribute(tree.tree, geometry, value, domain, data_type)
-
-
-def _receiver(tree, source):
-    """The receiver's mesh in the world, with the place of every point in its own space in metres."""
-    info = _object(tree, source.obj, "RELATIVE")
-    geometry = _realized(tree, info.outputs["Geometry"])
-    if source.rest:
-        local = tree.attribute(REST_ATTRIBUTE, "FLOAT_VECTOR")
-    else:
-        own = _realized(tree, _object(tree, source.obj, "ORIGINAL").outputs["Geometry"])
-        sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
-        tree.feed(sample, Geometry=own, Value=tree.node("GeometryNodeInputPosition").outputs[0],
-                  Index=tree.node("GeometryNodeInputIndex").outputs[0])  # fmt: skip
-        local = tree.output(sample)
-    metres = tree.scale(tree.vector("MULTIPLY", local, info.outputs["Scale"]), source.metres_per_unit)
-    geometry = tree.store(geometry, POSITION_ATTRIBUTE, metres, "POINT", "FLOAT_VECTOR")
-    if source.instancer is None:
-        return geometry
-    offset = source.instancer.instance_collection.instance_offset
-    moved = tree.node("GeometryNodeTransform")
-    tree.feed(moved, Geometry=geometry, Translation=tuple(-value for value in offset))
-    placed = tree.node("GeometryNodeTransform")
-    place = _object(tree, source.instancer, "RELATIVE").outputs
-    return tree.feed(placed, Geometry=moved.outputs[0], Translation=place["Location"],
-                     Rotation=place["Rotation"], Scale=place["Scale"]).outputs[0]  # fmt: skip
-
-
-def _outside_out(tree, geometry, source):
-    """The geometry with its faces turned where a negative scale has turned it inside out: nodes leave the corners in
-    their order, with which normals change sides."""
-    mirrored = source.obj.matrix_world.determinant() < 0.0
-    if source.instancer is not None:
-        mirrored ^= source.instancer.matrix_world.determinant() < 0.0
-    if not mirrored:
-        return geometry
-    return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
-
-
-def _sharp_edges(tree, sharp_angle):
-    """1 on edges across which the mesh is not shaded smooth, else 0."""
-    flat = tree.math("SUBTRACT", 1.0, tree.node("GeometryNodeInputShadeSmooth").outputs[0])
-    beside_flat = tree.on_domain(tree.on_domain(flat, "FACE"), "EDGE")
-    angle = tree.node("GeometryNodeInputMeshEdgeAngle").outputs["Unsigned Angle"]
-    marked = tree.add(tree.attribute("sharp_edge", "BOOLEAN"), tree.attribute("sharp_face", "BOOLEAN"))
-    any_of_them = tree.add(
-        tree.add(beside_flat, tree.math("GREATER_THAN", angle, sharp_angle)), tree.on_domain(marked, "EDGE")
-    )
-    return tree.math("GREATER_THAN", any_of_them, 1e-3)
-
-
-def _corner_normals(tree, geometry, sharp_angle):
-    """The geometry with the normal of every corner, smooth across smooth edges only, as _NORMAL."""
-    split = tree.node("GeometryNodeSplitEdges")
-    tree.feed(split, Mesh=geometry, Selection=_sharp_edges(tree, sharp_angle))
-    normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs["Normal"], "POINT", "FLOAT_VECTOR")
-    return tree.store(
-        geometry, _NORMAL, _of_corner(tree, split.outputs["Mesh"], normal), "CORNER", "FLOAT_VECTOR"
-    )
-
-
-def _of_corner(tree, other, value, data_type="FLOAT_VECTOR"):
-    """The value that a corner's counterpart has in another mesh, of the same corners in the same order."""
-    sample = tree.node("GeometryNodeSampleIndex", data_type=data_type, domain="CORNER")
-    tree.feed(sample, Geometry=other, Value=value, Index=tree.node("GeometryNodeInputIndex").outputs[0])
-    return tree.output(sample)
-
-
-def _welded(tree, geometry, source):
-    merge = tree.node("GeometryNodeMergeByDistance")
-    return tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
-
-
-def _apart(tree, geometry, source):
-    """The mesh's faces split apart, whose points carry what their one corner has: the normal, and as _PLACE where on
-    the map it is looked up: on its UVs, along both axes a little towards the middle of its face, which may be
-    narrow."""
-    split = tree.node("GeometryNodeSplitEdges")
-    geometry = tree.feed(split, Mesh=geometry).outputs["Mesh"]
-    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
-    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
-    most = INSET * source.texel
-    way = tree.scale(tree.vector("SUBTRACT", middle, uv), MOST_INSET)
-    way = tree.vector("MAXIMUM", tree.vector("MINIMUM", way, (most,) * 3), (-most,) * 3)
-    geometry = tree.store(geometry, _PLACE, tree.vector("ADD", uv, way), "POINT", "FLOAT_VECTOR")
-    geometry = tree.store(geometry, _NORMAL, tree.attribute(_NORMAL, "FLOAT_VECTOR"), "POINT", "FLOAT_VECTOR")
-    for name in (source.uv_map, POSITION_ATTRIBUTE):  # nobody asks for them here, and each is subdivided
-        geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
-    return geometry
-
-
-def _phong(tree, geometry):
-    """(geometry, the way from a point of a face to its place on the curved surface), of faces that are apart.
-
-    With p_i and n_i of a face's corners and b_i a point's weights in it, Phong tessellation puts p at
-    sum b_i (p - ((p - p_i) . n_i) n_i) = p - M p + c, where M = sum b_i n_i n_i^T and c = sum b_i (p_i . n_i) n_i are
-    attributes that the subdivision interpolates.
-    """
-    place = tree.node("GeometryNodeInputPosition").outputs[0]
-    normal = tree.attribute(_NORMAL, "FLOAT_VECTOR")
-    geometry, offset = _capture(
-        tree, geometry, tree.scale(normal, tree.dot(place, normal)), "POINT", "FLOAT_VECTOR"
-    )
-    rows = []
-    for component in tree.components(normal):
-        geometry, row = _capture(tree, geometry, tree.scale(normal, component), "POINT", "FLOAT_VECTOR")
-        rows.append(row)
-    product = tree.combine(*(tree.dot(row, place) for row in rows))
-    return geometry, tree.scale(tree.vector("SUBTRACT", offset, product), 0.5)
-
-
-def _subdivided(tree, geometry, levels):
-    viewport, render = levels
-    level = tree.node("GeometryNodeSwitch", input_type="INT")
-    tree.feed(level, Switch=tree.node("GeometryNodeIsViewport").outputs[0], False_=render, True_=viewport)
-    node = tree.node("GeometryNodeSubdivideMesh")
-    return tree.feed(node, Mesh=geometry, Level=tree.output(level)).outputs["Mesh"]
-
-
-class _Pieces:
-    """Subdivided pieces, and what their points say of the mesh's."""
-
-    def __init__(self, tree, geometry, source):
-        self.tree, self.geometry, self.source = tree, geometry, source
-
-    def capture(self, value, data_type):
-        """Works a value out, once a point."""
-        self.geometry, captured = _capture(self.tree, self.geometry, value, "POINT", data_type)
-        return captured
-
-    def mean(self, captured, data_type):
-        """For points of the mesh: the mean over their corners."""
-        corner = self.tree.on_domain(
-            _of_corner(self.tree, self.geometry, captured, data_type), "CORNER", data_type
-        )
-        return self.tree.on_domain(corner, "POINT", data_type)
-
-
 @dataclass(frozen=True)
 class _Snow:
     """Sockets with what a point of the mesh knows of its snow."""
@@ -317,21 +170,18 @@ class _Snow:
     normal: object
     """Of the bare surface, as long as 1."""
     curvature: object
-    """See _phong; units of the scene."""
-    ever: object
-    """Over 0 where snow ever lies."""
+    """See phong; units of the scene."""
 
 
 def _sampled(tree, source, image, interpolation, frame=None):
     node = tree.node("GeometryNodeImageTexture", interpolation=interpolation, extension="EXTEND")
-    uv = tree.attribute(_PLACE, "FLOAT_VECTOR")
+    uv = tree.attribute(PLACE, "FLOAT_VECTOR")
     tree.feed(node, Image=image, Vector=uv, **({} if frame is None else {"Frame": frame}))
     return node.outputs["Color"]
 
 
-def _heights(tree, geometry, pieces, curvature, share):
-    """(geometry with HEIGHT_ATTRIBUTE and the place in the snow of every point, its _Snow). share: of a thickness
-    (metres), what is to be seen of it, or None.
+def _heights(tree, geometry, pieces, curvature, ragged):
+    """(geometry without bare faces, with HEIGHT_ATTRIBUTE and the place in the snow of every point; its _Snow).
 
     The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
     not drawn out where snow is steep, and do not boil while it grows.
@@ -349,7 +199,7 @@ def _heights(tree, geometry, pieces, curvature, share):
         _sampled(tree, source, source.image, "Cubic", None if frames is None else frames.last)
     )
     thickness = tree.absolute(height)
-    normal = tree.attribute(_NORMAL, "FLOAT_VECTOR")
+    normal = tree.attribute(NORMAL, "FLOAT_VECTOR")
     outside = tree.scale(tree.vector("NORMALIZE", normal), tree.math("SIGN", height))
     # At an edge the side that faces the sky says where snow goes.
     weight = tree.multiply(thickness, tree.math("MAXIMUM", tree.components(outside)[2], WALL_SHARE))
@@ -364,27 +214,36 @@ def _heights(tree, geometry, pieces, curvature, share):
 
     offset, numbers, normal, curvature = (pieces.mean(value, "FLOAT_VECTOR") for value in captured)
     weight, mean, square = tree.components(numbers)
+    edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
+    rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
+    geometry, inside = capture(
+        tree, pieces.number(geometry), tree.math("LESS_THAN", rim, 1e-3), "POINT", "FLOAT"
+    )
+    offset = tree.scale(offset, tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)))
+    if ever is None:
+        ever = tree.math("GREATER_THAN", tree.vector("LENGTH", offset), 10.0 * BARE)
+    else:
+        ever = pieces.mean(ever, "FLOAT")
+    geometry = _cut(tree, geometry, ever)
     # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
-    edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
-    rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
-    inside = tree.math("LESS_THAN", rim, 1e-3)
-    offset = tree.scale(offset, tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)))
-    geometry, offset = _capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
-    if share is not None:
-        offset = tree.scale(offset, share(tree.vector("LENGTH", offset)))
-        geometry, offset = _capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
-    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", offset), "POINT")
+    if ragged is not None:
+        carried_by, open_depth, strength = ragged
+        geometry, offset = capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
+        place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
+        thickness = tree.vector("LENGTH", offset)
+        offset = tree.scale(
+            offset, add_ragged_edges(tree, thickness, carried_by, place, open_depth, strength)
+        )
     normal = tree.vector("NORMALIZE", normal)
-    geometry, normal = _capture(tree, geometry, normal, "POINT", "FLOAT_VECTOR")
-    geometry, curvature = _capture(tree, geometry, curvature, "POINT", "FLOAT_VECTOR")
-    if ever is None:
-        ever = tree.math("GREATER_THAN", tree.attribute(HEIGHT_ATTRIBUTE), 10.0 * BARE)
-    else:
-        ever = pieces.mean(ever, "FLOAT")
-    return geometry, _Snow(offset, normal, curvature, ever)
+    snow = []
+    for value in (offset, normal, curvature):
+        geometry, known = capture(tree, geometry, value, "POINT", "FLOAT_VECTOR")
+        snow.append(known)
+    geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", snow[0]), "POINT")
+    return compat_nodes.remove_attribute(tree.tree, geometry, PIECE), _Snow(*snow)
 
 
 def _raised(tree, geometry, source, snow, rim_edges, sliders):
@@ -396,7 +255,7 @@ def _raised(tree, geometry, source, snow, rim_edges, sliders):
     units = 1.0 / source.metres_per_unit
     bare = tree.node("GeometryNodeInputPosition").outputs[0]
     to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
-    geometry, to_rim = _capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
+    geometry, to_rim = capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
     way = tree.vector(
@@ -414,14 +273,20 @@ def _raised(tree, geometry, source, snow, rim_edges, sliders):
     own = tree.scale(
         tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR"), side
     )
+    geometry, own = capture(tree, geometry, own, "POINT", "FLOAT_VECTOR")
     outside = tree.scale(snow.normal, side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
     way = add_shoulders(tree, to_rim, height, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT])
+    drawn = tree.node("GeometryNodeSetPosition")
+    tree.feed(
+        drawn, Geometry=geometry, Selection=near_rim(tree, to_rim, height), Offset=tree.scale(way, units)
+    )
     relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
-    if relief is not None:
-        way = tree.vector("ADD", way, tree.scale(own, relief))
+    if relief is None:
+        return drawn.outputs["Geometry"]
     moved = tree.node("GeometryNodeSetPosition")
-    return tree.feed(moved, Geometry=geometry, Offset=tree.scale(way, units)).outputs["Geometry"]
+    way = tree.scale(own, tree.multiply(relief, units))
+    return tree.feed(moved, Geometry=drawn.outputs["Geometry"], Offset=way).outputs["Geometry"]
 
 
 def _leaning(tree, outside):
@@ -432,9 +297,9 @@ def _leaning(tree, outside):
     return tree.vector("NORMALIZE", tree.vector("ADD", outside, up))
 
 
-def _cut(tree, geometry, snow):
-    """Without the faces that never carry snow, but for one ring around those that do."""
-    on_face = tree.on_domain(tree.on_domain(snow.ever, "POINT"), "FACE")
+def _cut(tree, geometry, ever):
+    """Without the faces that never carry snow (over 0: `ever`), but for one ring around those that do."""
+    on_face = tree.on_domain(tree.on_domain(ever, "POINT"), "FACE")
     node = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
     tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
     return node.outputs["Geometry"]

@@ -70,6 +70,12 @@ def way_to(builder, rim_edges, position):
     return builder.vector("ADD", way, builder.combine(0.0, 0.0, builder.multiply(none, FARTHEST)))
 
 
+def near_rim(builder, to_rim, thickness):
+    """Whether add_shoulders moves a point at all: 1 or 0."""
+    reach = builder.multiply(builder.math("MAXIMUM", thickness, 1e-6), FARTHER)
+    return builder.math("LESS_THAN", builder.vector("LENGTH", to_rim), reach)
+
+
 def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, strength):
     """The way by which a point of the snow's surface is drawn out over its rim, in metres; a vector.
 

@@ -21,6 +21,7 @@ from . import (
     original_state,
     rest_position,
     shell_nodes,
+    shell_sliders,
     snow_material,
     snow_nodes,
 )
@@ -232,16 +233,26 @@ def _members(receiver):
     return found
 
 
-def _wants_cushions(source):
-    """Whether snow shall bridge what the source is made of: needles, and not too many of them."""
+def _wants_cushions(source, notes):
+    """Whether snow shall bridge what the source is made of: needles, and not too many of them, which `notes` gets to
+    know."""
     mesh = _evaluated_mesh(source.obj)
     metres = source.metres_per_unit * abs(source.obj.matrix_world.determinant()) ** (1.0 / 3.0)
     points = len(mesh.loops) * 4.0 ** (source.levels[1] - 1)
     deepest = max(depth for _, depth in source.depths)
-    return points <= cushion_nodes.MOST_POINTS and _are_needles(mesh, metres, deepest)
+    if not _are_needles(mesh, metres, deepest):
+        return False
+    if points > cushion_nodes.MOST_POINTS:
+        notes.append(
+            f"{source.obj.name} has needles, but snow does not bridge them: its shell has "
+            f"{points / 1e6:.1f} million points, and beyond {cushion_nodes.MOST_POINTS / 1e6:.1f} a frame would take "
+            f"minutes. Split it, or raise the shell's slider {cushion_nodes.CUSHIONS_INPUT} all the same"
+        )
+        return False
+    return True
 
 
-def _make_one(scene, receiver, member, record):
+def _make_one(scene, receiver, member, record, notes):
     """The shell of one member, or None where nothing is baked."""
     height = baked_images.load_sequence(member.folder, "height")
     if height is None:
@@ -260,21 +271,29 @@ def _make_one(scene, receiver, member, record):
         depths=baked_images.baked_depths(member.folder),
     )  # fmt: skip
     tree = shell_nodes.build_tree(f"{TREE_PREFIX} {member.obj.name}", source)
-    bridged = bool(source.depths) and _wants_cushions(source)  # asked before there is a shell to evaluate
+    bridged = bool(source.depths) and _wants_cushions(
+        source, notes
+    )  # asked before there is a shell to evaluate
     shell = make_object(scene, name, tree, material, _home(scene, receiver.object))
     if bridged:
         compat_nodes.set_modifier_input(shell.modifiers[SHELL_MODIFIER], cushion_nodes.CUSHIONS_INPUT, 1.0)
+    shell_sliders.note(shell)
     return shell
 
 
-def make(scene, receiver):
+def make(scene, receiver, sliders=None, notes=None):
     """Makes the receiver's shells from its baked files and links them beside the receiver.
 
-    Returns them, none where nothing is baked yet. Raises ValueError without a UV map.
+    sliders: what sliders_of said of those before. notes: a list that gets what the artist should know.
+    Returns the shells, none where nothing is baked yet. Raises ValueError without a UV map.
     """
     record = original_state.read(receiver)
-    shells = [_make_one(scene, receiver, member, record) for member in _members(receiver)]
+    notes = [] if notes is None else notes
+    shells = [_make_one(scene, receiver, member, record, notes) for member in _members(receiver)]
     shells = [shell for shell in shells if shell is not None]
+    for shell in shells:
+        if sliders and shell.name in sliders:
+            shell_sliders.put_back(shell, sliders[shell.name])
     record["shells"] = [shell.name for shell in shells]
     original_state.write(receiver, record)
     return shells
@@ -286,6 +305,11 @@ def find(receiver):
     # The first versions knew one shell a receiver.
     names = [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
     return [bpy.data.objects[name] for name in names if name in bpy.data.objects]
+
+
+def sliders_of(receiver):
+    """{name: its sliders that an artist has set} of the receiver's shells."""
+    return {shell.name: shell_sliders.touched(shell) for shell in find(receiver)}
 
 
 def remove(receiver):

@@ -18,7 +18,7 @@ def _finished_in_window(running):
     session.last_outcome = outcome.describe(running)
     scene = bpy.data.scenes.get(running.job.request.scene_name)
     if scene is not None:
-        outcome.after_bake(scene, running)
+        session.last_outcome = outcome.conclude(scene, running)
         # A step of its own: else the next undo would take back what was done before the bake as well.
         bpy.ops.ed.undo_push(message=SNOWBOUGH_OT_bake.bl_label)
     severity, text = session.last_outcome
@@ -73,8 +73,7 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
             engine.run(context, running)
         except (ValueError, RuntimeError) as error:
             return self._refuse(error)
-        session.last_outcome = outcome.describe(running)
-        outcome.after_bake(context.scene, running)
+        session.last_outcome = outcome.conclude(context.scene, running)
         self.report({session.last_outcome[0]}, session.last_outcome[1])
         return {"CANCELLED"} if running.error or running.cancelled else {"FINISHED"}
 

@@ -18,7 +18,8 @@ def _chosen(context, only_selected):
 
 
 class _ReceiverOperator(NotWhileBaking):
-    """Runs `work` on each chosen receiver; what does not suit one is reported and the others go on."""
+    """Runs `work` on each chosen receiver and reports the texts that it returns; what does not suit one is reported
+    and the others go on."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -41,7 +42,8 @@ class _ReceiverOperator(NotWhileBaking):
         done = 0
         for receiver in receivers:
             try:
-                self.work(context, receiver)
+                for note in self.work(context, receiver) or ():
+                    self.report({"WARNING"}, note)
                 done += 1
             except ValueError as error:
                 self.report({"WARNING" if len(receivers) > 1 else "ERROR"}, str(error))
@@ -61,9 +63,8 @@ class SNOWBOUGH_OT_setup_material(_ReceiverOperator, bpy.types.Operator):
     def work(self, context, receiver):
         mode = displacement.mode_of(receiver)
         if mode == "SHELL" or (mode is None and snow_material.is_shared(receiver.object)):
-            displacement.apply(context.scene, receiver, "SHELL")
-        else:
-            displacement.apply(context.scene, receiver, mode or "NONE")
+            return displacement.apply(context.scene, receiver, "SHELL")
+        return displacement.apply(context.scene, receiver, mode or "NONE")
 
 
 class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
@@ -82,7 +83,7 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
 
     def work(self, context, receiver):
         mode = displacement.default_mode(receiver.object) if self.mode == "AUTO" else self.mode
-        displacement.apply(context.scene, receiver, mode)
+        return displacement.apply(context.scene, receiver, mode)
 
 
 class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):

@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 #include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tree/skeleton/skeleton.h"
@@ -133,5 +134,18 @@ class RandomSkeleton {
   std::mt19937 random_;
   std::vector<Branch> branches_;
 };
+
+/// A branch of one radius but for its tip, which is half as thick; of a level that nobody has found
+/// yet.
+inline Branch tapering(std::string name, std::vector<glm::vec3> points, float radius) {
+  Branch branch;
+  branch.name = std::move(name);
+  branch.level = -1;
+  branch.points = std::move(points);
+  branch.radii.assign(branch.points.size(), radius);
+  branch.radii.back() = 0.5f * radius;
+  branch.areas.assign(branch.points.size(), radius * radius);
+  return branch;
+}
 
 }  // namespace snowbough::tree

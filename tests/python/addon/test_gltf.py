@@ -4,17 +4,13 @@ specification's rules (tests/support/glb.py reads them back)."""
 
 import io
 import json
-import sys
-from pathlib import Path
 from types import SimpleNamespace
 
+import glb
 import numpy as np
 import pytest
 from snowbough.gltf import png, snow_maps, surface, texels, thinning, tree_file
 from snowbough.tree import skeleton_text
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[2] / "support"))
-import glb  # noqa: E402
 
 # -- images ---------------------------------------------------------------------------------------------
 

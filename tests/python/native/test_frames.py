@@ -1,17 +1,13 @@
 """The renderer as a viewport uses it: cameras by matrices, meshes with images, linear light, and frames that nobody
 waits for."""
 
-import sys
 import time
-from pathlib import Path
 
 import numpy as np
 import pytest
 import snowbough_native as native
-from test_tree_mesh import small_tree
-
-sys.path.insert(0, str(Path(__file__).resolve().parents[3] / "addon"))
 from snowbough.realtime import frame_code
+from test_tree_mesh import small_tree
 
 SQUARE = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], np.float32)
 HALVES = np.array([(0, 1, 2), (0, 2, 3)])

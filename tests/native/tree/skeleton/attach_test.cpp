@@ -9,19 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "native/tree/skeletons.h"
+
 namespace snowbough::tree {
 namespace {
-
-Branch tapering(std::string name, std::vector<glm::vec3> points, float radius) {
-  Branch branch;
-  branch.name = std::move(name);
-  branch.level = -1;
-  branch.points = std::move(points);
-  branch.radii.assign(branch.points.size(), radius);
-  branch.radii.back() = 0.5f * radius;
-  branch.areas.assign(branch.points.size(), radius * radius);
-  return branch;
-}
 
 TEST(Attach, TheNearestSegmentCountsNotTheNearestPoint) {
   std::vector<Branch> branches{tapering("trunk", {{0, 0, 0}, {0, 0, 10}}, 0.5f),

@@ -1,0 +1,179 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""What a shell's nodes make of a receiver before snow lies on it: its mesh in the world, the normals of its corners,
+and its *pieces*: the mesh with all faces split apart, subdivided as the mesh is, whose points answer for its corners.
+"""
+
+from .. import compat_nodes
+from ..names import REST_ATTRIBUTE
+
+POSITION_ATTRIBUTE = "snow_position"
+
+NORMAL = "snow_normal"
+PLACE = "snow_map_place"
+PIECE = "snow_piece"
+
+# Texels by which corners keep off the rim of their face on the map, since what lies beyond it may be another chart's;
+# at most so far towards the face's middle.
+INSET = 1.0
+MOST_INSET = 0.5
+
+
+def _object(tree, obj, space):
+    node = tree.node("GeometryNodeObjectInfo", transform_space=space)
+    node.inputs["Object"].default_value = obj
+    return node
+
+
+def _realized(tree, geometry):
+    return tree.feed(tree.node("GeometryNodeRealizeInstances"), Geometry=geometry).outputs[0]
+
+
+def capture(tree, geometry, value, domain, data_type):
+    """(geometry, value): the value as it is on this geometry, for what is made of it."""
+    return compat_nodes.capture_attribute(tree.tree, geometry, value, domain, data_type)
+
+
+def receiver(tree, source):
+    """The receiver's mesh in the world, with the place of every point in its own space in metres."""
+    info = _object(tree, source.obj, "RELATIVE")
+    geometry = _realized(tree, info.outputs["Geometry"])
+    if source.rest:
+        local = tree.attribute(REST_ATTRIBUTE, "FLOAT_VECTOR")
+    else:
+        own = _realized(tree, _object(tree, source.obj, "ORIGINAL").outputs["Geometry"])
+        sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="POINT")
+        tree.feed(sample, Geometry=own, Value=tree.node("GeometryNodeInputPosition").outputs[0],
+                  Index=tree.node("GeometryNodeInputIndex").outputs[0])  # fmt: skip
+        local = tree.output(sample)
+    metres = tree.scale(tree.vector("MULTIPLY", local, info.outputs["Scale"]), source.metres_per_unit)
+    geometry = tree.store(geometry, POSITION_ATTRIBUTE, metres, "POINT", "FLOAT_VECTOR")
+    if source.instancer is None:
+        return geometry
+    offset = source.instancer.instance_collection.instance_offset
+    moved = tree.node("GeometryNodeTransform")
+    tree.feed(moved, Geometry=geometry, Translation=tuple(-value for value in offset))
+    placed = tree.node("GeometryNodeTransform")
+    place = _object(tree, source.instancer, "RELATIVE").outputs
+    return tree.feed(placed, Geometry=moved.outputs[0], Translation=place["Location"],
+                     Rotation=place["Rotation"], Scale=place["Scale"]).outputs[0]  # fmt: skip
+
+
+def outside_out(tree, geometry, source):
+    """The geometry with its faces turned where a negative scale has turned it inside out: nodes leave the corners in
+    their order, with which normals change sides."""
+    mirrored = source.obj.matrix_world.determinant() < 0.0
+    if source.instancer is not None:
+        mirrored ^= source.instancer.matrix_world.determinant() < 0.0
+    if not mirrored:
+        return geometry
+    return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
+
+
+def sharp_edges(tree, sharp_angle):
+    """1 on edges across which the mesh is not shaded smooth, else 0."""
+    flat = tree.math("SUBTRACT", 1.0, tree.node("GeometryNodeInputShadeSmooth").outputs[0])
+    beside_flat = tree.on_domain(tree.on_domain(flat, "FACE"), "EDGE")
+    angle = tree.node("GeometryNodeInputMeshEdgeAngle").outputs["Unsigned Angle"]
+    marked = tree.add(tree.attribute("sharp_edge", "BOOLEAN"), tree.attribute("sharp_face", "BOOLEAN"))
+    any_of_them = tree.add(
+        tree.add(beside_flat, tree.math("GREATER_THAN", angle, sharp_angle)), tree.on_domain(marked, "EDGE")
+    )
+    return tree.math("GREATER_THAN", any_of_them, 1e-3)
+
+
+def corner_normals(tree, geometry, sharp_angle):
+    """The geometry with the normal of every corner, smooth across smooth edges only, as NORMAL."""
+    split = tree.node("GeometryNodeSplitEdges")
+    tree.feed(split, Mesh=geometry, Selection=sharp_edges(tree, sharp_angle))
+    normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs["Normal"], "POINT", "FLOAT_VECTOR")
+    return tree.store(
+        geometry, NORMAL, _of_corner(tree, split.outputs["Mesh"], normal), "CORNER", "FLOAT_VECTOR"
+    )
+
+
+def _of_corner(tree, other, value, data_type="FLOAT_VECTOR"):
+    """The value that a corner's counterpart has in another mesh, of the same corners in the same order."""
+    sample = tree.node("GeometryNodeSampleIndex", data_type=data_type, domain="CORNER")
+    tree.feed(sample, Geometry=other, Value=value, Index=tree.node("GeometryNodeInputIndex").outputs[0])
+    return tree.output(sample)
+
+
+def welded(tree, geometry, source):
+    merge = tree.node("GeometryNodeMergeByDistance")
+    return tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
+
+
+def apart(tree, geometry, source):
+    """The mesh's faces split apart, whose points carry what their one corner has: the normal, and as PLACE where on
+    the map it is looked up: on its UVs, along both axes a little towards the middle of its face, which may be
+    narrow."""
+    split = tree.node("GeometryNodeSplitEdges")
+    geometry = tree.feed(split, Mesh=geometry).outputs["Mesh"]
+    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
+    most = INSET * source.texel
+    way = tree.scale(tree.vector("SUBTRACT", middle, uv), MOST_INSET)
+    way = tree.vector("MAXIMUM", tree.vector("MINIMUM", way, (most,) * 3), (-most,) * 3)
+    geometry = tree.store(geometry, PLACE, tree.vector("ADD", uv, way), "POINT", "FLOAT_VECTOR")
+    geometry = tree.store(geometry, NORMAL, tree.attribute(NORMAL, "FLOAT_VECTOR"), "POINT", "FLOAT_VECTOR")
+    for name in (source.uv_map, POSITION_ATTRIBUTE):  # nobody asks for them here, and each is subdivided
+        geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
+    return geometry
+
+
+def phong(tree, geometry):
+    """(geometry, the way from a point of a face to its place on the curved surface), of faces that are apart.
+
+    With p_i and n_i of a face's corners and b_i a point's weights in it, Phong tessellation puts p at
+    sum b_i (p - ((p - p_i) . n_i) n_i) = p - M p + c, where M = sum b_i n_i n_i^T and c = sum b_i (p_i . n_i) n_i are
+    attributes that the subdivision interpolates. Where all faces are shaded flat it is 0, and nothing is reckoned.
+    """
+    place = tree.node("GeometryNodeInputPosition").outputs[0]
+    normal = tree.attribute(NORMAL, "FLOAT_VECTOR")
+    curved, offset = capture(
+        tree, geometry, tree.scale(normal, tree.dot(place, normal)), "POINT", "FLOAT_VECTOR"
+    )
+    rows = []
+    for component in tree.components(normal):
+        curved, row = capture(tree, curved, tree.scale(normal, component), "POINT", "FLOAT_VECTOR")
+        rows.append(row)
+    product = tree.combine(*(tree.dot(row, place) for row in rows))
+    curvature = tree.scale(tree.vector("SUBTRACT", offset, product), 0.5)
+    smooth = tree.node("GeometryNodeAttributeStatistic", domain="FACE")
+    tree.feed(smooth, Geometry=geometry, Attribute=tree.node("GeometryNodeInputShadeSmooth").outputs[0])
+    any_smooth = tree.math("GREATER_THAN", tree.output(smooth, "Max"), 0.5)
+    return tree.switch(any_smooth, geometry, curved, "GEOMETRY"), tree.switch(
+        any_smooth, (0.0, 0.0, 0.0), curvature, "VECTOR"
+    )
+
+
+def subdivided(tree, geometry, levels):
+    viewport, render = levels
+    level = tree.switch(tree.node("GeometryNodeIsViewport").outputs[0], render, viewport, "INT")
+    node = tree.node("GeometryNodeSubdivideMesh")
+    return tree.feed(node, Mesh=geometry, Level=level).outputs["Mesh"]
+
+
+class Pieces:
+    """Subdivided pieces, and what their points say of the mesh's."""
+
+    def __init__(self, tree, geometry, source):
+        self.tree, self.geometry, self.source = tree, geometry, source
+
+    def capture(self, value, data_type):
+        """Works a value out, once a point."""
+        self.geometry, captured = capture(self.tree, self.geometry, value, "POINT", data_type)
+        return captured
+
+    def number(self, geometry):
+        """The mesh with each corner's point in the pieces, as PIECE."""
+        point = self.tree.node("GeometryNodeVertexOfCorner").outputs[0]
+        corner = _of_corner(self.tree, self.geometry, point, "INT")
+        return self.tree.store(geometry, PIECE, corner, "CORNER", "INT")
+
+    def mean(self, captured, data_type):
+        """For points of the mesh: the mean over their corners."""
+        tree = self.tree
+        sample = tree.node("GeometryNodeSampleIndex", data_type=data_type, domain="POINT")
+        tree.feed(sample, Geometry=self.geometry, Value=captured, Index=tree.attribute(PIECE, "INT"))
+        return tree.on_domain(tree.on_domain(tree.output(sample), "CORNER", data_type), "POINT", data_type)
