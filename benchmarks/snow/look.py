@@ -23,6 +23,8 @@ from snow_meshes import chart_of_box, cylinder  # noqa: E402
 
 DOWN = (0.0, 0.0, -1.0)
 REPOSE = np.radians(65.0)
+# Metres: fresh snow's, as the add-on has it.
+COHESION = 0.005
 # Snow stays where it falls.
 NONE = 0.5 * np.pi
 SECOND = 24
@@ -38,7 +40,7 @@ class Scene:
     """Objects of one shot: name -> (positions, triangles, uv); those in `receivers` have maps."""
 
     def __init__(self, receivers, occluders=None, shading=None, sides=None, **settings):
-        settings = {"pixel_size": 0.004, "max_depth": 10.0, **settings}
+        settings = {"pixel_size": 0.004, "max_depth": 10.0, "cohesion": COHESION, **settings}
         settings.setdefault("blur_radius", settings["pixel_size"])  # 0 would switch rounding off
         self.sim = native.SnowSimulation(**settings)
         self.meshes = {name: mesh for name, (mesh, _) in receivers.items()}

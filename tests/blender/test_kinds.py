@@ -73,8 +73,11 @@ def test_a_group_of_an_earlier_version_keeps_its_materials(addon):
     assert old.name != "Snowbough Snow"
 
 
-@pytest.mark.parametrize("kind, degrees", [("POWDER", 40), ("FRESH", 65), ("WET", 80), ("OLD", 60)])
-def test_a_kind_says_how_steep_snow_lies(kind, degrees):
+@pytest.mark.parametrize(
+    "kind, degrees, millimetres", [("POWDER", 40, 2), ("FRESH", 65, 5), ("WET", 80, 12), ("OLD", 60, 4)]
+)
+def test_a_kind_says_how_steep_snow_lies(kind, degrees, millimetres):
     bpy.context.scene.snowbough.repose = 0.5
     bpy.ops.snowbough.set_kind(kind=kind)
     assert math.degrees(bpy.context.scene.snowbough.repose) == pytest.approx(degrees)
+    assert bpy.context.scene.snowbough.cohesion == pytest.approx(millimetres / 1000.0)

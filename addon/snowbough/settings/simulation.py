@@ -55,7 +55,7 @@ class SnowProperties:
         name="Cohesion",
         description="How high a front of snow stands upright at an edge; what is about as thin as that, twigs and "
         "wires, carries steeper caps. 0 for snow that does not hold together (metres)",
-        default=0.015,
+        default=0.005,
         min=0.0,
         soft_max=0.1,
     )

@@ -53,7 +53,8 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
     for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
     tiles[t]->begin_step();
   }
-  for (const int32_t block : {0, 1}) set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
+  for (const int32_t block : {0, 1})
+    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
   EXPECT_TRUE(lower_tile_bounds(tiles, 0, 2, rim_of(tiles)).border_has_changed);
   EXPECT_NEAR(tiles[1]->bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
   lower_tile_bounds(tiles, 1, 2, {});

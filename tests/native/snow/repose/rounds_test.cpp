@@ -155,7 +155,8 @@ ReposeTiles two_tiles(const std::vector<float>& heights) {
   tiles[0]->forward[31] = 1;
   for (size_t i = 0; i < heights.size(); ++i) tiles[i / 32]->cover(i % 32, heights[i], kUnit);
   for (size_t t : {0, 1}) tiles[t]->begin_step();
-  for (const int32_t block : {0, 1}) set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
+  for (const int32_t block : {0, 1})
+    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
   return tiles;
 }
 

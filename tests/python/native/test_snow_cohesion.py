@@ -1,0 +1,98 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Cohesion: how much steeper snow stands on what is thin, and how upright at rims."""
+
+import math
+
+import numpy as np
+import pytest
+import snowbough_native as native
+from snow_meshes import box, chart_of_box
+from test_snow_repose import DOWN, assert_balanced, come_to_rest, fall, tube
+
+FRESH = math.radians(65.0)
+
+
+def lying(mesh, depth, resolution, cohesion, shading=None, engine="CPU"):
+    """The map of a mesh alone under that depth of snow, at rest."""
+    with native.SnowSimulation(
+        repose=FRESH, cohesion=cohesion, engine=engine, pixel_size=0.002, max_depth=100.0
+    ) as sim:
+        sim.add_object("it", mesh[1], mesh[2], resolution=resolution, shading=shading)
+        fall(sim, {"it": mesh}, depth, 24)
+        come_to_rest(sim)
+        assert_balanced(sim)
+        return sim.height("it")
+
+
+def smooth(around=24):
+    """Numbers of the corners of `tube` that share a normal: those of a line along it."""
+    turn = np.arange(2 * (around + 1)).reshape(2, around + 1) % (around + 1) % around
+    return turn.reshape(-1)[tube(0.01, around=around)[1]].astype(np.int32)
+
+
+def test_a_twig_carries_a_taller_cap():
+    caps = [lying(tube(0.01), 0.05, 64, cohesion, smooth())[32].max() for cohesion in (0.0, 0.005)]
+    # The angle of repose alone: 1.36 radii; with half a radius more than 1.5 times the slope.
+    assert 0.008 < caps[0] < 0.015
+    assert 1.5 * caps[0] < caps[1] < 3.0 * caps[0]
+
+
+def test_a_thick_limb_hardly_does():
+    caps = [lying(tube(0.2), 0.05, 64, cohesion, smooth()) for cohesion in (0.0, 0.005)]
+    assert np.sum(caps[1]) == pytest.approx(np.sum(caps[0]), rel=0.05)
+
+
+def test_snow_ends_upright_at_a_rim():
+    rims = []
+    for cohesion in (0.0, 0.005, 0.02):
+        top = chart_of_box(lying(box(0.5, 0.5), 0.1, 256, cohesion), 5)
+        across = top[len(top) // 2]
+        across = across[across > 0.0]
+        rims.append(min(across[0], across[-1]))
+    assert rims[0] < 2.0 * 0.5 / len(across) * math.tan(FRESH)
+    assert rims[1] - rims[0] == pytest.approx(0.005, abs=0.002)
+    assert rims[2] - rims[0] == pytest.approx(0.02, abs=0.004)
+
+
+def test_walls_stay_bare():
+    heights = lying(box(0.5, 0.5), 0.1, 256, 0.02)
+    assert max(chart_of_box(heights, wall).max() for wall in range(4)) == 0.0
+
+
+def test_both_engines_hold_the_same():
+    cpu, gl = (lying(tube(0.01), 0.05, 64, 0.005, smooth(), engine) for engine in ("CPU", "GL"))
+    assert np.abs(cpu - gl).max() < 2e-4
+
+
+def test_it_can_be_changed_while_it_snows():
+    mesh = tube(0.01)
+    with native.SnowSimulation(
+        repose=FRESH, cohesion=0.005, engine="CPU", pixel_size=0.002, max_depth=100.0
+    ) as sim:
+        sim.add_object("it", mesh[1], mesh[2], resolution=64, shading=smooth())
+        fall(sim, {"it": mesh}, 0.05, 24)
+        held = sim.statistics()["total"]["held_volume"]
+        sim.change_settings(cohesion=0.0)
+        come_to_rest(sim)
+        assert sim.statistics()["total"]["held_volume"] < 0.7 * held
+        lost = sim.height("it")
+    assert lost.max() == pytest.approx(lying(mesh, 0.05, 64, 0.0, smooth()).max(), rel=0.1)
+
+
+@pytest.mark.parametrize("bad", [-0.001, math.nan, math.inf])
+def test_what_is_no_height_is_refused(bad):
+    with pytest.raises(ValueError, match="cohesion must be 0 metres or more"):
+        native.SnowSimulation(cohesion=bad, engine="CPU")
+
+
+def test_without_repose_it_means_nothing():
+    mesh = tube(0.01)
+    maps = []
+    for cohesion in (0.0, 0.02):
+        with native.SnowSimulation(
+            repose=math.pi / 2, cohesion=cohesion, engine="CPU", pixel_size=0.002
+        ) as sim:
+            sim.add_object("it", mesh[1], mesh[2], resolution=64)
+            sim.step({"it": mesh[0]}, 0.02, DOWN)
+            maps.append(sim.height("it"))
+    assert np.array_equal(*maps)
