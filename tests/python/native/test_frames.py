@@ -111,8 +111,11 @@ def test_trees_under_an_orthographic_camera_are_cut_by_their_size_on_the_picture
         renderer.render(camera, native.RenderSettings(min_pixels=0, shadow_resolution=0, max_level=64))
         found.append(renderer.levels("tree")["edge"])
     both = (found[1] > 1) & (found[0] < 64)
-    assert both.sum() > 50
-    assert np.allclose(found[0][both], 2 * found[1][both], rtol=0.01)
+    more = found[0][both] / found[1][both]
+    # Lengths are cut into twice as many pixels; an outline is round to a pixel with the root of that.
+    by_length = np.isclose(more, 2.0, rtol=0.01)
+    assert by_length.sum() > 50
+    assert more.min() > 0.99 * np.sqrt(2.0) and more.max() < 2.02
 
 
 @pytest.mark.parametrize(

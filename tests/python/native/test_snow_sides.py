@@ -43,7 +43,7 @@ def test_the_sides_that_are_asked_for_take_snow():
     # A box inside out: what shows is its backs.
     assert snow_on(turned_over(box()), sides="BOTH")[0].min() == pytest.approx(-0.1)
     assert snow_on(turned_over(box()))[2]["held_volume"] < 0.02 * 0.1
-    with pytest.raises(ValueError, match="'it'.*AUTO, FRONT or BOTH, not LEFT"):
+    with pytest.raises(ValueError, match="'it'.*AUTO, FRONT, BOTH, not 'LEFT'"):
         snow_on(down, sides="LEFT")
 
 
