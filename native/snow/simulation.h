@@ -39,8 +39,8 @@ struct SimulationSettings {
   /// Radians from level that snow's own surface keeps before it moves to what lies lower, over 0 to
   /// pi / 2; pi / 2: it stays where it fell, also on walls.
   double repose = 65.0 / 180.0 * std::numbers::pi;
-  /// Metres that a front of snow stands upright: snow may end that high at a rim, and what curves as
-  /// tightly as that carries steeper snow. 0: it does not hold together.
+  /// Metres that a front of snow stands upright: what is shaded smooth and curves about as tightly
+  /// as that, as twigs do, carries steeper snow. 0: it does not hold together.
   double cohesion = 0.0;
   /// Sigma in metres of the blur of `output`; the stored map stays sharp.
   double blur_radius = 0.0;

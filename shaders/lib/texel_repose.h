@@ -65,10 +65,12 @@ SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope) { return kEve
 /// Tangent of the angle up to which snow rests on a surface. A front of snow that holds together stands upright up to a
 /// height that belongs to the snow, `cohesion` metres (for soils 4 c / gamma tan(45 + phi / 2): K. Terzaghi, Theoretical
 /// Soil Mechanics, 1943), so the smaller the steeper: on a limb of that radius slopes are twice as steep as at rest on
-/// level ground, on thick ones hardly steeper. `slope`: of the angle of repose; `curvature`: sum of the principal
+/// level ground, on thick ones hardly steeper; nor on what is much thinner, as needles, from which such a front falls
+/// off. `slope`: of the angle of repose; `curvature`: sum of the principal
 /// curvatures in 1/m, positive where the surface is convex.
 SNOWBOUGH_SHARED_FUNCTION float held_slope(float slope, float cohesion, float curvature) {
-  return max(slope, min(slope * (1.0f + cohesion * max(curvature, 0.0f)), kSteepestHeld));
+  const float thin = cohesion * max(curvature, 0.0f);
+  return max(slope, min(slope * (1.0f + 2.0f * thin / (1.0f + thin * thin)), kSteepestHeld));
 }
 
 /// The height that the snow's surface may have on a texel over an outlet, as far as it bounds its neighbours too: it

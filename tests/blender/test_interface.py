@@ -18,7 +18,10 @@ UNITS = re.compile(
     r"\((metres|metres an hour|metres a second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
     r"keys|poses a frame|directions a shot|0 to 1|no unit)\)"
 )
-LENGTH, TIME = re.compile(r"depth|cohesion|(texel|pixel|flake)_size|^height$"), re.compile(r"half_life|seconds")
+LENGTH, TIME = (
+    re.compile(r"depth|cohesion|(texel|pixel|flake)_size|^height$"),
+    re.compile(r"half_life|seconds"),
+)
 FRAMES = re.compile(r"frame|checkpoint_interval")
 
 # These leave no step to undo.

@@ -223,7 +223,7 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   link.limit = link.slack = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
   const glm::vec3 way = at - a.point();
-  link.limit = link_limit(way, a.curvature()) + limits_.cohesion;
+  link.limit = link_limit(way, a.curvature());
   link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
   link.slack = link.limit - std::abs(way.z);
   return link;
