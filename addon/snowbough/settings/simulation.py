@@ -53,8 +53,8 @@ class SnowProperties:
     )
     cohesion: FloatProperty(
         name="Cohesion",
-        description="How high a front of snow stands upright at an edge; what is about as thin as that, twigs and "
-        "wires, carries steeper caps. 0 for snow that does not hold together (metres)",
+        description="How high a front of snow stands by itself: what is smooth and about as thin as that, twigs and "
+        "wires, carries steeper, taller caps. 0 for snow that does not hold together (metres)",
         default=0.005,
         min=0.0,
         soft_max=0.1,

@@ -21,7 +21,7 @@ inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
 static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
 
 /// How steep snow may be: tangent of the angle of repose; see shared::held_slope for the cohesion,
-/// in metres, by which it may also stand over a rim or a wall.
+/// in metres.
 struct ReposeLimits {
   float slope = 0.0f;
   float cohesion = 0.0f;
