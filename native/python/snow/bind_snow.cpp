@@ -207,10 +207,8 @@ void bind_snow(py::module_& module) {
       "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "
       "where\n"
       "it has slid; walls then hold nothing for longer than a second. pi / 2: snow stays where it\n"
-      "fell. cohesion: metres that a front of snow stands upright; what is smooth and
-      "
-      "about as thin as that, as twigs are, carries steeper snow. blur_radius: sigma of output's "
-      "blur in metres.\n"
+      "fell. cohesion: metres that a front of snow stands upright; what is smooth and as thin as\n"
+      "that, as twigs are, carries steeper snow. blur_radius: sigma of output's blur in metres.\n"
       "mapping: COMPUTE, or GEOMETRY for the thesis's own scatter, which only the engine GL has.\n"
       "engine: GL (shaders), CPU (C++ on all cores, no graphics driver needed) or AUTO: GL on a\n"
       "hardware driver, else CPU; `engine` tells which it is. tile_size (a power of two from 64 "
