@@ -130,20 +130,21 @@ void Repose::forget_links() {
 size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimits& limits) {
   has_changed_ = false;
   chosen_.clear();
-  // Curvatures are looked up where snow holds together only.
-  if ((limits.cohesion > 0.0f) != (limits_.cohesion > 0.0f)) {
-    has_pose_ = false;
-    pose_ = {};
+  if (limits != limits_) {
+    // Curvatures are looked up where snow holds together only.
+    if ((limits.cohesion > 0.0f) != (limits_.cohesion > 0.0f)) {
+      has_pose_ = false;
+      pose_ = {};
+    }
+    limits_ = limits;
+    forget_links();
   }
-  const bool other_limits = limits != limits_;
-  limits_ = limits;
   stands_still_ = has_pose_;
   if (!has_pose_) {
     const bool is_bare = std::all_of(height.begin(), height.end(), [](float h) { return h == 0; });
     if (is_bare) return 0;
     stands_still_ = !take_pose();
   }
-  if (other_limits) forget_links();
   doubtful_.clear();
   for (size_t b = 0; b < slack_.size(); ++b) {
     const auto block = static_cast<int32_t>(b);

@@ -90,3 +90,24 @@ def test_without_repose_it_means_nothing():
             sim.step({"it": mesh[0]}, 0.02, DOWN)
             maps.append(sim.height("it"))
     assert np.array_equal(*maps)
+
+
+def test_limits_that_change_while_nothing_lies_count_where_it_snows_again():
+    """In the pose that was looked at last: a box on its side, whose former top has shed all of its snow."""
+    mesh = box(0.5, 0.5)
+    turned = np.ascontiguousarray(mesh[0][:, [2, 1, 0]] * np.float32((1, 1, -1)))
+    maps = []
+    for repose in (FRESH, math.radians(30.0)):
+        with native.SnowSimulation(repose=repose, engine="CPU", pixel_size=0.01, max_depth=100.0) as sim:
+            sim.add_object("it", mesh[1], mesh[2], resolution=64)
+            fall(sim, {"it": mesh}, 0.1, 4)
+            for _ in range(4):
+                sim.step({"it": turned}, 0.0, DOWN, 100.0)
+            assert not sim.height("it").any()
+            sim.change_settings(repose=math.radians(30.0))
+            sim.step({"it": turned}, 0.0, DOWN, 1.0)
+            fall(sim, {"it": (turned, *mesh[1:])}, 0.1, 4)
+            come_to_rest(sim)
+            maps.append(sim.height("it"))
+    assert maps[0].any()
+    assert np.array_equal(*maps)
