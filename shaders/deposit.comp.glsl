@@ -28,7 +28,7 @@ float falling_on(uvec4 fragment, vec4 surface) {
     return smooth_facing(there.x, there.y, surface);
   }
 #endif
-  return surface.x;
+  return surface_facing(surface);
 }
 
 void main() {
@@ -42,17 +42,17 @@ void main() {
   for (int i = begin; i < end; ++i) {
     const uvec4 fragment = texelFetch(fragments, i);
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
-    float area = uintBitsToFloat(fragment.y) * surface.y;
+    float area = uintBitsToFloat(fragment.y) * surface_area(surface);
 #ifdef WITH_OPACITY
     area *= texelFetch(fragment_opacity, i).x;
 #endif
-    if (surface.x > 0.0f && area > 0.0f) {
+    if (surface_facing(surface) > 0.0f && area > 0.0f) {
       const GainTriangle own = gain_triangle(int(fragment.x), int(fragment.x) + map_offset);
       const float falls = falling_on(fragment, surface) * (area / sum.surface.area);
       gain += fragment_gain(fragment.x, uintBitsToFloat(fragment.y),
                             vec2(uintBitsToFloat(fragment.z), uintBitsToFloat(fragment.w)), own,
                             falls * gain_units(mixed))
-              << gain_shift(mixed, surface.w < 0.0f);
+              << gain_shift(mixed, shows_back(surface));
     }
   }
   texel_steps[index] = uvec4(gain | gain_sides(mixed, sum.faces_back), floatBitsToUint(sum.surface.area),

@@ -21,7 +21,7 @@ bool faces_the_fall(int group) {
   bool faces = false;
   for (int i = int(texelFetch(group_begin, group).x); i < end && !faces; ++i) {
     const int triangle = int(texelFetch(group_triangles, i).x);
-    faces = may_face_the_fall(texelFetch(triangle_surface, triangle).x);
+    faces = may_face_the_fall(surface_facing(texelFetch(triangle_surface, triangle)));
   }
   return faces;
 }

@@ -26,6 +26,15 @@ def use_engine(name):
     native.SnowSimulation = functools.partial(native.SnowSimulation, engine=name)
 
 
+def in_blender(script, *arguments):
+    """Runs a script beside this file in Blender without a window."""
+    program = ["blender", "-b", "--factory-startup", "--python-exit-code", "1"]
+    script = str(Path(__file__).with_name(script))
+    subprocess.run(
+        [*program, "-P", script, "--", *map(str, arguments)], check=True, stdout=subprocess.DEVNULL
+    )
+
+
 def unwrapped(name, scale):
     """A mesh of shared/data/snow with a Smart UV layout, or None where it or Blender is absent."""
     source, target = SHARED / "snow" / f"{name}.obj", BUILD / f"{name}.npz"
@@ -33,22 +42,7 @@ def unwrapped(name, scale):
         if not source.is_file():
             return None
         BUILD.mkdir(parents=True, exist_ok=True)
-        subprocess.run(
-            [
-                "blender",
-                "-b",
-                "--factory-startup",
-                "--python-exit-code",
-                "1",
-                "-P",
-                str(Path(__file__).with_name("unwrap.py")),
-                "--",
-                str(source),
-                str(target),
-            ],
-            check=True,
-            capture_output=True,
-        )
+        in_blender("unwrap.py", source, target)
     data = np.load(target)
     return data["positions"] * np.float32(scale), data["triangles"], data["uv"]
 

@@ -10,14 +10,25 @@ seen.
 
 import argparse
 import json
-import subprocess
 import sys
 from pathlib import Path
 
 import numpy as np
 
 sys.path.insert(0, str(Path(__file__).resolve().parent))
-from meshes import BUILD, box, bunny, grid, native, rotated, sphere, texel_size, tree, wind  # noqa: E402
+from meshes import (  # noqa: E402
+    BUILD,
+    box,
+    bunny,
+    grid,
+    in_blender,
+    native,
+    rotated,
+    sphere,
+    texel_size,
+    tree,
+    wind,
+)
 
 OUT = BUILD / "pictures"
 FPS = 1.0 / 24.0
@@ -266,21 +277,7 @@ def main():
         scenes = PICTURES[topic]()
         plan = OUT / f"{topic}.json"
         plan.write_text(json.dumps({"scenes": scenes, "samples": given.samples}, default=float))
-        subprocess.run(
-            [
-                "blender",
-                "-b",
-                "--factory-startup",
-                "--python-exit-code",
-                "1",
-                "-P",
-                str(Path(__file__).with_name("render.py")),
-                "--",
-                str(plan),
-            ],
-            check=True,
-            stdout=subprocess.DEVNULL,
-        )
+        in_blender("render.py", plan)
         for scene in scenes:
             print(OUT / f"{scene['name']}.png", flush=True)
 

@@ -33,7 +33,7 @@ class BufferWriter {
   }
 
   /// The buffer, as large as what was added.
-  Buffer take() {
+  Buffer into_buffer() {
     write_staged();
     if (written_ < capacity_) {
       const auto bytes = static_cast<int64_t>(written_ * sizeof(Element));

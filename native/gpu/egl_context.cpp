@@ -38,13 +38,14 @@ bool can_load(const char* library) {
 void require_libraries() {
   if (!can_load("libEGL.so.1")) {
     throw std::runtime_error(
-        "snow needs EGL, and libEGL.so.1 cannot be loaded: install the graphics driver, or Mesa "
+        "OpenGL needs EGL here, and libEGL.so.1 cannot be loaded: install the graphics driver, or "
+        "Mesa "
         "(Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri)");
   }
   if (!can_load("libOpenGL.so.0") && !can_load("libGL.so.1")) {
     throw std::runtime_error(
-        "snow needs OpenGL, and neither libOpenGL.so.0 nor libGL.so.1 can be loaded: install the "
-        "graphics driver, or Mesa (Debian and Ubuntu: apt install libopengl0 libgl1)");
+        "neither libOpenGL.so.0 nor libGL.so.1 can be loaded: install the graphics driver, or Mesa "
+        "(Debian and Ubuntu: apt install libopengl0 libgl1)");
   }
 }
 

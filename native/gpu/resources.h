@@ -71,8 +71,8 @@ class Texture : public Handle {
  public:
   Texture() = default;
   /// `layers` 0 makes GL_TEXTURE_2D, 1 and more GL_TEXTURE_2D_ARRAY. Its content is zero.
-  /// `internal_format` is a sized one, e.g. GL_R32F. @throws std::runtime_error when memory runs
-  /// out.
+  /// `internal_format` is a sized one, e.g. GL_R32F.
+  /// @throws std::runtime_error when memory runs out.
   Texture(GLenum internal_format, int32_t width, int32_t height, int32_t layers = 0,
           GLenum filter = GL_NEAREST, int32_t mip_levels = 1);
   Texture(Texture&&) noexcept = default;

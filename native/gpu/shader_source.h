@@ -6,12 +6,12 @@
 
 namespace snowbough::gpu {
 
-/// A file of shaders/ or of a folder in it, compiled into the library. The table ends with a null
-/// name.
+/// A file of shaders/ or of a folder in it, compiled into the library.
 struct EmbeddedShader {
   const char* name;
   const char* text;
 };
+/// All of them, then one whose name is null.
 extern const EmbeddedShader kEmbeddedShaders[];
 
 /// The source of shaders/<name> as the GL compiler takes it: the line `#version 450 core` (or the

@@ -106,9 +106,9 @@ class SnowSimulation {
   /// Gives an object another mesh. A receiver keeps its map, texel by texel, wherever the new mesh
   /// has a surface in UV space; what lay where it has none goes, and the change of volume counts as
   /// stretching. The next step must name the object.
+  /// The object stays as it was where it throws.
   /// @throws std::invalid_argument for a name that is not there, another resolution, a receiver
-  /// that becomes none or the reverse, and for what add_object refuses; the object then stays as it
-  /// was.
+  /// that becomes none or the reverse, and for what add_object refuses.
   void replace_object(ObjectDescription description);
 
   /// Lets snow fall for one step. `positions` names the objects that moved; all must have been

@@ -17,8 +17,11 @@ in vec3 snow_direction;
 in vec3 bare_normal;
 in vec3 rest_place;
 in vec2 map_place;
-flat in vec3 u_gradient;
-flat in vec3 v_gradient;
+flat in vec3 edge_1;
+flat in vec3 edge_2;
+flat in vec3 turn_1;
+flat in vec3 turn_2;
+flat in vec4 map_edges;
 
 /// Most texels at a distance from which a slope is told: as far as maps go on beyond their charts.
 const float kWidest = 3.5;
@@ -40,6 +43,34 @@ vec2 slope_by_pixel(vec2 slope) {
                     size / (2.0 * apart);
   return mix(slope, wide, share);
 }
+
+/// How a height with these slopes over the map grows along a patch with the edges e1 and e2 (1).
+vec3 gradient_on(vec3 e1, vec3 e2, vec2 slope) {
+  const vec3 across = cross(e1, e2);
+  const vec3 grows = dot(slope, map_edges.xy) * cross(e2, across) + dot(slope, map_edges.zw) * cross(across, e1);
+  return grows / max(dot(across, across), 1e-30);
+}
+
+/// A direction turned as the shortest way from one unit vector to another turns.
+vec3 turned(vec3 v, vec3 from, vec3 to) {
+  const vec3 axis = cross(from, to);
+  const vec3 once = cross(axis, v);
+  return v + once + cross(axis, once) / max(1.0 + dot(from, to), 1e-3);
+}
+
+/// The same on the snow's surface: a layer of that height on a patch that is bent is wider than the patch or narrower,
+/// and lies as the smooth normal has it, not as its facet does.
+vec3 gradient_at(float height, vec2 slope) {
+  const vec3 across = cross(edge_1, edge_2);
+  const vec3 e1 = edge_1 + height * turn_1;
+  const vec3 e2 = edge_2 + height * turn_2;
+  const vec3 raised = cross(e1, e2);
+  // Deep in a hollow a layer would be folded.
+  const float open = smoothstep(0.1, 0.4, dot(raised, across) / max(dot(across, across), 1e-30));
+  const vec3 gradient = mix(gradient_on(edge_1, edge_2, slope), gradient_on(e1, e2, slope), open);
+  const float size = length(across);
+  return size > 0.0 ? turned(gradient, across / size, normalize(bare_normal)) : gradient;
+}
 #endif
 #endif
 
@@ -51,7 +82,7 @@ void main() {
   const vec3 map = height_and_slope(map_place);
   const vec2 slope = slope_by_pixel(map.yz);
   const float side = map.x < 0.0 ? -1.0 : 1.0;
-  const vec3 normal = side * normalize(normalize(snow_direction) - slope.x * u_gradient - slope.y * v_gradient);
+  const vec3 normal = side * normalize(normalize(snow_direction) - gradient_at(map.x, slope));
   const float pixel = distance(view.eye.xyz, world) / view.eye.w;
   // Seen through the surface, snow on its other side is hidden by the base.
   const bool seen_from_behind = gl_FrontFacing == (side < 0.0);

@@ -16,9 +16,13 @@ out vec3 snow_direction;
 out vec3 bare_normal;
 out vec3 rest_place;
 out vec2 map_place;
-/// How fast u and v grow along the surface (1/m); the same for all of a patch.
-flat out vec3 u_gradient;
-flat out vec3 v_gradient;
+/// From a patch's first corner to the second and third, on the surface (m), by how much the normal turns on the way,
+/// and on the map (xy to the second, zw to the third).
+flat out vec3 edge_1;
+flat out vec3 edge_2;
+flat out vec3 turn_1;
+flat out vec3 turn_2;
+flat out vec4 map_edges;
 #endif
 #endif
 #endif
@@ -41,16 +45,12 @@ void hand_on(int index, vec3 at, SurfacePoint point) {
     rest_place += at[k] * vertices[of.vertices[k]].rest.xyz;
   }
   const vec3 origin = vertices[of.vertices.x].position.xyz;
-  const vec3 e1 = vertices[of.vertices.y].position.xyz - origin;
-  const vec3 e2 = vertices[of.vertices.z].position.xyz - origin;
-  const vec3 across = cross(e1, e2);
-  const float scale = 1.0 / max(dot(across, across), 1e-30);
-  const vec3 along_1 = scale * cross(e2, across);
-  const vec3 along_2 = scale * cross(across, e1);
-  const vec2 d1 = uv[1] - uv[0];
-  const vec2 d2 = uv[2] - uv[0];
-  u_gradient = d1.x * along_1 + d2.x * along_2;
-  v_gradient = d1.y * along_1 + d2.y * along_2;
+  edge_1 = vertices[of.vertices.y].position.xyz - origin;
+  edge_2 = vertices[of.vertices.z].position.xyz - origin;
+  const vec3 normal = corner_normals[3 * index].xyz;
+  turn_1 = corner_normals[3 * index + 1].xyz - normal;
+  turn_2 = corner_normals[3 * index + 2].xyz - normal;
+  map_edges = vec4(uv[1] - uv[0], uv[2] - uv[0]);
 #endif
 #endif
 #endif

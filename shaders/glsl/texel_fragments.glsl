@@ -1,4 +1,5 @@
 // A texel's fragments, one after the other.
+#include "../lib/facing.h"
 #include "../lib/texel_surface.h"
 
 KERNEL_VIEW_R32UI(fragment_begin);
@@ -22,7 +23,7 @@ float fragment_up(uvec4 fragment, vec4 surface) {
                    uintBitsToFloat(fragment.w));
   }
 #endif
-  return surface.z;
+  return surface_up(surface);
 }
 
 /// Of the texel whose fragments are [i, end).
@@ -34,11 +35,11 @@ FragmentSum sum_of_fragments(int i, int end) {
   do {
     const uvec4 fragment = texelFetch(fragments, i);
     const vec4 surface = texelFetch(triangle_surface, int(fragment.x));
-    const float area = i < end ? uintBitsToFloat(fragment.y) * surface.y : 0.0f;
-    sums = with_fragment(sums, area, fragment_up(fragment, surface), surface.w != 0.0f);
-    const bool faces = i < end && surface.x > 0.0f;
-    faces_front = faces_front || (faces && surface.w >= 0.0f);
-    faces_back = faces_back || (faces && surface.w < 0.0f);
+    const float area = i < end ? uintBitsToFloat(fragment.y) * surface_area(surface) : 0.0f;
+    sums = with_fragment(sums, area, fragment_up(fragment, surface), surface_side(surface) != 0.0f);
+    const bool faces = i < end && surface_facing(surface) > 0.0f;
+    faces_front = faces_front || (faces && !shows_back(surface));
+    faces_back = faces_back || (faces && shows_back(surface));
   } while (++i < end);
   return FragmentSum(surface_of_sums(sums), faces_front, faces_back);
 }

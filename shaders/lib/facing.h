@@ -1,11 +1,21 @@
 #pragma once
 
-// Which triangles the fall may meet. For C++ and GLSL.
+// What a triangle's surface holds (TriangleSetup::surface), and which ones the fall may meet. For C++ and GLSL.
 #include "shared_functions.h"
 
 #ifndef SNOWBOUGH_GLSL
 namespace snowbough::shared {
 #endif
+
+/// Cosine between the normal of the side that gathers and the way to the sky.
+SNOWBOUGH_SHARED_FUNCTION float surface_facing(vec4 surface) { return surface.x; }
+/// In m2.
+SNOWBOUGH_SHARED_FUNCTION float surface_area(vec4 surface) { return surface.y; }
+/// Upward part of the front's normal.
+SNOWBOUGH_SHARED_FUNCTION float surface_up(vec4 surface) { return surface.z; }
+/// Of a two-sided triangle the side that faces the sky, 1: front, -1: back; else 0.
+SNOWBOUGH_SHARED_FUNCTION float surface_side(vec4 surface) { return surface.w; }
+SNOWBOUGH_SHARED_FUNCTION bool shows_back(vec4 surface) { return surface_side(surface) < 0.0f; }
 
 /// Faces that are edge-on but for rounding may take snow.
 KERNEL_CONSTANT float kEdgeOn = 1e-5f;

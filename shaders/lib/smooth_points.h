@@ -97,10 +97,11 @@ vec4 smooth_point(int point) {
   for (int i = int(texelFetch(point_begin, point).x); i < end; ++i) {
     const uint corner = texelFetch(point_corners, i).x;
     const vec4 surface = vec4(texelFetch(triangle_surface, int(corner / 3u)));
-    if (surface.x > 0.0f) {
-      const bool back = surface.w < 0.0f;
-      const float gets = 3.0f * corner_share(corner, back ? -1.0f : 1.0f) * surface.x * surface.y;
-      const float holds = front_part(surface.x) * surface.y;
+    if (surface_facing(surface) > 0.0f) {
+      const bool back = shows_back(surface);
+      const float area = surface_area(surface);
+      const float gets = 3.0f * corner_share(corner, back ? -1.0f : 1.0f) * surface_facing(surface) * area;
+      const float holds = front_part(surface_facing(surface)) * area;
       falls += back ? vec2(0.0f, gets) : vec2(gets, 0.0f);
       room += back ? vec2(0.0f, holds) : vec2(holds, 0.0f);
     }

@@ -59,7 +59,7 @@ GainTriangle gain_triangle(int triangle, int map_triangle) {
   found.gradient = vec2(a.w, b.w);
   found.hair = hair_of(found.gradient);
   found.pixel_depth = pixel_depth_of(c.w);
-  const float side = texelFetch(triangle_surface, triangle).w;
+  const float side = surface_side(vec4(texelFetch(triangle_surface, triangle)));
   found.side_bit = side != 0.0f ? kBackFace : 0u;
   found.side = side < 0.0f ? kBackFace : 0u;
   found.texels = 0.5f * abs(twice);
@@ -184,5 +184,5 @@ uint gain_sides(bool mixed, bool faces_back) { return mixed ? kMixedSides : face
 /// What falls on a smooth triangle where it sees all of the sky, as part of what lies across the fall; `front` and
 /// `back`: what its smooth points hold there (smooth_points.h), `surface`: its own.
 float smooth_facing(float front, float back, vec4 surface) {
-  return front_part(surface.x) * (surface.w < 0.0f ? back : front);
+  return front_part(surface_facing(surface)) * (shows_back(surface) ? back : front);
 }

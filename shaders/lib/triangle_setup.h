@@ -17,7 +17,8 @@ struct TriangleSetup {
   vec4 corner_c;
   /// x: cosine between the normal and the way to the sky ("facing"; of a two-sided triangle that of the side
   /// that faces the sky), y: area in m2, z: upward part of the front's normal, w: of a two-sided triangle the
-  /// side that faces the sky, 1 = front, -1 = back; else 0. All are 0 for a triangle without area.
+  /// side that faces the sky, 1 = front, -1 = back; else 0. All are 0 for a triangle without area. Read by the
+  /// functions of facing.h.
   vec4 surface;
 };
 SNOWBOUGH_SHARED_SIZE(TriangleSetup, 64)

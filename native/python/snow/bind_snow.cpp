@@ -17,14 +17,12 @@ namespace snowbough::python {
 namespace {
 
 using snow::SnowSimulation;
+using Holder = HeldWithoutGil<SnowSimulation>;
 
-std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_density,
-                                                double flutter, double max_depth,
-                                                double slide_half_life, double repose,
-                                                double cohesion, double blur_radius, int64_t seed,
-                                                const std::string& mapping, int32_t tile_size,
-                                                const std::string& device,
-                                                const std::string& engine, bool wait_for_gpu) {
+Holder make_simulation(double pixel_size, double noise_density, double flutter, double max_depth,
+                       double slide_half_life, double repose, double cohesion, double blur_radius,
+                       int64_t seed, const std::string& mapping, int32_t tile_size,
+                       const std::string& device, const std::string& engine, bool wait_for_gpu) {
   snow::SimulationSettings settings{pixel_size,
                                     noise_density,
                                     flutter,
@@ -40,7 +38,7 @@ std::unique_ptr<SnowSimulation> make_simulation(double pixel_size, double noise_
                                     device,
                                     wait_for_gpu};
   const py::gil_scoped_release release;
-  return std::make_unique<SnowSimulation>(settings);
+  return Holder(new SnowSimulation(settings));
 }
 
 /// add_object and replace_object.
@@ -195,7 +193,6 @@ void bind_snow(py::module_& module) {
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
       .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");
 
-  using Holder = HeldWithoutGil<SnowSimulation>;
   py::class_<SnowSimulation, Holder>(
       module, "SnowSimulation",
       "Snow that accumulates on moving objects, each with a map in UV space.\n\n"
@@ -220,19 +217,11 @@ void bind_snow(py::module_& module) {
       "that\n"
       "needs it raises.\n"
       "A context manager: leaving it closes the simulation.")
-      .def(py::init([](double pixel_size, double noise_density, double flutter, double max_depth,
-                       double slide_half_life, double repose, double cohesion, double blur_radius,
-                       int64_t seed, const std::string& mapping, int32_t tile_size,
-                       const std::string& device, const std::string& engine, bool wait_for_gpu) {
-             return Holder(make_simulation(pixel_size, noise_density, flutter, max_depth,
-                                           slide_half_life, repose, cohesion, blur_radius, seed,
-                                           mapping, tile_size, device, engine, wait_for_gpu)
-                               .release());
-           }),
-           "pixel_size"_a = 0.01, "noise_density"_a = 1.0, "flutter"_a = 0.0, "max_depth"_a = 1.0,
-           "slide_half_life"_a = 2.0, "repose"_a = snow::SimulationSettings{}.repose,
-           "cohesion"_a = 0.0, "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE",
-           "tile_size"_a = 2048, "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
+      .def(py::init(&make_simulation), "pixel_size"_a = 0.01, "noise_density"_a = 1.0,
+           "flutter"_a = 0.0, "max_depth"_a = 1.0, "slide_half_life"_a = 2.0,
+           "repose"_a = snow::SimulationSettings{}.repose, "cohesion"_a = 0.0,
+           "blur_radius"_a = 0.0, "seed"_a = 0, "mapping"_a = "COMPUTE", "tile_size"_a = 2048,
+           "device"_a = "", "engine"_a = "AUTO", "wait_for_gpu"_a = true)
       .def_property_readonly(
           "engine",
           [](SnowSimulation& simulation) {

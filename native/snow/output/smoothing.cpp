@@ -14,9 +14,9 @@ namespace {
 
 constexpr ptrdiff_t kMargin = 32;
 /// Cells of a row that are passed over together where they are bare.
-constexpr int32_t kBlock = 32;
+constexpr int32_t kBlock = 16;
 /// Levels of at most this size are not worth a second thread.
-constexpr int32_t kSmallLevel = 128;
+constexpr int32_t kSmallLevel = 256;
 
 /// Half the variance that it adds to take a block's cells for one, in cells^2.
 constexpr float kBlockSpread = 0.25f;
@@ -102,12 +102,12 @@ void Smoother::make_level(size_t number) {
   const auto size = static_cast<ptrdiff_t>(grid_.levels[number].size);
   level.margin = size + kMargin;
   const auto count = static_cast<size_t>(size * size + 2 * level.margin);
-  for (std::vector<float>* values :
+  for (base::ZeroedArray<float>* values :
        {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
-    values->assign(count, 0.0f);
+    *values = base::ZeroedArray<float>(count);
   }
-  if (number > 0) level.before.assign(count, 0.0f);
-  if (number == 0) level.edges.assign(4 * count, 0);
+  if (number > 0) level.before = base::ZeroedArray<float>(count);
+  if (number == 0) level.edges = base::ZeroedArray<uint8_t>(4 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
 }
 
@@ -142,7 +142,8 @@ void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) 
   const EdgeArrays edges = number == 0 ? edge_arrays(level) : EdgeArrays{};
   const auto clear = [&](int32_t begin, int32_t end) {
     if (begin >= end) return;
-    for (std::vector<float>* values : {&level.height, &level.next, &level.right, &level.above}) {
+    for (base::ZeroedArray<float>* values :
+         {&level.height, &level.next, &level.right, &level.above}) {
       std::fill(level.at(*values) + begin, level.at(*values) + end, 0.0f);
     }
     if (number > 0) return;

@@ -4,6 +4,7 @@
 #include <functional>
 #include <vector>
 
+#include "base/zeroed_array.h"
 #include "snow/output/smoothing_grid.h"
 
 namespace snowbough::snow {
@@ -73,25 +74,25 @@ class Smoother {
   struct Level {
     ptrdiff_t margin = 0;
     /// Height over profile, in metres, before and after a stage.
-    std::vector<float> height;
-    std::vector<float> next;
+    base::ZeroedArray<float> height;
+    base::ZeroedArray<float> next;
     /// Conductance of the links to the right and above, m2 a stage. 0 beyond the runs.
-    std::vector<float> right;
-    std::vector<float> above;
+    base::ZeroedArray<float> right;
+    base::ZeroedArray<float> above;
     /// 1 / (area * profile), 0 where bare.
-    std::vector<float> inverse_weight;
+    base::ZeroedArray<float> inverse_weight;
     /// The height before the level's stages.
-    std::vector<float> before;
+    base::ZeroedArray<float> before;
     /// Per band of rows.
     std::vector<OpenLinks> loose;
     /// Level 0 only: EdgeArrays, one after the other. 0 beyond the runs.
-    std::vector<uint8_t> edges;
+    base::ZeroedArray<uint8_t> edges;
     std::vector<Run> runs;
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
     std::vector<uint8_t> stray_joins;
 
-    float* at(std::vector<float>& values) const { return values.data() + margin; }
+    float* at(const base::ZeroedArray<float>& values) const { return values.data() + margin; }
   };
 
   /// Working arrays are lent for a run only: receivers are many, and maps under way few.

@@ -1,6 +1,8 @@
 // What repose does across the seams of a map's layout.
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/repose.h"
@@ -13,12 +15,6 @@ namespace {
 struct End {
   ReposeTile* tile = nullptr;
   size_t cell = 0;
-
-  /// Whether a surface in its row has changed since the last round across seams.
-  bool is_stirred() const {
-    return ((tile->stirred_at_seams.load(std::memory_order_relaxed) >> (cell / kReposeBlock)) &
-            1) != 0;
-  }
 };
 
 End end_of(const ReposeTiles& tiles, int32_t cell) {
@@ -58,78 +54,102 @@ bool Repose::lower_across(Marks& awake) {
           shared::passed_bound(tile.bound[a], tile.top[a], tile.z[a]) + shared::kCuts * link.limit;
       if (!(over < to.tile->bound[to.cell])) return;
       to.tile->bound[to.cell] = over;
-      to.tile->has_bounds = to.tile->has_fresh_bounds = true;
-      mark_near(other / kTileCells, awake);
+      to.tile->has_bounds = true;
+      const float passed = shared::passed_bound(over, to.tile->top[to.cell], to.tile->z[to.cell]);
+      if (!(passed < shared::kUnbounded)) return;
+      to.tile->has_fresh_bounds = true;
+      const auto cell = static_cast<int32_t>(to.cell);
+      const int32_t block_of_other = other / kTileCells;
+      awake[static_cast<size_t>(block_of_other)] = 1;
+      mark_around(block_of_other, TileWindow::seen_by(cell % kReposeBlock, cell / kReposeBlock),
+                  awake);
       changes = true;
     });
   }
   return changes;
 }
 
-/// Of the chosen blocks, those with links across seams along which snow flowed in the round before,
-/// or may flow since a surface at one of their ends has changed.
-Repose::Blocks Repose::stirred_at_seams() {
-  Marks marks(links_.block_count(), 0);
-  for (const int32_t block : chosen_) {
-    const auto b = static_cast<size_t>(block);
-    if (flows_across_[b] != 0) marks[b] = 1;
-    if (tiles_[b]->stirred_at_seams != 0) mark_near(block, marks);
+/// Takes note that surfaces of a block, or of those beside it, may have changed since the last
+/// round across seams.
+void Repose::note_stirred(int32_t block) {
+  const int32_t side = links_.blocks_a_side;
+  const int32_t column = block % side;
+  const int32_t row = block / side;
+  for (int32_t y = std::max(0, row - 1); y <= std::min(side - 1, row + 1); ++y) {
+    for (int32_t x = std::max(0, column - 1); x <= std::min(side - 1, column + 1); ++x) {
+      uint8_t& noted = is_noted_[static_cast<size_t>(y * side + x)];
+      if (noted == 0) noted_.push_back(y * side + x);
+      noted = 1;
+    }
   }
-  Blocks result;
-  for (const int32_t block : chosen_) {
-    const auto b = static_cast<size_t>(block);
-    if (marks[b] != 0 && links_.end_begin[b] != links_.end_begin[b + 1]) result.push_back(block);
+}
+
+/// Adds the links across seams along which snow may flow, since a surface at one of their ends has
+/// changed, to those along which it flowed in the round before.
+void Repose::list_stirred_links() {
+  for (const int32_t block : noted_) {
+    is_noted_[static_cast<size_t>(block)] = 0;
+    ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
+    if (tile == nullptr) continue;
+    const uint32_t rows = tile->stirred_at_seams.exchange(0, std::memory_order_relaxed);
+    if (rows == 0) continue;
+    const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
+    for (int32_t e = ends[0]; e < ends[1]; ++e) {
+      const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
+      const auto link = static_cast<size_t>(end.link);
+      const auto row = static_cast<uint32_t>(end.cell % kTileCells / kReposeBlock);
+      if (((rows >> row) & 1) == 0 || link >= across_.size()) continue;
+      Flow& flow = across_[link];
+      if (flow.is_listed || !(flow.limit < std::numeric_limits<float>::infinity())) continue;
+      flow.is_listed = true;
+      listed_.push_back(end.link);
+    }
   }
-  return result;
+  noted_.clear();
+}
+
+/// Finds what flows along a link; returns whether anything does.
+bool Repose::flow_along(int32_t number, float momentum) {
+  Flow& link = across_[static_cast<size_t>(number)];
+  const auto& [at_a, at_b] = links_.across_cells[static_cast<size_t>(number)];
+  const End a = end_of(tiles_, at_a);
+  const End b = end_of(tiles_, at_b);
+  if (a.tile == nullptr || b.tile == nullptr) return false;
+  const float fall = a.tile->top[a.cell] - b.tile->top[b.cell];
+  if (link.flow == 0.0f && !(std::abs(fall) > link.limit)) return false;
+  const float wanted = shared::wanted_flow(link.flow, fall, link.limit, link.rate, momentum);
+  // An equal part for every link: the others are not known here.
+  const auto part = [&](const End& giver) {
+    const float own_part = 1.0f / static_cast<float>(giver.tile->links[giver.cell]);
+    return shared::given_part(giver.tile->gives[giver.cell] * own_part, std::abs(wanted));
+  };
+  link.flow = wanted == 0.0f ? 0.0f : shared::given_flow(wanted, part(a), part(b));
+  return link.flow != 0.0f;
 }
 
 /// A round of flows across seams. Returns whether any snow flows.
 bool Repose::flow_across(float momentum) {
-  const Blocks blocks = stirred_at_seams();
-  for_blocks(blocks, [&](int32_t block) {
-    uint8_t& flows = flows_across_[static_cast<size_t>(block)];
-    flows = 0;
-    for_across(block, [&](const ReposeLinks::End& end, Flow& link, int32_t own, int32_t other) {
-      if (end.sign > 0) return;
-      const End a = end_of(tiles_, own);
-      const End b = end_of(tiles_, other);
-      if (link.flow == 0.0f && !a.is_stirred() && !b.is_stirred()) return;
-      const float fall = a.tile->top[a.cell] - b.tile->top[b.cell];
-      if (link.flow == 0.0f && !(std::abs(fall) > link.limit)) return;
-      const float wanted = shared::wanted_flow(link.flow, fall, link.limit, link.rate, momentum);
-      // An equal part for every link: the others are not known here.
-      const auto part = [&](const End& giver) {
-        const float own_part = 1.0f / static_cast<float>(giver.tile->links[giver.cell]);
-        return shared::given_part(giver.tile->gives[giver.cell] * own_part, std::abs(wanted));
-      };
-      link.flow = wanted == 0.0f ? 0.0f : shared::given_flow(wanted, part(a), part(b));
-      if (link.flow != 0.0f) flows = 1;
-    });
+  list_stirred_links();
+  // All look before any moves.
+  std::erase_if(listed_, [&](int32_t link) {
+    across_[static_cast<size_t>(link)].is_listed = flow_along(link, momentum);
+    return !across_[static_cast<size_t>(link)].is_listed;
   });
-  Blocks flowing;
-  for (const int32_t block : blocks) {
-    tiles_[static_cast<size_t>(block)]->stirred_at_seams = 0;
-    if (flows_across_[static_cast<size_t>(block)] != 0) flowing.push_back(block);
-  }
-  if (flowing.empty()) return false;
-  Blocks reached;
-  for (const int32_t block : near(flowing)) {
-    if (tiles_[static_cast<size_t>(block)] != nullptr) reached.push_back(block);
-  }
   const int32_t side = links_.blocks_a_side;
-  for_blocks(reached, [&](int32_t block) {
-    ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
-    const TilesAround around(tiles_, side, block);
-    for_across(block, [&](const ReposeLinks::End& end, const Flow& link, int32_t own, int32_t) {
-      if (link.flow == 0.0f) return;
-      const auto cell = static_cast<size_t>(own % kTileCells);
-      tile.add(cell, static_cast<double>(static_cast<float>(end.sign) * link.flow));
-      stir_cell(around, static_cast<int32_t>(cell) % kReposeBlock,
-                static_cast<int32_t>(cell) / kReposeBlock);
-    });
-  });
-  has_changed_ = true;
-  return true;
+  for (const int32_t link : listed_) {
+    const float flow = across_[static_cast<size_t>(link)].flow;
+    const auto& [at_a, at_b] = links_.across_cells[static_cast<size_t>(link)];
+    for (const auto& [at, units] : {std::pair(at_a, -flow), std::pair(at_b, flow)}) {
+      const int32_t block = at / kTileCells;
+      const int32_t cell = at % kTileCells;
+      tiles_[static_cast<size_t>(block)]->add(static_cast<size_t>(cell),
+                                              static_cast<double>(units));
+      stir_cell(TilesAround(tiles_, side, block), cell % kReposeBlock, cell / kReposeBlock);
+      note_stirred(block);
+    }
+  }
+  has_changed_ = has_changed_ || !listed_.empty();
+  return !listed_.empty();
 }
 
 }  // namespace snowbough::snow

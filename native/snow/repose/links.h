@@ -84,9 +84,16 @@ struct ReposeLinks {
   /// Calls visit(texel, cell within the block) for a block's texels; `places`: TexelTable::texel.
   template <typename Visit>
   void for_texels(int32_t block, const std::vector<int32_t>& places, const Visit& visit) const {
+    for_texels(block, ~uint32_t{0}, places, visit);
+  }
+  /// The same for those of its rows that have a bit in `rows`.
+  template <typename Visit>
+  void for_texels(int32_t block, uint32_t rows, const std::vector<int32_t>& places,
+                  const Visit& visit) const {
     const int32_t column = block % blocks_a_side;
     const int32_t first = block / blocks_a_side * kReposeBlock;
     for (int32_t row = first; row < std::min(first + kReposeBlock, resolution); ++row) {
+      if (((rows >> (row - first)) & 1) == 0) continue;
       const int32_t* run = &run_begin[static_cast<size_t>(row * blocks_a_side + column)];
       const int32_t begin = row * resolution + column * kReposeBlock;
       for (int32_t i = run[0]; i < run[1]; ++i) {

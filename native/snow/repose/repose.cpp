@@ -1,9 +1,11 @@
 #include "snow/repose/repose.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 
 namespace snowbough::snow {
@@ -14,12 +16,30 @@ namespace {
 constexpr int kRounds = 8;
 /// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
 /// every block of the map, and for any map.
-constexpr int kMostRounds = 400;
+constexpr int kMostRounds = 800;
 constexpr double kRoundsABlock = 40.0;
-constexpr double kRoundsAMap = 12000.0;
+constexpr double kRoundsAMap = 24000.0;
 /// Seconds of a step that is granted so much, and how much longer the longest may go on.
 constexpr float kUsualStep = 0.25f;
 constexpr float kMostPatience = 8.0f;
+
+/// Rows of a tile in which snow has moved or sticks on walls, a bit each.
+SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
+  uint32_t rows = 0;
+  for (int32_t row = 0; row < kReposeBlock; ++row) {
+    const size_t first = static_cast<size_t>(row * kReposeBlock);
+    const double* const moved = tile.moved.data() + first;
+    const float* const held = tile.held.data() + first;
+    const uint8_t* const kind = tile.kind.data() + first;
+    int32_t any = 0;
+    for (int32_t i = 0; i < kReposeBlock; ++i) any |= moved[i] != 0.0 ? 1 : 0;
+    for (int32_t i = 0; tile.any_wall && i < kReposeBlock; ++i) {
+      any |= (held[i] != 0.0f ? 1 : 0) & kind[i];
+    }
+    rows |= static_cast<uint32_t>(any & kWall) << static_cast<uint32_t>(row);
+  }
+  return rows;
+}
 
 }  // namespace
 
@@ -27,6 +47,18 @@ void Repose::mark_near(int32_t block, Marks& marks) const {
   const auto b = static_cast<size_t>(block);
   for (int32_t n = links_.near_begin[b]; n < links_.near_begin[b + 1]; ++n) {
     marks[static_cast<size_t>(links_.near[static_cast<size_t>(n)])] = 1;
+  }
+}
+
+/// Marks those of the blocks around one that have a bit in `around`: see TileWindow::seen_by.
+void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
+  const int32_t side = links_.blocks_a_side;
+  for (; around != 0; around &= around - 1) {
+    const int32_t bit = std::countr_zero(around);
+    const int32_t column = block % side + bit % 3 - 1;
+    const int32_t row = block / side + bit / 3 - 1;
+    if (column < 0 || column >= side || row < 0 || row >= side) continue;
+    marks[static_cast<size_t>(row * side + column)] = 1;
   }
 }
 
@@ -97,7 +129,7 @@ void Repose::empty_over_outlets() {
         done[i] = lower_tile_bounds(tiles_, blocks[i], side, rims_[static_cast<size_t>(blocks[i])]);
       });
       for (size_t i = 0; i < blocks.size(); ++i) {
-        if (done[i].border_has_changed) mark_near(blocks[i], awake);
+        mark_around(blocks[i], done[i].seen_by, awake);
         goes_on = goes_on || done[i].has_changed;
       }
       for (const int32_t block : blocks) awake[static_cast<size_t>(block)] = 0;
@@ -120,7 +152,9 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
                               rims_[static_cast<size_t>(blocks[i])], first_round, kRounds);
   });
   double rounds = 0.0;
-  for (const TileRounds& own : done) {
+  for (size_t i = 0; i < blocks.size(); ++i) {
+    const TileRounds& own = done[i];
+    if (own.has_changed) note_stirred(blocks[i]);
     rounds += own.rounds;
     seams_are_due_ = seams_are_due_ || own.has_changed;
     has_changed_ = has_changed_ || own.has_changed;
@@ -129,8 +163,12 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
 }
 
 void Repose::run_rounds(float patience) {
-  for (Flow& link : across_) link.flow = 0.0f;
-  flows_across_.assign(flows_across_.size(), 0);
+  for (Flow& link : across_) {
+    link.flow = 0.0f;
+    link.is_listed = false;
+  }
+  listed_.clear();
+  for (const int32_t block : chosen_) note_stirred(block);
   seams_are_due_ = true;
   double work = static_cast<double>(patience) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
@@ -161,7 +199,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
   Written written;
   if (!tile.has_moved && !tile.any_wall) return written;
   const std::vector<int32_t>& places = object_->table.texel;
-  links_.for_texels(block, places, [&](int32_t texel, size_t cell) {
+  links_.for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
     const bool wall = (tile.kind[cell] & kWall) != 0;
     const double moved = tile.moved[cell];
     if (wall ? tile.held[cell] == 0.0f : moved == 0.0) return;

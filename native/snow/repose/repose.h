@@ -70,6 +70,8 @@ class Repose {
     float limit = 0.0f;
     float rate = 0.0f;
     float flow = 0.0f;
+    /// Whether it is among listed_.
+    bool is_listed = false;
   };
   /// What was written of a block: units that left the surface (they fell over rims, onto walls or
   /// off them), and whether heights changed.
@@ -84,7 +86,10 @@ class Repose {
   /// Calls work(i) for i from 0 to count - 1.
   template <typename Work>
   void for_each(size_t count, const Work& work) const {
-    base::for_each_item(count, 1, work, on_all_cores_ ? base::default_threads() : 1);
+    // To wake another thread takes about as long as a few rounds of a block.
+    constexpr size_t kFew = 3;
+    base::for_each_item(count, 1, work,
+                        on_all_cores_ && count > kFew ? base::default_threads() : 1);
   }
   template <typename Work>
   void for_blocks(const Blocks& blocks, const Work& work) const {
@@ -92,13 +97,15 @@ class Repose {
   }
   Blocks near(const Blocks& blocks) const;
   void mark_near(int32_t block, Marks& marks) const;
+  void mark_around(int32_t block, uint32_t around, Marks& marks) const;
 
   // setup.cpp
   void find_links();
   bool take_pose();
   template <typename Visit>
   void for_rows(int32_t block, const Visit& visit) const;
-  bool is_bare(int32_t block, const std::vector<float>& height) const;
+  float highest_in(int32_t block, const std::vector<float>& height) const;
+  bool rests(int32_t block, float high, const std::vector<float>& height) const;
   Relief relief_of(int32_t block, const std::vector<float>& height) const;
   bool is_level(int32_t block, const Relief& relief) const;
   void forget_links();
@@ -117,7 +124,9 @@ class Repose {
   template <typename Visit>
   void for_across(int32_t block, const Visit& visit);
   bool lower_across(Marks& awake);
-  Blocks stirred_at_seams();
+  void note_stirred(int32_t block);
+  void list_stirred_links();
+  bool flow_along(int32_t number, float momentum);
   bool flow_across(float momentum);
 
   // repose.cpp
@@ -152,9 +161,13 @@ class Repose {
   Marks was_chosen_;
   /// By block.
   std::vector<std::vector<RimLink>> rims_;
-  /// By link across a seam; and by block, whether snow flows along any that it keeps.
+  /// By link across a seam.
   std::vector<Flow> across_;
-  Marks flows_across_;
+  /// Links across seams that are to be looked at: between rounds, those along which snow flows.
+  std::vector<int32_t> listed_;
+  /// Blocks in which surfaces at seams may have changed since the last round across seams.
+  Blocks noted_;
+  Marks is_noted_;
 };
 
 }  // namespace snowbough::snow

@@ -1,8 +1,10 @@
 // Which blocks repose looks at, and their links.
 #include <algorithm>
+#include <bit>
 #include <cmath>
 #include <limits>
 
+#include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/repose.h"
 
@@ -10,6 +12,17 @@ namespace snowbough::snow {
 namespace {
 
 constexpr float kNoLink = std::numeric_limits<float>::infinity();
+
+/// The largest of some heights, without their signs.
+SNOWBOUGH_WIDE float highest(const float* height, size_t count) {
+  // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
+  uint32_t high = 0;
+  for (size_t i = 0; i < count; ++i) {
+    const uint32_t bits = std::bit_cast<uint32_t>(height[i]) & 0x7FFFFFFFu;
+    high = bits > high ? bits : high;
+  }
+  return std::bit_cast<float>(high);
+}
 
 }  // namespace
 
@@ -35,7 +48,7 @@ void Repose::find_links() {
   kept_.resize(links_.block_count());
   rims_.resize(links_.block_count());
   across_.resize(links_.across.size());
-  flows_across_.assign(links_.block_count(), 0);
+  is_noted_.assign(links_.block_count(), 0);
   was_chosen_.assign(links_.block_count(), 0);
 }
 
@@ -69,14 +82,13 @@ void Repose::for_rows(int32_t block, const Visit& visit) const {
   }
 }
 
-/// Whether snow lies in a block.
-bool Repose::is_bare(int32_t block, const std::vector<float>& height) const {
-  const std::vector<int32_t>& places = object_->table.texel;
-  bool bare = true;
-  links_.for_texels(block, places, [&](int32_t texel, size_t) {
-    bare = bare && height[static_cast<size_t>(places[static_cast<size_t>(texel)])] == 0.0f;
+/// The highest snow in a block.
+float Repose::highest_in(int32_t block, const std::vector<float>& height) const {
+  float high = 0.0f;
+  for_rows(block, [&](size_t, size_t place, size_t count) {
+    high = std::max(high, highest(&height[place], count));
   });
-  return bare;
+  return high;
 }
 
 /// The highest snow in a block and beside it, and the largest difference across a link that it
@@ -109,6 +121,17 @@ Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height
     compare(std::abs(height[place]), static_cast<size_t>(places[other]));
   }
   return relief;
+}
+
+/// Whether no link of a block can be over its limit, as far as is known. `high`: its highest snow.
+bool Repose::rests(int32_t block, float high, const std::vector<float>& height) const {
+  const BlockSlack& slack = slack_[static_cast<size_t>(block)];
+  if (!slack.is_known) return high == 0.0f;
+  // Snow that lies too high for is_level needs no closer look.
+  if (high > 0.0f && (high * slack.turn > slack.inside || high * slack.column > slack.at_edges)) {
+    return false;
+  }
+  return is_level(block, relief_of(block, height));
 }
 
 /// Whether no link of a block with known slack can be over its limit. Two columns over snow whose
@@ -145,12 +168,14 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
     if (is_bare) return 0;
     stands_still_ = !take_pose();
   }
+  Marks are_doubtful(slack_.size(), 0);
+  base::for_each_item(slack_.size(), 64, [&](size_t b) {
+    const auto block = static_cast<int32_t>(b);
+    are_doubtful[b] = rests(block, highest_in(block, height), height) ? 0 : 1;
+  });
   doubtful_.clear();
   for (size_t b = 0; b < slack_.size(); ++b) {
-    const auto block = static_cast<int32_t>(b);
-    const bool rests =
-        slack_[b].is_known ? is_level(block, relief_of(block, height)) : is_bare(block, height);
-    if (!rests) doubtful_.push_back(block);
+    if (are_doubtful[b] != 0) doubtful_.push_back(static_cast<int32_t>(b));
   }
   chosen_ = near(doubtful_);
   return chosen_.size();
@@ -271,7 +296,8 @@ void Repose::take_tiles(Marks& changes) {
   was_chosen_ = std::move(is_chosen);
   for (const int32_t block : chosen_) {
     std::unique_ptr<ReposeTile>& kept = kept_[static_cast<size_t>(block)];
-    if (kept == nullptr) kept = std::make_unique<ReposeTile>();
+    // Filled in where it is covered.
+    if (kept == nullptr) kept = std::make_unique_for_overwrite<ReposeTile>();
     tiles_[static_cast<size_t>(block)] = std::move(kept);
   }
 }
@@ -280,6 +306,9 @@ void Repose::take_tiles(Marks& changes) {
 bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   bool changes = !tile.has_pose;
+  const bool bare = highest_in(block, height) == 0.0f;
+  // What was covered bare, and stayed so, need not be covered again.
+  const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved;
   if (changes) {
     surface_.fill_block(links_, block, tile);
     const std::vector<int32_t>& places = object_->table.texel;
@@ -287,12 +316,12 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
       const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
       tile.cover(cell, height[place], surface_.unit());
     });
-  } else {
+  } else if (!stays_bare) {
     for_rows(block, [&](size_t row, size_t place, size_t count) {
       changes |= tile.cover_row(row, &height[place], count, surface_.unit());
     });
   }
-  tile.begin_step();
+  tile.begin_step(bare);
   for (RimLink& rim : rims_[static_cast<size_t>(block)]) rim.flow = 0.0f;
   return changes;
 }

@@ -10,23 +10,26 @@
 namespace snowbough::snow {
 namespace {
 
-/// Whether any of a row's heights lies on the back.
-SNOWBOUGH_WIDE bool any_below(const float* height, size_t count) {
-  int32_t below = 0;
-  for (size_t i = 0; i < count; ++i) below |= height[i] < 0.0f ? 1 : 0;
-  return below != 0;
-}
-
-/// Takes the snow of cells whose kinds stay.
-SNOWBOUGH_WIDE void hold_row(const float* __restrict height, size_t count,
+/// Takes the snow of cells whose kinds stay; returns whether any of it lies on the back.
+SNOWBOUGH_WIDE bool hold_row(const float* __restrict height, size_t count,
                              const float* __restrict area, float units, const float* __restrict z,
                              const float* __restrict lift, float* __restrict held,
                              float* __restrict top, float* __restrict gives) {
+  int32_t below = 0;
   for (size_t i = 0; i < count; ++i) {
+    below |= height[i] < 0.0f ? 1 : 0;
     held[i] = std::abs(height[i]) * (area[i] * units);
     top[i] = z[i] + lift[i] * held[i];
     gives[i] = lift[i] > 0.0f ? held[i] : 0.0f;
   }
+  return below != 0;
+}
+
+/// Whether any of a row's snow lies over its bounds.
+SNOWBOUGH_WIDE bool is_any_over(const float* __restrict bound, const float* __restrict top) {
+  int32_t over = 0;
+  for (int32_t i = 0; i < kReposeBlock; ++i) over |= bound[i] < top[i] ? 1 : 0;
+  return over != 0;
 }
 
 }  // namespace
@@ -45,7 +48,8 @@ void ReposeTile::begin_pose() {
   has_links = false;
 }
 
-void ReposeTile::begin_step() {
+void ReposeTile::begin_step(bool bare) {
+  is_bare = bare;
   if (has_moved) {
     moved.fill(0.0);
     if (flow != nullptr) {
@@ -94,12 +98,10 @@ bool ReposeTile::cover(size_t cell, float height, float unit) {
 
 bool ReposeTile::cover_row(size_t row, const float* height, size_t count, float unit) {
   const size_t first = row * static_cast<size_t>(kReposeBlock);
-  const bool may_change = any_two_sided || any_back || any_below(height, count);
-  if (!may_change) {
-    hold_row(height, count, area.data() + first, 1.0f / unit, z.data() + first, lift.data() + first,
-             held.data() + first, top.data() + first, gives.data() + first);
-    return false;
-  }
+  const bool is_below =
+      hold_row(height, count, area.data() + first, 1.0f / unit, z.data() + first,
+               lift.data() + first, held.data() + first, top.data() + first, gives.data() + first);
+  if (!(any_two_sided || any_back || is_below)) return false;
   bool changes = false;
   for (size_t cell = first; cell < first + count; ++cell) {
     if (kind[cell] != kUnknown) changes |= cover(cell, height[cell - first], unit);
@@ -108,9 +110,13 @@ bool ReposeTile::cover_row(size_t row, const float* height, size_t count, float 
 }
 
 bool ReposeTile::cut() {
-  if (!has_bounds) return false;
+  if (!has_bounds || is_bare) return false;
   bool cuts = false;
   for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
+    if (cell % kReposeBlock == 0 && !is_any_over(bound.data() + cell, top.data() + cell)) {
+      cell += kReposeBlock - 1;
+      continue;
+    }
     if (!(bound[cell] < top[cell])) continue;
     if (!(gives[cell] > 0.0f)) continue;
     const float over = (top[cell] - std::max(bound[cell], z[cell])) / lift[cell];

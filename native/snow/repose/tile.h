@@ -43,6 +43,8 @@ struct ReposeTile {
   bool any_back = false;
   /// Whether any cell is a wall, as the step begins.
   bool any_wall = false;
+  /// Whether no cell has held any snow since the tile was covered last.
+  bool is_bare = false;
   /// Whether the bound of any cell is finite, and whether any was lowered since it was last asked.
   std::atomic<bool> has_bounds = false;
   std::atomic<bool> has_fresh_bounds = false;
@@ -89,8 +91,8 @@ struct ReposeTile {
   bool cover(size_t cell, float height, float unit);
   /// The same for the cells of a row, the first `count` of them; `height` by cell.
   bool cover_row(size_t row, const float* height, size_t count, float unit);
-  /// Forgets what moved in the step before.
-  void begin_step();
+  /// Forgets what moved in the step before. `bare`: no snow lies in the tile.
+  void begin_step(bool bare = false);
 
   /// Whether anything may flow.
   bool is_awake() const { return (stirred.load(std::memory_order_relaxed) | flowing) != 0; }
@@ -142,10 +144,11 @@ struct TileRounds {
 void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                        const ReposeLimits& limits);
 
-/// What lower_tile_bounds did: whether bounds changed, and whether any that other tiles look at.
+/// What lower_tile_bounds did: whether bounds changed that bound others, and which tiles around
+/// look at any of these, a bit each (TileWindow::seen_by).
 struct TileBounds {
   bool has_changed = false;
-  bool border_has_changed = false;
+  uint32_t seen_by = 0;
 };
 
 /// How high snow can lie over an outlet, which is a rim or a wall, over which it falls. At the

@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 
 #include "snow/repose/tile.h"
 
@@ -52,6 +53,21 @@ struct TileWindow {
     return row == 0 || row >= kReposeBlock - 1 || column <= 0 || column >= kReposeBlock - 1;
   }
 
+  /// Which tiles around the block have a cell in their windows, itself left out: by row and column
+  /// from -1 to 1, bit 3 * (row + 1) + column + 1.
+  static constexpr uint32_t seen_by(int32_t column, int32_t row) {
+    uint32_t bits = 0;
+    for (int32_t dy = -1; dy <= 1; ++dy) {
+      for (int32_t dx = -1; dx <= 1; ++dx) {
+        const int32_t x = column - dx * kReposeBlock;
+        const int32_t y = row - dy * kReposeBlock;
+        const bool sees = x >= -1 && x <= kReposeBlock && y >= 0 && y <= kReposeBlock;
+        if (sees && (dx != 0 || dy != 0)) bits |= 1u << static_cast<uint32_t>(3 * dy + dx + 4);
+      }
+    }
+    return bits;
+  }
+
   /// Calls visit(tile or null, first cell of the tile, column, count) for the runs of cells of a
   /// row, from column -1 to kReposeBlock.
   template <typename Visit>
@@ -72,7 +88,7 @@ struct TileWindow {
       } else if (count == 1) {
         *place = (tile->*plane)[cell];
       } else {
-        std::copy_n((tile->*plane).data() + cell, kReposeBlock, place);
+        std::memcpy(place, (tile->*plane).data() + cell, kReposeBlock * sizeof(float));
       }
     });
   }

@@ -31,8 +31,7 @@ std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles,
 
 /// The height in metres at which a layer holds `held` (m3/m2). Negative on the back of the surface,
 /// which curves the other way round. In hollows the height ends before the layer folds over itself,
-/// and at a
-/// quarter more than what is held: narrow folds would throw up ridges.
+/// and at a quarter more than what is held: narrow folds would throw up ridges.
 float layer_height(float held, LayerTerms terms);
 
 /// Turns what texels hold into heights, in place. `terms`: see layer_terms; where empty the map

@@ -21,8 +21,8 @@ struct SeamRow {
 ///
 ///   sum over rows (wanted - sum of weight * x)^2 + damping * sum over unknowns x^2
 ///
-/// the least. A Cholesky factorisation of the normal matrix (Eigen's SimplicialLDLT) finds them at
-/// once, on one thread and always in the same order: the same input gives the same bits.
+/// the least. A Cholesky factorisation of the normal matrix finds them at once, on one thread and
+/// always in the same order: the same input gives the same bits.
 class SeamFactor {
  public:
   SeamFactor();
@@ -38,6 +38,11 @@ class SeamFactor {
   /// @return false, and cannot solve, where it would take more than that.
   bool compute(const std::vector<SeamRow>& rows, int32_t unknowns, float damping,
                int64_t most_work);
+
+  /// Leaves only the unknowns `kept`, ascending, of the problem that was computed last: what it
+  /// would be without the other terms. They are numbered anew in their order.
+  /// @return false, and cannot solve, where there is no factor.
+  bool keep(const std::vector<int32_t>& kept);
 
   /// `values`: per unknown the sum of weight * wanted over its rows; replaced by the solution.
   /// Below `negligible` a value is taken for 0 on its way, and an unknown that no other reaches

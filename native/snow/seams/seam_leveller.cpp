@@ -257,6 +257,22 @@ bool SeamLeveller::solve_fine() {
   return false;
 }
 
+/// Solves the second problem once more for those of its texels that still have a mark: the matrix
+/// is a part of the last one, since their heights have not changed.
+void SeamLeveller::solve_waiting() {
+  std::vector<int32_t> waiting;
+  for (size_t k = 0; k < fine_texels_.size(); ++k) {
+    if (marks_[fine_texels_[k]] != 0.0f) waiting.push_back(static_cast<int32_t>(k));
+  }
+  assemble();
+  if (waiting.empty()) return;
+  if (fine_factor_.keep(waiting)) {
+    fine_factor_.solve(values_, 0.0f);
+  } else {
+    solve_fine();
+  }
+}
+
 /// The height that the second problem's solution gives its texel k, and that within limits.
 inline std::pair<float, float> SeamLeveller::fine_height(size_t k) const {
   const int32_t i = fine_texels_[k];
@@ -291,9 +307,7 @@ size_t SeamLeveller::level_fine(float within) {
   if (count == 0) return 0;
   if (solve_fine()) {
     if (!accept_within_limits()) return count;
-    assemble();
-    if (fine_texels_.empty()) return count;
-    solve_fine();
+    solve_waiting();
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     heights_[fine_texels_[k]] = fine_height(k).second;

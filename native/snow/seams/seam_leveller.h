@@ -68,6 +68,7 @@ class SeamLeveller {
   void assemble();
   bool solve_fine();
   bool accept_within_limits();
+  void solve_waiting();
   float fine_reach(int32_t texel) const;
   std::pair<float, float> fine_height(size_t k) const;
 

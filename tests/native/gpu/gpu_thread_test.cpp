@@ -6,14 +6,9 @@
 #include <atomic>
 #include <exception>
 #include <future>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <vector>
-
-#include "gpu/program.h"
-#include "gpu/resources.h"
-#include "gpu/shader_source.h"
 
 namespace snowbough::gpu {
 namespace {
@@ -74,73 +69,6 @@ TEST(GpuThread, RefusesAnUnknownDeviceByName) {
   }
 }
 
-TEST(Resources, BufferReturnsWhatItWasGiven) {
-  const auto gpu = GpuThread::shared();
-  gpu->run([] {
-    const std::vector<int32_t> values = {1, -2, 3, 4, 5};
-    Buffer buffer(values);
-    EXPECT_EQ(buffer.read_all<int32_t>(), values);
-    buffer.clear();
-    EXPECT_EQ(buffer.read_all<int32_t>(), std::vector<int32_t>(5, 0));
-  });
-}
-
-TEST(Resources, TextureLayersAreApart) {
-  const auto gpu = GpuThread::shared();
-  gpu->run([] {
-    Texture texture(GL_R32F, 2, 2, 3);
-    const std::vector<float> values = {1.0f, 2.0f, 3.0f, 4.0f};
-    texture.write(1, GL_RED, GL_FLOAT, values.data());
-    std::vector<float> read(4, -1.0f);
-    texture.read(1, GL_RED, GL_FLOAT, 16, read.data());
-    EXPECT_EQ(read, values);
-    texture.read(2, GL_RED, GL_FLOAT, 16, read.data());
-    EXPECT_EQ(read, std::vector<float>(4, 0.0f));
-  });
-}
-
-TEST(Resources, RowsOfALayerAreWrittenAlone) {
-  const auto gpu = GpuThread::shared();
-  gpu->run([] {
-    Texture texture(GL_R32F, 2, 3, 2);
-    const std::vector<float> rows = {1.0f, 2.0f, 3.0f, 4.0f};
-    texture.write_rows(1, 1, 2, GL_RED, GL_FLOAT, rows.data());
-    std::vector<float> read(6, -1.0f);
-    texture.read(1, GL_RED, GL_FLOAT, 24, read.data());
-    EXPECT_EQ(read, (std::vector<float>{0.0f, 0.0f, 1.0f, 2.0f, 3.0f, 4.0f}));
-    texture.read(0, GL_RED, GL_FLOAT, 24, read.data());
-    EXPECT_EQ(read, std::vector<float>(6, 0.0f));
-  });
-}
-
-TEST(Program, DispatchItemsReachesEveryItemInRowsOfGroups) {
-  GpuThread::shared()->run([] {
-    // Row r takes value r to place r; 1000 rows in groups of 64, at most 3 groups side by side.
-    constexpr int32_t kCount = 1000;
-    std::vector<int32_t> begin(kCount + 1), place(kCount);
-    std::iota(begin.begin(), begin.end(), 0);
-    std::iota(place.begin(), place.end(), 0);
-    std::vector<float> values(kCount);
-    std::iota(values.begin(), values.end(), 1.0f);
-    Program rows({"weighted_rows.comp.glsl"});
-    const Buffer begins(begin), places(place), weights(std::vector<float>(kCount, 1.0f));
-    const Buffer source(values);
-    Buffer target(int64_t{4} * kCount);
-    rows.use();
-    rows.bind("RowBegin", begins);
-    rows.bind("RowSource", places);
-    rows.bind("RowWeight", weights);
-    rows.bind("RowTarget", places);
-    rows.bind("SourceValues", source);
-    rows.bind("TargetValues", target);
-    rows.set("count", kCount);
-    rows.set("nothing_without_terms", 0);
-    rows.dispatch_items(kCount, 64, 3);
-    glMemoryBarrier(GL_BUFFER_UPDATE_BARRIER_BIT);
-    EXPECT_EQ(target.read_all<float>(), values);
-  });
-}
-
 TEST(GpuThread, PostReturnsAtOnceAndHandsErrorsOver) {
   const auto thread = GpuThread::shared();
   std::promise<void> open;
@@ -175,14 +103,6 @@ TEST(GpuThread, AnErrorOfPostedGlIsHandedOverAndGone) {
                });
   EXPECT_NE(told.get_future().get().find("0x0500"), std::string::npos);
   thread->run([] {});  // throws what is left behind
-}
-
-TEST(ShaderSource, PutsVersionThenDefinesThenTheIncludedText) {
-  const std::string source = shader_source("shared_types.h", {"SIZE 4"});
-  EXPECT_TRUE(source.starts_with("#version 450 core\n"));
-  EXPECT_NE(source.find("#define SIZE 4\n"), std::string::npos);
-  EXPECT_EQ(source.find("#pragma once"), std::string::npos);
-  EXPECT_THROW(shader_source("missing.comp.glsl"), std::runtime_error);
 }
 
 }  // namespace

@@ -7,6 +7,7 @@
 
 #include "gpu/gpu_thread.h"
 #include "gpu/program.h"
+#include "native/gpu/weighted_rows.h"
 
 namespace snowbough::gpu {
 namespace {
@@ -18,15 +19,7 @@ void sum_rows(int32_t count, int rounds) {
   const Buffer begins(zeros), source(zeros);
   Buffer target(int64_t{4} * count);
   Program rows({"weighted_rows.comp.glsl"});
-  rows.use();
-  rows.bind("RowBegin", begins);
-  rows.bind("RowSource", begins);
-  rows.bind("RowWeight", begins);
-  rows.bind("RowTarget", begins);
-  rows.bind("SourceValues", source);
-  rows.bind("TargetValues", target);
-  rows.set("count", count);
-  rows.set("nothing_without_terms", 0);
+  use_for(rows, {begins, begins, begins, begins, source, target}, count);
   for (int i = 0; i < rounds; ++i) {
     rows.dispatch_items(count, 64);
   }

@@ -11,6 +11,7 @@ ON_BOTH_ENGINES = {
     "test_snow_replace",
     "test_snow_shading",
     "test_snow_sides",
+    "test_snow_simulation",
     "test_snow_state",
 }
 

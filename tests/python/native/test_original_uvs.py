@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 import snowbough_native as native
+from test_read_tree import one_branch
 
 HEIGHT, RINGS = 6.0, 13
 
@@ -139,16 +140,7 @@ def test_without_coordinates_there_are_none_but_materials_stay(tmp_path):
 
 
 def test_a_skeleton_from_no_file_has_neither():
-    branch = {
-        "name": "trunk",
-        "level": 0,
-        "parent": -1,
-        "attach_point": (0, 0, 0),
-        "points": [(0, 0, 0), (0, 0, 2)],
-        "radii": [0.2, 0.1],
-        "areas": [0.1, 0.03],
-    }
-    skeleton = native.Skeleton.from_branches([branch])
+    skeleton = native.Skeleton.from_branches([one_branch()])
     mesh = native.build_tree_mesh(skeleton)
     uv, material = native.original_uvs(skeleton, mesh)
     assert uv is None and (material == -1).all()

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough_native as native
-from snow_meshes import box, cylinder, grid
+from snow_meshes import box, cylinder, grid, sphere
 from test_renderer import closed
 
 #: Everything is in the picture, nothing is too small for it, and nothing shades.
@@ -190,6 +190,24 @@ def test_thesis_levels_follow_supported_snow_and_projected_area(renderer):
     assert np.allclose(renderer.snow_levels("it")["edge"], level_of_edges(corners, level), rtol=2e-3)
 
 
+def test_deep_snow_on_a_coarse_smooth_mesh_shows_no_facets(renderer):
+    """The band around the middle of a ball of 16 sides, under snow that rises and falls along its meridians, is as
+    bright as that of a ball of 128. So large that relief, grains and crystals are finer than pixels."""
+    swell = 12 + 6 * np.sin(np.linspace(0, 12 * np.pi, 256))
+    height = np.repeat(swell.astype(np.float32)[:, None], 256, axis=1)
+    camera = native.Camera(eye=(0, -400, 0), target=(0, 0, 0), width=240, height=240, field_of_view=0.5)
+    light = {"sun_direction": (0.8, -0.5, 0.4), "sun_color": (1, 1, 1), "sky_color": (0.1, 0.1, 0.1)}
+    bands = []
+    for around in (16, 128):
+        positions, triangles, uv = sphere(50.0, around, around // 2)
+        add(renderer, (positions, triangles, uv), height, positions[triangles] / 50.0, resolution=256)
+        picture = renderer.render(camera, native.RenderSettings(**WHOLE, **light))
+        bands.append(picture[112:128, 90:150, :3].astype(int))
+        renderer.remove("it")
+    assert bands[1].min() > 100
+    assert np.abs(bands[0] - bands[1]).max() <= 5
+
+
 def test_what_carries_no_snow_is_plain(renderer):
     height = np.zeros((256, 256), np.float32)
     height[:64, :64] = 0.05
@@ -367,6 +385,30 @@ def test_a_tree_with_snow_is_closed_to_the_bit(renderer, maple):
     assert found.shape == bare.shape and closed(found)
     risen = np.linalg.norm(found - bare, axis=2)
     assert 0.015 < np.median(risen) < 0.025 and risen.max() < 0.04
+
+
+def test_a_trees_arrays_say_where_its_snow_lies(renderer, maple):
+    camera = native.Camera(eye=(1.0, -2.2, 2.6), target=(0, 0, 1.2), width=160, height=120)
+    renderer.add_tree("tree", maple)
+    bare = renderer.render(camera)
+    renderer.set_snow("tree", lumps(256, 0.04))
+    snowed = renderer.render(camera)
+    assert not np.array_equal(snowed, bare)
+    renderer.set_snow("tree", np.zeros((1, 1), np.float32))
+    assert np.array_equal(renderer.render(camera), bare)
+    renderer.remove("tree")
+
+    arrays = native.tree_arrays(maple)
+    renderer.add_tree("tree", arrays)
+    renderer.set_snow("tree", lumps(256, 0.04))
+    assert np.array_equal(renderer.render(camera), snowed)
+    renderer.remove("tree")
+
+    del arrays["snow_uv"]
+    renderer.add_tree("tree", arrays)
+    assert np.array_equal(renderer.render(camera), bare)
+    with pytest.raises(ValueError, match="no places on a map"):
+        renderer.set_snow("tree", lumps(256, 0.04))
 
 
 def test_snow_on_a_tree_looks_as_on_a_mesh(renderer, maple):

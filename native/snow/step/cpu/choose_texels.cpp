@@ -11,7 +11,7 @@ bool faces_the_fall(const Scene& scene, const FragmentRuns& fragments, size_t gr
   const auto begin = fragments.runs.begin() + fragments.group_begin[group];
   const auto end = fragments.runs.begin() + fragments.group_begin[group + 1];
   return std::any_of(begin, end, [&](const FragmentRuns::Run& run) {
-    return shared::may_face_the_fall(scene.surface[run.triangle].x);
+    return shared::may_face_the_fall(shared::surface_facing(scene.surface[run.triangle]));
   });
 }
 

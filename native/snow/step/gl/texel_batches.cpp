@@ -120,13 +120,14 @@ TexelBatch BatchWriter::upload(Arrays&& arrays, int32_t group, int32_t first) {
   batch.first = first;
   batch.count = static_cast<int32_t>(arrays.places.size());
   *arrays.fragment_begin.add(1) = static_cast<uint32_t>(arrays.fragments.size());
-  // What fills up a work group has no fragments; see shaders/glsl/texel_fragments.glsl, which reads one.
+  // What fills up a work group has no fragments; see shaders/glsl/texel_fragments.glsl, which reads
+  // one.
   *arrays.fragments.add(1) = {0, 0.0f, 0.0f, 0.0f};
-  batch.places = arrays.places.take();
-  batch.fragment_begin = arrays.fragment_begin.take();
-  batch.fragments = arrays.fragments.take();
+  batch.places = arrays.places.into_buffer();
+  batch.fragment_begin = arrays.fragment_begin.into_buffer();
+  batch.fragments = arrays.fragments.into_buffer();
   if (arrays.opacity.size() > 0) {
-    batch.fragment_opacity = arrays.opacity.take();
+    batch.fragment_opacity = arrays.opacity.into_buffer();
     batch.views.fragment_opacity = gpu::BufferTexture(batch.fragment_opacity, GL_R32F);
   }
   batch.segment_buffer = gpu::Buffer(arrays.segments);

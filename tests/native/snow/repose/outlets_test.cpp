@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "row_of_texels.h"
+#include "snow/repose/window.h"
 
 namespace snowbough::snow {
 namespace {
@@ -55,10 +56,23 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
   }
   for (const int32_t block : {0, 1})
     set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
-  EXPECT_TRUE(lower_tile_bounds(tiles, 0, 2, rim_of(tiles)).border_has_changed);
+  const TileBounds done = lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
+  EXPECT_TRUE(done.has_changed);
+  EXPECT_EQ(done.seen_by & TileWindow::seen_by(kReposeBlock, 1), 1u << 5);
   EXPECT_NEAR(tiles[1]->bound[0], 0.1f + shared::kCuts * 0.325f, 1e-5f);
   lower_tile_bounds(tiles, 1, 2, {});
   EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
+}
+
+TEST(TileWindow, SaysWhichTilesSeeACell) {
+  EXPECT_EQ(TileWindow::seen_by(5, 5), 0u);
+  EXPECT_EQ(TileWindow::seen_by(31, 5), 1u << 5);
+  EXPECT_EQ(TileWindow::seen_by(-1, 5), 1u << 3);
+  // Links lead upwards, so only tiles below look at the lowest row.
+  EXPECT_EQ(TileWindow::seen_by(5, 0), 1u << 1);
+  EXPECT_EQ(TileWindow::seen_by(5, 31), 0u);
+  EXPECT_EQ(TileWindow::seen_by(5, 32), 1u << 7);
+  EXPECT_EQ(TileWindow::seen_by(0, 0), 1u << 0 | 1u << 1 | 1u << 3);
 }
 
 }  // namespace

@@ -9,7 +9,7 @@
 #include <random>
 #include <set>
 
-#include "snow/texels/charts.h"
+#include "native/snow/texels/quads.h"
 
 namespace snowbough::snow {
 namespace {
@@ -17,34 +17,6 @@ namespace {
 using ::testing::Each;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
-
-MapTopology topology_of(std::vector<int32_t> triangles, std::vector<glm::vec2> uv,
-                        int32_t resolution) {
-  MapTopology topology;
-  topology.vertex_count = 0;
-  for (const int32_t i : triangles) topology.vertex_count = std::max(topology.vertex_count, i + 1);
-  topology.triangles = std::move(triangles);
-  topology.corner_uv = std::move(uv);
-  topology.resolution = resolution;
-  return topology;
-}
-
-/// Two triangles over [left, right] x [bottom, top], with vertices of their own from `vertex` on.
-void add_quad(MapTopology& topology, float left, float bottom, float right, float top) {
-  const int32_t v = topology.vertex_count;
-  topology.vertex_count += 4;
-  topology.triangles.insert(topology.triangles.end(), {v, v + 1, v + 2, v, v + 2, v + 3});
-  topology.corner_uv.insert(
-      topology.corner_uv.end(),
-      {{left, bottom}, {right, bottom}, {right, top}, {left, bottom}, {right, top}, {left, top}});
-}
-
-MapTopology quad_map(float left, float bottom, float right, float top, int32_t resolution) {
-  MapTopology topology;
-  topology.resolution = resolution;
-  add_quad(topology, left, bottom, right, top);
-  return topology;
-}
 
 std::vector<double> share_sums(const TexelTable& table, size_t triangle_count) {
   std::vector<double> sums(triangle_count, 0.0);
@@ -61,32 +33,6 @@ std::string refusal(const MapTopology& topology) {
     return error.what();
   }
   return "accepted";
-}
-
-TEST(Charts, trianglesWithEqualUvsOnAnEdgeAreOneChart) {
-  const Charts charts = find_charts(quad_map(0, 0, 1, 1, 64));
-  EXPECT_THAT(charts.chart, ElementsAre(0, 0));
-  EXPECT_EQ(charts.seams.size(), 0u);
-  EXPECT_EQ(charts.open_edges.size(), 4u);
-}
-
-TEST(Charts, anEdgeWithTwoUvsIsASeam) {
-  const Charts charts = find_charts(
-      topology_of({0, 1, 2, 0, 2, 3},
-                  {{0, 0}, {0.4f, 0}, {0.4f, 0.4f}, {0.5f, 0}, {0.9f, 0.4f}, {0.5f, 0.4f}}, 64));
-  EXPECT_THAT(charts.chart, ElementsAre(0, 1));
-  ASSERT_EQ(charts.seams.size(), 1u);
-  EXPECT_EQ(charts.seams[0].a.edge, 2);
-  EXPECT_EQ(charts.seams[0].b.edge, 0);
-  EXPECT_FALSE(charts.seams[0].same_direction);
-}
-
-TEST(Charts, neighboursOfOppositeWindingMeetInTheSameDirection) {
-  const Charts charts = find_charts(
-      topology_of({0, 1, 2, 2, 0, 3},
-                  {{0, 0}, {0.4f, 0}, {0.4f, 0.4f}, {0.5f, 0}, {0.9f, 0.4f}, {0.5f, 0.4f}}, 64));
-  ASSERT_EQ(charts.seams.size(), 1u);
-  EXPECT_TRUE(charts.seams[0].same_direction);
 }
 
 TEST(TexelTable, aQuadOverTheWholeMapOwnsEveryTexel) {

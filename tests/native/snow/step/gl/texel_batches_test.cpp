@@ -47,7 +47,7 @@ TEST(BufferWriter, HoldsWhatWasAddedAndNoMore) {
     }
     EXPECT_EQ(writer.size(), wanted.size());
     EXPECT_THROW(writer.add(6), std::length_error);
-    EXPECT_EQ(writer.take().read_all<uint32_t>(), wanted);
+    EXPECT_EQ(writer.into_buffer().read_all<uint32_t>(), wanted);
   });
 }
 

@@ -1,0 +1,79 @@
+#include "image/atomic_file.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+
+#include <csignal>
+#include <filesystem>
+
+#include "native/image/temporary_folder.h"
+
+namespace snowbough::image {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+namespace fs = std::filesystem;
+using AtomicFile = TemporaryFolder;
+
+/// Lets files of this process grow to `bytes` only: a disk that fills up half-way.
+class SmallDisk {
+ public:
+  explicit SmallDisk(rlim_t bytes) {
+    handler_ = std::signal(SIGXFSZ, SIG_IGN);
+    getrlimit(RLIMIT_FSIZE, &before_);
+    rlimit limit = before_;
+    limit.rlim_cur = bytes;
+    setrlimit(RLIMIT_FSIZE, &limit);
+  }
+  ~SmallDisk() {
+    setrlimit(RLIMIT_FSIZE, &before_);
+    std::signal(SIGXFSZ, handler_);
+  }
+
+ private:
+  rlimit before_{};
+  void (*handler_)(int) = nullptr;
+};
+
+TEST_F(AtomicFile, atomicWriteLeavesExactlyTheBytes) {
+  atomic_write(path("a.json"), "{\"a\": 1}");
+  EXPECT_EQ(read_file(path("a.json")), "{\"a\": 1}");
+  EXPECT_THAT(files(), ElementsAre("a.json"));
+}
+
+TEST_F(AtomicFile, atomicWriteReplacesAnOlderFile) {
+  atomic_write(path("a"), "a long old text");
+  atomic_write(path("a"), "new");
+  EXPECT_EQ(read_file(path("a")), "new");
+}
+
+TEST_F(AtomicFile, aDiskThatFillsUpKeepsTheOldFileAndNoTemporary) {
+  atomic_write(path("a"), "old");
+  std::string message;
+  {
+    SmallDisk disk(1000);
+    message = failure([&] { atomic_write(path("a"), std::string(5000, 'x')); });
+  }
+  EXPECT_THAT(message, HasSubstr(path("a")));
+  EXPECT_THAT(message, HasSubstr("File too large"));
+  EXPECT_EQ(read_file(path("a")), "old");
+  EXPECT_THAT(files(), ElementsAre("a"));
+}
+
+TEST_F(AtomicFile, aMissingFolderIsNamed) {
+  const std::string message = failure([&] { atomic_write(path("no/a"), "x"); });
+  EXPECT_THAT(message, HasSubstr(path("no/a")));
+  EXPECT_THAT(message, HasSubstr("No such file or directory"));
+}
+
+TEST_F(AtomicFile, aFolderInTheWayIsReportedAndNoTemporaryStays) {
+  fs::create_directory(folder_ / "taken");
+  const std::string message = failure([&] { atomic_write(path("taken"), "x"); });
+  EXPECT_THAT(message, HasSubstr("directory"));
+  EXPECT_THAT(files(), ElementsAre("taken"));
+}
+
+}  // namespace
+}  // namespace snowbough::image

@@ -1,0 +1,111 @@
+#include "image/exr.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+#include <random>
+
+#include "image/atomic_file.h"
+#include "native/image/temporary_folder.h"
+
+namespace snowbough::image {
+namespace {
+
+using ::testing::ElementsAre;
+using ::testing::HasSubstr;
+using Exr = TemporaryFolder;
+
+TEST_F(Exr, heightsComeBackBitForBit) {
+  const std::vector<float> height{0.0f, 1e-30f, 0.1f,  1.0f / 3.0f, 123.456f,
+                                  7e7f, 0.25f,  -0.0f, 2.5e-7f};
+  write_height_exr(path("h.exr"), 3, height.data(), {{"snowboughUnit", "metre"}});
+  const ExrImage image = read_exr(path("h.exr"));
+  EXPECT_EQ(image.layout.width, 3);
+  EXPECT_EQ(image.layout.height, 3);
+  EXPECT_THAT(image.layout.channels, ElementsAre("Y"));
+  EXPECT_EQ(image.layout.type, ExrPixelType::kFloat);
+  EXPECT_EQ(image.layout.attributes.at("snowboughUnit"), "metre");
+  EXPECT_EQ(0, std::memcmp(image.pixels.data(), height.data(), sizeof(float) * 9));
+}
+
+TEST_F(Exr, rowZeroIsTheLastScanline) {
+  ExrLayout layout;
+  layout.width = 1;
+  layout.height = 3;
+  layout.channels = {"Y"};
+  layout.compression = ExrCompression::kNone;
+  const std::vector<float> rows{1.0f, 2.0f, 3.0f};
+  write_exr(path("r.exr"), layout, rows.data());
+  // Uncompressed scanlines are 8 bytes of header and one float each, from the top down.
+  const std::string bytes = read_file(path("r.exr"));
+  float last = 0.0f;
+  std::memcpy(&last, bytes.data() + bytes.size() - 4, 4);
+  EXPECT_EQ(last, 1.0f);
+}
+
+TEST_F(Exr, channelsKeepTheirOrderInMemory) {
+  ExrLayout layout;
+  layout.width = 2;
+  layout.height = 1;
+  layout.channels = {"R", "G", "B"};
+  const std::vector<float> pixels{1, 2, 3, 4, 5, 6};
+  write_exr(path("c.exr"), layout, pixels.data());
+  const ExrImage image = read_exr(path("c.exr"));
+  EXPECT_THAT(image.layout.channels, ElementsAre("B", "G", "R"));
+  EXPECT_THAT(image.pixels, ElementsAre(3, 2, 1, 6, 5, 4));
+}
+
+TEST_F(Exr, normalsAreHalvesEncodedAroundOneHalf) {
+  const std::vector<float> normals{0.0f, 0.0f, 1.0f};
+  write_normal_exr(path("n.exr"), 1, normals.data());
+  const ExrImage image = read_exr(path("n.exr"));
+  EXPECT_EQ(image.layout.type, ExrPixelType::kHalf);
+  EXPECT_THAT(image.pixels, ElementsAre(1.0f, 0.5f, 0.5f));
+}
+
+TEST_F(Exr, everyCompressionGivesTheSamePixelsAndTheSameBytesTwice) {
+  std::mt19937 random(7);
+  std::vector<float> height(64 * 64);
+  for (float& h : height) h = static_cast<float>(random()) * 1e-10f;
+  ExrLayout layout;
+  layout.width = layout.height = 64;
+  layout.channels = {"Y"};
+  for (const ExrCompression compression :
+       {ExrCompression::kNone, ExrCompression::kRle, ExrCompression::kZips, ExrCompression::kZip,
+        ExrCompression::kPiz}) {
+    layout.compression = compression;
+    write_exr(path("1.exr"), layout, height.data());
+    write_exr(path("2.exr"), layout, height.data());
+    EXPECT_EQ(read_file(path("1.exr")), read_file(path("2.exr")));
+    EXPECT_EQ(read_exr(path("1.exr")).pixels, height);
+  }
+}
+
+TEST_F(Exr, wrongLayoutsAreRefused) {
+  const float pixel[2] = {0, 0};
+  ExrLayout layout;
+  layout.width = layout.height = 1;
+  EXPECT_THROW(write_exr(path("x"), layout, pixel), std::invalid_argument);
+  layout.channels = {"Y", "Y"};
+  EXPECT_THROW(write_exr(path("x"), layout, pixel), std::invalid_argument);
+  layout.channels = {"Y"};
+  layout.attributes = {{"dataWindow", "mine"}};
+  EXPECT_THROW(write_exr(path("x"), layout, pixel), std::invalid_argument);
+  EXPECT_TRUE(files().empty());
+}
+
+TEST_F(Exr, damagedAndForeignFilesAreRefusedByName) {
+  atomic_write(path("text.exr"), "this is no image");
+  EXPECT_THAT(failure([&] { read_exr(path("text.exr")); }), HasSubstr("text.exr"));
+  EXPECT_THAT(failure([&] { read_exr(path("gone.exr")); }), HasSubstr("No such file"));
+  std::vector<float> height(64 * 64, 1.0f);
+  write_height_exr(path("h.exr"), 64, height.data());
+  const std::string bytes = read_file(path("h.exr"));
+  atomic_write(path("cut.exr"), bytes.substr(0, bytes.size() / 2));
+  EXPECT_THAT(failure([&] { read_exr(path("cut.exr")); }), HasSubstr("cut.exr"));
+}
+
+}  // namespace
+}  // namespace snowbough::image
