@@ -179,7 +179,8 @@ void bind_mesh_functions(py::module_& module) {
         bound->bone_map = std::move(reduced.bone_map);
         return bound;
       },
-      py::arg("mesh"), py::arg("max_bones") = 1000, py::arg("max_bone_level") = -1,
+      py::arg("mesh"), py::arg("max_bones") = BoneBudget{}.max_bones,
+      py::arg("max_bone_level") = BoneBudget{}.max_bone_level,
       "A copy of the mesh without its deepest bones (0 and -1: no limit); their weights go to the "
       "nearest\n"
       "kept ancestor. Its bone_map says for each old bone which one that is.");

@@ -44,7 +44,9 @@ def base_arrays(armature):
         return None
     skeleton, built = found
     module = native.load()
-    base = module.build_tree_mesh(skeleton, built["width"], built["species"], lod=0)
+    base = module.build_tree_mesh(
+        skeleton, built["width"], built["species"], lod=0, snow_resolution=built["snow_resolution"]
+    )
     return module.tree_arrays(module.reduce_bones(base, built["max_bones"], built["max_bone_level"]))
 
 

@@ -1,43 +1,110 @@
 #include "tree/crossings/whole.h"
 
 #include <algorithm>
+#include <array>
 #include <glm/common.hpp>
 #include <glm/vector_relational.hpp>
 
 #include "tree/crossings/faces.h"
 
 namespace snowbough::tree {
+namespace {
 
-std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dvec3> vertices,
-                                                        std::span<const Quad> quads,
-                                                        std::span<const int32_t> only) {
-  std::vector<CrossingFace> faces;
-  faces.reserve(only.size());
-  glm::vec3 low(1e30f), high(-1e30f);
-  for (const int32_t f : only) {
-    faces.push_back(make_crossing_face(vertices, quads, f));
-    low = glm::min(low, faces.back().low);
-    high = glm::max(high, faces.back().high);
+/// Faces that are compared each with each, and how often a part of them is halved at most.
+constexpr size_t kFew = 40;
+constexpr int kMostHalvings = 20;
+/// A part is not halved where both halves together would have so many times its faces.
+constexpr double kWorthwhile = 1.15;
+
+/// Finds pairs by halving space: a pair belongs where the lowest corner of what their boxes share
+/// lies, so that none is met twice.
+class PairFinder {
+ public:
+  PairFinder(std::vector<CrossingFace> faces, std::span<const uint8_t> changed)
+      : faces_(std::move(faces)), changed_(changed) {}
+
+  std::vector<std::pair<int32_t, int32_t>> find() {
+    std::vector<int32_t> all(faces_.size());
+    for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int32_t>(i);
+    halve(std::move(all), glm::vec3(-1e30f), glm::vec3(1e30f), 0);
+    std::sort(found_.begin(), found_.end());
+    return std::move(found_);
   }
-  // Swept along the longest side: fewest faces begin before another ends.
-  const glm::vec3 size = high - low;
-  const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
-  std::sort(faces.begin(), faces.end(), [axis](const CrossingFace& a, const CrossingFace& b) {
-    return a.low[axis] != b.low[axis] ? a.low[axis] < b.low[axis] : a.number < b.number;
-  });
-  std::vector<std::pair<int32_t, int32_t>> found;
-  for (size_t i = 0; i < faces.size(); ++i) {
-    const CrossingFace& f = faces[i];
-    for (size_t j = i + 1; j < faces.size() && faces[j].low[axis] <= f.high[axis]; ++j) {
-      const CrossingFace& g = faces[j];
-      if (glm::all(glm::lessThanEqual(f.low, g.high)) &&
-          glm::all(glm::lessThanEqual(g.low, f.high)) && faces_cross(f, g)) {
-        found.emplace_back(std::minmax(f.number, g.number));
+
+ private:
+  bool is_changed(int32_t i) const { return changed_.empty() || changed_[faces_[i].number] != 0; }
+
+  /// @param above, up_to  the part of space that is looked at, without its lower sides.
+  void halve(std::vector<int32_t> part, const glm::vec3& above, const glm::vec3& up_to, int depth) {
+    if (std::none_of(part.begin(), part.end(), [&](int32_t i) { return is_changed(i); })) return;
+    if (part.size() <= kFew || depth == kMostHalvings) return compare(part, above, up_to);
+    glm::vec3 low(1e30f), high(-1e30f);
+    for (const int32_t i : part) {
+      low = glm::min(low, faces_[i].low);
+      high = glm::max(high, faces_[i].low);
+    }
+    const glm::vec3 size = high - low;
+    const int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+    std::nth_element(part.begin(), middle, part.end(), [&](int32_t a, int32_t b) {
+      return faces_[a].low[axis] < faces_[b].low[axis];
+    });
+    const float cut = faces_[*middle].low[axis];
+    std::vector<int32_t> under, over;
+    for (const int32_t i : part) {
+      if (faces_[i].low[axis] <= cut) under.push_back(i);
+      if (faces_[i].high[axis] > cut) over.push_back(i);
+    }
+    if (static_cast<double>(under.size() + over.size()) >
+        kWorthwhile * static_cast<double>(part.size())) {
+      return compare(part, above, up_to);
+    }
+    std::vector<int32_t>().swap(part);
+    glm::vec3 under_to(up_to), over_above(above);
+    under_to[axis] = std::min(cut, up_to[axis]);
+    over_above[axis] = std::max(cut, above[axis]);
+    halve(std::move(under), above, under_to, depth + 1);
+    halve(std::move(over), over_above, up_to, depth + 1);
+  }
+
+  /// Swept along one axis: what begins before another ends.
+  void compare(std::vector<int32_t>& part, const glm::vec3& above, const glm::vec3& up_to) {
+    std::sort(part.begin(), part.end(), [&](int32_t a, int32_t b) {
+      return faces_[a].low.x != faces_[b].low.x ? faces_[a].low.x < faces_[b].low.x : a < b;
+    });
+    for (size_t i = 0; i < part.size(); ++i) {
+      const CrossingFace& f = faces_[part[i]];
+      for (size_t j = i + 1; j < part.size() && faces_[part[j]].low.x <= f.high.x; ++j) {
+        const CrossingFace& g = faces_[part[j]];
+        if (!(is_changed(part[i]) || is_changed(part[j])) ||
+            !glm::all(glm::lessThanEqual(f.low, g.high)) ||
+            !glm::all(glm::lessThanEqual(g.low, f.high))) {
+          continue;
+        }
+        const glm::vec3 lowest = glm::max(f.low, g.low);
+        if (glm::all(glm::greaterThan(lowest, above)) &&
+            glm::all(glm::lessThanEqual(lowest, up_to)) && faces_cross(f, g)) {
+          found_.emplace_back(std::minmax(f.number, g.number));
+        }
       }
     }
   }
-  std::sort(found.begin(), found.end());
-  return found;
+
+  std::vector<CrossingFace> faces_;
+  std::span<const uint8_t> changed_;
+  std::vector<std::pair<int32_t, int32_t>> found_;
+};
+
+}  // namespace
+
+std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dvec3> vertices,
+                                                        std::span<const Quad> quads,
+                                                        std::span<const int32_t> only,
+                                                        std::span<const uint8_t> changed) {
+  std::vector<CrossingFace> faces;
+  faces.reserve(only.size());
+  for (const int32_t f : only) faces.push_back(make_crossing_face(vertices, quads, f));
+  return PairFinder(std::move(faces), changed).find();
 }
 
 }  // namespace snowbough::tree

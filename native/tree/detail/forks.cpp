@@ -9,6 +9,7 @@
 #include <span>
 #include <utility>
 
+#include "tree/detail/creases.h"
 #include "tree/detail/neighbours.h"
 #include "tree/detail/uncross.h"
 
@@ -77,12 +78,19 @@ class ForkBlender {
                          });
       take_ways(moved, active);
     }
+    soften();
     ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
     for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
     uncross(moved_faces, first_points_, execution.part(kBlended, 1.0f), points_);
   }
 
  private:
+  void soften() {
+    std::vector<double> farthest(points_.size(), 0.0);
+    for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
+    soften_creases(fine_, surface_.origins, chains_, farthest, points_);
+  }
+
   /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.
   void take_ways(const std::vector<glm::dvec3>& moved, std::vector<int32_t>& active) {
     std::vector<uint8_t> awake(movers_.size(), 0);

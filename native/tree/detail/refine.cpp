@@ -3,11 +3,12 @@
 #include <algorithm>
 #include <utility>
 
-#include "tree/detail/fork_field.h"
+#include "tree/detail/clear_limbs.h"
 #include "tree/detail/forks.h"
-#include "tree/detail/places.h"
 #include "tree/mesh/edges.h"
 #include "tree/mesh/weights.h"
+#include "tree/rims/fork_field.h"
+#include "tree/rims/places.h"
 #include "tree/tubes/cuts.h"
 #include "tree/tubes/fine_mesh.h"
 #include "tree/tubes/limb_shape.h"
@@ -18,9 +19,12 @@ namespace {
 
 /// Vertices or faces that a thread takes at a time.
 constexpr size_t kBlock = 4096;
-/// Share of the time until the mesh is cut, and until its forks are blended.
+/// Share of the time until the mesh is cut, its forks are blended, nothing crosses, and it is
+/// weighted.
 constexpr float kCutDone = 0.3f;
-constexpr float kForksDone = 0.8f;
+constexpr float kForksDone = 0.7f;
+constexpr float kCleared = 0.85f;
+constexpr float kWeighted = 0.93f;
 
 /// Shares of a quad's four corners at a place on it.
 std::array<double, 4> corner_shares(double u, double v) {
@@ -105,8 +109,10 @@ void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
   std::vector<glm::dvec3> points =
       limb_positions(surface, tubes, forks, fine, scale.height, execution.threads);
   blend_forks(surface, forks, chains, fine, execution.part(kCutDone, kForksDone), points);
-  interpolate_weights(fine, max_influences, mesh, execution.part(kForksDone, 0.9f));
-  take_faces(std::move(fine), mesh, execution.part(0.9f, 1.0f));
+  clear_limbs(surface, paths, parents, chains, fine, scale, execution.part(kForksDone, kCleared),
+              points);
+  interpolate_weights(fine, max_influences, mesh, execution.part(kCleared, kWeighted));
+  take_faces(std::move(fine), mesh, execution.part(kWeighted, 1.0f));
   mesh.vertices.assign(points.begin(), points.end());
 }
 

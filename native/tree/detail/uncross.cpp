@@ -165,6 +165,11 @@ class Uncrosser {
 
 }  // namespace
 
+void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
+               const base::Execution& execution, std::vector<glm::dvec3>& points) {
+  Uncrosser(forks, before, points).take_back(execution);
+}
+
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
              const base::Execution& execution, std::vector<glm::dvec3>& points) {
   Uncrosser uncrosser(forks, before, points);

@@ -20,6 +20,11 @@ struct ForkFaces {
   std::vector<std::vector<int32_t>> faces;
 };
 
+/// Only takes back what has come to cross by moving.
+/// @param before, points, execution  uncross.
+void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
+               const base::Execution& execution, std::vector<glm::dvec3>& points);
+
 /// Mends faces that cross at forks. Where moving made some cross that did not before, the vertices
 /// around them go back, part of the way at a time, until none does. What crosses still, because it
 /// did before, is put between its neighbours, round by round; where that does not help it stays.

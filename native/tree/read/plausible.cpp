@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstddef>
+#include <glm/geometric.hpp>
 
 #include "tree/skeleton/centreline.h"
 
@@ -17,10 +18,22 @@ constexpr double kBars = 0.75;
 constexpr float kThinner = 0.8f;
 /// Share of the branches that stand on thicker ones below which they are no limbs.
 constexpr double kStandOnThicker = 0.5;
+/// Limbs shorter than so many of their radii are blocks, and the share of such from which on pieces
+/// are no limbs.
+constexpr float kBlock = 4.0f;
+constexpr double kBlocks = 0.5;
 
 bool tapers(const Branch& branch) {
   const auto [thin, thick] = std::minmax_element(branch.radii.begin(), branch.radii.end());
   return *thin < kEqual * *thick;
+}
+
+bool is_block(const Branch& branch) {
+  float length = 0.0f;
+  for (size_t i = 1; i < branch.points.size(); ++i) {
+    length += glm::distance(branch.points[i - 1], branch.points[i]);
+  }
+  return length < kBlock * *std::max_element(branch.radii.begin(), branch.radii.end());
 }
 
 std::string of(size_t count, size_t all) {
@@ -34,22 +47,28 @@ std::string why_no_tree(const std::vector<Branch>& branches) {
   size_t bars = 0;
   size_t standing = 0;
   size_t on_thicker = 0;
+  size_t blocks = 0;
   for (const Branch& branch : branches) {
     bars += tapers(branch) ? 0 : 1;
+    blocks += is_block(branch) ? 1 : 0;
     if (branch.parent < 0) continue;
     ++standing;
     const Branch& parent = branches[branch.parent];
     const float there = radius_at(parent, nearest_place(parent, branch.attach_point));
     on_thicker += branch.radii.front() < kThinner * there ? 1 : 0;
   }
-  if (static_cast<double>(bars) < kBars * static_cast<double>(branches.size()) ||
-      static_cast<double>(on_thicker) >=
-          kStandOnThicker * static_cast<double>(branches.size() - 1)) {
-    return "";
+  const auto count = static_cast<double>(branches.size());
+  if (static_cast<double>(bars) < kBars * count) return "";
+  const std::string bars_text =
+      of(bars, branches.size()) + " pieces are bars, as thick at one end as at the other, and ";
+  if (static_cast<double>(on_thicker) < kStandOnThicker * (count - 1.0)) {
+    return bars_text + "only " + of(on_thicker, standing) +
+           " that stand on others are thinner than those";
   }
-  return of(bars, branches.size()) +
-         " pieces are bars, as thick at one end as at the other, and only " +
-         of(on_thicker, standing) + " that stand on others are thinner than those";
+  if (static_cast<double>(blocks) >= kBlocks * count) {
+    return bars_text + std::to_string(blocks) + " are less than twice as long as they are thick";
+  }
+  return "";
 }
 
 }  // namespace snowbough::tree

@@ -40,9 +40,9 @@ void Rows::link(const Link& link) {
       too_long(link.to, link.to_side, link.length)) {
     return;
   }
-  const size_t a = find(link.from), b = find(link.to);
-  if (a == b) return;
-  row_[std::max(a, b)] = std::min(a, b);
+  const auto from = static_cast<int32_t>(link.from), to = static_cast<int32_t>(link.to);
+  if (row_.find(from) == row_.find(to)) return;
+  row_.join(from, to);
   next_[link.from][link.from_side] = link.to;
   next_[link.to][link.to_side] = link.from;
   length_[link.from][link.from_side] = length_[link.to][link.to_side] = link.length;
@@ -135,19 +135,12 @@ double Rows::misfit(const std::vector<Plane>& planes, size_t i, int side, size_t
 }
 
 void Rows::find_rows() {
-  std::iota(row_.begin(), row_.end(), 0);
+  row_ = base::UnionFind(next_.size());
   for (size_t i = 0; i < next_.size(); ++i) {
     for (const int64_t other : next_[i]) {
-      if (other < 0) continue;
-      const size_t a = find(i), b = find(static_cast<size_t>(other));
-      row_[std::max(a, b)] = std::min(a, b);
+      if (other >= 0) row_.join(static_cast<int32_t>(i), static_cast<int32_t>(other));
     }
   }
-}
-
-size_t Rows::find(size_t i) {
-  while (row_[i] != i) i = row_[i] = row_[row_[i]];
-  return i;
 }
 
 bool Rows::too_long(size_t plane, int side, double length) const {

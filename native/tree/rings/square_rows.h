@@ -3,9 +3,9 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <numeric>
 #include <vector>
 
+#include "base/union_find.h"
 #include "tree/rings/square_links.h"
 
 namespace snowbough::tree {
@@ -13,9 +13,7 @@ namespace snowbough::tree {
 /// Rows that grow together link by link.
 class Rows {
  public:
-  explicit Rows(size_t count) : next_(count, {-1, -1}), length_(count), row_(count) {
-    std::iota(row_.begin(), row_.end(), 0);
-  }
+  explicit Rows(size_t count) : next_(count, {-1, -1}), length_(count), row_(count) {}
 
   void link(const Link& link);
 
@@ -35,17 +33,16 @@ class Rows {
   /// Whether `plane` is reached from `i` without its side `side`: linking them there makes a loop.
   bool in_row_of(size_t i, int side, size_t plane) const;
 
-  /// The same for a link, at both its ends.
+  /// How badly a link fits its neighbours in the row, as a mean over both its ends.
   double misfit(const std::vector<Plane>& planes, size_t i, int side, size_t j, int j_side) const;
 
   void find_rows();
 
-  size_t find(size_t i);
   bool too_long(size_t plane, int side, double length) const;
 
   std::vector<std::array<int64_t, 2>> next_;
   std::vector<std::array<double, 2>> length_;
-  std::vector<size_t> row_;
+  base::UnionFind row_;
 };
 
 }  // namespace snowbough::tree

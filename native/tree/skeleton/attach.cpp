@@ -139,7 +139,7 @@ void attach_left_over(std::vector<Branch>& branches, const std::vector<int32_t>&
     std::vector<int32_t> family{static_cast<int32_t>(b)};
     for (size_t i = 0; i < family.size(); ++i) {
       own[family[i]] = 1;
-      family.insert(family.end(), children[family[i]].begin(), children[family[i]].end());
+      for (const int32_t child : children[family[i]]) family.push_back(child);
     }
     const int32_t below = by_level ? order[b] + 1 : std::numeric_limits<int32_t>::max();
     const NearestSegment found = segments.nearest(

@@ -18,6 +18,8 @@ constexpr double kFairStep = 0.7;
 constexpr double kFairMargin = 0.1;
 constexpr int kFairSweeps = 40;
 constexpr double kFairedCosine = 0.5;
+/// Joints of the thinnest limbs are at least so many corner radii apart.
+constexpr double kThinnestJoints = 2.0;
 
 bool finite(const glm::vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
@@ -95,6 +97,13 @@ void fair(LimbPath& path) {
     }
     if (!moved) return;
   }
+}
+
+/// How near to each other two joints are one. Where the export's limb is thinner than any surface,
+/// its surface has no room for joints closer than it is thick.
+double closest_joint(double corner, double next, const SurfaceScale& scale) {
+  const bool thinnest = std::max(corner, next) <= scale.smallest_corner;
+  return thinnest ? kThinnestJoints * scale.smallest_corner : scale.coincident;
 }
 
 }  // namespace
@@ -222,7 +231,8 @@ std::vector<LimbPath> limb_paths(const Skeleton& skeleton, const Widths& widths,
       const glm::dvec3 point(branch.points[i]);
       const double corner =
           std::max(std::sqrt(0.5 * static_cast<double>(widths.areas[b][i])), scale.smallest_corner);
-      if (!path.points.empty() && glm::distance(path.points.back(), point) <= scale.coincident) {
+      if (!path.points.empty() && glm::distance(path.points.back(), point) <=
+                                      closest_joint(path.corners.back(), corner, scale)) {
         // Of two rings at one place the wider one carries the wood.
         path.corners.back() = std::max(path.corners.back(), corner);
         continue;

@@ -26,12 +26,15 @@ constexpr double kForkReachOnChild = 2.2;
 constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
+/// A limb of four sides has turned from its hole's corners to its own within so many radii, or
+/// within this share of its first row.
+constexpr double kTurnedShare = 0.15;
 /// Pieces are worth a change of sides further from the edge with fewer when longer by this factor.
 constexpr double kLonger = 1.25;
 /// A row that tapers to less than this share has room for a change of sides where it is wide.
 constexpr double kPointed = 0.5;
 /// In rows shorter than so many sides of the end with fewer their number stays the same.
-constexpr double kShortChange = 1.0;
+constexpr double kShortChange = 2.0;
 /// The side error grows by this factor, at most so often, until the budget is kept.
 constexpr double kCoarser = 1.12;
 constexpr int kMostSteps = 90;
@@ -206,6 +209,14 @@ class Cutter {
         const double reach = (kForkReachOnChild + kForkReachAslant * lean) *
                              radius_of(surface_.limbs[b].rings.front());
         want_near(b, -1, 1, reach, kForkRow * child_side(child), wanted);
+      } else if (hole_of_[b] >= 0) {
+        // Of four sides, it turns from the hole's corners to its own there: not on the whole row.
+        const double pieces =
+            std::clamp(shapes_[b].hole_twist() / settings_.thin_turn - 0.35, 0.0, 1.0);
+        const double reach =
+            std::max(kForkReachOnChild * radius_of(surface_.limbs[b].rings.front()),
+                     kTurnedShare * row_length(b, 0));
+        if (pieces > 0.0) want_near(b, -1, 1, reach, reach / pieces, wanted);
       }
       for (size_t row = 0; row < rows; ++row) {
         cuts_.rows[b][row] = knuckle[row] != 0

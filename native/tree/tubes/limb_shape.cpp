@@ -24,6 +24,21 @@ Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
   return frame;
 }
 
+/// The largest angle between the sides of two rings, seen along a direction.
+double largest_turn(const Ring& from, const Ring& to, const glm::dvec3& along,
+                    const std::vector<glm::dvec3>& vertices) {
+  const auto side = [&](const Ring& ring, int k) {
+    const glm::dvec3 edge = vertices[ring.vertices[(k + 1) % 4]] - vertices[ring.vertices[k]];
+    return edge - along * glm::dot(edge, along);
+  };
+  double largest = 0.0;
+  for (int k = 0; k < 4; ++k) {
+    const glm::dvec3 a = side(from, k), b = side(to, k);
+    largest = std::max(largest, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+  }
+  return largest;
+}
+
 }  // namespace
 
 LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
@@ -41,6 +56,7 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   }
   if (!limb.continues_parent && rings_.size() > 1) {
     // The hole lies askew; around it the limb is as round as at its first own ring.
+    hole_twist_ = largest_turn(limb.rings[0], limb.rings[1], rings_[1].frame.normal, vertices);
     rings_[0].frame = rings_[1].frame;
   }
 }

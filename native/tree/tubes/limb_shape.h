@@ -25,6 +25,9 @@ class LimbShape {
   /// The directions of corners 0 and 1 of the square ring, where the limb runs along `tangent`: the
   /// frames of the rings before and after it, turned there as little as possible.
   Frame frame(size_t row, double v, const glm::dvec3& tangent) const;
+  /// Radians by which the sides of the hole that the limb leaves its parent through are turned
+  /// around the limb against those of its first own ring, at most; 0 without a hole.
+  double hole_twist() const { return hole_twist_; }
   /// Shares of a row, ascending, at which the centreline has joints between its two rings.
   std::vector<double> joints(size_t row) const;
   size_t row_count() const { return rings_.size() - 1; }
@@ -42,6 +45,7 @@ class LimbShape {
 
   LimbCurve curve_;
   std::vector<RingShape> rings_;
+  double hole_twist_ = 0.0;
 };
 
 /// The shapes of all limbs. Where a child continues its parent both curves meet smoothly.

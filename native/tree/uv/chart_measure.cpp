@@ -6,11 +6,12 @@
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
 #include <limits>
-#include <numeric>
 #include <stdexcept>
 #include <string>
 #include <tuple>
 #include <utility>
+
+#include "base/union_find.h"
 
 namespace snowbough::tree {
 namespace {
@@ -69,25 +70,14 @@ std::vector<int32_t> find_charts(const UvSurface& surface, int32_t& chart_count)
   std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
     return std::tuple(a.key(), a.face) < std::tuple(b.key(), b.face);
   });
-  std::vector<int32_t> parent(face_count);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto find = [&parent](int32_t i) {
-    while (parent[i] != i) {
-      i = parent[i] = parent[parent[i]];
-    }
-    return i;
-  };
+  base::UnionFind joined(static_cast<size_t>(face_count));
   for (size_t i = 1; i < edges.size(); ++i) {
-    if (edges[i].key() == edges[i - 1].key()) {
-      const int32_t a = find(edges[i].face);
-      const int32_t b = find(edges[i - 1].face);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
+    if (edges[i].key() == edges[i - 1].key()) joined.join(edges[i].face, edges[i - 1].face);
   }
   std::vector<int32_t> chart(face_count);
   chart_count = 0;
   for (int32_t face = 0; face < face_count; ++face) {
-    const int32_t first = find(face);
+    const int32_t first = joined.find(face);
     chart[face] = first == face ? chart_count++ : chart[first];
   }
   return chart;

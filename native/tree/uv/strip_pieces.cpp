@@ -6,6 +6,8 @@
 #include <limits>
 #include <numeric>
 
+#include "base/union_find.h"
+
 namespace snowbough::tree {
 namespace {
 
@@ -13,14 +15,7 @@ constexpr int kSides = 4;
 
 /// Whether the cells of a piece hang together by their edges once it is cut open at `seam`.
 bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int seam) {
-  std::vector<int32_t> group(static_cast<size_t>(last_row - first_row) * kSides);
-  std::iota(group.begin(), group.end(), 0);
-  const auto find = [&group](int32_t i) {
-    while (group[i] != i) {
-      i = group[i] = group[group[i]];
-    }
-    return i;
-  };
+  base::UnionFind joined(static_cast<size_t>(last_row - first_row) * kSides);
   const auto filled = [&](int32_t row, int column) {
     return !strip.rows[row].cells[(seam + column) % kSides].empty();
   };
@@ -33,10 +28,8 @@ bool is_connected(const Strip& strip, int32_t first_row, int32_t last_row, int s
       ++groups;
       const int32_t cell = (row - first_row) * kSides + column;
       const auto join = [&](int32_t other) {
-        const int32_t a = find(cell);
-        const int32_t b = find(other);
-        groups -= a != b;
-        group[std::max(a, b)] = std::min(a, b);
+        groups -= joined.find(cell) != joined.find(other) ? 1 : 0;
+        joined.join(cell, other);
       };
       if (column > 0 && filled(row, column - 1)) {
         join(cell - 1);

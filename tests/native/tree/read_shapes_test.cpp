@@ -141,6 +141,15 @@ TEST_F(ReadTree, ABenchIsNoTree) {
               HasSubstr("pieces are bars, as thick at one end"));
 }
 
+TEST_F(ReadTree, AHouseOfBlocksIsNoTree) {
+  TriangleSoup house;
+  bar({0, 0, 0}, {0, 0, 3}, 5.0f, house);
+  bar({1, 0, 3}, {1, 0, 5.5f}, 0.4f, house);
+  for (const float x : {-2.0f, 0.0f, 2.0f}) bar({x, -3.5f, 1}, {x, -3.5f, 2}, 0.5f, house);
+  EXPECT_THAT(error_of("g house\n" + house.text(10)),
+              HasSubstr("4 are less than twice as long as they are thick"));
+}
+
 TEST_F(ReadTree, WhatIsNamedAsWoodIsBelieved) {
   EXPECT_EQ(error_of("g branches\n" + bench().text(10)), "no error");
   EXPECT_EQ(error_of("g side\n" + bench().text(10), {.levels = "side"}), "no error");

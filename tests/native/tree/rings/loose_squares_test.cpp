@@ -13,6 +13,7 @@
 #include <utility>
 #include <vector>
 
+#include "native/tree/rings/sections.h"
 #include "tree/read_tree.h"
 
 namespace snowbough::tree {
@@ -23,22 +24,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 using testing::SizeIs;
-
-/// A square of the given half diagonal across `along`.
-CrossSection square_across(const glm::vec3& centre, const glm::vec3& along, float radius) {
-  const glm::vec3 u = glm::normalize(glm::cross(along, glm::vec3(0.3f, 0.5f, 0.1f)));
-  const glm::vec3 v = glm::normalize(glm::cross(along, u));
-  return {{centre + radius * u, centre + radius * v, centre - radius * u, centre - radius * v}};
-}
-
-/// Squares every metre along z, tapering.
-std::vector<CrossSection> pole(int count) {
-  std::vector<CrossSection> sections;
-  for (int i = 0; i < count; ++i) {
-    sections.push_back(square_across({0, 0, i}, {0, 0, 1}, 0.5f - 0.05f * i));
-  }
-  return sections;
-}
 
 template <typename T>
 std::vector<T> in_order(const std::vector<T>& all, const std::vector<size_t>& order) {

@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "tree/detail/rims.h"
+#include "tree/rims/rims.h"
 #include "tree/tubes/fine_mesh.h"
 #include "tree/tubes/limb_tubes.h"
 

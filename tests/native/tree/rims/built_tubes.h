@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "native/tree/built_surface.h"
-#include "tree/detail/fork_field.h"
 #include "tree/mesh/edges.h"
+#include "tree/rims/fork_field.h"
 #include "tree/tubes/cuts.h"
 #include "tree/tubes/limb_shape.h"
 #include "tree/tubes/limb_tubes.h"

@@ -1,11 +1,11 @@
-#include "tree/detail/rims.h"
+#include "tree/rims/rims.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <glm/geometric.hpp>
 
-#include "native/tree/detail/built_tubes.h"
+#include "native/tree/rims/built_tubes.h"
 
 namespace snowbough::tree {
 namespace {

@@ -1,4 +1,4 @@
-#include "tree/detail/rims.h"
+#include "tree/rims/rims.h"
 
 #include <algorithm>
 #include <cmath>

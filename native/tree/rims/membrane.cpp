@@ -1,16 +1,7 @@
-#include "tree/detail/unrolled_limbs.h"
+#include "tree/rims/membrane.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <glm/geometric.hpp>
-#include <glm/vec2.hpp>
 #include <iterator>
-#include <numeric>
-#include <span>
-#include <utility>
-
-#include "base/parallel_for.h"
 
 namespace snowbough::tree {
 namespace {
@@ -18,21 +9,17 @@ namespace {
 /// A step is no longer than this share of the faces beside the rim; at most so many steps are made.
 constexpr double kStep = 0.7;
 constexpr int kMostSteps = 30;
-/// What moves with a rim: within so many times the way of its farthest point, and so many radii
-/// of the hole beyond it.
-constexpr double kReachOfWay = 2.5;
-constexpr double kReach = 2.0;
 /// Sweeps of the relaxation in the first step and in each of those after it, and its factor.
 constexpr int kFirstSweeps = 25;
 constexpr int kSweeps = 8;
 constexpr double kOverRelaxation = 1.5;
-/// Afterwards vertices up to so many edges from a rim go between their neighbours, in so many
-/// sweeps at first and after each step; those further away than the rim's own edges are long, or so
-/// many radii of the hole, pull as if they were nearer.
-constexpr int kSpreadDepth = 3;
+/// What moves with a rim moves by a third of that at this share of the rim's reach: without, the
+/// whole limb would turn with it, as far as the reach goes, and back in the one row after that.
+constexpr double kFade = 0.25;
+/// Afterwards vertices near a rim go between their neighbours, in so many sweeps at first and after
+/// each step.
 constexpr int kSpreads = 12;
 constexpr int kStepSpreads = 4;
-constexpr double kSpread = 0.5;
 /// A face keeps at least this share of its area.
 constexpr double kLeastArea = 0.04;
 /// Steps that a rim's vertex may be ahead of the next.
@@ -42,40 +29,10 @@ constexpr int kMostAhead = 1;
 constexpr int kEvenings = 10;
 constexpr double kEvening = 0.6;
 constexpr int kMostHolds = 4;
-/// Chains that a thread takes at a time.
-constexpr size_t kBlock = 4;
-
-/// The vertices that share an edge of the unrolled faces with every vertex.
-struct Graph {
-  std::vector<int32_t> begin, all;
-  /// The faces around it, in the same ranges.
-  std::vector<int32_t> face;
-
-  Graph(const std::vector<Quad>& quads, size_t count) : begin(count + 1, 0) {
-    for (const Quad& quad : quads) {
-      for (const int32_t v : quad) ++begin[v + 1];
-    }
-    std::partial_sum(begin.begin(), begin.end(), begin.begin());
-    all.resize(begin.back());
-    face.resize(begin.back());
-    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
-    for (size_t f = 0; f < quads.size(); ++f) {
-      for (int k = 0; k < 4; ++k) {
-        const int32_t at = next[quads[f][k]]++;
-        all[at] = quads[f][(k + 1) % 4];
-        face[at] = static_cast<int32_t>(f);
-      }
-    }
-  }
-};
 
 /// Of a difference of quarters, the short way round.
 double short_way(double quarters) {
   return std::abs(quarters) <= 2.0 ? quarters : quarters - 4.0 * std::round(quarters / 4.0);
-}
-
-glm::dvec2 difference(const TubePlace& from, const TubePlace& to) {
-  return {short_way(to.quarter - from.quarter), to.length - from.length};
 }
 
 double cross(const glm::dvec2& a, const glm::dvec2& b) {
@@ -90,58 +47,13 @@ double least_area(const std::array<TubePlace, 4>& corners) {
   return std::min(cross(a, b), cross(b, c));
 }
 
-/// How far around a hole vertices move, in metres on the unrolled parent.
-struct RimReach {
-  int32_t junction = -1;
-  TubePlace centre;
-  double radius = 0.0;
-  double quarter_length = 1.0;
-  /// Of the rim's point that moves farthest.
-  double way = 0.0;
-  /// Length of the faces beside the rim that the fillet asks for.
-  double spread = 0.0;
-  int spread_depth = kSpreadDepth;
-
-  double metres(const glm::dvec2& way) const {
-    const double x = way.x * quarter_length;
-    return std::sqrt(x * x + way.y * way.y);
-  }
-  double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
-};
-
-RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const LimbTubes& tubes) {
-  glm::dvec2 middle(0.0);
-  for (const RimPoint& point : rim) middle += difference(rim[0].base, point.base);
-  middle /= static_cast<double>(rim.size());
-  RimReach reach;
-  reach.junction = junction;
-  reach.centre = {rim[0].base.length + middle.y, rim[0].base.quarter + middle.x};
-  reach.quarter_length = 0.5 * M_PI * tubes.radius(fork.parent_chain, reach.centre.length);
-  double extent = 0.0;
-  for (const RimPoint& point : rim) {
-    reach.way = std::max(reach.way, reach.metres(difference(point.base, point.target)));
-    extent = std::max({extent, reach.from_centre(point.base), reach.from_centre(point.target)});
-  }
-  reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(rim.size())) * fork.radius;
-  reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rim.size()) / 6);
-  reach.radius = extent + kReachOfWay * reach.way + kReach * fork.radius;
-  return reach;
-}
-
-/// Per vertex and per face: its number in the membrane that it is part of, or -1. Shared by all
-/// membranes, of which no two that are worked on at a time have one in common.
-struct Locals {
-  std::vector<int32_t> nodes, faces;
-};
-
 /// Some rims on one chain, and what moves with them.
 class Membrane {
  public:
-  Membrane(const Graph& graph, const std::vector<Rim>& rims, const std::vector<Fork>& forks,
-           UnrolledLimbs& unrolled, Locals& locals)
+  Membrane(const Graph& graph, const std::vector<Rim>& rims, UnrolledLimbs& unrolled,
+           Locals& locals)
       : graph_(graph),
         rims_(rims),
-        forks_(forks),
         unrolled_(unrolled),
         local_of_(locals.nodes),
         face_of_(locals.faces) {}
@@ -286,7 +198,8 @@ class Membrane {
       for (size_t i = rim_count_; i < nodes_.size(); ++i) {
         Node& node = nodes_[i];
         glm::dvec2 sum(0.0);
-        double weights = 0.0;
+        const double fade = kFade * reaches_[node.junction].radius;
+        double weights = 1.0 / (fade * fade);
         for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
           const int32_t other = local_of_[graph_.all[at]];
           const double w = weights_[weight++];
@@ -467,7 +380,6 @@ class Membrane {
 
   const Graph& graph_;
   const std::vector<Rim>& rims_;
-  const std::vector<Fork>& forks_;
   UnrolledLimbs& unrolled_;
   /// Locals.
   std::vector<int32_t>& local_of_;
@@ -487,58 +399,15 @@ class Membrane {
   std::vector<int32_t> turned_;
 };
 
-/// Parts a chain's rims into those whose reaches meet along it: what moves with one has nothing to
-/// do with the others, and need not take as many steps.
-std::vector<std::span<const RimReach>> apart(std::span<RimReach> rims) {
-  std::sort(rims.begin(), rims.end(), [](const RimReach& a, const RimReach& b) {
-    const double low = a.centre.length - a.radius, other = b.centre.length - b.radius;
-    return low != other ? low < other : a.junction < b.junction;
-  });
-  std::vector<std::span<const RimReach>> parts;
-  size_t first = 0;
-  double end = -1e300;
-  for (size_t i = 0; i < rims.size(); ++i) {
-    if (i > first && rims[i].centre.length - rims[i].radius > end) {
-      parts.push_back(rims.subspan(first, i - first));
-      first = i;
-    }
-    end = std::max(end, rims[i].centre.length + rims[i].radius);
-  }
-  parts.push_back(rims.subspan(first));
-  return parts;
-}
-
 }  // namespace
 
-void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
-               double least_radius, int threads, UnrolledLimbs& unrolled) {
-  const Graph graph(unrolled.quads, unrolled.places.size());
-  std::vector<std::pair<int32_t, int32_t>> by_chain;
-  for (size_t j = 0; j < forks.size(); ++j) {
-    if (forks[j].radius >= least_radius && forks[j].blends) {
-      by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
-    }
-  }
-  std::sort(by_chain.begin(), by_chain.end());
-  std::vector<RimReach> reaches;
-  std::vector<size_t> first;
-  for (size_t i = 0; i < by_chain.size(); ++i) {
-    const auto [chain, j] = by_chain[i];
-    if (i == 0 || chain != by_chain[i - 1].first) first.push_back(i);
-    reaches.push_back(rim_reach(j, rims[j], forks[j], tubes));
-  }
-  first.push_back(by_chain.size());
-  unrolled.shares.assign(unrolled.places.size(), 0.0);
-  Locals locals{std::vector<int32_t>(unrolled.places.size(), -1),
-                std::vector<int32_t>(unrolled.quads.size(), -1)};
-  base::parallel_for(first.size() - 1, kBlock, {threads, {}}, [&](size_t begin, size_t end) {
-    for (size_t i = begin; i < end; ++i) {
-      const std::span<RimReach> on_chain(reaches.data() + first[i], first[i + 1] - first[i]);
-      for (const std::span<const RimReach> rims_beside : apart(on_chain)) {
-        Membrane(graph, rims, forks, unrolled, locals).move(rims_beside);
-      }
-    }
-  });
+glm::dvec2 difference(const TubePlace& from, const TubePlace& to) {
+  return {short_way(to.quarter - from.quarter), to.length - from.length};
+}
+
+void move_membrane(const Graph& graph, const std::vector<Rim>& rims,
+                   std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals) {
+  Membrane(graph, rims, unrolled, locals).move(reaches);
 }
 
 }  // namespace snowbough::tree

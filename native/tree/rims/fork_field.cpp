@@ -1,4 +1,4 @@
-#include "tree/detail/fork_field.h"
+#include "tree/rims/fork_field.h"
 
 #include <algorithm>
 #include <array>

@@ -1,11 +1,11 @@
-#include "tree/detail/unrolled_limbs.h"
+#include "tree/rims/unrolled_limbs.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <utility>
 
-#include "native/tree/detail/built_tubes.h"
+#include "native/tree/rims/built_tubes.h"
 
 namespace snowbough::tree {
 namespace {

@@ -4,7 +4,7 @@
 #include <glm/vec3.hpp>
 #include <vector>
 
-#include "tree/detail/fork_field.h"
+#include "tree/rims/fork_field.h"
 #include "tree/tubes/limb_tubes.h"
 
 namespace snowbough::tree {

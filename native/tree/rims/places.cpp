@@ -1,4 +1,4 @@
-#include "tree/detail/places.h"
+#include "tree/rims/places.h"
 
 #include <algorithm>
 #include <array>
@@ -8,8 +8,8 @@
 #include <utility>
 
 #include "base/parallel_for.h"
-#include "tree/detail/rims.h"
-#include "tree/detail/unrolled_limbs.h"
+#include "tree/rims/rims.h"
+#include "tree/rims/unrolled_limbs.h"
 
 namespace snowbough::tree {
 namespace {

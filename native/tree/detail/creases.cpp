@@ -1,0 +1,125 @@
+#include "tree/detail/creases.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+#include <utility>
+
+namespace snowbough::tree {
+namespace {
+
+/// Cosine of the angle between faces from which on they make a crease: 20 degrees.
+constexpr double kCrease = 0.9397;
+/// Share of the way onto the line, and how often it is gone at most.
+constexpr double kStep = 0.5;
+constexpr int kRounds = 24;
+/// Ends of an edge across lie at the same share of their row.
+constexpr double kLevel = 1e-9;
+
+/// An edge across a limb, and beside each of its ends the vertices before and after it.
+struct CrossEdge {
+  std::array<int32_t, 2> ends{};
+  std::array<int32_t, 2> before{}, after{};
+  int32_t face_before = -1, face_after = -1;
+};
+
+/// One of a face's two edges across, from its own side.
+struct HalfEdge {
+  std::array<int32_t, 2> ends{}, beside{};
+  int32_t face = -1;
+  int32_t chain = -1;
+
+  bool operator<(const HalfEdge& other) const {
+    return ends != other.ends ? ends < other.ends : face < other.face;
+  }
+};
+
+/// The edges across limbs of which an end may move.
+std::vector<CrossEdge> cross_edges(const FineMesh& fine, std::span<const FaceOrigin> origins,
+                                   const std::vector<int32_t>& chains,
+                                   std::span<const double> farthest) {
+  std::vector<HalfEdge> halves;
+  for (size_t f = 0; f < fine.quads.size(); ++f) {
+    const FaceOrigin& origin = origins[fine.face[f]];
+    if (origin.part != FacePart::kWall) continue;
+    const Quad& quad = fine.quads[f];
+    for (int k = 0; k < 4; ++k) {
+      const int next = (k + 1) % 4;
+      if (std::abs(fine.corners[f][k].y - fine.corners[f][next].y) > kLevel) continue;
+      HalfEdge half;
+      half.ends = {quad[k], quad[next]};
+      half.beside = {quad[(k + 3) % 4], quad[(k + 2) % 4]};
+      if (half.ends[0] > half.ends[1]) {
+        std::swap(half.ends[0], half.ends[1]);
+        std::swap(half.beside[0], half.beside[1]);
+      }
+      if (farthest[half.ends[0]] <= 0.0 && farthest[half.ends[1]] <= 0.0) continue;
+      half.face = static_cast<int32_t>(f);
+      half.chain = chains[origin.branch];
+      halves.push_back(half);
+    }
+  }
+  std::sort(halves.begin(), halves.end());
+  std::vector<CrossEdge> edges;
+  for (size_t i = 0; i + 1 < halves.size(); ++i) {
+    const HalfEdge &a = halves[i], &b = halves[i + 1];
+    if (a.ends != b.ends || a.chain != b.chain) continue;
+    edges.push_back({a.ends, a.beside, b.beside, a.face, b.face});
+  }
+  return edges;
+}
+
+glm::dvec3 normal(const Quad& quad, const std::vector<glm::dvec3>& points) {
+  return glm::cross(points[quad[2]] - points[quad[0]], points[quad[3]] - points[quad[1]]);
+}
+
+bool creased(const CrossEdge& edge, const FineMesh& fine, const std::vector<glm::dvec3>& points) {
+  const glm::dvec3 a = normal(fine.quads[edge.face_before], points);
+  const glm::dvec3 b = normal(fine.quads[edge.face_after], points);
+  return glm::dot(a, b) < kCrease * glm::length(a) * glm::length(b);
+}
+
+/// The place on the way from one point to another that parts it as a third one's distances do.
+glm::dvec3 between(const glm::dvec3& before, const glm::dvec3& p, const glm::dvec3& after) {
+  const double low = glm::distance(before, p), high = glm::distance(p, after);
+  const double sum = low + high;
+  return sum > 0.0 ? (before * high + after * low) / sum : p;
+}
+
+}  // namespace
+
+void soften_creases(const FineMesh& fine, std::span<const FaceOrigin> origins,
+                    const std::vector<int32_t>& chains, std::span<const double> farthest,
+                    std::vector<glm::dvec3>& points) {
+  const std::vector<CrossEdge> edges = cross_edges(fine, origins, chains, farthest);
+  const std::vector<glm::dvec3> first(points);
+  // What an end of several creases is asked for, and by how many.
+  std::vector<std::pair<int32_t, glm::dvec3>> wanted;
+  for (int round = 0; round < kRounds; ++round) {
+    wanted.clear();
+    for (const CrossEdge& edge : edges) {
+      if (!creased(edge, fine, points)) continue;
+      for (int k = 0; k < 2; ++k) {
+        const int32_t v = edge.ends[k];
+        if (farthest[v] <= 0.0) continue;
+        wanted.emplace_back(
+            v, between(points[edge.before[k]], points[v], points[edge.after[k]]) - points[v]);
+      }
+    }
+    if (wanted.empty()) return;
+    std::stable_sort(wanted.begin(), wanted.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (size_t i = 0; i < wanted.size();) {
+      const int32_t v = wanted[i].first;
+      glm::dvec3 sum(0.0);
+      double count = 0.0;
+      for (; i < wanted.size() && wanted[i].first == v; ++i, count += 1.0) sum += wanted[i].second;
+      const glm::dvec3 way = points[v] + sum * (kStep / count) - first[v];
+      const double length = glm::length(way);
+      points[v] = first[v] + (length > farthest[v] ? way * (farthest[v] / length) : way);
+    }
+  }
+}
+
+}  // namespace snowbough::tree

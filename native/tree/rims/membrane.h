@@ -1,0 +1,72 @@
+#pragma once
+
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <glm/vec2.hpp>
+#include <numeric>
+#include <span>
+#include <vector>
+
+#include "tree/rims/rims.h"
+#include "tree/rims/unrolled_limbs.h"
+
+namespace snowbough::tree {
+
+/// The vertices that share an edge of the unrolled faces with every vertex.
+struct Graph {
+  std::vector<int32_t> begin, all;
+  /// The faces around it, in the same ranges.
+  std::vector<int32_t> face;
+
+  Graph(const std::vector<Quad>& quads, size_t count) : begin(count + 1, 0) {
+    for (const Quad& quad : quads) {
+      for (const int32_t v : quad) ++begin[v + 1];
+    }
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    all.resize(begin.back());
+    face.resize(begin.back());
+    std::vector<int32_t> next(begin.begin(), begin.end() - 1);
+    for (size_t f = 0; f < quads.size(); ++f) {
+      for (int k = 0; k < 4; ++k) {
+        const int32_t at = next[quads[f][k]]++;
+        all[at] = quads[f][(k + 1) % 4];
+        face[at] = static_cast<int32_t>(f);
+      }
+    }
+  }
+};
+/// From one place to another on the same limb, the short way round.
+glm::dvec2 difference(const TubePlace& from, const TubePlace& to);
+
+/// How far around a hole vertices move, in metres on the unrolled parent.
+struct RimReach {
+  int32_t junction = -1;
+  TubePlace centre;
+  double radius = 0.0;
+  double quarter_length = 1.0;
+  /// Of the rim's point that moves farthest.
+  double way = 0.0;
+  /// Length of the faces beside the rim that the fillet asks for.
+  double spread = 0.0;
+  /// Vertices up to so many edges from the rim are spread out.
+  int spread_depth = 0;
+
+  double metres(const glm::dvec2& way) const {
+    const double x = way.x * quarter_length;
+    return std::sqrt(x * x + way.y * way.y);
+  }
+  double from_centre(const TubePlace& place) const { return metres(difference(centre, place)); }
+};
+/// Per vertex and per face: its number in the membrane that it is part of, or -1. Shared by all
+/// membranes, of which no two that are worked on at a time have one in common.
+struct Locals {
+  std::vector<int32_t> nodes, faces;
+};
+
+/// Moves the rims of some junctions on one chain, and what lies around them within their reach, as
+/// far as they go without a face turning over.
+void move_membrane(const Graph& graph, const std::vector<Rim>& rims,
+                   std::span<const RimReach> reaches, UnrolledLimbs& unrolled, Locals& locals);
+
+}  // namespace snowbough::tree
