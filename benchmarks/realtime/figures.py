@@ -91,8 +91,12 @@ def grown(*arguments):
     return skeleton, native.build_tree_mesh(skeleton, snow_resolution=2048)
 
 
+#: The trees that are grown bear few leaves: each is drawn so many times, turned and moved by up to so many metres.
+COPIES, AROUND = 9, 0.16
+
+
 def leaves_of(renderer, skeleton, mesh):
-    """Gives the tree its leaves, each in one of three greens."""
+    """Gives the tree its leaves, each in one of four greens and with others around it."""
     foliage = skeleton.foliage
     begin, end = np.asarray(foliage.face_begin[:-1]), np.asarray(foliage.face_begin[1:])
     # A fan of triangles a polygon: its first corner, and each two that follow one another.
@@ -101,22 +105,70 @@ def leaves_of(renderer, skeleton, mesh):
     step = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
     corners = np.stack([begin[face], begin[face] + step + 1, begin[face] + step + 2], axis=1)
     leaf = np.asarray(foliage.face_leaf)[face]
+    places = np.asarray(foliage.vertices)[np.asarray(foliage.corner_vertex)[corners]]
+    count = leaf.max() + 1
+    middle = np.stack([np.bincount(leaf, places[:, :, k].sum(axis=1), count) for k in range(3)], axis=1)
+    middle = (middle / (3 * np.maximum(np.bincount(leaf, minlength=count), 1))[:, None])[leaf]
+    random = np.random.default_rng(1)
+    copies = []
+    for copy in range(COPIES):
+        turn = random.normal(size=(count, 4)) if copy else np.tile((1.0, 0, 0, 0), (count, 1))
+        moved = random.uniform(-AROUND, AROUND, (count, 3)) if copy else np.zeros((count, 3))
+        turned = np.einsum("tij,tcj->tci", rotations(turn)[leaf], places - middle[:, None])
+        copies.append(turned + (middle + moved[leaf])[:, None])
+    number = np.tile(leaf, COPIES) + np.repeat(np.arange(COPIES), len(leaf))
     renderer.set_leaves(
         "tree",
-        np.asarray(foliage.vertices)[np.asarray(foliage.corner_vertex)[corners]],
-        np.asarray(native.leaf_bones(skeleton, mesh))[leaf],
-        materials=(leaf % 3).astype(np.int32),
-        colors=[(0.09, 0.2, 0.03), (0.13, 0.25, 0.05), (0.18, 0.27, 0.05)],
+        np.concatenate(copies).astype(np.float32),
+        np.tile(np.asarray(native.leaf_bones(skeleton, mesh))[leaf], COPIES),
+        materials=(number % 4).astype(np.int32),
+        colors=[(0.07, 0.17, 0.025), (0.1, 0.21, 0.035), (0.13, 0.25, 0.05), (0.18, 0.27, 0.05)],
     )
+
+
+def rotations(quaternions):
+    """(N, 3, 3) of quaternions (N, 4) of any length."""
+    w, x, y, z = (quaternions / np.linalg.norm(quaternions, axis=1)[:, None]).T
+    rows = [
+        (1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)),
+        (2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)),
+        (2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)),
+    ]
+    return np.moveaxis(np.array(rows), 2, 0)
+
+
+def grass(renderer, blades=3000, size=2.0):
+    """A square of grass in many places."""
+    random = np.random.default_rng(2)
+    root = np.pad(random.uniform(-size / 2, size / 2, (blades, 2)), ((0, 0), (0, 1)))
+    lean = random.normal(0.0, 0.05, root.shape) + (0.02, 0.01, 0.0)
+    lean[:, 2] = random.uniform(0.05, 0.16, len(root))
+    turn = random.uniform(0, 2 * np.pi, len(root))
+    side = 0.006 * np.stack([np.cos(turn), np.sin(turn), np.zeros_like(turn)], axis=1)
+    corners = np.stack([root - side, root + side, root + lean], axis=1).reshape(-1, 3)
+    triangles = np.arange(len(corners), dtype=np.int32).reshape(-1, 3)
+    paint = random.integers(0, 3, len(triangles)).astype(np.int32)
+    colors = [(0.07, 0.13, 0.025), (0.1, 0.16, 0.035), (0.14, 0.17, 0.05)]
+    up = np.tile(np.float32((0.0, 0.0, 1.0)), (len(triangles), 3, 1))
+    renderer.add_mesh(
+        "grass", corners.astype(np.float32), triangles, normals=up, materials=paint, colors=colors
+    )
+    at = np.stack(np.meshgrid(np.arange(-24, 25, 2), np.arange(-8, 41, 2)), axis=-1).reshape(-1, 2)
+    matrices = np.tile(np.eye(4, dtype=np.float32), (len(at), 1, 1))
+    matrices[:, :2, 3] = at
+    quarter = random.integers(0, 4, len(at)) * (np.pi / 2)
+    matrices[:, 0, 0] = matrices[:, 1, 1] = np.cos(quarter)
+    matrices[:, 1, 0], matrices[:, 0, 1] = np.sin(quarter), -np.sin(quarter)
+    renderer.set_places("grass", matrices)
 
 
 def meadow(renderer):
     """Ground, and a plain as far as the eye sees around it."""
     ground = scenes.ground(60.0, 60)
-    renderer.add_mesh("ground", ground.positions, ground.triangles, (0.09, 0.14, 0.035))
+    renderer.add_mesh("ground", ground.positions, ground.triangles, (0.075, 0.115, 0.03))
     g = 1000.0
     corners = [(-g, -g, -0.15), (g, -g, -0.15), (g, g, -0.15), (-g, g, -0.15)]
-    renderer.add_mesh("plain", corners, [(0, 1, 2), (0, 2, 3)], (0.09, 0.14, 0.035))
+    renderer.add_mesh("plain", corners, [(0, 1, 2), (0, 2, 3)], (0.075, 0.115, 0.03))
 
 
 def tree_levels(size=(260, 320)):
@@ -156,6 +208,7 @@ def tree_meadow():
         renderer.add_tree("tree", mesh)
         leaves_of(renderer, skeleton, mesh)
         meadow(renderer)
+        grass(renderer)
         picture = drawn(renderer, (2.0, -9.0, 1.5), (0.1, 0, 2.85), (900, 640), 0.72, SUMMER)
         told(renderer, "in leaf")
     return picture
@@ -243,8 +296,9 @@ def snow_filter(size=400):
                 scenes.show(renderer, urn, {"urn": heights})
             renderer.set_snow("urn", heights)
             light = {**scenes.LIGHT, "background": (0.5, 0.6, 0.75)}
-            view = drawn(renderer, (0.5, -1.15, 1.35), (0, 0, 0.76), (size, size), 0.6, light)
-            columns.append(np.concatenate([grey_map(heights, size)[size // 2 :], view]))
+            view = drawn(renderer, (0.42, -1.05, 1.22), (0.05, -0.17, 0.77), (size, size), 0.6, light)
+            # The rows of the map that snow lies in, above the view: rows run upwards.
+            columns.append(np.concatenate([view, grey_map(heights, size)[7 * size // 10 :]]))
         told(renderer, "filtered")
     return np.concatenate(columns, axis=1)
 

@@ -2,9 +2,9 @@
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/flight.py [--out PICTURE.png] [--every N]
 
-The picture has frames of the flight, the same as wireframes (with parts of edges twice as long, or small ones would
-be black), and below them a curve: the mean change of a pixel from frame to frame, of 255, over the whole flight. A
-level of detail that pops would be a spike in it. The distances shrink by the same part from frame to frame;
+The picture has frames of the flight, the same as wireframes (with parts of edges four times as long, or small ones
+would be black), and below them a curve: the mean change of a pixel from frame to frame, of 255, over the whole flight.
+A level of detail that pops would be a spike in it. The distances shrink by the same part from frame to frame;
 `tests/python/native/test_lod_flight.py` bounds what the levels add to a frame's change.
 """
 
@@ -111,16 +111,17 @@ def picture(every):
             row = []
             for metres in SHOWN:
                 number = (FRAMES - 1) * np.log(metres / FARTHEST) / np.log(NEAREST / FARTHEST)
-                at = camera(number, CELL)
-                options = {"antialias": False, "target_pixels": 12.0, "wireframe": True} if wire else {}
-                row.append(renderer.render(at, settings(**options))[..., :3])
-                if not wire:
+                if wire:
+                    # Parts of edges four times as long, in soft lines: single ones would make one black.
+                    row.append(smooth_picture(renderer, number, CELL, target_pixels=16.0, wireframe=True))
+                else:
+                    row.append(renderer.render(camera(number, CELL), settings())[..., :3])
                     counts = renderer.statistics()
                     kinds = ", ".join(
                         f"{counts[key]} {key}" for key in ("dropped", "plain", "tessellated", "triangles")
                     )
                     print(f"{metres} m: {kinds}")
-            rows.append(np.concatenate(row, axis=1))
+            rows.append(np.concatenate(row, axis=1).astype(np.uint8))
         found = changes(renderer, every)
     print(
         f"change from frame to frame, of 255: mean {found[:, 1].mean():.2f}, most {found[:, 1].max():.2f};"

@@ -75,26 +75,51 @@ def ground(size=10.0, cells=40, resolution=1024, color=(0.10, 0.13, 0.06)):
     )
 
 
+def packed(sizes, gap=0.006):
+    """Lower left corners and the scale at which rectangles (N, 2) fill the unit square in rows, `gap` apart."""
+    order = np.lexsort((sizes[:, 0], -sizes[:, 1]))
+
+    def rows(scale):
+        corners, x, y, high = np.zeros_like(sizes), gap, gap, 0.0
+        for index in order:
+            width, height = scale * sizes[index]
+            if x + width > 1.0 - gap:
+                x, y, high = gap, y + high + gap, 0.0
+            corners[index] = x, y
+            x, high = x + width + gap, max(high, height)
+        return corners, y + high <= 1.0 - gap
+
+    # Rows change at steps: of many scales, the largest at which all of it is on the map.
+    scales = np.geomspace(0.1, 1.0 - 2 * gap, 400)[::-1] / sizes.max()
+    return next((corners, scale) for scale in scales for corners, fits in [rows(scale)] if fits)
+
+
 def boxes(of, resolution=512, color=(0.25, 0.13, 0.06)):
-    """Boxes by (middle, size), each in its part of the map, a chart a side."""
-    rows = int(np.ceil(np.sqrt(len(of))))
+    """Boxes by (middle, size), a chart a side, all at one scale: texels that are oblong show in the snow."""
     sides = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
-    places, triangles, uv = [], [], []
+    places, quads = [], []
     for number, (middle, size) in enumerate(of):
         corner = np.array([(x, y, z) for z in (-0.5, 0.5) for y in (-0.5, 0.5) for x in (-0.5, 0.5)])
         places.append(np.asarray(middle) + corner * size)
-        begin = np.array([number % rows, number // rows]) / rows
-        for index, side in enumerate(sides):
-            low = begin + (np.array([index % 3 / 3, index // 3 / 2]) + 0.03) / rows
-            high = low + (np.array([1 / 3, 1 / 2]) - 0.06) / rows
-            q = [low, (high[0], low[1]), high, (low[0], high[1])]
-            a, b, c, d = (8 * number + corner for corner in side)
-            triangles += [(a, b, c), (a, c, d)]
-            uv += [(q[0], q[1], q[2]), (q[0], q[2], q[3])]
+        quads += [[8 * number + corner for corner in side] for side in sides]
+    places, quads = np.concatenate(places), np.array(quads, np.int32)
+    edges = np.stack(
+        [places[quads[:, 1]] - places[quads[:, 0]], places[quads[:, 3]] - places[quads[:, 0]]], 1
+    )
+    sizes = np.linalg.norm(edges, axis=2)
+    upright = sizes[:, 1] > sizes[:, 0]
+    sizes[upright] = sizes[upright, ::-1]
+    low, scale = packed(sizes)
+    high = low + scale * sizes
+    along = np.stack(
+        [low, np.stack([high[:, 0], low[:, 1]], 1), high, np.stack([low[:, 0], high[:, 1]], 1)], 1
+    )
+    across = along[:, [3, 0, 1, 2]]  # turned by a quarter
+    uv = np.where(upright[:, None, None], across, along)
     return Thing(
-        np.concatenate(places).astype(np.float32),
-        np.array(triangles, np.int32),
-        np.array(uv, np.float32),
+        places.astype(np.float32),
+        np.stack([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]], 1).reshape(-1, 3),
+        np.stack([uv[:, [0, 1, 2]], uv[:, [0, 2, 3]]], 1).reshape(-1, 3, 2).astype(np.float32),
         resolution,
         color,
     )
@@ -102,7 +127,7 @@ def boxes(of, resolution=512, color=(0.25, 0.13, 0.06)):
 
 def bench():
     """Three planks to sit on, two to lean on, and legs."""
-    planks = [((0, y, 0.45), (1.5, 0.13, 0.05)) for y in (-0.16, 0.0, 0.16)]
+    planks = [((0, y, 0.45), (1.5, 0.12, 0.05)) for y in (-0.17, 0.0, 0.17)]
     back = [((0, 0.27, z), (1.5, 0.05, 0.12)) for z in (0.66, 0.84)]
     legs = [((x, y, 0.21), (0.07, 0.07, 0.42)) for x in (-0.62, 0.62) for y in (-0.15, 0.15)]
     posts = [((x, 0.32, 0.46), (0.07, 0.05, 0.92)) for x in (-0.62, 0.62)]
@@ -180,11 +205,12 @@ def urn():
         (0.36, 0.77),
         (0.37, 0.8),
         (0.35, 0.82),
-        (0.27, 0.8),
-        (0.2, 0.74),
-        (0, 0.72),
+        (0.28, 0.805),
+        (0.2, 0.775),
+        (0.1, 0.757),
+        (0, 0.752),
     ]
-    return turned(rounded(profile), 48, 512, (0.38, 0.35, 0.31))
+    return turned(rounded(rounded(profile)), 96, 512, (0.38, 0.35, 0.31))
 
 
 def maple(resolution=1024):

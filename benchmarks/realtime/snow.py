@@ -9,7 +9,9 @@ reading the picture back included; the processor's time sums over threads.
 - Scenes: mapping GEOMETRY with the metric THESIS is the thesis's way on the same card, COMPUTE with SCREEN is ours.
   Its six scenes ran at 103 to 112 frames a second on a GTX 580; its meshes are not to be had, so these are of about
   as many polygons as theirs and the figures beside them a scale, no contest.
-- Maps of 256 to 4096 texels a side on one mesh, and meshes of 1,000 to 350,000 triangles on one map.
+- Maps of 256 to 4096 texels a side on one mesh, and meshes of 1,000 to 350,000 triangles on one map. The output's
+  smoothing is told in metres, and its rounds grow with the square of the texels in its radius: with 10 mm they take
+  over on large maps. Beside it stands a radius of as many texels everywhere (that of 10 mm at 1024).
 
 On a software renderer the tables show how the work grows, not how fast a card does it. Snow does not slide here
 (repose stays out, which runs on the processor for either engine).
@@ -25,6 +27,8 @@ import snowbough_native as native
 
 WAYS = {"thesis": ("GEOMETRY", "THESIS"), "ours": ("COMPUTE", "SCREEN")}
 DEPTH = 0.002
+#: Radius of the output's smoothing in metres, and the map at whose texels it is told for others.
+BLUR, BLUR_MAP = 0.01, 1024
 
 
 def rolling(triangles, resolution):
@@ -57,7 +61,7 @@ def camera(size):
     )
 
 
-def step_and_draw(things, way, arguments):
+def step_and_draw(things, way, arguments, blur):
     """Medians over frames, the first of which compiles shaders and does not count: GPU s, wall s, the processor's s,
     triangles."""
     mapping, metric = WAYS[way]
@@ -65,7 +69,7 @@ def step_and_draw(things, way, arguments):
     found = []
     with (
         native.SnowSimulation(
-            pixel_size=0.02, repose=np.pi / 2, blur_radius=0.01, engine="GL", mapping=mapping
+            pixel_size=0.02, repose=np.pi / 2, blur_radius=blur, engine="GL", mapping=mapping
         ) as snow,
         native.Renderer() as renderer,
     ):
@@ -100,8 +104,8 @@ def row(*cells):
     print("| " + " | ".join(str(cell) for cell in cells) + " |", flush=True)
 
 
-def measured_row(first, things, way, arguments):
-    gpu, wall, processor, triangles = step_and_draw(things, way, arguments)
+def measured_row(first, things, way, arguments, blur=BLUR):
+    gpu, wall, processor, triangles = step_and_draw(things, way, arguments, blur)
     polygons = sum(len(thing.triangles) for thing in things.values())
     taken = (f"{seconds * 1e3:.1f}" for seconds in (gpu, wall, processor))
     row(*first, way, polygons, int(triangles), *taken, f"{1 / wall:.1f}")
@@ -127,9 +131,11 @@ def main():
         for way in WAYS:
             measured_row([name], things, way, arguments)
     print()
-    head("map")
+    head("map", "smoothing")
     for resolution in (256, 512, 1024) if arguments.quick else (256, 512, 1024, 2048, 4096):
-        measured_row([f"{resolution}²"], {"ground": rolling(5_000, resolution)}, "ours", arguments)
+        for blur in dict.fromkeys((BLUR, BLUR * BLUR_MAP / resolution)):
+            things = {"ground": rolling(5_000, resolution)}
+            measured_row([f"{resolution}²", f"{1e3 * blur:g} mm"], things, "ours", arguments, blur)
     print()
     head("mesh")
     for triangles in (

@@ -80,6 +80,7 @@ class Scene {
     TreeLook look;
     int32_t bone_count = 0;
     int32_t levels = 1;
+    bool has_snow_places = false;
     float largest_area = 0.0f;
     PosedBounds rest;
     Box bounds;
@@ -123,10 +124,10 @@ class Scene {
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
                   KeptTarget& large, bool linear, Shadows shadows);
   void count_all_patches();
-  /// Positions that two draws hand to transform feedback, the first's `list`'s plain patches.
-  std::vector<glm::vec3> captured(const PatchList& list,
-                                  const std::function<void(Kind)>& draw_plain,
-                                  const std::function<void(Kind)>& draw_tessellated);
+  /// Positions that the draws of the camera's list hand to transform feedback, the plain patches'
+  /// first.
+  std::vector<glm::vec3> captured(PatchPasses& passes, PatchSource& of, const gpu::Buffer& view,
+                                  float max_level);
 
   std::map<std::string, std::unique_ptr<Tree>> trees_;
   std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;

@@ -99,21 +99,18 @@ void Scene::draw_shadows(const RenderSettings& settings) {
   const auto measured = timer_.measure("shadow");
   glDisable(GL_CULL_FACE);
   const DrawStyle style{Kind::kDepth, shadow_map_, kInk};
+  const auto draw = [&](PatchPasses& passes, PatchSource& of, const gpu::Buffer& view) {
+    passes.classify(of, of.sun, view, settings.max_level);
+    passes.draw_plain(of, of.sun, view, style);
+    passes.draw_tessellated(of, of.sun, view, style);
+  };
   for (const auto& [name, of] : trees_) {
-    PatchList& list = of->buffers.sun;
-    passes_.classify(of->buffers, list, of->sun_view, settings.max_level);
-    passes_.draw_plain(of->buffers, list, of->sun_view, style);
-    passes_.draw_tessellated(of->buffers, list, of->sun_view, style);
+    draw(passes_.patches, of->buffers, of->sun_view);
     if (of->leaves) {
       leaf_passes_.draw(*of->leaves, of->buffers.bones, of->sun_view, style);
     }
   }
-  for (const auto& [name, of] : receivers_) {
-    PatchList& list = of->buffers.sun;
-    snow_.classify(of->buffers, list, sun_view_, settings.max_level);
-    snow_.draw_plain(of->buffers, list, sun_view_, style);
-    snow_.draw_tessellated(of->buffers, list, sun_view_, style);
-  }
+  for (const auto& [name, of] : receivers_) draw(snow_.patches, of->buffers, sun_view_);
   for (const auto& [name, mesh] : meshes_) {
     mesh_passes_.draw(*mesh, sun_view_, style);
   }
@@ -128,12 +125,12 @@ void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured
   (cull_back_faces ? glEnable : glDisable)(GL_CULL_FACE);
   pass("plain", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
+      passes_.patches.draw_plain(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   pass("tessellated", [&] {
     for (const auto& [name, of] : trees_) {
-      passes_.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
+      passes_.patches.draw_tessellated(of->buffers, of->buffers.camera, of->camera_view, style);
     }
   });
   glDisable(GL_CULL_FACE);
@@ -279,33 +276,36 @@ void Scene::count_all_patches() {
     statistics_->tessellated += counts.tessellated;
   };
   for (const auto& [name, of] : trees_) {
-    add(count_patches(of->buffers.camera, TreePasses::kPlainVertices));
+    add(passes_.patches.count(of->buffers.camera));
   }
   for (const auto& [name, of] : receivers_) {
-    add(count_patches(of->buffers.camera, SnowPasses::kPlainVertices));
+    add(snow_.patches.count(of->buffers.camera));
   }
 }
 
-std::vector<vec3> Scene::captured(const PatchList& list,
-                                  const std::function<void(Kind)>& draw_plain,
-                                  const std::function<void(Kind)>& draw_tessellated) {
+std::vector<vec3> Scene::captured(PatchPasses& passes, PatchSource& of, const gpu::Buffer& view,
+                                  float max_level) {
+  PatchList& list = of.camera;
+  passes.classify(of, list, view, max_level);
+  const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
   timer_.take();
   {
     const auto counted = timer_.measure("count");
-    draw_plain(Kind::kDepth);
-    draw_tessellated(Kind::kDepth);
+    passes.draw_plain(of, list, view, style(Kind::kDepth));
+    passes.draw_tessellated(of, list, view, style(Kind::kDepth));
   }
   const uint64_t count = timer_.take()[0].primitives;
   const gpu::Buffer positions(static_cast<int64_t>(3 * count * sizeof(vec3)));
   const auto plain_corners = list.commands.read_all<shared::TreeDrawCommand>()[0].count;
   const auto split = static_cast<int64_t>(plain_corners * sizeof(vec3));
-  const auto into = [&](int64_t offset, int64_t bytes, const std::function<void(Kind)>& draw) {
+  const auto into = [&](int64_t offset, int64_t bytes, auto&& draw) {
     if (bytes == 0) return;
     glBindBufferRange(GL_TRANSFORM_FEEDBACK_BUFFER, 0, positions.id(), offset, bytes);
-    draw(Kind::kCapture);
+    draw();
   };
-  into(0, split, draw_plain);
-  into(split, positions.bytes() - split, draw_tessellated);
+  into(0, split, [&] { passes.draw_plain(of, list, view, style(Kind::kCapture)); });
+  into(split, positions.bytes() - split,
+       [&] { passes.draw_tessellated(of, list, view, style(Kind::kCapture)); });
   glBindBufferBase(GL_TRANSFORM_FEEDBACK_BUFFER, 0, 0);
   return positions.read_all<vec3>();
 }
@@ -320,24 +320,16 @@ std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera
   nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
   write_views(camera, settings, false);
-  const auto style = [](Kind kind) { return DrawStyle{kind, nullptr, kInk}; };
   if (is_receiver) {
     SnowBuffers& of = receiver(name).buffers;
     snow_.lay(of);
     snow_.edge_levels(of, camera_view_);
-    snow_.classify(of, of.camera, camera_view_, settings.max_level);
-    return captured(
-        of.camera, [&](Kind kind) { snow_.draw_plain(of, of.camera, camera_view_, style(kind)); },
-        [&](Kind kind) { snow_.draw_tessellated(of, of.camera, camera_view_, style(kind)); });
+    return captured(snow_.patches, of, camera_view_, settings.max_level);
   }
   Tree& of = tree(name);
-  PatchList& list = of.buffers.camera;
   passes_.pose(of.buffers, of.camera_view);
   passes_.edge_levels(of.buffers, of.camera_view);
-  passes_.classify(of.buffers, list, of.camera_view, settings.max_level);
-  return captured(
-      list, [&](Kind kind) { passes_.draw_plain(of.buffers, list, of.camera_view, style(kind)); },
-      [&](Kind kind) { passes_.draw_tessellated(of.buffers, list, of.camera_view, style(kind)); });
+  return captured(passes_.patches, of.buffers, of.camera_view, settings.max_level);
 }
 
 }  // namespace snowbough::render

@@ -40,12 +40,16 @@ void Scene::set_snow(const std::string& name, const HeightMap& heights) {
   map->write(0, GL_RED, GL_FLOAT, heights.values.data());
   const auto found = trees_.find(name);
   if (found == trees_.end()) return receiver(name).buffers.set_map(std::move(map));
-  TreeBuffers& buffers = found->second->buffers;
-  buffers.snow = std::move(map);
-  buffers.deepest_snow = 0.0f;
-  for (const float h : heights.values) {
-    buffers.deepest_snow = std::max(buffers.deepest_snow, std::abs(h));
+  Tree& of = *found->second;
+  if (!of.has_snow_places) {
+    throw std::invalid_argument("tree '" + name + "' has no places on a map: give it its snow_uv");
   }
+  of.buffers.deepest_snow = 0.0f;
+  for (const float h : heights.values) {
+    of.buffers.deepest_snow = std::max(of.buffers.deepest_snow, std::abs(h));
+  }
+  // A bare tree is drawn by the shaders without snow.
+  of.buffers.snow = of.buffers.deepest_snow > 0.0f ? std::move(map) : nullptr;
 }
 
 bool Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
@@ -63,8 +67,9 @@ void Scene::prepare_snow(const RenderSettings& settings) {
   };
   each("snow lay", [&](SnowBuffers& of) { snow_.lay(of); });
   each("snow edges", [&](SnowBuffers& of) { snow_.edge_levels(of, camera_view_); });
-  each("snow classify",
-       [&](SnowBuffers& of) { snow_.classify(of, of.camera, camera_view_, settings.max_level); });
+  each("snow classify", [&](SnowBuffers& of) {
+    snow_.patches.classify(of, of.camera, camera_view_, settings.max_level);
+  });
 }
 
 void Scene::draw_snow(const DrawStyle& style, bool measured, bool layers) {
@@ -83,10 +88,11 @@ void Scene::draw_snow(const DrawStyle& style, bool measured, bool layers) {
     const auto timed = timer_.measure(name);
     all();
   };
-  pass(layers ? "layers plain" : "snow plain",
-       [&](Receiver& of) { snow_.draw_plain(of.buffers, of.buffers.camera, camera_view_, style); });
+  pass(layers ? "layers plain" : "snow plain", [&](Receiver& of) {
+    snow_.patches.draw_plain(of.buffers, of.buffers.camera, camera_view_, style);
+  });
   pass(layers ? "layers tessellated" : "snow tessellated", [&](Receiver& of) {
-    snow_.draw_tessellated(of.buffers, of.buffers.camera, camera_view_, style);
+    snow_.patches.draw_tessellated(of.buffers, of.buffers.camera, camera_view_, style);
   });
 }
 

@@ -16,6 +16,7 @@ Scene::Tree::Tree(const TreePatches& patches, const TreeLook& its_look)
       look(its_look),
       bone_count(patches.bone_count),
       levels(patches.levels),
+      has_snow_places(patches.has_snow_places),
       largest_area(patches.largest_area),
       rest(patches.bone_count),
       camera_view(sizeof(shared::TreeView)),
@@ -80,7 +81,7 @@ void Scene::prepare_trees(const RenderSettings& settings) {
   each("pose", [&](Tree& of) { passes_.pose(of.buffers, of.camera_view); });
   each("edges", [&](Tree& of) { passes_.edge_levels(of.buffers, of.camera_view); });
   each("classify", [&](Tree& of) {
-    passes_.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
+    passes_.patches.classify(of.buffers, of.buffers.camera, of.camera_view, settings.max_level);
   });
 }
 

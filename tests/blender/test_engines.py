@@ -353,7 +353,7 @@ def test_without_egl_the_native_module_has_no_opengl(native, without_egl):
     if bpy.app.binary_path:
         command = [bpy.app.binary_path, "-b", "--factory-startup", "--python-expr", program]
     done = subprocess.run(command, env=without_egl, capture_output=True, text=True, timeout=120)
-    assert "refused: snow needs EGL, and libEGL.so.1 cannot be loaded" in done.stdout
+    assert "refused: OpenGL needs EGL here, and libEGL.so.1 cannot be loaded" in done.stdout
 
 
 # Ends the process, as kill -9 does, when a frame is reported and the ones after it are being baked and written;
@@ -425,7 +425,8 @@ def test_the_command_line_refuses_an_engine_that_is_none(tmp_path):
     s.settings(tmp_path / "cache", (1, 2))
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     done = command_line(tmp_path / "shot.blend", "--engine", "VULKAN")
-    assert done.returncode == 2 and "'AUTO', 'GL', 'CPU'" in done.stderr
+    # Some Pythons put choices in quotes, others do not.
+    assert done.returncode == 2 and "AUTO, GL, CPU" in done.stderr.replace("'", "")
     assert not (tmp_path / "cache").exists()
 
 

@@ -3,7 +3,7 @@
 """Pictures of the panels in all their states, in Blender's real window, to be looked at.
 
     /usr/bin/python3 tests/ui/panel_states.py                                       Debian 12's Blender
-    tools/blender_sid.sh --run /usr/bin/python3 tests/ui/panel_states.py            Debian sid's
+    tools/blender_debian.sh 5.2 --run /usr/bin/python3 tests/ui/panel_states.py     Debian sid's
 
 Writes build/panels/<Blender's version>/<state>.png, each with the sidebar at the left and the Scene
 properties beside it, all.png with all states, and sidebars.png with the sidebars alone. The states are those
@@ -206,7 +206,7 @@ def take(window, folder, work):
     camera = Camera(window, folder)
 
     camera.shoot("empty")
-    window.run(SCENE.format(frames=40, path=str(work / "shot.blend")))
+    window.run(SCENE.format(frames=400, path=str(work / "shot.blend")))
     camera.shoot("ready")
 
     window.run(BAKE)

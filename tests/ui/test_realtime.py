@@ -80,7 +80,7 @@ def test_the_view_shows_the_scene_and_follows_an_orbit(window):
     show(window)
     before = settled(window)
     window.screenshot("realtime")
-    red, green, blue = color(before, 0.5, 0.55)
+    red, green, blue = color(before, 0.5, 0.5)
     assert red > 2 * green and red > 2 * blue  # the cube
     red, green, blue = color(before, 0.5, 0.95)
     assert green > 1.5 * red and green > 1.5 * blue  # the ground
@@ -101,7 +101,7 @@ def test_the_view_follows_the_scene(window):
     before = settled(window)
     window.run("cube.location.x = 4.0\nresult = True")
     moved = settled(window)
-    red, green, _blue = color(moved, 0.5, 0.55)
+    red, green, _blue = color(moved, 0.5, 0.5)
     assert red < green  # the cube is gone from the middle
     window.run("cube.location.x = 0.0\nresult = True")
     assert difference(settled(window), before) < 0.5
@@ -146,7 +146,8 @@ def test_another_shading_and_switching_the_addon_off_end_it(window):
     settled(window)
     window.run("bpy.ops.preferences.addon_disable(module=addon)\nresult = True")
     time.sleep(1.0)
-    assert window.run("result = bpy.context.scene.render.engine") != "SNOWBOUGH_REALTIME"
+    # The view falls to Blender's own engine, whose shaders take minutes to compile on a busy software renderer.
+    assert window.run("result = bpy.context.scene.render.engine", timeout=300) != "SNOWBOUGH_REALTIME"
     window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
     window.run("bpy.context.scene.render.engine = 'SNOWBOUGH_REALTIME'\nresult = True")
     settled(window)

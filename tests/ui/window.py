@@ -1,5 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's real window on a screen of its own (Xvfb), driven as a user would: keys, mouse, eyes."""
+"""Blender's real window on a screen of its own (Xvfb), driven as a user would: keys, mouse, eyes.
+
+SNOWBOUGH_TEST_BLENDER_ARGUMENTS holds arguments for Blender, such as `--gpu-backend vulkan`.
+"""
 
 import json
 import os
@@ -51,6 +54,7 @@ class BlenderWindow:
         self.blender = subprocess.Popen(
             [
                 blender,
+                *os.environ.get("SNOWBOUGH_TEST_BLENDER_ARGUMENTS", "").split(),
                 "--factory-startup",
                 "--window-geometry",
                 "0",
@@ -71,7 +75,12 @@ class BlenderWindow:
             stderr=subprocess.STDOUT,
         )
         try:
-            self.run("result = True", timeout=90)
+            backend = self.run("import gpu\nresult = gpu.platform.backend_type_get()", timeout=90)
+            # Blender falls back to OpenGL by itself.
+            if "vulkan" in self.blender.args and backend != "VULKAN":
+                raise AssertionError(
+                    f"Blender draws with {backend}, not with Vulkan:\n{self.messages()[-3000:]}"
+                )
             identifier = self.xdotool("search", "--onlyvisible", "--class", "Blender").split()[0]
             # There is no window manager: the keyboard is handed over by hand.
             self.xdotool("windowfocus", "--sync", identifier)

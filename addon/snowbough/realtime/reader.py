@@ -3,8 +3,8 @@
 
 All that the depsgraph shows is there: meshes, and curves, texts and metaballs as the meshes that it makes of them;
 many instances of one object are one mesh in many places. Bark and leaves of imported trees become records.Tree,
-one an instance, as long as the armature is all that moves them; else, and where snow lies on them, they
-are meshes like others.
+one an instance, as long as the armature is all that moves them; else, and where snow lies on leaves or in a
+map of the artist's own on bark, they are meshes like others.
 
 What is read stays until `forget` hears that it changed: geometry is read once for all views of it.
 """
@@ -18,11 +18,10 @@ from ..scene.pose import library_path
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
 from .records import Mesh, Scene, Shape
-from .snow import SceneSnow
+from .snow import NO_INDEX, SceneSnow, carrier_of
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 _Z = Vector((0.0, 0.0, 1.0))
-NO_INDEX = 0x7FFFFFFF
 # Each instance of a tree has a pose of its own on the GPU; scattered forests beyond this many are plain meshes.
 MOST_TREES = 64
 # Whichever changes, looks are worked out anew. Of a node group that changes, its materials say so.
@@ -40,6 +39,7 @@ class Reader:
         self._shapes = {}
         self._leaves = {}
         self._coats = {}
+        self._places = {}
 
     def forget(self, depsgraph):
         """Drops what the depsgraph says has changed."""
@@ -53,6 +53,7 @@ class Reader:
             elif isinstance(block, bpy.types.Mesh):  # edited; where a pose bends it, only its object says so
                 _drop(self._leaves, block)
                 _drop(self._coats, block)
+                _drop(self._places, block)
             elif isinstance(block, bpy.types.Object):
                 if update.is_updated_geometry or update.is_updated_shading:
                     _drop(self._shapes, block)
@@ -94,19 +95,29 @@ class Reader:
 
     def _add(self, instance, obj, depsgraph):
         original = obj.original
-        rig = None if self._snow.is_on(original) else trees.rig_of(original, depsgraph.mode)
-        if rig is not None and self._trees_left > 0 and self._add_to_tree(instance, obj, rig, depsgraph):
+        carrier = carrier_of(instance, original)
+        if not self._snow.is_on(carrier):
+            carrier = None
+        rig = trees.rig_of(original, depsgraph.mode)
+        if (
+            rig is not None
+            and self._trees_left > 0
+            and self._add_to_tree(instance, obj, rig, carrier, depsgraph)
+        ):
             return
-        self._add_mesh(instance, obj)
+        self._add_shape(obj, np.array(instance.matrix_world), carrier)
 
-    def _add_to_tree(self, instance, obj, rig, depsgraph):
-        """Draws bark or leaves as part of a tree; False where they cannot be."""
+    def _add_to_tree(self, instance, obj, rig, carrier, depsgraph):
+        """Draws bark or leaves as part of a tree; False where they cannot be. carrier: where snow lies on it."""
         original = obj.original
         is_leaves = trees.is_leaves(original)
         if not is_leaves and not trees.is_unedited_bark(original):
             return False
         arrays, print_ = self._surfaces.of(rig)
-        if arrays is None:
+        if arrays is None or (is_leaves and carrier is not None):
+            return False
+        snow = self._snow_on_bark(original, arrays, print_, carrier)
+        if carrier is not None and snow is None:
             return False
         key = f"tree {_instance_name(instance, rig)}"
         slot = self._trees.setdefault(key, {})
@@ -119,9 +130,18 @@ class Reader:
             return False
         looks = meshes.looks_of(obj, original.data, self._look, materials.PLAIN)
         coat, coat_print = self._coat_of(original, rig, arrays, print_, looks)
-        slot["tree"] = trees.tree_of(key, arrays, print_ + coat_print, looks[0], pose, coat)
+        slot["tree"] = trees.tree_of(key, arrays, print_ + coat_print, looks[0], pose, coat, snow)
         self._trees_left -= 1
         return True
+
+    def _snow_on_bark(self, original, arrays, print_, carrier):
+        """The LyingSnow on a tree's base; None where none lies on it, or cannot."""
+        if carrier is None:
+            return None
+        key = (original.data.name, library_path(original.data), print_)
+        if key not in self._places:
+            self._places[key] = trees.SnowPlaces(original.data, arrays)
+        return self._snow.of(carrier, self._places[key])
 
     def _join_leaves(self):
         """Gives leaves to their trees; those without bark to hang on are meshes."""
@@ -130,7 +150,7 @@ class Reader:
             tree, leaves = slot.get("tree"), slot.get("leaves")
             if tree is None:
                 if leaves is not None:
-                    self._add_shape(leaves[0], leaves[1])
+                    self._add_shape(*leaves, None)
                 continue
             if leaves is not None:
                 tree.leaves, tree.leaves_print = self._leaves_of(leaves[0])
@@ -155,11 +175,8 @@ class Reader:
 
     # -- meshes -----------------------------------------------------------------------------------------
 
-    def _add_mesh(self, instance, obj):
-        self._add_shape(obj, np.array(instance.matrix_world))
-
-    def _add_shape(self, obj, place):
-        """Draws an evaluated object in a place."""
+    def _add_shape(self, obj, place, carrier):
+        """Draws an evaluated object in a place. carrier: where snow lies on it there, else None."""
         original = obj.original
         data = original.data.name if original.data is not None else ""
         # Instances that geometry nodes make of nothing but a mesh share their object, not their mesh.
@@ -170,19 +187,23 @@ class Reader:
             obj.data.as_pointer() if obj.type == "MESH" else 0,
         )
         known = self._shapes.get(key)
-        if known is None or (known[2] is None and self._snow.is_on(original)):
-            known = self._shapes[key] = self._read_shape(obj)
+        if known is None or (known[2] is None and carrier is not None):
+            known = self._shapes[key] = self._read_shape(obj, carrier is not None)
         shape, print_, snow_arrays = known
         if not len(shape.triangles):
             return
         name = f"mesh {' '.join(map(str, key[:3]))} {print_}"
+        snow = None if carrier is None else self._snow.of(carrier, snow_arrays)
+        if snow is not None and carrier.instancer:
+            # With a map of its own it is one in one place.
+            name += f" of {carrier.key}"
         if name not in self._meshes:
-            snow = self._snow.of(original, snow_arrays) if snow_arrays is not None else None
             self._meshes[name] = (shape, print_, [], snow)
         self._meshes[name][2].append(place)
 
-    def _read_shape(self, obj):
-        """(Shape, its print, what SceneSnow asks for UV maps or None) of an evaluated object."""
+    def _read_shape(self, obj, carries):
+        """(Shape, its print, what SceneSnow asks for UV maps or None) of an evaluated object. carries: whether it may
+        be asked."""
         temporary = obj.type != "MESH"
         mesh = obj.to_mesh() if temporary else obj.data
         try:
@@ -195,7 +216,7 @@ class Reader:
                 looks = meshes.looks_of(obj, mesh, self._look, materials.PLAIN)
             shape = meshes.shape_of(mesh, looks)
             shape.is_displaced = _is_displaced(obj.original, self._switch)
-            arrays = _KeptUvs(meshes.MeshArrays(mesh), mesh) if self._snow.is_on(obj.original) else None
+            arrays = _KeptUvs(meshes.MeshArrays(mesh), mesh) if carries else None
             return shape, shape.print, arrays
         finally:
             if temporary:

@@ -142,6 +142,8 @@ class Tree:
     leaves_print: str = ""
     coat: Coat = None
     """What the bark shows in place of its two colours."""
+    snow: LyingSnow = None
+    """On the bark, its uv those of the surface's quads: (Q, 4, 2)."""
 
 
 @dataclass(frozen=True)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The snow on the receivers of a scene: that of a bake, and in 3D views that of the live preview while it runs."""
 
+from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
@@ -8,13 +9,47 @@ import bpy
 from .. import session
 from ..cache.files import frame_file
 from ..result import snow_shell
-from ..result.baked_images import baked_uv_map, frames_on_disk
-from ..scene.pose import library_path, metres_per_unit
+from ..result.baked_images import baked_uv_map, folders_of_members, frames_on_disk
+from ..scene.pose import library_path, member_key, metres_per_unit, own_key
 from .records import LyingSnow
+
+# Of a persistent_id, where it says nothing.
+NO_INDEX = 0x7FFFFFFF
+
+
+@dataclass(frozen=True)
+class Carrier:
+    """What a map may lie on: an object itself, or what one empty that instances a collection shows of it."""
+
+    name: str
+    library: str
+    instancer: str = ""
+    instancer_library: str = ""
+    order: tuple = ()
+    """persistent_id without what is not set."""
+
+    @property
+    def key(self):
+        """As SceneReader calls the receiver."""
+        if not self.instancer:
+            return own_key(self.name, self.library)
+        return member_key(self.name, self.library, self.instancer, self.instancer_library, self.order)
+
+
+def carrier_of(instance, original):
+    """The Carrier of an instance of the depsgraph's that shows an original object; None where it can have no map of
+    its own: what geometry, particles and faces scatter."""
+    if not instance.is_instance:
+        return Carrier(original.name, library_path(original))
+    parent = instance.parent.original if instance.parent else None
+    if parent is None or parent.instance_type != "COLLECTION":
+        return None
+    order = tuple(index for index in instance.persistent_id if index != NO_INDEX)
+    return Carrier(original.name, library_path(original), parent.name, library_path(parent), order)
 
 
 class SceneSnow:
-    """Says which snow lies on objects. native: the module; shows_live: whether the live preview's counts."""
+    """Says which snow lies on Carriers. native: the module; shows_live: whether the live preview's counts."""
 
     def __init__(self, native, shows_live):
         self._baked = BakedSnow(native)
@@ -35,13 +70,14 @@ class SceneSnow:
         """Whether a shell shows what this draws: that of a mesh which has a map."""
         return self._now.is_drawn_otherwise(shell)
 
-    def is_on(self, obj):
-        """Whether there is a map for an original object and the frame."""
-        return self._now.is_on(obj)
+    def is_on(self, carrier):
+        """Whether there is a map for a Carrier, or None, and the frame."""
+        return carrier is not None and self._now.is_on(carrier)
 
-    def of(self, obj, arrays):
-        """The LyingSnow on an object whose evaluated mesh has these MeshArrays, or None."""
-        return self._now.of(obj, arrays)
+    def of(self, carrier, arrays):
+        """The LyingSnow on a Carrier that is_on, whose mesh has these UV maps: arrays.uv(name) gives one or None.
+        None where it has not that of the map."""
+        return self._now.of(carrier, arrays)
 
 
 def running(scene):
@@ -52,7 +88,7 @@ def running(scene):
 
 
 class LiveSnow:
-    """The snow of the running live preview, as SceneSnow's. Of instances, which have a map each, it shows none."""
+    """The snow of the running live preview, as SceneSnow's."""
 
     def __init__(self):
         self._lying = {}
@@ -60,23 +96,22 @@ class LiveSnow:
     def begin(self, scene):
         self._preview = running(scene)
         self._unit = metres_per_unit(scene)
-        found = {}
-        for key, pose in self._preview.simulated.pose.objects.items():
-            if key in self._preview.simulated.maps:
-                found.setdefault((pose.name, pose.library), []).append((key, pose.uv_map))
-        self._keys = {name: keys[0] for name, keys in found.items() if len(keys) == 1}
+        simulated = self._preview.simulated
+        self._uv_maps = {
+            key: pose.uv_map for key, pose in simulated.pose.objects.items() if key in simulated.maps
+        }
+        self._names = {simulated.pose.objects[key].name for key in self._uv_maps}
 
     def is_drawn_otherwise(self, shell):
         return True
 
-    def is_on(self, obj):
-        return obj.type == "MESH" and (obj.name, library_path(obj)) in self._keys
+    def is_on(self, carrier):
+        # Keys take longer to work out than names, and forests are many.
+        return carrier.name in self._names and carrier.key in self._uv_maps
 
-    def of(self, obj, arrays):
-        if not self.is_on(obj):
-            return None
-        key, uv_map = self._keys[obj.name, library_path(obj)]
-        uv = arrays.uv(uv_map)
+    def of(self, carrier, arrays):
+        key = carrier.key
+        uv = arrays.uv(self._uv_maps[key])
         if uv is None:
             return None
         metres = self._preview.heights(key)
@@ -92,56 +127,73 @@ class BakedSnow:
     def __init__(self, native):
         self._native = native
         self._maps = {}
-        self._folders = {}
+        self._members = {}
         self._lying = {}
 
     def begin(self, scene):
-        self._shells = set()
         self._unit = metres_per_unit(scene)
         self._frame = scene.frame_current
-        self._folders = {
-            (entry.object.name, library_path(entry.object)): (entry.folder, entry.uv_map)
-            for entry in scene.snowbough.receivers
-            if entry.object is not None and entry.enabled and entry.folder
-        }
-        for entry in scene.snowbough.receivers:
-            if (
-                entry.object is not None
-                and entry.object.type == "MESH"
-                and self._path(entry.object) is not None
-            ):
+        # What lies in a folder is looked up once a moment.
+        self._paths = {}
+        # By what a Carrier says of itself but its order: an empty shows an object of its collection once.
+        self._folders = {}
+        self._shells = set()
+        # Of the scene itself: a bake writes its folders there, and evaluation does not hear of it.
+        for entry in scene.original.snowbough.receivers:
+            if entry.object is None or not entry.enabled or not entry.folder:
+                continue
+            folders = self._folders_of(entry)
+            self._folders.update(folders)
+            if folders and all(self._path(folder) is not None for folder, _uv_map in folders.values()):
                 self._shells |= {shell.name for shell in snow_shell.find(entry)}
+
+    def _folders_of(self, entry):
+        """{what a Carrier says of itself: (folder, UV map)} of a line of the list that was baked."""
+        obj, library = entry.object, library_path(entry.object)
+        if obj.type == "MESH":
+            return {(obj.name, library, "", ""): (entry.folder, entry.uv_map)}
+        beside = Path(bpy.path.abspath(entry.folder)).parent
+        stamp = beside.stat().st_mtime_ns if beside.is_dir() else None
+        known = self._members.get((entry.folder, obj.name))
+        if known is None or known[0] != stamp:
+            members = folders_of_members(entry.folder, obj.name) if stamp is not None else {}
+            known = self._members[entry.folder, obj.name] = (stamp, members)
+        return {(*member, obj.name, library): (folder, "") for member, folder in known[1].items()}
 
     def is_drawn_otherwise(self, shell):
         return shell.name in self._shells
 
-    def is_on(self, obj):
-        return self._path(obj) is not None
+    def is_on(self, carrier):
+        return self._path(self._found(carrier)[0]) is not None
 
-    def of(self, obj, arrays):
-        path = self._path(obj)
-        if path is None:
-            return None
-        folder, uv_map = self._folders[obj.name, library_path(obj)]
+    def of(self, carrier, arrays):
+        folder, uv_map = self._found(carrier)
         uv = arrays.uv(baked_uv_map(folder) or uv_map)
         if uv is None:
             return None
-        heights = self._heights(path)
-        known = self._lying.get((obj.name, library_path(obj)))
+        heights = self._heights(self._path(folder))
+        known = self._lying.get(carrier)
         if known is None or known.heights is not heights or known.uv is not uv:
-            known = self._lying[obj.name, library_path(obj)] = LyingSnow(heights, uv)
+            known = self._lying[carrier] = LyingSnow(heights, uv)
         return known
 
-    def _path(self, obj):
+    def _found(self, carrier):
+        """(folder, UV map); empty ones where nothing was baked for it."""
+        named = (carrier.name, carrier.library, carrier.instancer, carrier.instancer_library)
+        return self._folders.get(named, ("", ""))
+
+    def _path(self, folder):
         """The file that shows the frame: of a frame behind the last one, the last; None before the first."""
-        folder, _ = self._folders.get((obj.name, library_path(obj)), ("", ""))
         if not folder:
             return None
-        folder = Path(bpy.path.abspath(folder))
-        frames = frames_on_disk(folder, "height")
-        if not frames or self._frame < frames[0]:
-            return None
-        return folder / frame_file("height", min(self._frame, frames[-1]))
+        if folder not in self._paths:
+            place = Path(bpy.path.abspath(folder))
+            frames = frames_on_disk(place, "height")
+            is_there = bool(frames) and self._frame >= frames[0]
+            self._paths[folder] = (
+                place / frame_file("height", min(self._frame, frames[-1])) if is_there else None
+            )
+        return self._paths[folder]
 
     def _heights(self, path):
         """(H, W) float32 in Blender's units."""

@@ -130,8 +130,11 @@ class Sync:
         posed = renewed or not np.array_equal(known.pose, tree.pose)
         if posed:
             self._renderer.set_pose(tree.key, tree.pose)
+        snowed = not _is_same_snow(tree.snow, None if renewed else known.snow)
+        if snowed:
+            self._renderer.set_snow(tree.key, _BARE if tree.snow is None else tree.snow.heights)
         self._trees[tree.key] = tree
-        return renewed or leafed or posed
+        return renewed or leafed or posed or snowed
 
     def _set_bark(self, tree):
         coat = tree.coat
@@ -158,6 +161,10 @@ class Sync:
             colors=[paint.color for paint in leaves.paints],
             images=[paint.image for paint in leaves.paints],
         )
+
+
+# A map without snow.
+_BARE = np.zeros((1, 1), np.float32)
 
 
 def _is_same_snow(one, other):

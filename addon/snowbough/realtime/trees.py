@@ -4,7 +4,8 @@ it."""
 
 import numpy as np
 
-from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, ORIGINAL_UV
+from .. import compat
+from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, ORIGINAL_UV, SNOW_UV
 from ..scene.inputs import fingerprint
 from ..tree import kept_bark, kept_skeleton
 from .materials import bark_of
@@ -103,6 +104,43 @@ def coat_of(obj, rig, surface, looks):
     return coat if any(paint.image is not None for paint in coat.paints) else None
 
 
+# Of a side of the map: two places closer to each other are the same one.
+SAME_PLACE = 2.0**-20
+
+
+class SnowPlaces:
+    """The UV maps in which a map of snow can lie on a tree's base: that of the import, as long as the bark's mesh
+    has it, too."""
+
+    def __init__(self, mesh, surface):
+        """mesh: the finest one's data, unedited; surface: what the native tree_arrays gave."""
+        self._mesh = mesh
+        self._places = surface["snow_uv"]
+        self._is_kept = None
+
+    def uv(self, name):
+        """(Q, 4, 2) float32 of the base's corners; None where the map is another."""
+        if name != SNOW_UV:
+            return None
+        if self._is_kept is None:
+            self._is_kept = self._is_in_mesh()
+        return self._places if self._is_kept else None
+
+    def _is_in_mesh(self):
+        """Whether the corners of the base are among those of the mesh, which is made by cutting it finer."""
+        layer = self._mesh.uv_layers.get(SNOW_UV)
+        if layer is None or not len(self._places):
+            return False
+        fine = _numbered(compat.read_uv(layer, len(self._mesh.loops)))
+        return bool(np.isin(_numbered(self._places.reshape(-1, 2)), fine).all())
+
+
+def _numbered(places):
+    """One number a place (N, 2), the same for the same place."""
+    cells = np.round(places.astype(np.float64) / SAME_PLACE).astype(np.int64)
+    return cells[:, 0] << 32 | cells[:, 1]
+
+
 def leaves_of(obj, looks):
     """The Leaves of a tree's leaf object, in the rest pose."""
     mesh = obj.data
@@ -115,7 +153,8 @@ def leaves_of(obj, looks):
     return Leaves(vertices[triangles], bones[triangles[:, 0]], *painted(arrays, looks))
 
 
-def tree_of(key, surface, print_, look, pose, coat):
-    """A records.Tree without leaves; look: the bark's; print_: of the surface and the Coat."""
+def tree_of(key, surface, print_, look, pose, coat, snow):
+    """A records.Tree without leaves; look: the bark's; print_: of the surface and the Coat; snow: records.LyingSnow
+    on it, or None."""
     bark = bark_of(look)
-    return Tree(key, surface, print_ + repr(bark), bark, pose, coat=coat)
+    return Tree(key, surface, print_ + repr(bark), bark, pose, coat=coat, snow=snow)

@@ -54,6 +54,9 @@ inline render::TreeSource tree_source(const tree::TreeMesh& mesh) {
   return source;
 }
 
+/// The array of the places on the map of the snow: a tree without them carries none.
+constexpr const char* kSnowUv = "snow_uv";
+
 /// Calls `field(name, vector, scalar, columns)` for each of a source's arrays but the kinds and the
 /// sections, which Python sees as plain numbers. `columns` of the scalar make an element.
 template <typename Source, typename Visitor>
@@ -64,6 +67,7 @@ void visit_tree_arrays(Source& source, const Visitor& field) {
   field("bone_weights", source.bone_weights, float{}, Shape{4});
   field("quads", source.quads, int32_t{}, Shape{4});
   field("bark_uv", source.bark_uv, float{}, Shape{4, 2});
+  field(kSnowUv, source.snow_uv, float{}, Shape{4, 2});
   field("branch_level", source.branch_level, int32_t{}, Shape{});
   field("branch", source.branch, int32_t{}, Shape{});
   field("section", source.section, int32_t{}, Shape{});
@@ -121,6 +125,7 @@ inline render::TreeSource tree_source(const pybind11::dict& arrays) {
   render::TreeSource source;
   visit_tree_arrays(source, [&](const char* name, auto& values, auto scalar,
                                 const std::vector<py::ssize_t>& columns) {
+    if (name == kSnowUv && !arrays.contains(name)) return;
     const auto array = read(name, scalar, columns);
     values.resize(static_cast<size_t>(array.shape(0)));
     if (!values.empty()) {

@@ -29,35 +29,39 @@ PatchPasses::PatchPasses(const std::string& name, int32_t plain_vertices)
       tessellated_(files(name, {"vert", "tesc", "tese", "frag"})),
       tessellated_capture_(files(name, {"vert", "tesc", "tese"})) {}
 
-void PatchPasses::classify(PatchList& list, const gpu::Buffer& view, float max_level,
-                           const Inputs& inputs) {
+void PatchPasses::classify(const PatchSource& of, PatchList& list, const gpu::Buffer& view,
+                           float max_level) {
   classify_.use();
   classify_.bind("ViewBlock", view);
-  inputs(classify_);
+  of.bind_classify(classify_);
   lists_.run(classify_, list, plain_vertices_, max_level);
 }
 
-void PatchPasses::draw_plain(const PatchList& list, const gpu::Buffer& view, const DrawStyle& style,
-                             const std::vector<std::string>& defines, const Inputs& inputs) {
+void PatchPasses::draw_plain(const PatchSource& of, const PatchList& list, const gpu::Buffer& view,
+                             const DrawStyle& style) {
   const bool captures = style.kind == DrawKind::kCapture;
-  gpu::Program& program = begin_draw(captures ? plain_capture_ : plain_, style, defines);
+  gpu::Program& program =
+      begin_draw(captures ? plain_capture_ : plain_, style, of.defines(style.kind));
   program.bind("ViewBlock", view);
   program.bind("PlainPatches", list.plain);
-  inputs(program);
+  of.bind_plain(program, style.kind);
   draw(program, style.kind, GL_TRIANGLES, list, 0, 1);
 }
 
-void PatchPasses::draw_tessellated(const PatchList& list, const gpu::Buffer& view,
-                                   const DrawStyle& style, const std::vector<std::string>& defines,
-                                   const Inputs& inputs) {
+void PatchPasses::draw_tessellated(const PatchSource& of, const PatchList& list,
+                                   const gpu::Buffer& view, const DrawStyle& style) {
   const bool captures = style.kind == DrawKind::kCapture;
   gpu::Program& program =
-      begin_draw(captures ? tessellated_capture_ : tessellated_, style, defines);
+      begin_draw(captures ? tessellated_capture_ : tessellated_, style, of.defines(style.kind));
   program.bind("ViewBlock", view);
   program.bind("TessellatedPatches", list.tessellated);
-  inputs(program);
+  of.bind_tessellated(program, style.kind);
   glPatchParameteri(GL_PATCH_VERTICES, 1);
   draw(program, style.kind, GL_PATCHES, list, sizeof(shared::TreeDrawCommand), list.draws);
+}
+
+PatchCounts PatchPasses::count(const PatchList& list) const {
+  return count_patches(list, plain_vertices_);
 }
 
 }  // namespace snowbough::render

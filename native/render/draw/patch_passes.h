@@ -1,7 +1,7 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
-#include <functional>
 #include <string>
 #include <vector>
 
@@ -12,26 +12,45 @@
 
 namespace snowbough::render {
 
+/// What is drawn as patches, and what the shaders of its kind of patches read of it besides the
+/// view and a list.
+class PatchSource {
+ public:
+  /// Of `patches` patches.
+  explicit PatchSource(size_t patches) : camera(patches), sun(patches) {}
+  virtual ~PatchSource() = default;
+  PatchSource(const PatchSource&) = delete;
+  PatchSource& operator=(const PatchSource&) = delete;
+
+  /// Defines of its draws' shaders, besides the kind's.
+  virtual std::vector<std::string> defines(DrawKind kind) const = 0;
+  virtual void bind_classify(gpu::Program& program) const = 0;
+  virtual void bind_plain(gpu::Program& program, DrawKind kind) const = 0;
+  virtual void bind_tessellated(gpu::Program& program, DrawKind kind) const = 0;
+
+  /// What is drawn of it in the camera's picture and in the sun's.
+  PatchList camera;
+  PatchList sun;
+};
+
 /// What trees and snow share: patches are classified, the plain ones drawn as triangles and the
 /// others through the tessellator. Nothing is read back. GPU thread.
 class PatchPasses {
  public:
-  /// Binds what the shaders of a kind of patches read besides the view and the list.
-  using Inputs = std::function<void(gpu::Program&)>;
-
   /// Of the shaders <name>_classify, <name>_plain (.vert, .frag) and <name> (.vert, .tesc, .tese,
   /// .frag), with `plain_vertices` a plain patch.
   PatchPasses(const std::string& name, int32_t plain_vertices);
 
-  /// Sorts patches into dropped, plain and tessellated and writes their lists and draws.
-  /// `max_level`: the highest level that an edge of the view can have.
-  void classify(PatchList& list, const gpu::Buffer& view, float max_level, const Inputs& inputs);
+  /// Sorts patches into dropped, plain and tessellated and writes one of the source's lists and its
+  /// draws. `max_level`: the highest level that an edge of the view can have.
+  void classify(const PatchSource& of, PatchList& list, const gpu::Buffer& view, float max_level);
   /// Draws a list's two parts into the bound framebuffer (kCapture: into the buffer bound to
-  /// transform feedback). `defines`: besides the kind's.
-  void draw_plain(const PatchList& list, const gpu::Buffer& view, const DrawStyle& style,
-                  const std::vector<std::string>& defines, const Inputs& inputs);
-  void draw_tessellated(const PatchList& list, const gpu::Buffer& view, const DrawStyle& style,
-                        const std::vector<std::string>& defines, const Inputs& inputs);
+  /// transform feedback).
+  void draw_plain(const PatchSource& of, const PatchList& list, const gpu::Buffer& view,
+                  const DrawStyle& style);
+  void draw_tessellated(const PatchSource& of, const PatchList& list, const gpu::Buffer& view,
+                        const DrawStyle& style);
+  PatchCounts count(const PatchList& list) const;
 
  private:
   int32_t plain_vertices_;

@@ -20,7 +20,7 @@ void overwrite(gpu::Buffer& buffer, const std::vector<Element>& elements) {
 }
 
 /// What points between vertices, and pixels, are computed from.
-void bind_shading(gpu::Program& program, SnowBuffers& mesh) {
+void bind_shading(gpu::Program& program, const SnowBuffers& mesh) {
   program.bind("SnowVertices", mesh.vertices);
   program.bind("CornerNormals", mesh.corner_normals);
   program.bind_texture("height_map", *mesh.map);
@@ -29,7 +29,8 @@ void bind_shading(gpu::Program& program, SnowBuffers& mesh) {
 }  // namespace
 
 SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
-    : vertex_count(static_cast<int32_t>(mesh.vertices.size())),
+    : PatchSource(mesh.patches.size()),
+      vertex_count(static_cast<int32_t>(mesh.vertices.size())),
       edge_count(static_cast<int32_t>(mesh.edges.size())),
       patch_count(static_cast<int32_t>(mesh.patches.size())),
       color(base_color),
@@ -40,9 +41,7 @@ SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
       patches(mesh.patches),
       points(bytes_of(vertex_count, sizeof(shared::SnowPoint))),
       patch_depths(bytes_of(patch_count, sizeof(float))),
-      edge_levels(bytes_of(edge_count, sizeof(float))),
-      camera(mesh.patches.size()),
-      sun(mesh.patches.size()) {
+      edge_levels(bytes_of(edge_count, sizeof(float))) {
   set_map(std::make_shared<gpu::Texture>(GL_R32F, 1, 1));
 }
 
@@ -60,6 +59,34 @@ void SnowBuffers::set_map(std::shared_ptr<const gpu::Texture> heights) {
   }
   map = std::move(heights);
   map_is_new = true;
+}
+
+std::vector<std::string> SnowBuffers::defines(DrawKind /*kind*/) const {
+  return {};
+}
+
+void SnowBuffers::bind_classify(gpu::Program& program) const {
+  program.bind("SnowVertices", vertices);
+  program.bind("SnowPatches", patches);
+  program.bind("PatchDepths", patch_depths);
+  program.bind("EdgeLevels", edge_levels);
+}
+
+void SnowBuffers::bind_plain(gpu::Program& program, DrawKind kind) const {
+  program.bind("SnowPatches", patches);
+  program.bind("SnowPoints", points);
+  if (kind != DrawKind::kShaded) return;
+  bind_shading(program, *this);
+  program.set("base_color", color);
+}
+
+void SnowBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
+  program.bind("SnowPatches", patches);
+  program.bind("SnowPoints", points);
+  program.bind("SnowEdges", edges);
+  program.bind("EdgeLevels", edge_levels);
+  bind_shading(program, *this);
+  if (kind == DrawKind::kShaded) program.set("base_color", color);
 }
 
 void SnowPasses::find_depths(SnowBuffers& mesh) {
@@ -107,39 +134,6 @@ void SnowPasses::edge_levels(SnowBuffers& mesh, const gpu::Buffer& view) {
   edges_.set("count", mesh.edge_count);
   edges_.dispatch_items(mesh.edge_count, kLocalSize);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
-void SnowPasses::classify(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
-                          float max_level) {
-  patches_.classify(list, view, max_level, [&](gpu::Program& program) {
-    program.bind("SnowVertices", mesh.vertices);
-    program.bind("SnowPatches", mesh.patches);
-    program.bind("PatchDepths", mesh.patch_depths);
-    program.bind("EdgeLevels", mesh.edge_levels);
-  });
-}
-
-void SnowPasses::draw_plain(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
-                            const DrawStyle& style) {
-  patches_.draw_plain(list, view, style, {}, [&](gpu::Program& program) {
-    program.bind("SnowPatches", mesh.patches);
-    program.bind("SnowPoints", mesh.points);
-    if (style.kind != DrawKind::kShaded) return;
-    bind_shading(program, mesh);
-    program.set("base_color", mesh.color);
-  });
-}
-
-void SnowPasses::draw_tessellated(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
-                                  const DrawStyle& style) {
-  patches_.draw_tessellated(list, view, style, {}, [&](gpu::Program& program) {
-    program.bind("SnowPatches", mesh.patches);
-    program.bind("SnowPoints", mesh.points);
-    program.bind("SnowEdges", mesh.edges);
-    program.bind("EdgeLevels", mesh.edge_levels);
-    bind_shading(program, mesh);
-    if (style.kind == DrawKind::kShaded) program.set("base_color", mesh.color);
-  });
 }
 
 }  // namespace snowbough::render

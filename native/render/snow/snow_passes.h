@@ -4,6 +4,8 @@
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "gpu/program.h"
 #include "gpu/program_variants.h"
@@ -16,13 +18,18 @@
 namespace snowbough::render {
 
 /// A receiver on the GPU: uploaded once, but for its pose and its map.
-struct SnowBuffers {
+struct SnowBuffers : PatchSource {
   /// `base_color`: linear; w: 1 where the bare surface is drawn, 0 where others draw it.
   SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color);
 
   void set_pose(const SnowPatches& mesh);
   /// Height map in metres, R32F, row 0 = v 0, below 0 on the back; linear filtering.
   void set_map(std::shared_ptr<const gpu::Texture> heights);
+
+  std::vector<std::string> defines(DrawKind kind) const override;
+  void bind_classify(gpu::Program& program) const override;
+  void bind_plain(gpu::Program& program, DrawKind kind) const override;
+  void bind_tessellated(gpu::Program& program, DrawKind kind) const override;
 
   int32_t vertex_count = 0;
   int32_t edge_count = 0;
@@ -37,8 +44,6 @@ struct SnowBuffers {
   gpu::Buffer tile_depths;
   gpu::Buffer patch_depths;
   gpu::Buffer edge_levels;
-  PatchList camera;
-  PatchList sun;
   /// Never null.
   std::shared_ptr<const gpu::Texture> map;
   /// Whether patch_depths are not those of the map, and points not those of map and pose.
@@ -47,7 +52,7 @@ struct SnowBuffers {
 };
 
 /// The passes of a receiver, in the order of a frame: lay, edge_levels, then for the sun's picture
-/// and the camera's classify and draw. `view` holds a TreeView. Nothing is read back. GPU thread.
+/// and the camera's those of `patches`. `view` holds a TreeView. Nothing is read back. GPU thread.
 ///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 4.2.2.
 class SnowPasses {
@@ -56,15 +61,9 @@ class SnowPasses {
   void lay(SnowBuffers& mesh);
   /// The tessellation level of each edge.
   void edge_levels(SnowBuffers& mesh, const gpu::Buffer& view);
-  /// As PatchPasses'.
-  void classify(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view, float max_level);
 
-  /// Vertices of a plain patch.
-  static constexpr int32_t kPlainVertices = 3;
-  void draw_plain(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
-                  const DrawStyle& style);
-  void draw_tessellated(SnowBuffers& mesh, PatchList& list, const gpu::Buffer& view,
-                        const DrawStyle& style);
+  /// A plain patch is a triangle.
+  PatchPasses patches{"snow", 3};
 
  private:
   void find_depths(SnowBuffers& mesh);
@@ -73,7 +72,6 @@ class SnowPasses {
   gpu::Program depths_{{"snow_depths.comp.glsl"}};
   gpu::Program vertices_{{"snow_vertices.comp.glsl"}};
   gpu::Program edges_{{"snow_edges.comp.glsl"}};
-  PatchPasses patches_{"snow", kPlainVertices};
 };
 
 }  // namespace snowbough::render

@@ -15,12 +15,6 @@ std::vector<std::string> snow_define(const TreeBuffers& tree) {
   return tree.snow != nullptr ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{};
 }
 
-std::vector<std::string> defines_for(const TreeBuffers& tree, const DrawStyle& style) {
-  std::vector<std::string> defines = snow_define(tree);
-  if (style.kind == DrawKind::kShaded && tree.images) defines.emplace_back("IMAGE");
-  return defines;
-}
-
 void bind_images(gpu::Program& program, const TreeBuffers& tree) {
   if (!tree.images) return;
   program.bind("BarkPlaces", tree.images->places);
@@ -30,9 +24,9 @@ void bind_images(gpu::Program& program, const TreeBuffers& tree) {
 }  // namespace
 
 TreeBuffers::TreeBuffers(const TreePatches& tree)
-    : vertex_count(static_cast<int32_t>(tree.vertices.size())),
+    : PatchSource(tree.patches.size()),
+      vertex_count(static_cast<int32_t>(tree.vertices.size())),
       edge_count(static_cast<int32_t>(tree.edges.size())),
-      patch_count(static_cast<int32_t>(tree.patches.size())),
       vertices(tree.vertices),
       sections(tree.sections),
       edges(tree.edges),
@@ -41,9 +35,40 @@ TreeBuffers::TreeBuffers(const TreePatches& tree)
       bones(matrix_rows(
           std::vector<glm::mat4>(static_cast<size_t>(tree.bone_count), glm::mat4(1.0f)))),
       posed(bytes_of(tree.vertices.size(), sizeof(shared::PosedVertex))),
-      edge_levels(bytes_of(tree.edges.size(), sizeof(float))),
-      camera(tree.patches.size()),
-      sun(tree.patches.size()) {}
+      edge_levels(bytes_of(tree.edges.size(), sizeof(float))) {}
+
+std::vector<std::string> TreeBuffers::defines(DrawKind kind) const {
+  std::vector<std::string> defines = snow_define(*this);
+  if (kind == DrawKind::kShaded && images) defines.emplace_back("IMAGE");
+  return defines;
+}
+
+void TreeBuffers::bind_classify(gpu::Program& program) const {
+  program.bind("PosedVertices", posed);
+  program.bind("TreePatches", patches);
+  program.bind("EdgeLevels", edge_levels);
+}
+
+void TreeBuffers::bind_plain(gpu::Program& program, DrawKind kind) const {
+  program.bind("PosedVertices", posed);
+  program.bind("TreePatches", patches);
+  if (kind != DrawKind::kShaded) return;
+  bind_images(program, *this);
+  if (snow == nullptr) return;
+  program.bind("TreeVertices", vertices);
+  program.bind_texture("height_map", *snow);
+}
+
+void TreeBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
+  program.bind("TreeVertices", vertices);
+  program.bind("PosedVertices", posed);
+  program.bind("TreeSections", sections);
+  program.bind("TreeEdges", edges);
+  program.bind("TreePatches", patches);
+  program.bind("EdgeLevels", edge_levels);
+  if (kind == DrawKind::kShaded) bind_images(program, *this);
+  if (snow != nullptr) program.bind_texture("height_map", *snow);
+}
 
 void TreePasses::pose(TreeBuffers& tree, const gpu::Buffer& view) {
   gpu::Program& program = pose_.with(snow_define(tree));
@@ -70,44 +95,6 @@ void TreePasses::edge_levels(TreeBuffers& tree, const gpu::Buffer& view) {
   edges_.set("count", tree.edge_count);
   edges_.dispatch_items(tree.edge_count, kLocalSize);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
-}
-
-void TreePasses::classify(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
-                          float max_level) {
-  patches_.classify(list, view, max_level, [&](gpu::Program& program) {
-    program.bind("PosedVertices", tree.posed);
-    program.bind("TreePatches", tree.patches);
-    program.bind("EdgeLevels", tree.edge_levels);
-  });
-}
-
-void TreePasses::draw_plain(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
-                            const DrawStyle& style) {
-  patches_.draw_plain(list, view, style, defines_for(tree, style), [&](gpu::Program& program) {
-    program.bind("PosedVertices", tree.posed);
-    program.bind("TreePatches", tree.patches);
-    if (style.kind != DrawKind::kShaded) return;
-    bind_images(program, tree);
-    if (tree.snow == nullptr) return;
-    program.bind("TreeVertices", tree.vertices);
-    program.bind_texture("height_map", *tree.snow);
-  });
-}
-
-void TreePasses::draw_tessellated(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
-                                  const DrawStyle& style) {
-  patches_.draw_tessellated(list, view, style, defines_for(tree, style),
-                            [&](gpu::Program& program) {
-                              program.bind("TreeVertices", tree.vertices);
-                              program.bind("PosedVertices", tree.posed);
-                              program.bind("TreeSections", tree.sections);
-                              program.bind("TreeEdges", tree.edges);
-                              program.bind("TreePatches", tree.patches);
-                              program.bind("EdgeLevels", tree.edge_levels);
-                              if (style.kind == DrawKind::kShaded) bind_images(program, tree);
-                              if (tree.snow != nullptr)
-                                program.bind_texture("height_map", *tree.snow);
-                            });
 }
 
 }  // namespace snowbough::render

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "gpu/program.h"
@@ -17,12 +18,16 @@
 namespace snowbough::render {
 
 /// A tree on the GPU: uploaded once, but for its pose.
-struct TreeBuffers {
+struct TreeBuffers : PatchSource {
   explicit TreeBuffers(const TreePatches& tree);
+
+  std::vector<std::string> defines(DrawKind kind) const override;
+  void bind_classify(gpu::Program& program) const override;
+  void bind_plain(gpu::Program& program, DrawKind kind) const override;
+  void bind_tessellated(gpu::Program& program, DrawKind kind) const override;
 
   int32_t vertex_count = 0;
   int32_t edge_count = 0;
-  int32_t patch_count = 0;
   gpu::Buffer vertices;
   gpu::Buffer sections;
   gpu::Buffer edges;
@@ -38,32 +43,23 @@ struct TreeBuffers {
   std::shared_ptr<const gpu::Texture> snow;
   /// Most of them, metres.
   float deepest_snow = 0.0f;
-  PatchList camera;
-  PatchList sun;
 };
 
 /// The passes of a tree, in the order of a frame: pose, edge_levels, then for the sun's picture and
-/// the camera's classify and draw. `view` holds a TreeView. Nothing is read back. GPU thread.
+/// the camera's those of `patches`. `view` holds a TreeView. Nothing is read back. GPU thread.
 class TreePasses {
  public:
   /// Poses the vertices with the bones' matrices.
   void pose(TreeBuffers& tree, const gpu::Buffer& view);
   /// The tessellation level of each edge.
   void edge_levels(TreeBuffers& tree, const gpu::Buffer& view);
-  /// As PatchPasses'.
-  void classify(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view, float max_level);
 
-  /// Vertices of a plain patch: two triangles.
-  static constexpr int32_t kPlainVertices = 6;
-  void draw_plain(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
-                  const DrawStyle& style);
-  void draw_tessellated(TreeBuffers& tree, PatchList& list, const gpu::Buffer& view,
-                        const DrawStyle& style);
+  /// A plain patch is two triangles.
+  PatchPasses patches{"tree", 6};
 
  private:
   gpu::ProgramVariants pose_{{"tree_pose.comp.glsl"}};
   gpu::Program edges_{{"tree_edges.comp.glsl"}};
-  PatchPasses patches_{"tree", kPlainVertices};
 };
 
 }  // namespace snowbough::render

@@ -95,6 +95,7 @@ class PatchBuilder {
     limit_bark();
     list_snow();
     bound_patches(made_);
+    made_.has_snow_places = !source_.snow_uv.empty();
     made_.bone_count = source_.bone_count;
     made_.levels = 1 + *std::max_element(source_.branch_level.begin(), source_.branch_level.end());
     return std::move(made_);

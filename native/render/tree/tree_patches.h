@@ -17,6 +17,8 @@ struct TreePatches {
   std::vector<shared::TreePatch> patches;
   /// Places on the snow map that meet at the vertices, see TreeVertex.
   std::vector<glm::vec2> vertex_snow;
+  /// Whether the source says them; else they are all the same one.
+  bool has_snow_places = false;
   int32_t bone_count = 0;
   /// Number of branch levels.
   int32_t levels = 1;

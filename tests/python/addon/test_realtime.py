@@ -46,10 +46,9 @@ def mesh(key="a", places=PLACE, snow=None, **of_shape):
     return records.Mesh(key, made, made.print, places, snow)
 
 
-def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print=""):
-    return records.Tree(
-        key, {}, print_, records.Bark(), np.full((2, 4, 4), pose, np.float32), leaves, leaves_print
-    )
+def tree(key="t", pose=0.0, print_="p", leaves=None, leaves_print="", snow=None):
+    poses = np.full((2, 4, 4), pose, np.float32)
+    return records.Tree(key, {}, print_, records.Bark(), poses, leaves, leaves_print, snow=snow)
 
 
 @pytest.fixture
@@ -134,6 +133,21 @@ def test_a_layer_of_snow_moves_and_goes_with_its_mesh(renderer):
     renderer.take()
     keeper.update(records.Scene())
     assert renderer.take() == [("remove", "a"), ("remove", LAYER)]
+
+
+def test_snow_on_a_tree_comes_changes_stays_and_goes_with_the_tree(renderer):
+    keeper = sync.Sync(renderer)
+    keeper.update(records.Scene(trees=[tree()]))
+    renderer.take()
+    assert keeper.update(records.Scene(trees=[tree(snow=snow(0.1))]))
+    assert renderer.take() == [("set_snow", "t")]
+    assert not keeper.update(records.Scene(trees=[tree(snow=snow(0.1))]))
+    keeper.update(records.Scene(trees=[tree(pose=1.0, snow=snow(0.1))]))
+    assert renderer.take() == [("set_pose", "t")]
+    keeper.update(records.Scene(trees=[tree(pose=1.0, snow=snow(0.1), print_="q")]))
+    assert renderer.take() == [("remove", "t"), ("add_tree", "t"), ("set_pose", "t"), ("set_snow", "t")]
+    assert keeper.update(records.Scene(trees=[tree(pose=1.0, print_="q")]))
+    assert renderer.take() == [("set_snow", "t")]
 
 
 def test_snow_is_painted_on_what_cannot_bear_a_layer(renderer):

@@ -1,0 +1,106 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stdexcept>
+#include <vector>
+
+#include "native/render/scene_things.h"
+
+namespace snowbough::render {
+namespace {
+
+void add_both(Scene& scene) {
+  scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+  scene.add_snow_mesh("square", SnowMesh(snow_square()), glm::vec3(0.5f), true);
+  scene.set_snow("square", {4, 4, std::vector<float>(16, 0.05f)});
+}
+
+std::vector<float> light_of(const gpu::Texture& texture) {
+  std::vector<float> light(static_cast<size_t>(texture.width()) * texture.height() * 4);
+  texture.read(0, GL_RGBA, GL_FLOAT, static_cast<int64_t>(light.size() * sizeof(float)),
+               light.data());
+  return light;
+}
+
+TEST(SceneFrames, anEmptySceneShowsTheBackground) {
+  with_scene([](Scene& scene) {
+    RenderSettings settings;
+    settings.background = glm::vec3(1.0f, 0.0f, 0.5f);
+    const Picture picture = scene.render(square_camera(2), settings);
+    EXPECT_EQ(std::vector<uint8_t>(picture.rgba.begin(), picture.rgba.begin() + 4),
+              (std::vector<uint8_t>{255, 0, 188, 0}));
+  });
+}
+
+TEST(SceneFrames, statisticsCountAllPatchesAndNameThePasses) {
+  with_scene([](Scene& scene) {
+    add_both(scene);
+    EXPECT_THROW(scene.statistics(), std::runtime_error);
+    scene.render(square_camera(), {});
+    const FrameStatistics told = scene.statistics();
+    const auto patches = static_cast<int64_t>(scene.levels("tree").classes.size() +
+                                              scene.snow_levels("square").classes.size());
+    EXPECT_EQ(told.dropped + told.plain + told.tessellated, patches);
+    EXPECT_GT(told.tessellated, 0);
+    EXPECT_GE(told.triangles, told.plain);
+    const auto has = [&](const char* name) {
+      return std::any_of(told.passes.begin(), told.passes.end(),
+                         [&](const gpu::PassTime& pass) { return pass.name == name; });
+    };
+    for (const char* name : {"pose", "edges", "classify", "shadow", "plain", "tessellated"}) {
+      EXPECT_TRUE(has(name)) << name;
+    }
+  });
+}
+
+TEST(SceneFrames, trianglesAreThoseThatThePictureCounts) {
+  with_scene([](Scene& scene) {
+    add_both(scene);
+    RenderSettings settings;
+    settings.shadow_resolution = 0;
+    scene.render(square_camera(), settings);
+    const size_t corners = scene.triangles("tree", square_camera(), settings).size() +
+                           scene.triangles("square", square_camera(), settings).size();
+    EXPECT_EQ(static_cast<int64_t>(corners / 3), scene.statistics().triangles);
+    EXPECT_THROW(scene.triangles("other", square_camera(), settings), std::invalid_argument);
+  });
+}
+
+TEST(SceneFrames, theSunsPictureIsKeptAsLongAsItWouldBeTheSame) {
+  with_scene([](Scene& scene) {
+    add_both(scene);
+    const auto light = [&](Scene::Shadows shadows) {
+      return light_of(scene.draw_light(square_camera(), {}, shadows));
+    };
+    const std::vector<float> first = light(Scene::Shadows::kDraw);
+    EXPECT_EQ(light(Scene::Shadows::kIfOther), first);
+    glm::mat4 aside(1.0f);
+    aside[3].x = 0.3f;
+    scene.set_pose("tree", {aside});
+    const std::vector<float> stale = light(Scene::Shadows::kKeep);
+    const std::vector<float> renewed = light(Scene::Shadows::kIfOther);
+    EXPECT_NE(stale, renewed);
+    EXPECT_EQ(light(Scene::Shadows::kDraw), renewed);
+  });
+}
+
+TEST(SceneFrames, lightIsTheMeanOfItsSamples) {
+  with_scene([](Scene& scene) {
+    add_both(scene);
+    const LightPicture one = scene.render_light(square_camera(), {}, 1);
+    EXPECT_EQ(one.rgba.size(), 64u * 64 * 4);
+    const LightPicture many = scene.render_light(square_camera(), {}, 16);
+    const auto partly = [](const LightPicture& of) {
+      int32_t count = 0;
+      for (size_t i = 3; i < of.rgba.size(); i += 4) {
+        count += of.rgba[i] > 0.01f && of.rgba[i] < 0.99f ? 1 : 0;
+      }
+      return count;
+    };
+    EXPECT_EQ(partly(one), 0);
+    EXPECT_GT(partly(many), 20);  // edges are soft
+  });
+}
+
+}  // namespace
+}  // namespace snowbough::render

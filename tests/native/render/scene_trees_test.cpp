@@ -1,0 +1,74 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "native/render/scene_things.h"
+
+namespace snowbough::render {
+namespace {
+
+using testing::HasSubstr;
+using testing::ThrowsMessage;
+
+void add_tube(Scene& scene, bool with_places = true) {
+  scene.add_tree("tree", make_tree_patches(tube(with_places), 0.0f), {});
+}
+
+TEST(SceneTrees, aTreeIsDrawnUntilItIsRemoved) {
+  with_scene([](Scene& scene) {
+    add_tube(scene);
+    EXPECT_GT(covered(scene.render(square_camera(), {})), 50);
+    EXPECT_EQ(scene.levels("tree").classes.size(), 4u);
+    scene.remove("tree");
+    EXPECT_EQ(covered(scene.render(square_camera(), {})), 0);
+  });
+}
+
+TEST(SceneTrees, aNameIsGivenOnce) {
+  with_scene([](Scene& scene) {
+    add_tube(scene);
+    EXPECT_THROW(add_tube(scene), std::invalid_argument);
+    EXPECT_THROW(scene.add_mesh("tree", {}), std::invalid_argument);
+    EXPECT_THAT([&] { scene.set_pose("other", {}); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("no tree 'other'")));
+  });
+}
+
+TEST(SceneTrees, aPoseHasAMatrixABoneAndMovesTheTree) {
+  with_scene([](Scene& scene) {
+    add_tube(scene);
+    EXPECT_THAT([&] { scene.set_pose("tree", std::vector<glm::mat4>(2, glm::mat4(1.0f))); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("1 bones, not 2")));
+    glm::mat4 away(1.0f);
+    away[3] = glm::vec4(0.0f, -100.0f, 0.0f, 1.0f);  // behind the camera
+    scene.set_pose("tree", {away});
+    EXPECT_EQ(covered(scene.render(square_camera(), {})), 0);
+  });
+}
+
+TEST(SceneTrees, snowWantsPlacesOnItsMap) {
+  with_scene([](Scene& scene) {
+    add_tube(scene, false);
+    EXPECT_THAT(
+        [&] {
+          scene.set_snow("tree", {1, 1, {0.1f}});
+        },
+        ThrowsMessage<std::invalid_argument>(HasSubstr("no places on a map")));
+  });
+}
+
+TEST(SceneTrees, snowThickensATreeAndAMapWithoutAnyTakesItOff) {
+  with_scene([](Scene& scene) {
+    add_tube(scene);
+    const Picture bare = scene.render(square_camera(), {});
+    scene.set_snow("tree", {2, 2, std::vector<float>(4, 0.1f)});
+    const Picture thick = scene.render(square_camera(), {});
+    EXPECT_GT(covered(thick), 3 * covered(bare) / 2);
+    scene.set_snow("tree", {1, 1, {0.0f}});
+    EXPECT_EQ(scene.render(square_camera(), {}).rgba, bare.rgba);
+  });
+}
+
+}  // namespace
+}  // namespace snowbough::render
