@@ -3,7 +3,7 @@
 #
 #   ./tools/test.sh                        all layers
 #   ./tools/test.sh native|python|blender|ui [...]   only these
-#   ./tools/test.sh --blender 5.2          tests/blender in Debian sid's Blender (made under build/)
+#   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy          tests/blender in PyPI's official bpy for this Python
 #
 # The last lines say why tests were skipped and `N passed, N failed, N skipped`; the exit code is 0
@@ -40,7 +40,7 @@ while [ $# -gt 0 ]; do
 done
 case "$blender" in
   '') [ ${#layers[@]} -gt 0 ] || layers=(native python blender ui) ;;
-  5.2 | bpy)
+  4.3 | 5.2 | bpy)
     if [ "${layers[*]:-blender}" != blender ]; then
       echo "test: --blender $blender runs the layer blender only" >&2
       exit 2
@@ -48,7 +48,7 @@ case "$blender" in
     layers=(blender)
     ;;
   *)
-    echo "test: --blender takes 5.2 (Debian sid) or bpy (PyPI), not '$blender'" >&2
+    echo "test: --blender takes 4.3 (Debian trixie), 5.2 (Debian sid) or bpy (PyPI), not '$blender'" >&2
     exit 2
     ;;
 esac
@@ -69,7 +69,7 @@ run_python() {
 
 run_blender() {
   case "$blender" in
-    5.2) tools/blender_sid.sh "$results/blender.xml" ;;
+    4.3 | 5.2) tools/blender_debian.sh "$blender" "$results/blender.xml" ;;
     bpy) tools/blender_bpy.sh "$results/blender.xml" ;;
     *) /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender --junitxml "$results/blender.xml" ;;
   esac

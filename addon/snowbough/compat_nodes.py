@@ -76,12 +76,32 @@ def remove_attribute(tree, geometry, name):
 def set_modifier_input(modifier, name, value):
     """Sets an input of a geometry nodes modifier by its name; False where it has none of that name."""
     socket = group_sockets(modifier.node_group, "INPUT").get(name)
-    if socket is not None:
+    if socket is None:
+        return False
+    if hasattr(modifier, "properties"):  # 5.2
+        getattr(modifier.properties.inputs, socket.identifier).value = value
+    else:
         modifier[socket.identifier] = value
-    return socket is not None
+    return True
 
 
 def modifier_input(modifier, name):
     """The value of an input of a geometry nodes modifier by its name, or None where it has none of that name."""
     socket = group_sockets(modifier.node_group, "INPUT").get(name)
-    return None if socket is None else modifier.get(socket.identifier, socket.default_value)
+    if socket is None:
+        return None
+    if hasattr(modifier, "properties"):
+        return getattr(modifier.properties.inputs, socket.identifier).value
+    return modifier.get(socket.identifier, socket.default_value)
+
+
+# What menu sockets of 5.x call choices that were a node's own property before.
+MENU_NAMES = {"VOXEL_SIZE": "Size", "GRID": "Grid", "DENSITY_GRID": "Grid"}
+
+
+def set_choice(node, name, value):
+    """Sets a node's property, a menu socket from 5.0 on. value: the property's."""
+    if hasattr(node, name):
+        setattr(node, name, value)
+    else:
+        node.inputs[name.replace("_", " ").title()].default_value = MENU_NAMES[value]

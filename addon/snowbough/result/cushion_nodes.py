@@ -10,6 +10,8 @@ from that mesh, so a cushion's shape follows the snow without steps, while its t
 
 import numpy as np
 
+from .. import compat_nodes
+
 # The slider of shells: 0 leaves every needle its own snow.
 CUSHIONS_INPUT = "Cushions"
 
@@ -78,9 +80,11 @@ def _joined(builder, *parts):
 
 def _balls(builder, points, radius, voxel):
     """The union of balls around points, as a mesh: their radius may be a field."""
-    volume = builder.node("GeometryNodePointsToVolume", resolution_mode="VOXEL_SIZE")
+    volume = builder.node("GeometryNodePointsToVolume")
+    compat_nodes.set_choice(volume, "resolution_mode", "VOXEL_SIZE")
     builder.feed(volume, Points=points, Voxel_Size=voxel, Radius=radius)
-    mesh = builder.node("GeometryNodeVolumeToMesh", resolution_mode="GRID")
+    mesh = builder.node("GeometryNodeVolumeToMesh")
+    compat_nodes.set_choice(mesh, "resolution_mode", "GRID")
     return volume.outputs[0], builder.feed(mesh, Volume=volume.outputs[0]).outputs["Mesh"]
 
 
@@ -96,7 +100,8 @@ def _body(builder, geometry, thickness, depth, radius):
     grown, surface = _balls(builder, layers, radius, builder.divide(radius, COARSE))
 
     spacing = builder.divide(radius, FINE)
-    inside = builder.node("GeometryNodeDistributePointsInVolume", mode="DENSITY_GRID")
+    inside = builder.node("GeometryNodeDistributePointsInVolume")
+    compat_nodes.set_choice(inside, "mode", "DENSITY_GRID")
     builder.feed(inside, Volume=grown, Spacing=builder.combine(spacing, spacing, spacing))
     at = builder.node("GeometryNodeInputPosition").outputs[0]
     near = builder.node("GeometryNodeProximity", target_element="FACES")

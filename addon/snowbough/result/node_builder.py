@@ -32,11 +32,15 @@ class NodeBuilder:
             socket.default_value = value
 
     def feed(self, node, **inputs):
-        """Sets the enabled inputs of those names, `_` for a blank. Returns the node."""
+        """Sets the enabled inputs of those names, `_` for a blank. Returns the node.
+
+        A socket that later Blenders call otherwise is found by its identifier, which stays.
+        """
         for name, value in inputs.items():
-            self.set(
-                next(s for s in node.inputs if s.enabled and s.name == name.replace("_", " ").strip()), value
-            )
+            wanted = name.replace("_", " ").strip()
+            enabled = [socket for socket in node.inputs if socket.enabled]
+            named = [socket for socket in enabled if socket.name == wanted]
+            self.set((named or [socket for socket in enabled if socket.identifier == wanted])[0], value)
         return node
 
     def output(self, node, name=None):

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# Runs tests/blender in a newer Debian's Blender on any Debian machine: 4.3 is that of trixie (4.3.2 with Python
+# 3.13), 5.2 that of sid (5.2 LTS with Python 3.14).
+#
+#   tools/blender_debian.sh 4.3|5.2 REPORT.xml [pytest arguments]
+#   tools/blender_debian.sh 4.3|5.2 --run COMMAND...   runs a command in there instead, in the checkout, which is
+#                                                      /snowbough; SNOWBOUGH_TEST_ZIP names the add-on's zip
+#
+# Makes a Debian folder with debootstrap in build/blender-<suite> (kept, about 4 GB), builds the native
+# module in there in a folder of its own (build/<suite>) and runs the tests. The mirror is the one that this
+# machine's apt uses. Needs root, for debootstrap and chroot; all mounts live in a private mount namespace
+# and end with this script. What cannot be had is reported as a skip. Variables of the caller that begin with
+# SNOWBOUGH_ are known in there, too.
+set -euo pipefail
+wanted="${1:-}"
+case "$wanted" in
+  4.3) suite=trixie ;;
+  5.2) suite=sid ;;
+  *)
+    echo "blender_debian: takes 4.3 (Debian trixie) or 5.2 (Debian sid), not '$wanted'" >&2
+    exit 2
+    ;;
+esac
+run=
+if [ "$2" = --run ]; then
+  run=yes
+else
+  report="$(realpath -m "$2")"
+fi
+shift 2
+cd "$(dirname "$0")/.."
+root="$PWD/build/blender-$suite"
+own="build/$suite"
+
+skip() {
+  echo "blender $wanted: skipped: $1"
+  [ -z "$run" ] || exit 1
+  /usr/bin/python3 tools/skip_report.py "$report" "Blender $wanted" "$1"
+  exit 0
+}
+
+# Once more from the top, in a mount namespace of our own: nothing stays mounted whatever happens.
+if [ "${SNOWBOUGH_OWN_MOUNTS:-}" != yes ]; then
+  [ "$(id -u)" -eq 0 ] || skip "debootstrap and chroot need root"
+  unshare --mount true 2>/dev/null || skip "this machine does not allow mounts"
+  SNOWBOUGH_OWN_MOUNTS=yes exec unshare --mount --propagation private "$0" "$wanted" "${run:+--run}${report:-}" "$@"
+fi
+
+if ! command -v debootstrap >/dev/null; then
+  echo "blender $wanted: to be installed with apt-get: debootstrap (makes the Debian $suite folder)"
+  { DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends debootstrap ||
+    { apt-get update && DEBIAN_FRONTEND=noninteractive apt-get install -y --no-install-recommends debootstrap; }
+  } </dev/null || skip "debootstrap could not be installed"
+fi
+
+if [ ! -e "$root/.base-complete" ]; then
+  mirror=$(apt-get indextargets --format '$(REPO_URI)' 'Created-By: Packages' 'Label: Debian' | sed -n 1p)
+  [ -n "$mirror" ] || skip "apt on this machine knows no Debian mirror"
+  rm -rf "$root"
+  echo "blender $wanted: making a Debian $suite folder from $mirror"
+  debootstrap --variant=minbase "$suite" "$root" "$mirror" ||
+    skip "debootstrap could not fetch Debian $suite from $mirror"
+  touch "$root/.base-complete"
+fi
+
+mount -t proc proc "$root/proc"
+mount --rbind /dev "$root/dev"
+mount --rbind /sys "$root/sys"
+cp /etc/resolv.conf "$root/etc/resolv.conf"
+# Without it Blender complains on its error output, where tests want nothing.
+[ -e "$root/etc/mtab" ] || ln -s /proc/self/mounts "$root/etc/mtab"
+given=()
+while IFS= read -r variable; do
+  given+=("$variable=${!variable}")
+done < <(compgen -e | grep '^SNOWBOUGH_' || true)
+inside() {
+  chroot "$root" /usr/bin/env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin LC_ALL=C.UTF-8 HOME=/root \
+    DEBIAN_FRONTEND=noninteractive PYTHONUNBUFFERED=1 "${given[@]}" "$@" </dev/null
+}
+
+# Debian's Blender 5.2 does not name python3-cattr and python3-requests, which its extension manager imports.
+# Vulkan on the processor is for `--gpu-backend vulkan`.
+packages="$(awk '!/^#/ && NF { print $1 }' tools/dependencies.txt)
+python3-cattr
+python3-requests
+mesa-vulkan-drivers"
+if [ "$(cat "$root/.packages-complete" 2>/dev/null)" != "$packages" ]; then
+  echo "blender $wanted: installing Blender and the build's packages in the Debian $suite folder"
+  # A mirror's copy of sid may be days old, which apt would refuse.
+  inside apt-get -o Acquire::Check-Valid-Until=false update ||
+    skip "the mirror's package lists of Debian $suite could not be read"
+  # Some packages' first configure fails outside a booted system; the second pass mends it.
+  # shellcheck disable=SC2086
+  inside apt-get install -y --no-install-recommends $packages ||
+    inside apt-get install -y -f --no-install-recommends ||
+    skip "Blender could not be installed from Debian $suite"
+  # shellcheck disable=SC2086
+  inside dpkg --status $packages >/dev/null || skip "Blender could not be installed from Debian $suite"
+  echo "$packages" >"$root/.packages-complete"
+fi
+version=$(inside blender --version | sed -n 's/^Blender //p')
+echo "blender $wanted: Debian $suite has Blender $version with $(inside /usr/bin/python3 --version)"
+case "$version" in
+  "$wanted"*) ;;
+  *) skip "Debian $suite has moved on to Blender $version" ;;
+esac
+
+mkdir -p "$root/snowbough" "$root/shared"
+mount --bind . "$root/snowbough"
+# The command line run from the checkout looks for the module in build/python: in there it is the folder's own.
+mkdir -p build/python "$own/python"
+mount --bind "$own/python" "$root/snowbough/build/python"
+if [ -d ../shared ]; then
+  mount --bind ../shared "$root/shared"
+fi
+inside cmake -S /snowbough -B "/snowbough/$own/release" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  -DPython_EXECUTABLE=/usr/bin/python3 "-DSNOWBOUGH_PYTHON_DIR=/snowbough/$own/python" \
+  -DSNOWBOUGH_TESTS=OFF -DSNOWBOUGH_BENCHMARKS=OFF
+inside cmake --build "/snowbough/$own/release"
+inside /snowbough/tools/package.sh "$own/python" "$own/snowbough.zip"
+if [ -n "$run" ]; then
+  inside "SNOWBOUGH_TEST_ZIP=/snowbough/$own/snowbough.zip" /usr/bin/env -C /snowbough "$@"
+  exit
+fi
+inside /usr/bin/env -C /snowbough /usr/bin/python3 tests/blender/run.py --blender /usr/bin/blender \
+  --zip "/snowbough/$own/snowbough.zip" --junitxml "/snowbough/$own/blender.xml" "$@" || status=$?
+[ ! -e "$own/blender.xml" ] || mv "$own/blender.xml" "$report"
+exit "${status:-0}"
