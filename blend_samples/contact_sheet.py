@@ -5,8 +5,8 @@
     contact_sheet.py FOLDER      (reads FOLDER/demo.json and frames, writes FOLDER/snowbough.png)
 
 On top three plates of the tree seen from the front: the raw polygons of the export, the rebuilt
-centrelines with their radii, and the rig's bones, coloured by branch level. Below them the six rendered
-frames. Needs `snowbough_native` on PYTHONPATH to read the tree.
+centrelines with their radii, and the rig's bones, coloured by branch level. Below them the rendered
+frames and the close-up. Needs `snowbough_native` on PYTHONPATH to read the tree.
 """
 
 import json
@@ -180,6 +180,12 @@ def compose(folder):
     column = (inside - 2 * GAP) // 3
     plate_size = (column, 620)
     frames = [Image.open(folder / f"frame_{frame:04d}.png").convert("RGB") for frame in demo["frames"]]
+    captions = [
+        (f"Frame {frame}", f"{100.0 * depth:.1f} cm on open ground")
+        for frame, depth in zip(demo["frames"], demo["depths"])
+    ]
+    frames.append(Image.open(folder / "close_up.png").convert("RGB"))
+    captions.append((f"Frame {demo['frames'][-1]}", "a fork from close by"))
     frame_size = (column, round(column * frames[0].height / frames[0].width))
     height = MARGIN + 74 + plate_size[1] + 44 + 2 * (frame_size[1] + 44) + MARGIN - 8
     sheet = Image.new("RGB", (WIDTH, height), PAPER)
@@ -188,7 +194,7 @@ def compose(folder):
     draw.text(
         (MARGIN + 280, MARGIN + 9),
         f"{Path(demo['tree']).name}: from the export to a snowy shot of {demo['last_frame']} frames, "
-        f"{demo['receivers']} objects with {demo['resolution']} x {demo['resolution']} snow maps",
+        f"{demo['receivers']} objects with snow maps of up to {demo['resolution']} x {demo['resolution']}",
         font=font(22),
         fill=FAINT,
     )
@@ -215,16 +221,9 @@ def compose(folder):
     for index, (image, title, caption) in enumerate(plates):
         taken = put(sheet, image, (MARGIN + index * (column + GAP), top), title, caption)
     top += taken + 8
-    for index, (image, frame) in enumerate(zip(frames, demo["frames"])):
+    for index, (image, (title, caption)) in enumerate(zip(frames, captions)):
         place = (MARGIN + index % 3 * (column + GAP), top + index // 3 * (frame_size[1] + 48))
-        depth = demo["depths"][index] * 100.0
-        put(
-            sheet,
-            image.resize(frame_size, Image.LANCZOS),
-            place,
-            f"Frame {frame}",
-            f"{depth:.1f} cm on open ground",
-        )
+        put(sheet, image.resize(frame_size, Image.LANCZOS), place, title, caption)
     target = folder / "snowbough.png"
     sheet.save(target)
     return target

@@ -4,8 +4,9 @@
     blender -b --factory-startup --python-exit-code 1 -P blend_samples/demo.py -- TREE.obj FOLDER
 
 Imports the tree, rigs it, lets it sway, puts it on the stage of demo_scene.py, lets snow fall for 48
-frames on bark, ground, bench and cart with 1024 x 1024 maps, wires the result and renders six frames.
-Leaves in FOLDER: snowbough.blend, the EXR sequences in snowbough_cache, frame_NNNN.png, and demo.json
+frames on bark, ground, bench and cart with 1024 x 1024 maps, wires the result and renders five frames and
+a fork from close by.
+Leaves in FOLDER: snowbough.blend, the EXR sequences in snowbough_cache, frame_NNNN.png, close_up.png and demo.json
 with what contact_sheet.py draws. Everything goes through the add-on's operators, as an artist's clicks
 would.
 """
@@ -17,19 +18,24 @@ from pathlib import Path
 
 import bpy
 import numpy as np
+from mathutils import Vector
 
 ROOT = Path(__file__).resolve().parent.parent
 sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "addon")]
 
 import demo_scene  # noqa: E402  (both folders are known from here on)
 import snowbough  # noqa: E402
+from snowbough import compat_nodes  # noqa: E402
 
-RESOLUTION = 1024
-RENDERED_FRAMES = (1, 10, 20, 32, 40, 48)
+RESOLUTION, WHEEL_RESOLUTION = 1024, 256
+RENDERED_FRAMES = (1, 12, 22, 34, 48)
+# From a fork to the eye that looks at it from close by, in metres.
+CLOSE_UP = Vector((-0.42, -0.85, 0.05))
 # (frame, strength): dry at first, then the snow sets in, falls, and dies away as the cart drives off its
 # dry patch.
 SNOWFALL = ((1, 0.0), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
-END_DEPTH = 0.06
+END_DEPTH = 0.12
+RELIEF = 0.5
 # The stage is built for a tree of this height, and of this reach around its foot.
 TREE_HEIGHT, TREE_REACH = 6.0, 3.6
 
@@ -109,7 +115,7 @@ def prepare_snowfall(receivers, backdrop):
     bpy.ops.snowbough.add_receivers()
     settings = scene.snowbough
     for entry in settings.receivers:
-        entry.resolution = RESOLUTION
+        entry.resolution = WHEEL_RESOLUTION if entry.object.name.startswith("wheel") else RESOLUTION
     for scenery in backdrop:
         scenery.snowbough.occlude = False
     settings.end_depth = END_DEPTH
@@ -121,13 +127,11 @@ def prepare_snowfall(receivers, backdrop):
     settings.bearing = np.radians(70.0)
     settings.pixel_size = 0.016
     settings.seed = 7
-    # The shot stands for hours of snowfall: what steep sides cannot hold is gone within a few frames.
-    settings.max_depth = 0.08
-    settings.slide_half_life = 0.12
 
 
 def simplify_snow():
-    """Snow that few samples render without noise: no light inside it and little glitter."""
+    """Snow that few samples render without noise: no light inside it, little glitter, and low relief, which the
+    raking light of the low sun would make rough."""
     for material in bpy.data.materials:
         if material.node_tree is None:
             continue
@@ -135,6 +139,33 @@ def simplify_snow():
             if node.type == "GROUP" and node.node_tree and node.node_tree.name.startswith("Snowbough Snow"):
                 node.inputs["Subsurface"].default_value = 0.0
                 node.inputs["Sparkle"].default_value = 0.0
+    for shell in shells():
+        modifier = next(modifier for modifier in shell.modifiers if modifier.type == "NODES")
+        compat_nodes.set_modifier_input(modifier, "Relief", RELIEF)
+
+
+def shells():
+    return [candidate for candidate in bpy.data.objects if candidate.snowbough.is_shell]
+
+
+def close_up(armature, camera):
+    """A camera close to a fork of the lower crown on the side of `camera`."""
+    bones = armature.data.bones
+    at_forks = [
+        bone for bone in bones if bone.parent and bone.name.split(".")[0] != bone.parent.name.split(".")[0]
+    ]
+    # A tree of one limb has none: any of its joints will do.
+    forks = [armature.matrix_world @ bone.head_local for bone in at_forks or bones]
+    top = max(fork.z for fork in forks)
+    low = [fork for fork in forks if 0.3 * top < fork.z < 0.6 * top] or forks
+    fork = min(low, key=lambda fork: (fork - camera.location).length)
+    return demo_scene.make_camera(bpy.context.scene, "close up", fork + CLOSE_UP, fork, focal_length=50.0)
+
+
+def render(name):
+    scene = bpy.context.scene
+    scene.render.filepath = str(name)
+    bpy.ops.render.render(write_still=True)
 
 
 def rig_for_the_sheet(armature):
@@ -157,13 +188,13 @@ def main(tree, folder):
     armature, meshes, import_seconds = import_tree(tree)
     clothe(meshes)
     bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
-    prepare_snowfall([bark, stage.ground, stage.bench, stage.cart], stage.backdrop)
+    prepare_snowfall([bark, stage.ground, stage.bench, stage.cart, *stage.wheels], stage.backdrop)
     blend = folder / "snowbough.blend"
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
 
     say(
         f"baking {demo_scene.FRAMES} frames of snow on {len(scene.snowbough.receivers)} objects, "
-        f"{RESOLUTION} x {RESOLUTION} each"
+        f"{RESOLUTION} x {RESOLUTION} each ({WHEEL_RESOLUTION} x {WHEEL_RESOLUTION} for wheels)"
     )
     began = time.perf_counter()
     bpy.ops.snowbough.bake()
@@ -171,14 +202,21 @@ def main(tree, folder):
     bpy.ops.snowbough.setup_material()
     bpy.ops.snowbough.setup_displacement()
     simplify_snow()
+    near = close_up(armature, stage.camera)
     bpy.ops.wm.save_as_mainfile(filepath=str(blend), compress=True)
 
     began = time.perf_counter()
+    # A render evaluates the shells by itself: the view, which nobody sees, need not.
+    for shell in shells():
+        shell.hide_viewport = True
     for number, frame in enumerate(RENDERED_FRAMES, 1):
         scene.frame_set(frame)
-        scene.render.filepath = str(folder / f"frame_{frame:04d}.png")
-        bpy.ops.render.render(write_still=True)
+        render(folder / f"frame_{frame:04d}.png")
         say(f"rendered frame {frame} ({number} of {len(RENDERED_FRAMES)})")
+    scene.camera = near
+    render(folder / "close_up.png")
+    say("rendered a fork from close by")
+    scene.camera = stage.camera
     render_seconds = time.perf_counter() - began
 
     scene.frame_set(1)

@@ -152,7 +152,7 @@ def knoll(x, y):
     return waves * np.clip(distance / 4.0, 0.0, 1.0) - 0.012 * np.maximum(distance - 5.0, 0.0) ** 2
 
 
-def make_ground(material, half=14.0, lines=301):
+def make_ground(material, half=14.0, lines=201):
     """A square grid, fine in the middle and coarse far out; its UVs are as dense as its lines."""
     even = np.linspace(-1.0, 1.0, lines)
     stretched = half * (0.42 * even + 0.58 * even**3)
@@ -264,7 +264,10 @@ def drive_cart(body, wheels):
 
 
 def make_sky(scene):
-    """A pale winter sky: warm towards the horizon, blue-grey above, without a sun in it."""
+    """A clear winter evening: a pale band over the horizon, deep blue above, without a sun in it.
+
+    Darker than snow in the light, so that white limbs stand out against it.
+    """
     world = bpy.data.worlds.new("winter sky")
     if bpy.app.version < (5, 0, 0):
         world.use_nodes = True
@@ -273,20 +276,21 @@ def make_sky(scene):
     coordinates, separate = nodes.new("ShaderNodeTexCoord"), nodes.new("ShaderNodeSeparateXYZ")
     ramp = nodes.new("ShaderNodeValToRGB")
     stops = (
-        (0.0, (0.80, 0.70, 0.62)),
-        (0.06, (0.86, 0.76, 0.68)),
-        (0.22, (0.60, 0.67, 0.78)),
-        (0.6, (0.30, 0.42, 0.62)),
-        (1.0, (0.20, 0.31, 0.52)),
+        (0.0, (0.55, 0.48, 0.46)),
+        (0.04, (0.46, 0.45, 0.49)),
+        (0.13, (0.20, 0.29, 0.44)),
+        (0.40, (0.09, 0.17, 0.35)),
+        (1.0, (0.06, 0.12, 0.28)),
     )
     while len(ramp.color_ramp.elements) < len(stops):
         ramp.color_ramp.elements.new(0.5)
     for element, (position, colour) in zip(ramp.color_ramp.elements, stops):
         element.position, element.color = position, (*colour, 1.0)
+    ramp.color_ramp.interpolation = "B_SPLINE"
     links.new(coordinates.outputs["Generated"], separate.inputs["Vector"])
     links.new(separate.outputs["Z"], ramp.inputs["Fac"])
     links.new(ramp.outputs["Color"], background.inputs["Color"])
-    background.inputs["Strength"].default_value = 0.8
+    background.inputs["Strength"].default_value = 0.9
     scene.world = world
 
 
@@ -338,7 +342,7 @@ def make_forest(distance, height, colour, seed):
         -FOREST_DEPTH - 1.0,
         -FOREST_DEPTH + height,
     )
-    ramp.color_ramp.elements[0].color = (0.74, 0.66, 0.59, 1.0)
+    ramp.color_ramp.elements[0].color = (0.56, 0.50, 0.49, 1.0)
     ramp.color_ramp.elements[1].color = (*colour, 1.0)
     links.new(place.outputs["Position"], height_of.inputs["Vector"])
     links.new(height_of.outputs["Z"], spread.inputs["Value"])
@@ -355,22 +359,21 @@ def make_forest(distance, height, colour, seed):
 
 def make_sun(scene):
     light = bpy.data.lights.new("low sun", "SUN")
-    light.energy, light.angle, light.color = 4.6, math.radians(1.2), (1.0, 0.82, 0.62)
+    light.energy, light.angle, light.color = 5.5, math.radians(1.2), (1.0, 0.80, 0.60)
     sun = bpy.data.objects.new("low sun", light)
-    # From the left behind the tree, 24 degrees high: raking light, long shadows towards the camera.
-    sun.rotation_euler = (math.radians(66.0), 0.0, math.radians(-118.0))
+    # From the left and a little before the tree, 23 degrees high: it rakes over the ground, and what lies on
+    # the limbs is bright against the sky.
+    sun.rotation_euler = (math.radians(67.0), 0.0, math.radians(-72.0))
     scene.collection.objects.link(sun)
 
 
-def make_camera(scene):
-    lens = bpy.data.cameras.new("camera")
-    lens.lens, lens.sensor_width = 30.0, 36.0
-    camera = bpy.data.objects.new("camera", lens)
-    camera.location = (1.7, -10.8, 3.2)
-    target = Vector((1.15, 0.0, 2.3))
-    camera.rotation_euler = (target - camera.location).to_track_quat("-Z", "Y").to_euler()
+def make_camera(scene, name, place, target, focal_length):
+    lens = bpy.data.cameras.new(name)
+    lens.lens, lens.sensor_width, lens.clip_start = focal_length, 36.0, 0.01
+    camera = bpy.data.objects.new(name, lens)
+    camera.location = place
+    camera.rotation_euler = (target - place).to_track_quat("-Z", "Y").to_euler()
     scene.collection.objects.link(camera)
-    scene.camera = camera
     return camera
 
 
@@ -397,7 +400,7 @@ def set_render(scene, width=800, height=500, samples=32):
     scene.render.image_settings.file_format = "PNG"
     looks = {item.name for item in type(scene.view_settings).bl_rna.properties["look"].enum_items}
     scene.view_settings.view_transform = "Filmic"
-    scene.view_settings.exposure = 0.35
+    scene.view_settings.exposure = 0.45
     if "Medium High Contrast" in looks:
         scene.view_settings.look = "Medium High Contrast"
 
@@ -425,12 +428,15 @@ def build_stage():
     for axle in (-0.6, 0.6):
         for side in (-0.63, 0.63):
             wheel = make_wheel(f"wheel {len(wheels) + 1}", iron)
+            unwrap(wheel)
             wheel.parent, wheel.location = cart, (axle, side, WHEEL_RADIUS)
             wheels.append(wheel)
     drive_cart(cart, wheels)
     make_sky(scene)
     make_sun(scene)
-    backdrop = [make_forest(75.0, 11.0, (0.46, 0.46, 0.48), 3), make_forest(50.0, 8.0, (0.30, 0.33, 0.37), 5)]
-    camera = make_camera(scene)
+    backdrop = [make_forest(75.0, 11.0, (0.30, 0.34, 0.42), 3), make_forest(50.0, 8.0, (0.13, 0.17, 0.23), 5)]
+    scene.camera = make_camera(
+        scene, "camera", Vector((1.5, -10.2, 2.3)), Vector((0.9, 0.0, 2.55)), focal_length=32.0
+    )
     set_render(scene)
-    return Stage(ground, bench, cart, wheels, camera, backdrop)
+    return Stage(ground, bench, cart, wheels, scene.camera, backdrop)

@@ -112,6 +112,8 @@ def prepare_snowfall(receivers, scenery, resolution):
                 key.interpolation = "CONSTANT"
     # Two seconds stand for an hour of snowfall: what steep sides cannot hold is gone within a few frames.
     settings.max_depth, settings.slide_half_life = 0.06, 0.08
+    # Wet snow that a storm drives against things sticks to what it hits, walls too.
+    settings.repose = np.radians(90.0)
     key_wind(settings)
 
 

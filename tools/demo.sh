@@ -4,7 +4,7 @@
 #   ./tools/demo.sh            with a maple grown by blend_samples/grow_tree.py
 #   ./tools/demo.sh FILE.obj   with your own tree
 #
-# Leaves in build/demo: snowbough.blend, the EXR sequences in snowbough_cache, six rendered frames and the
+# Leaves in build/demo: snowbough.blend, the EXR sequences in snowbough_cache, five rendered frames, a close-up and the
 # contact sheet snowbough.png. Sets the machine up first (tools/setup.sh).
 set -euo pipefail
 tree="${1:+$(realpath "$1")}"

@@ -6,7 +6,8 @@
     PYTHONPATH=build/python /usr/bin/python3 tools/guide_pictures.py [NAME ...]
 
 tree               the maple as exported, its branches, its rig
-shot               three frames of the demo, as they lie in build/demo
+demo, close_up     the demo's last frame and its fork from close by, as they lie in build/demo
+shot               three frames of the demo
 detail             a piece of it at the four levels of detail
 viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
 scene_properties   the Scene properties there
@@ -14,7 +15,7 @@ panels             the sidebar in all its states, as tests/ui/panel_states.py le
 panels_newest      the same in Debian sid's Blender
 windy              the sheet that tools/windy_shot.sh left in build/windy
 
-Without names all of them. Every picture is a PNG of less than 150 KB.
+Without names all of them. Every picture is a PNG of less than 150 KB, renders that are shown alone are JPEGs.
 """
 
 import sys
@@ -35,7 +36,7 @@ sys.path[:0] = [str(ROOT / "blend_samples"), str(ROOT / "tests" / "ui")]
 import contact_sheet  # noqa: E402
 import grow_tree  # noqa: E402
 import window as ui  # noqa: E402
-from panel_states import side_by_side  # noqa: E402
+from panel_states import SHOW_SCENE, side_by_side  # noqa: E402
 
 # A maple over a ground, half way through a snowfall with wind, previewed live.
 PREVIEWED_SCENE = """
@@ -84,22 +85,20 @@ column = next(area for area in window.screen.areas if area not in known)
 column.type = "PROPERTIES"
 result = True
 """
-SHOW_SCENE_SETTINGS = """
-column.spaces.active.context = "SCENE"
-column.tag_redraw()
-result = True
-"""
-
-
 # Where the levels of detail are looked at: the maple's trunk between its fourth and eighth branch.
 DETAIL_MIDDLE, DETAIL_REACH = np.array((-0.24, 0.0, 2.12)), np.array((0.36, 0.6, 0.45))
 
+# Renders, whose grain no palette holds.
+PHOTOGRAPHS = {"demo", "close_up"}
 # Its few red pixels are what the flag is known by.
 RARE_COLOURS = {"windy"}
 
 
 def keep(image, name):
-    """Writes docs/images/<name>.png with as many colours as its size allows."""
+    """Writes docs/images/<name>.png with as many colours as its size allows; photographs as .jpg."""
+    if name in PHOTOGRAPHS:
+        image.convert("RGB").save(IMAGES / f"{name}.jpg", quality=88, optimize=True)
+        return
     method = Image.Quantize.MAXCOVERAGE if name in RARE_COLOURS else Image.Quantize.MEDIANCUT
     target = IMAGES / f"{name}.png"
     for colours in (256, 192, 128, 96, 64, 32):
@@ -140,10 +139,24 @@ def tree():
     )
 
 
-def shot():
+def demo_frames():
     frames = sorted(DEMO.glob("frame_*.png"))
     if len(frames) < 3:
         raise SystemExit("build/demo holds no rendered frames: run ./tools/demo.sh first")
+    return frames
+
+
+def demo():
+    return Image.open(demo_frames()[-1])
+
+
+def close_up():
+    demo_frames()
+    return Image.open(DEMO / "close_up.png")
+
+
+def shot():
+    frames = demo_frames()
     chosen = (frames[0], frames[len(frames) // 2], frames[-1])
     return side_by_side([Image.open(frame).resize((330, 206), Image.LANCZOS) for frame in chosen])
 
@@ -204,7 +217,7 @@ def scene_properties():
     def work(window):
         window.run(SETTINGS_ALONE)
         time.sleep(2.0)
-        window.run(SHOW_SCENE_SETTINGS)
+        window.run(SHOW_SCENE)
         time.sleep(4.0)
         area = window.run("result = [column.x, column.y, column.width, column.height]")
         return cropped(window, "guide_scene", area)
@@ -245,6 +258,8 @@ def cropped(window, name, area):
 
 PICTURES = {
     "tree": tree,
+    "demo": demo,
+    "close_up": close_up,
     "shot": shot,
     "detail": detail,
     "viewport": viewport,
