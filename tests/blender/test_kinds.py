@@ -29,9 +29,7 @@ def slider(obj, name):
 
 
 def relief(addon, shell):
-    modifier = shell.modifiers[0]
-    socket = addon("compat_nodes").group_sockets(modifier.node_group, "INPUT")["Relief"]
-    return modifier[socket.identifier]
+    return addon("compat_nodes").modifier_input(shell.modifiers[0], "Relief")
 
 
 @pytest.mark.parametrize("kind", ["POWDER", "FRESH", "WET", "OLD"])

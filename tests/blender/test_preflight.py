@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Putting objects on the list, and what is found before a bake."""
 
+import math
+
 import bpy
 import pytest
 import snow_scene as s
@@ -44,6 +46,9 @@ def test_changed_settings_are_told_at_once(addon, tmp_path):
     assert changes(bpy.context.scene) == ["End Depth: 0.25, was 0.1", "Ground: resolution 128, was 64"]
     own.end_depth = 0.1
     own.receivers[0].resolution = 64
+    own.flutter = math.radians(20.0)
+    assert changes(bpy.context.scene) == ["Flutter: 20°, was 0°"]
+    own.flutter = 0.0
     s.key(bpy.context.scene.snowbough, "rate", (1, 0.0), (4, 1.0))
     assert changes(bpy.context.scene) == ["Rate: its animation changed"]
     s.bake()

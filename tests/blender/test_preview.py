@@ -122,11 +122,11 @@ def test_a_jump_beyond_what_was_played_lays_that_frames_snow(ground, preview):
     assert height(running) == pytest.approx(0.08, rel=0.02)
 
 
-def test_a_cart_keeps_the_snow_of_where_it_was(ground, preview):
+def test_a_cart_keeps_the_snow_of_where_it_was(ground, preview, addon):
     """It stands below a roof for half of the shot."""
     roof = s.square("Roof", 3.0, z=2.0)
     s.key(ground, "location", (1, (0, 0, 0)), (5, (0, 0, 0)), (6, (9, 0, 0)), (10, (9, 0, 0)))
-    for curve in ground.animation_data.action.fcurves:
+    for curve in addon("compat").curves_of(ground):
         for point in curve.keyframe_points:
             point.interpolation = "CONSTANT"
     bpy.context.scene.frame_set(1)
@@ -211,11 +211,11 @@ def test_another_direction_shows_at_once_and_on_the_same_simulation(windy, previ
     assert running.simulation is simulation
 
 
-def test_another_direction_is_laid_over_the_poses_that_were_played(windy, preview):
+def test_another_direction_is_laid_over_the_poses_that_were_played(windy, preview, addon):
     """The wall is there in the second half of the shot only, so half of the snow lies in its lee."""
     wall = bpy.data.objects["Wall"]
     s.key(wall, "location", (1, (0, 0, -5)), (5, (0, 0, -5)), (6, (0, 0, 0)))
-    for curve in wall.animation_data.action.fcurves:
+    for curve in addon("compat").curves_of(wall):
         for point in curve.keyframe_points:
             point.interpolation = "CONSTANT"
     bpy.context.scene.frame_set(1)

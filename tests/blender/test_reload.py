@@ -49,7 +49,7 @@ sys.modules["snowbough.session"].last_outcome = ("INFO", "kept")
 before = look()
 # Of other lengths than before, since compiled files are told by second and size.
 change("ui/bake_operators.py", 'bl_label = "Bake Snow"', 'bl_label = "Bake Much Snow"')
-change("settings/scene.py", 'name="End Depth"', 'name="Depth at the End"')
+change("settings/scene.py", '_depth("End Depth"', '_depth("Depth at the End"')
 change("bake/plan.py", "PREROLL_STEPS = 32", "PREROLL_STEPS = 164")
 change("names.py", "MAX_RESOLUTION = 8192", "MAX_RESOLUTION = 16384")
 RELOAD

@@ -92,7 +92,7 @@ def test_a_bake_of_the_format_before_is_still_that_of_the_scene(addon, snowy, tm
     assert addon("bake.changes_since_bake").settings_changes(snowy) == []
     s.bake(resume=True)  # compares settings and poses, and refuses what has changed
     snowy.snowbough.flutter = 0.125
-    assert addon("bake.changes_since_bake").settings_changes(snowy) == ["Flutter: 0.125, was 0.25"]
+    assert addon("bake.changes_since_bake").settings_changes(snowy) == ["Flutter: 7.162°, was 14.32°"]
 
 
 def test_panels_show_every_setting_of_the_simulation(addon):

@@ -25,7 +25,7 @@ FLOORS = {
 # need only be free of circles.
 ROOMS = {
     "native/snow": "state texels seams scene repose output step",
-    "native/tree": "skeleton obj rings welded read surface crossings mesh tubes detail uv leaves original",
+    "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }
 
 

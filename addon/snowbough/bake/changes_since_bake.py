@@ -7,6 +7,7 @@ materials, and the shape of what no modifier changes. All the rest, at every fra
 the finished bake.
 """
 
+import math
 from pathlib import Path
 
 import bpy
@@ -50,9 +51,15 @@ def _spelled(value):
     return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
-def _label(scene, name):
+def _change(scene, name, now, before):
+    """A text on the setting `name`, as its field in the panel calls and shows it."""
     known = scene.snowbough.bl_rna.properties.get(name)
-    return known.name if known is not None and known.name else name.replace("_", " ")
+    label = known.name if known is not None and known.name else name.replace("_", " ")
+    if known is not None and known.type == "FLOAT" and known.subtype == "ANGLE":
+        now, before = (
+            f"{math.degrees(angle):.4g}°" if isinstance(angle, float) else angle for angle in (now, before)
+        )
+    return f"{label}: {_spelled(now)}, was {_spelled(before)}"
 
 
 def settings_changes(scene):
@@ -83,7 +90,7 @@ def settings_changes(scene):
         before = manifest["settings"]["snowfall"]
         for name, now in request.shot().items():
             if before.get(name) != now:
-                texts.append(f"{_label(scene, name)}: {_spelled(now)}, was {_spelled(before.get(name))}")
+                texts.append(_change(scene, name, now, before.get(name)))
         if request.pixel_size and request.pixel_size != before["pixel_size"]:
             texts.append(f"Pixel Size: {_spelled(request.pixel_size)}, was {_spelled(before['pixel_size'])}")
         if not texts and totals is not None and totals != before["totals"]:

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
+from ..names import receiver_key
 from .inputs import fingerprint
 
 
@@ -127,6 +128,17 @@ class ScenePose:
 def library_path(id_block):
     """The library file that an ID was linked from, as it is written in the .blend; empty for local ones."""
     return id_block.library.filepath if id_block.library else ""
+
+
+def own_key(name, library):
+    """The ObjectPose.key of an object that stands for itself."""
+    return receiver_key(name, (library, "", ""))
+
+
+def member_key(name, library, instancer, instancer_library, order):
+    """The ObjectPose.key of what an empty shows of the collection that it instances. order: the instance's
+    persistent_id, without what is not set."""
+    return receiver_key(f"{instancer}.{name}", (library, instancer_library, *order))
 
 
 def metres_per_unit(scene):

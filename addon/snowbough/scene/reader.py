@@ -26,7 +26,17 @@ from ..names import OWN_MODIFIERS, UV_TOLERANCE, receiver_key
 from . import material_alpha
 from .inputs import fingerprint
 from .mesh_record import MeshRecord, join_alphas, join_shadings, materials_of
-from .pose import ObjectPose, ReceiverSpec, SceneError, ScenePose, Topology, library_path, world_positions
+from .pose import (
+    ObjectPose,
+    ReceiverSpec,
+    SceneError,
+    ScenePose,
+    Topology,
+    library_path,
+    member_key,
+    own_key,
+    world_positions,
+)
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
@@ -175,7 +185,7 @@ class SceneReader:
     def _group_of(self, instance, obj, original, groups):
         name, library = original.name, library_path(original)
         if not instance.is_instance:
-            key = receiver_key(name, (library, "", ""))
+            key = own_key(name, library)
             receiver = self._receivers.get((name, library))
             group = groups.setdefault(key, _Group(name, name, library, receiver))
             return group, ()
@@ -187,7 +197,7 @@ class SceneReader:
         order = tuple(index for index in instance.persistent_id if index != 0x7FFFFFFF)
         receiver = self._receivers.get((parent_name, parent_library))
         if receiver is not None and parent.instance_type == "COLLECTION":
-            key = receiver_key(f"{parent_name}.{name}", (library, parent_library, *order))
+            key = member_key(name, library, parent_name, parent_library, order)
             return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, receiver)), order
         for shown in ((name, library), (parent_name, parent_library)):
             self._scattered.setdefault(shown, parent_name)

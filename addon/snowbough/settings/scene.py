@@ -41,6 +41,28 @@ def _range_setter(name):
     return set_
 
 
+def _own_frame(which, default):
+    return IntProperty(
+        name=f"Own {which} Frame",
+        description=f"{which} frame where Scene Range is off (frames)",
+        default=default,
+        min=0,
+        options={"HIDDEN"},
+    )
+
+
+def _depth(name, frame, default):
+    return FloatProperty(
+        name=name,
+        description=f"Snow on open level ground at the {frame} frame (metres)",
+        default=default,
+        min=0.0,
+        soft_max=1.0,
+        step=1,
+        precision=3,
+    )
+
+
 class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
     """``scene.snowbough``."""
 
@@ -62,20 +84,8 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         description="Snow falls over the scene's frame range",
         default=True,
     )
-    own_frame_start: IntProperty(
-        name="Own First Frame",
-        description="First frame where Scene Range is off (frames)",
-        default=1,
-        min=0,
-        options={"HIDDEN"},
-    )
-    own_frame_end: IntProperty(
-        name="Own Last Frame",
-        description="Last frame where Scene Range is off (frames)",
-        default=250,
-        min=0,
-        options={"HIDDEN"},
-    )
+    own_frame_start: _own_frame("First", default=1)
+    own_frame_end: _own_frame("Last", default=250)
     frame_start: IntProperty(
         name="First Frame",
         description="First frame of the shot; the start depth lies there before its own snow (frames)",
@@ -97,24 +107,8 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         items=SNOW_KINDS,
         default="FRESH",
     )
-    start_depth: FloatProperty(
-        name="Start Depth",
-        description="Snow on open level ground at the first frame (metres)",
-        default=0.0,
-        min=0.0,
-        soft_max=1.0,
-        step=1,
-        precision=3,
-    )
-    end_depth: FloatProperty(
-        name="End Depth",
-        description="Snow on open level ground at the last frame (metres)",
-        default=0.10,
-        min=0.0,
-        soft_max=1.0,
-        step=1,
-        precision=3,
-    )
+    start_depth: _depth("Start Depth", "first", default=0.0)
+    end_depth: _depth("End Depth", "last", default=0.10)
     rate: FloatProperty(
         name="Rate",
         description="Relative strength of the snowfall, to be keyframed: it spreads the depth over the "

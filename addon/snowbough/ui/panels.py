@@ -108,8 +108,8 @@ class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
         sub.prop(settings, "frame_end")
 
 
-class SNOWBOUGH_PT_settling(_Settings, bpy.types.Panel):
-    bl_label = "Settling"
+class SNOWBOUGH_PT_stability(_Settings, bpy.types.Panel):
+    bl_label = "Stability"
     bl_options = {"DEFAULT_CLOSED"}
     names = (("max_depth", "slide_half_life"), ("repose", "cohesion"), ("blur_radius",))
 
@@ -223,7 +223,7 @@ CLASSES = (
     SNOWBOUGH_PT_scene,
     SNOWBOUGH_PT_receivers,
     SNOWBOUGH_PT_snowfall,
-    SNOWBOUGH_PT_settling,
+    SNOWBOUGH_PT_stability,
     SNOWBOUGH_PT_cache,
     SNOWBOUGH_PT_advanced,
     SNOWBOUGH_PT_preflight,
