@@ -20,18 +20,21 @@ constexpr float kFineDamping = 0.0005f;
 /// again for, and how much more makes a texel take part fully; heights under least_height count as
 /// that.
 constexpr float kLevelWithin = 0.005f;
-constexpr float kLevelAgain = 0.01f;
-constexpr float kLevelFade = 0.01f;
+constexpr float kLevelAgain = 0.006f;
+constexpr float kLevelFade = 0.004f;
 /// What a factor may take, in multiplications: the one that is made once, about two seconds, and
 /// the one that is made for every map.
 constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
 /// How often the second problem is solved again at most, each time for what is still too far apart:
 /// what suits the thinnest snow drives thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 4;
+constexpr int32_t kMostRepeats = 10;
 /// What part of the texels may be left for a repeat to be worth another: where snow ends on a seam
 /// no heights make the sides equal, and there all repeats come to the same.
-constexpr double kWorthRepeating = 0.85;
+constexpr double kWorthRepeating = 0.97;
+/// How often the second problem is solved again at most for what hangs together with texels that it
+/// wanted beyond their limits.
+constexpr int32_t kMostLimited = 6;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
@@ -135,6 +138,7 @@ void SeamLeveller::level_all() {
       lower_limits_[point.source[t]] = std::min(lower_limits_[point.source[t]], lower_limit);
     }
   }
+  note_bare_neighbours();
   values_.resize(static_cast<size_t>(unknowns_));
   if (factorised_) {
     factor_.solve(values_, kNegligible * least_height_);
@@ -143,6 +147,25 @@ void SeamLeveller::level_all() {
   }
   for (int32_t i = 0; i < unknowns_; ++i) {
     heights_[i] = std::clamp(heights_[i] - values_[i], lower_limits_[i], limits_[i]);
+  }
+}
+
+/// Takes the points with no snow beside them that read a texel which changes for others: what that
+/// rises to, their other side must show too.
+void SeamLeveller::note_bare_neighbours() {
+  const size_t with_snow = residuals_.size();
+  for (size_t r = 0; r < with_snow; ++r) {
+    for (const int32_t texel : points_[residuals_[r].point].source) {
+      if (texel >= unknowns_) continue;
+      for (int32_t k = sample_begin_[texel]; k < sample_begin_[texel + 1]; ++k) {
+        const int32_t point = samples_[k];
+        if (residual_of_[point] >= 0) continue;
+        const auto at = static_cast<int32_t>(residuals_.size());
+        residuals_.push_back({point, true, false, 0.0f, 0.0f});
+        residual_of_[point] = at;
+        if (reads_foreign(points_[point])) foreign_residuals_.push_back(at);
+      }
+    }
   }
 }
 
@@ -306,8 +329,11 @@ size_t SeamLeveller::level_fine(float within) {
   const size_t count = fine_texels_.size();
   if (count == 0) return 0;
   if (solve_fine()) {
-    if (!accept_within_limits()) return count;
-    solve_waiting();
+    for (int32_t trial = 0; trial < kMostLimited; ++trial) {
+      if (!accept_within_limits()) return count;
+      solve_waiting();
+      if (fine_texels_.empty()) return count;
+    }
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     heights_[fine_texels_[k]] = fine_height(k).second;

@@ -20,7 +20,9 @@ namespace snowbough::snow {
 /// too far apart, measured by the height there, and is factorised anew for each map; what it leaves
 /// too far apart is solved again, a few times, while that helps. No texel falls below 0 or rises
 /// above the highest that its points look at: where the second problem wants that, the texel stays
-/// at its limit and what hangs together with it is solved once more.
+/// at its limit and what hangs together with it is solved once more. Where snow ends on a seam, the
+/// points just beyond its end count too: their texels must not show on one side alone what they are
+/// raised to for the last points with snow.
 ///
 /// How much a texel takes part in the second problem grows slowly from 0 at kLevelWithin on, so
 /// that whoever rounds otherwise comes to the same map.
@@ -58,6 +60,7 @@ class SeamLeveller {
 
   SeamResidual residual_at(int32_t point) const;
   void level_all();
+  void note_bare_neighbours();
   void refresh_foreign();
   /// Returns how many texels had points further apart than a part `within` of the height.
   size_t level_fine(float within);

@@ -3,6 +3,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "native/snow/seams/problems.h"
 
 namespace snowbough::snow {
@@ -58,6 +60,34 @@ TEST(SeamLeveller, staysBetweenNothingAndTheHighestAround) {
   // With a at 0, b is between 2, which the one side wants, and 3, for the other.
   EXPECT_NEAR(map[0], 0.0f, 0.05f);
   EXPECT_GT(map[1], 2.0f);
+}
+
+/// Snow that ends on a straight seam: texels 0 to 15 of the one side lie half a texel beside 16 to
+/// 31 of the other, the first eight of each hold snow, and the points are a quarter of a texel
+/// apart.
+TEST(SeamLeveller, sidesAreEvenJustBeyondTheSnowsEndToo) {
+  SeamLevelling levelling{{}, 32, {}, 1e-4f};
+  for (int32_t texel = 0; texel < 32; ++texel) levelling.texel.push_back(texel);
+  for (float at = 0.625f; at < 15.0f; at += 0.25f) {
+    const auto a = static_cast<int32_t>(at);
+    const auto b = static_cast<int32_t>(at - 0.5f);
+    const float of_a = at - static_cast<float>(a);
+    const float of_b = at - 0.5f - static_cast<float>(b);
+    levelling.points.push_back(
+        row({{a, of_a - 1.0f}, {a + 1, -of_a}, {16 + b, 1.0f - of_b}, {17 + b, of_b}}, 32));
+  }
+  std::vector<float> map(32, 0.0f);
+  for (const size_t texel : {0, 1, 2, 3, 4, 5, 6, 7}) map[texel] = map[16 + texel] = 0.1f;
+  SeamLeveller(levelling).run(map);
+  EXPECT_NEAR(map[0], 0.1f, 1e-3f);
+  EXPECT_NEAR(map[2], 0.1f, 1e-3f);
+  for (const SeamRow& point : levelling.points) {
+    float gap = 0.0f;
+    for (int32_t t = 0; t < 4; ++t)
+      gap += point.weight[t] * map[static_cast<size_t>(point.source[t])];
+    const bool had_snow = point.source[0] < 8 || point.source[2] < 24;
+    EXPECT_LE(std::fabs(gap), had_snow ? 5e-3f : 1e-4f) << point.source[0];
+  }
 }
 
 TEST(SeamLeveller, countsWhatItKeeps) {
