@@ -28,13 +28,13 @@ constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
 /// How often the second problem is solved again at most, each time for what is still too far apart:
 /// what suits the thinnest snow drives thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 10;
+constexpr int32_t kMostRepeats = 4;
 /// What part of the texels may be left for a repeat to be worth another: where snow ends on a seam
 /// no heights make the sides equal, and there all repeats come to the same.
-constexpr double kWorthRepeating = 0.97;
+constexpr double kWorthRepeating = 0.95;
 /// How often the second problem is solved again at most for what hangs together with texels that it
 /// wanted beyond their limits.
-constexpr int32_t kMostLimited = 6;
+constexpr int32_t kMostLimited = 3;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
@@ -156,7 +156,8 @@ void SeamLeveller::note_bare_neighbours() {
   const size_t with_snow = residuals_.size();
   for (size_t r = 0; r < with_snow; ++r) {
     for (const int32_t texel : points_[residuals_[r].point].source) {
-      if (texel >= unknowns_) continue;
+      // Whoever reads a texel with snow has snow beside it.
+      if (texel >= unknowns_ || heights_[texel] != 0.0f) continue;
       for (int32_t k = sample_begin_[texel]; k < sample_begin_[texel + 1]; ++k) {
         const int32_t point = samples_[k];
         if (residual_of_[point] >= 0) continue;
