@@ -47,7 +47,7 @@ def test_snow_that_is_made_later_is_of_the_scenes_kind(addon, receivers, tmp_pat
     bpy.ops.snowbough.set_kind(kind="WET")
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     assert slider(bpy.data.objects["Plain snow"], "Grain") == pytest.approx(0.5)
-    assert relief(addon, bpy.data.objects["Plain snow"]) == pytest.approx(0.6)
+    assert relief(addon, bpy.data.objects["Plain snow"]) == pytest.approx(0.4)
 
 
 def test_what_an_artist_sets_stays_until_another_kind_is_chosen(receivers):

@@ -16,7 +16,7 @@ RAGGED_INPUT = "Ragged Edges"
 # The largest share of the open ground's depth below which snow is left out.
 SHARE = 0.22
 # Bays and tongues: waves a metre of the largest, how many halvings they have, and what each counts beside the last.
-WAVES, DETAIL, ROUGHNESS = 5.0, 6.0, 0.68
+WAVES, DETAIL, ROUGHNESS = 5.0, 3.0, 0.5
 # Gradient noise keeps to the middle of 0 to 1: what of it is drawn out to all of that.
 LEAST, MOST = 0.32, 0.68
 # Snow begins at the first of these parts of the threshold and lies in full from the second on.

@@ -8,7 +8,7 @@ stand in shells (geometry nodes) and in materials that displace.
 
 from .. import compat_nodes
 
-# The slider of shells and of materials that displace; 1 is fresh snow.
+# The slider of shells and of materials that displace; 1 is OCTAVES as they stand, fresh snow has 0.6.
 RELIEF_INPUT = "Relief"
 
 # (waves a metre, metres up and down)
@@ -35,7 +35,7 @@ def highest(thickness, strength=1.0):
 def add_relief(builder, position, thickness, strength, octaves):
     """Metres to add to the snow's thickness, a socket.
 
-    position: metres in the object's space. thickness: metres, not negative. strength: 1 is the relief of fresh snow.
+    position: metres in the object's space. thickness: metres, not negative. strength: what OCTAVES are multiplied by.
     """
     total = None
     for waves, height in octaves:

@@ -42,7 +42,7 @@ INPUTS = (
     ("Grain", "NodeSocketFloat", 1.0, 0.0, 4.0, "Bumps of grains and lumps; 1 is fresh snow"),
     ("Subsurface", "NodeSocketFloat", 0.4, 0.0, 1.0, "Share of the light that enters deep snow (0 to 1)"),
     ("Sparkle", "NodeSocketFloat", 0.3, 0.0, 1.0, "Share of glittering crystals (0 to 1)"),
-    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Relief of materials that displace; 1 is fresh snow"),
+    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Relief of materials that displace; fresh snow has 0.6"),
 )  # fmt: skip
 OUTPUTS = (
     ("Shader", "NodeSocketShader", "The material with snow on it"),

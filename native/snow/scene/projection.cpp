@@ -17,6 +17,11 @@ double fraction(double value) {
   return value - std::floor(value);
 }
 
+/// Directions of flutter in a round, and how many of its places a step goes on: in an order in
+/// which parts of a round are spread over the cone too.
+constexpr uint32_t kFlutterRound = 64;
+constexpr uint32_t kFlutterStride = 19;
+
 /// splitmix64, to turn a seed into shifts of the sequences. Source: S. Vigna, public domain.
 double shift_of(uint32_t seed, uint32_t dimension) {
   uint64_t z = (uint64_t{seed} << 32 | dimension) + 0x9E3779B97F4A7C15ull;
@@ -84,12 +89,16 @@ glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32
   if (cone <= 0.0) {
     return direction;
   }
-  // The third and fourth dimension of the R4 sequence: independent of the grid's jitter.
-  const double n = step_number;
-  const double radius = fraction(shift_of(seed, 2) + n * 0.6287067210378087);
-  const double turn = fraction(shift_of(seed, 3) + n * 0.5385972572236101);
+  const uint32_t round = step_number / kFlutterRound;
+  const auto first = static_cast<uint32_t>(shift_of(seed, 2) * kFlutterRound);
+  const double seed_number = (first + step_number * kFlutterStride) % kFlutterRound;
+  // Every round lies elsewhere: the R2 sequence's shifts.
+  const double within = fraction(0.5 + round * 0.7548776662466927);
+  const double share = (seed_number + within) / kFlutterRound;
+  const double turn =
+      fraction(shift_of(seed, 3) + seed_number * std::numbers::phi + round * 0.5698402909980532);
   // Uniform over the cone's solid angle.
-  const double cosine = 1.0 - radius * (1.0 - std::cos(cone));
+  const double cosine = 1.0 - share * (1.0 - std::cos(cone));
   const double sine = std::sqrt(std::max(0.0, 1.0 - cosine * cosine));
   const double phi = 2.0 * std::numbers::pi * turn;
   glm::dvec3 x;

@@ -61,9 +61,11 @@ inline constexpr int32_t kBlockSize = 8192;
 inline constexpr int32_t kLargestTile = 4096;
 static_assert(kLargestTile <= kBlockSize);
 
-/// The direction in which the flakes of one step fall: `direction` turned by a point of the
-/// low-discrepancy R sequence in the cone of `flutter`. The cone is narrowed so that it stays
-/// within 89.5 degrees of vertical where `direction` itself does.
+/// The direction in which the flakes of one step fall: `direction` turned within the cone of
+/// `flutter`. Each 64 steps are the seeds of a sunflower's head, which from every side lie as
+/// evenly as 64 points can: a straight shadow's edge becomes an even slope without terraces. The
+/// cone is narrowed so that it stays within 89.5 degrees of vertical where `direction` itself does.
+/// Source: H. Vogel, A Better Way to Construct the Sunflower Head, 1979.
 glm::dvec3 flutter_direction(const glm::dvec3& direction, double flutter, uint32_t seed,
                              uint32_t step_number);
 

@@ -75,6 +75,28 @@ TEST(Projection, FlutterStaysInItsConeAndBelowTheHorizon) {
   }
 }
 
+/// Strips across the cone, as seen from 24 sides, that hold an eighth of it each.
+TEST(Projection, FlutterIsEvenFromEverySideInEachRound) {
+  const double cone = 3.0 * std::numbers::pi / 180.0;
+  const double ends[] = {-0.63470, -0.40397, -0.19764, 0.0, 0.19764, 0.40397, 0.63470, 1.1};
+  for (const uint32_t seed : {0u, 1u, 7u}) {
+    for (const uint32_t first : {0u, 64u, 640u}) {
+      for (int side = 0; side < 24; ++side) {
+        const double turn = side * std::numbers::pi / 24.0;
+        int counts[8] = {};
+        for (uint32_t step = first; step < first + 64; ++step) {
+          const glm::dvec3 way = flutter_direction({0, 0, -1}, cone, seed, step);
+          const double at = (way.x * std::cos(turn) + way.y * std::sin(turn)) / std::sin(cone);
+          int strip = 0;
+          while (at >= ends[strip]) ++strip;
+          ++counts[strip];
+        }
+        for (const int count : counts) EXPECT_NEAR(count, 8, 4) << seed << " " << first;
+      }
+    }
+  }
+}
+
 TEST(Projection, TilesCoverEveryReceiverOnceAndLeaveOutEmptySky) {
   const std::vector<Tile> tiles = make_tiles({{{0, 0}, {100, 50}}, {{5000, 0}, {5100, 50}}}, 64);
   int64_t pixels = 0;
