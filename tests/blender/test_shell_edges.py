@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import shell_scene
 import snow_scene as s
+from mathutils import Matrix
 from shell_scene import Geometry, set_slider, shell_of
 
 SIZE = 256
@@ -86,6 +87,19 @@ def rod(radius):
 def test_what_is_thin_keeps_its_thin_snow(shell):
     thin = 0.06 * DEPTH
     assert Geometry(shell(level(thin), rod(0.2 * thin))).height.min() == pytest.approx(thin, abs=1e-6)
+
+
+def test_what_is_narrow_keeps_its_thin_snow(shell):
+    """A picket's end: high, but its rims are near."""
+    thin = 0.06 * DEPTH
+    bpy.ops.mesh.primitive_cube_add(size=1.0)
+    picket = bpy.context.object
+    width = 5.0 * thin
+    picket.data.transform(Matrix.Diagonal((width, 1.0, 2.0, 1.0)))
+    picket.data.uv_layers[0].name = "snow"
+    geometry = Geometry(shell(level(thin), picket))
+    top = (geometry.points[:, 2] > 1.0) & (np.abs(geometry.points[:, 0]) < 0.4 * width)
+    assert geometry.height[top].min() > 0.5 * thin
 
 
 def test_what_is_thick_does_not(shell):

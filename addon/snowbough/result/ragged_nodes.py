@@ -4,8 +4,9 @@
 A map of a sheltered place ends on the outline of what shelters it, as if it were cut from paper. Lying snow ends in
 bays, tongues and islands, since ground and wind are uneven. These nodes leave snow out where it is thinner than a
 share of the snow on open ground that varies from place to place. On open ground, deep or thin, no snow is ever left
-out, and none is shown where the map has none. Twigs and needles carry little because they are thin, not because they
-are sheltered: nothing counts as deeper than what carries it is thick.
+out, and none is shown where the map has none. Twigs and needles carry little because they are thin, and slats and
+pickets because they are narrow, not because they are sheltered: no open ground counts as deeper than what carries the
+snow is thick, nor than the nearest rim is away.
 """
 
 from .. import compat_nodes
@@ -39,16 +40,17 @@ def support(builder, geometry, normal, metres_per_unit):
     return builder.math("MULTIPLY_ADD", missed, FARTHEST, hit)
 
 
-def add_ragged_edges(builder, thickness, carried_by, place, open_depth, strength):
+def add_ragged_edges(builder, thickness, room, place, open_depth, strength):
     """The share of the thickness to show, 0 to 1; a socket.
 
-    thickness: metres, not negative. carried_by: thickness of what carries it, metres. place: metres, fixed to the
-    object. open_depth: of the snow on open ground, metres. strength: 1 is fresh snow.
+    thickness: metres, not negative. room: the lesser of how thick what carries it is and how far the nearest rim is
+    away, metres. place: metres, fixed to the object. open_depth: of the snow on open ground, metres. strength: 1 is
+    fresh snow.
     """
     noise = builder.node("ShaderNodeTexNoise")
     builder.feed(noise, Vector=place, Scale=WAVES, Detail=DETAIL, Roughness=ROUGHNESS)
     uneven = builder.smoothstep(compat_nodes.noise_value(noise), LEAST, MOST)
-    most = builder.math("MINIMUM", open_depth, carried_by)
+    most = builder.math("MINIMUM", open_depth, room)
     threshold = builder.multiply(builder.multiply(uneven, strength), builder.multiply(most, SHARE))
     threshold = builder.math("MAXIMUM", threshold, THINNEST)
     return builder.smoothstep(builder.divide(thickness, threshold), *SOFT)

@@ -133,8 +133,8 @@ def build_tree(name, source):
     rim_edges = rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
     pieces, curvature = phong(tree, apart(tree, pieces, source))
     pieces, geometry = (subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
-    geometry, snow = _heights(tree, geometry, Pieces(tree, pieces, source), curvature, ragged)
-    geometry = _raised(tree, geometry, source, snow, rim_edges, sliders)
+    geometry, snow = _heights(tree, geometry, Pieces(tree, pieces, source), curvature, rim_edges, ragged)
+    geometry = _raised(tree, geometry, source, snow, sliders)
     if source.depths:
         geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], open_depth,
                                 (HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE), source.metres_per_unit)  # fmt: skip
@@ -171,6 +171,8 @@ class _Snow:
     """Of the bare surface, as long as 1."""
     curvature: object
     """See phong; units of the scene."""
+    to_rim: object
+    """The way along the bare surface to the nearest rim (metres)."""
 
 
 def _sampled(tree, source, image, interpolation, frame=None):
@@ -180,7 +182,7 @@ def _sampled(tree, source, image, interpolation, frame=None):
     return node.outputs["Color"]
 
 
-def _heights(tree, geometry, pieces, curvature, ragged):
+def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
     """(geometry without bare faces, with HEIGHT_ATTRIBUTE and the place in the snow of every point; its _Snow).
 
     The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
@@ -225,6 +227,9 @@ def _heights(tree, geometry, pieces, curvature, ragged):
     else:
         ever = pieces.mean(ever, "FLOAT")
     geometry = _cut(tree, geometry, ever)
+    bare = tree.node("GeometryNodeInputPosition").outputs[0]
+    to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
+    geometry, to_rim = capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
     # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
@@ -234,28 +239,24 @@ def _heights(tree, geometry, pieces, curvature, ragged):
         geometry, offset = capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
         place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
         thickness = tree.vector("LENGTH", offset)
-        offset = tree.scale(
-            offset, add_ragged_edges(tree, thickness, carried_by, place, open_depth, strength)
-        )
+        room = tree.math("MINIMUM", carried_by, tree.vector("LENGTH", to_rim))
+        offset = tree.scale(offset, add_ragged_edges(tree, thickness, room, place, open_depth, strength))
     normal = tree.vector("NORMALIZE", normal)
     snow = []
     for value in (offset, normal, curvature):
         geometry, known = capture(tree, geometry, value, "POINT", "FLOAT_VECTOR")
         snow.append(known)
     geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", snow[0]), "POINT")
-    return compat_nodes.remove_attribute(tree.tree, geometry, PIECE), _Snow(*snow)
+    return compat_nodes.remove_attribute(tree.tree, geometry, PIECE), _Snow(*snow, to_rim)
 
 
-def _raised(tree, geometry, source, snow, rim_edges, sliders):
+def _raised(tree, geometry, source, snow, sliders):
     """The snow's surface: points moved by their offset, then drawn out to shoulders at the rims, and given relief
     along the normals of what has come of that."""
     direction = tree.vector("ADD", snow.offset, tree.scale(snow.normal, 1e-9))
     direction = tree.vector("NORMALIZE", tree.on_domain(direction, "POINT", "FLOAT_VECTOR"))
     height = tree.attribute(HEIGHT_ATTRIBUTE)
     units = 1.0 / source.metres_per_unit
-    bare = tree.node("GeometryNodeInputPosition").outputs[0]
-    to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
-    geometry, to_rim = capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
     skin = tree.smoothstep(height, 0.0, THIN, -SINK, SKIN)
     extra = tree.multiply(skin, tree.smoothstep(height, THIN, DEEP, 1.0, 0.0))
     way = tree.vector(
@@ -276,10 +277,10 @@ def _raised(tree, geometry, source, snow, rim_edges, sliders):
     geometry, own = capture(tree, geometry, own, "POINT", "FLOAT_VECTOR")
     outside = tree.scale(snow.normal, side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-    way = add_shoulders(tree, to_rim, height, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT])
+    way = add_shoulders(tree, snow.to_rim, height, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT])
     drawn = tree.node("GeometryNodeSetPosition")
     tree.feed(
-        drawn, Geometry=geometry, Selection=near_rim(tree, to_rim, height), Offset=tree.scale(way, units)
+        drawn, Geometry=geometry, Selection=near_rim(tree, snow.to_rim, height), Offset=tree.scale(way, units)
     )
     relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
     if relief is None:
