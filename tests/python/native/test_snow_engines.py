@@ -12,6 +12,8 @@ import pytest
 import snowbough_native as native
 from snow_meshes import STAYS, grid, rotated, sphere, wind
 
+STEPS, STEP_DEPTH = 6, 0.01
+
 
 def baked(engine, density=1.0, repose=STAYS, max_depth=0.02):
     """In tiles, on two maps, with snow that slides and an object that moves."""
@@ -28,9 +30,9 @@ def baked(engine, density=1.0, repose=STAYS, max_depth=0.02):
     ) as sim:
         sim.add_object("ball", *ball[1:], resolution=128)
         sim.add_object("ground", *ground[1:], resolution=256)
-        for step in range(6):
+        for step in range(STEPS):
             turned = rotated(ball[0], "x", 20 * step)
-            sim.step({"ball": turned, "ground": below}, 0.01, (0.3, 0.1, -1.0), 1.0)
+            sim.step({"ball": turned, "ground": below}, STEP_DEPTH, (0.3, 0.1, -1.0), 1.0)
         outputs = sim.output("ball"), sim.output("ground")
         return sim.height("ball"), sim.height("ground"), outputs, sim.statistics()["total"]
 
@@ -42,20 +44,21 @@ def test_engines_agree(density):
         assert one.max() > 0.015
         visible = (one > 0.0) | (other > 0.0)
         assert ((one > 0.0) & (other > 0.0)).sum() >= 0.9999 * visible.sum()
-        # Away from shadows' edges: a ten-thousandth of a step's depth.
-        assert (abs(one - other) > 1e-6).sum() <= 1e-4 * visible.sum()
+        # Away from shadows' edges: a ten-thousandth of each step's depth.
+        assert (abs(one - other) > STEPS * 1e-4 * STEP_DEPTH).sum() <= 1e-4 * visible.sum()
     for one, other in zip(cpu[2], gl[2]):
         assert abs(one["height"] - other["height"]).max() < 1e-4
         assert abs(one["normal"] - other["normal"]).max() < 0.01
     for name, value in cpu[3].items():
-        assert value == pytest.approx(gl[3][name], rel=1e-5, abs=1e-6), name
+        # What shares a sign, as stretched and squeezed volumes, counts beside what fell.
+        assert value == pytest.approx(gl[3][name], rel=1e-5, abs=1e-5 * cpu[3]["deposited_volume"]), name
 
 
 @pytest.mark.parametrize("repose", [40.0, 65.0])
 def test_engines_agree_closely_where_snow_moves(repose):
     """Repose is a method of thresholds: what differs in the last bits may move by another link in the next round."""
     cpu, gl = (baked(engine, repose=math.radians(repose), max_depth=1.0) for engine in ("CPU", "GL"))
-    depth = 0.01
+    depth = STEP_DEPTH
     for one, other in zip(cpu[:2], gl[:2]):
         lies, lies_too = one > 0.01 * depth, other > 0.01 * depth
         assert (lies & lies_too).sum() >= 0.995 * (lies | lies_too).sum()
