@@ -23,6 +23,16 @@ constexpr size_t kFaces = 4096;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
+/// Calls work(begin, end) for all blocks; where there is but one, at once.
+template <typename Work>
+void in_blocks(size_t count, size_t block, int threads, const Work& work) {
+  if (count > block) {
+    base::parallel_for(count, block, {threads, {}}, work);
+  } else if (count > 0) {
+    work(size_t{0}, count);
+  }
+}
+
 int longest_axis(const glm::vec3& size) {
   return size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
 }
@@ -39,7 +49,7 @@ class PairFinder {
     for (size_t i = 0; i < all.size(); ++i) all[i] = static_cast<int32_t>(i);
     halve(std::move(all), glm::vec3(-1e30f), glm::vec3(1e30f), 0);
     std::vector<Pairs> found((parts_.size() + kParts - 1) / kParts);
-    base::parallel_for(parts_.size(), kParts, {threads, {}}, [&](size_t begin, size_t end) {
+    in_blocks(parts_.size(), kParts, threads, [&](size_t begin, size_t end) {
       for (size_t i = begin; i < end; ++i) compare(parts_[i], found[begin / kParts]);
     });
     Pairs pairs;
@@ -60,47 +70,54 @@ class PairFinder {
   /// @param above, up_to  the part of space that is halved, without its lower sides.
   void halve(std::vector<int32_t> part, const glm::vec3& above, const glm::vec3& up_to, int depth) {
     if (std::none_of(part.begin(), part.end(), [&](int32_t i) { return is_changed(i); })) return;
-    if (part.size() <= kFew || depth == kMostHalvings) {
-      parts_.push_back({std::move(part), above, up_to});
+    glm::vec3 size = extent(part);
+    // Along its longest axis, or where faces are too long for that along another.
+    for (int turn = 0; turn < 3 && part.size() > kFew && depth < kMostHalvings; ++turn) {
+      const int axis = longest_axis(size);
+      const float cut = middle(part, axis);
+      std::vector<int32_t> under, over;
+      for (const int32_t i : part) {
+        if (faces_[i].low[axis] <= cut) under.push_back(i);
+        if (faces_[i].high[axis] > cut) over.push_back(i);
+      }
+      if (static_cast<double>(under.size() + over.size()) >
+          kWorthwhile * static_cast<double>(part.size())) {
+        size[axis] = -1.0f;
+        continue;
+      }
+      std::vector<int32_t>().swap(part);
+      glm::vec3 under_to(up_to), over_above(above);
+      under_to[axis] = std::min(cut, up_to[axis]);
+      over_above[axis] = std::max(cut, above[axis]);
+      halve(std::move(under), above, under_to, depth + 1);
+      halve(std::move(over), over_above, up_to, depth + 1);
       return;
     }
+    parts_.push_back({std::move(part), above, up_to});
+  }
+
+  /// How far apart faces begin.
+  glm::vec3 extent(const std::vector<int32_t>& part) const {
     glm::vec3 low(1e30f), high(-1e30f);
     for (const int32_t i : part) {
       low = glm::min(low, faces_[i].low);
       high = glm::max(high, faces_[i].low);
     }
-    const int axis = longest_axis(high - low);
-    const auto middle = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
-    std::nth_element(part.begin(), middle, part.end(), [&](int32_t a, int32_t b) {
+    return high - low;
+  }
+
+  /// Where along an axis half of the faces begin.
+  float middle(std::vector<int32_t>& part, int axis) const {
+    const auto half = part.begin() + static_cast<std::ptrdiff_t>(part.size() / 2);
+    std::nth_element(part.begin(), half, part.end(), [&](int32_t a, int32_t b) {
       return faces_[a].low[axis] < faces_[b].low[axis];
     });
-    const float cut = faces_[*middle].low[axis];
-    std::vector<int32_t> under, over;
-    for (const int32_t i : part) {
-      if (faces_[i].low[axis] <= cut) under.push_back(i);
-      if (faces_[i].high[axis] > cut) over.push_back(i);
-    }
-    if (static_cast<double>(under.size() + over.size()) >
-        kWorthwhile * static_cast<double>(part.size())) {
-      parts_.push_back({std::move(part), above, up_to});
-      return;
-    }
-    std::vector<int32_t>().swap(part);
-    glm::vec3 under_to(up_to), over_above(above);
-    under_to[axis] = std::min(cut, up_to[axis]);
-    over_above[axis] = std::max(cut, above[axis]);
-    halve(std::move(under), above, under_to, depth + 1);
-    halve(std::move(over), over_above, up_to, depth + 1);
+    return faces_[*half].low[axis];
   }
 
   /// Swept along the axis on which they begin furthest apart: what begins before another ends.
   void compare(Part& part, Pairs& found) const {
-    glm::vec3 low(1e30f), high(-1e30f);
-    for (const int32_t i : part.faces) {
-      low = glm::min(low, faces_[i].low);
-      high = glm::max(high, faces_[i].low);
-    }
-    const int axis = longest_axis(high - low);
+    const int axis = longest_axis(extent(part.faces));
     std::sort(part.faces.begin(), part.faces.end(), [&](int32_t a, int32_t b) {
       const float of_a = faces_[a].low[axis], of_b = faces_[b].low[axis];
       return of_a != of_b ? of_a < of_b : a < b;
@@ -137,7 +154,7 @@ std::vector<std::pair<int32_t, int32_t>> crossing_quads(std::span<const glm::dve
                                                         std::span<const uint8_t> changed,
                                                         int threads) {
   std::vector<CrossingFace> faces(only.size());
-  base::parallel_for(only.size(), kFaces, {threads, {}}, [&](size_t begin, size_t end) {
+  in_blocks(only.size(), kFaces, threads, [&](size_t begin, size_t end) {
     for (size_t i = begin; i < end; ++i) faces[i] = make_crossing_face(vertices, quads, only[i]);
   });
   return PairFinder(std::move(faces), changed).find(threads);
