@@ -7,6 +7,7 @@
 #include <glm/common.hpp>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -164,10 +165,15 @@ void turn_upside_up(TracedBranches& traced) {
 /// Fills in what the libraries say of the materials that wood and leaves use.
 void describe_materials(const ObjScene& scene, const std::string& path, Skeleton& skeleton) {
   if (scene.materials.empty() && scene.material_libraries.empty()) return;
+  const std::array both = {&skeleton.wood.materials, &skeleton.foliage.materials};
+  std::set<std::string> used;
+  for (const std::vector<ObjMaterial>* materials : both) {
+    for (const ObjMaterial& material : *materials) used.insert(material.name);
+  }
   const std::map<std::string, ObjMaterial> library =
-      read_materials(path, scene.material_libraries, skeleton.report.warnings);
-  for (std::vector<ObjMaterial>* used : {&skeleton.wood.materials, &skeleton.foliage.materials}) {
-    for (ObjMaterial& material : *used) {
+      read_materials(path, scene.material_libraries, used, skeleton.report.warnings);
+  for (std::vector<ObjMaterial>* materials : both) {
+    for (ObjMaterial& material : *materials) {
       const auto found = library.find(material.name);
       if (found != library.end()) material = found->second;
     }
