@@ -1,5 +1,6 @@
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <span>
 #include <utility>
@@ -37,8 +38,13 @@ class CrossingMemo {
   /// What faces of that look hold near the child's junction; null where it is not known.
   const Places* known(int32_t child, uint64_t print) const {
     const Entry& entry = entries_[child];
-    return entry.filled && entry.print == print ? &entry.places : nullptr;
+    if (!entry.filled || entry.print != print) return nullptr;
+    hits_.fetch_add(1, std::memory_order_relaxed);
+    return &entry.places;
   }
+
+  /// How often something was known.
+  int64_t hits() const { return hits_.load(std::memory_order_relaxed); }
 
   /// Different children may be set by different threads.
   void set(int32_t child, uint64_t print, Places places) {
@@ -53,6 +59,7 @@ class CrossingMemo {
   };
 
   std::vector<Entry> entries_;
+  mutable std::atomic<int64_t> hits_ = 0;
 };
 
 }  // namespace snowbough::tree

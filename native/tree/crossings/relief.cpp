@@ -131,8 +131,11 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
     builder.build(relief);
     around = surface_around(builder, skeleton, moved);
+    // On a limb without room for all that leave it, knuckles shift along the whole of it when one
+    // is relieved: nothing is known again then, and no longer looked for.
+    CrossingMemo* const known = round == 0 || memo.hits() > 0 ? &memo : nullptr;
     crossings =
-        find_crossings(around, affected(around, moved), execution.part(share, share), &memo);
+        find_crossings(around, affected(around, moved), execution.part(share, share), known);
     std::vector<int32_t> still = crossing_children(around, crossings);
     ++idle;
     if (still.size() < best.crossing.size()) {

@@ -83,6 +83,7 @@ TEST(CrossingMemo, IsAskedBeforeASearch) {
   const uint64_t print = Fingerprints(surface).of(faces);
   ASSERT_NE(memo.known(child, print), nullptr);
   EXPECT_EQ(memo.known(child, print + 1), nullptr);
+  EXPECT_EQ(memo.hits(), 1);
   memo.set(child, print, {{1, 0}});
   const JunctionCrossings crossings = find_crossings(surface, {}, {}, &memo);
   EXPECT_EQ(crossings[0],
