@@ -3,9 +3,10 @@
 """How the native part's time grows with the size of a tree, as Markdown tables.
 
     PYTHONPATH=build/python python3 benchmarks/tree/size_table.py [--branches 2000,10000] [--corners 2000,10000]
+        [--detail DRAFT]
 
 The first table: seconds of Skeleton.from_branches, where all branches have one name, and of build_tree_mesh
-(four-sided, all defaults) for trees of so many branches:
+(all defaults: four-sided; or of a detail) for trees of so many branches:
 
     one limb   all on one trunk of 100 m with 101 joints, 2 mm thick
     crowded    the same, 2 cm thick: they find no room and are squeezed and narrowed
@@ -162,6 +163,9 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--branches", default="2000,10000,50000")
     parser.add_argument("--corners", default="2000,10000,50000")
+    parser.add_argument(
+        "--detail", choices=("DRAFT", "GAME", "DEFAULT", "FILM"), help="instead of four sides"
+    )
     options = parser.parse_args()
 
     row(["branches", "from_branches s (µs each)", *(f"{name} s (µs each)" for name in TREES)])
@@ -173,7 +177,9 @@ def main():
             named, skeleton = seconds(lambda branches=branches: native.Skeleton.from_branches(branches))
             if not cells:
                 cells.append(cell(named, count))
-            built, _ = seconds(lambda skeleton=skeleton: native.build_tree_mesh(skeleton))
+            built, _ = seconds(
+                lambda skeleton=skeleton: native.build_tree_mesh(skeleton, detail=options.detail)
+            )
             cells.append(cell(built, count))
         row([count, *cells])
     print()

@@ -186,7 +186,13 @@ void bind_skeleton(py::module_& module) {
       .def_property_readonly("areas", array_view<Branch, float, 1>(&Branch::areas), "(N,) in m2.");
 
   py::class_<MaterialTexture>(module, "MaterialTexture", "A texture that a material names.")
-      .def_readonly("path", &MaterialTexture::path, "Absolute path of an existing file, or empty.")
+      .def_property_readonly(
+          "path",
+          [](const MaterialTexture& texture) {
+            // A file's name may be no UTF-8.
+            return py::module_::import("os").attr("fsdecode")(py::bytes(texture.path));
+          },
+          "Absolute path of an existing file, or empty.")
       .def_property_readonly(
           "scale", [](const MaterialTexture& texture) { return pair_of(texture.scale); },
           "(u, v): the texture is looked up at uv * scale + offset.")

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <glm/common.hpp>
 #include <limits>
 #include <map>
+#include <set>
 #include <stdexcept>
 #include <utility>
 
@@ -16,6 +16,7 @@
 #include "tree/obj/parts.h"
 #include "tree/read/classify.h"
 #include "tree/read/foliage.h"
+#include "tree/read/left_out.h"
 #include "tree/read/limbs.h"
 #include "tree/read/loose_faces.h"
 #include "tree/read/part_names.h"
@@ -29,50 +30,10 @@ namespace {
 
 /// Level names are believed while no more than this share of the branches finds no parent by them.
 constexpr double kMostUnattached = 0.2;
-
-std::string part_name(const PartLabels& labels, int32_t part) {
-  return labels.label[part] >= 0 ? labels.names[labels.label[part]] : "(unnamed)";
-}
-
-/// ": 3.2 % of the wood's area"
-std::string share_text(double share) {
-  std::array<char, 64> text{};
-  std::snprintf(text.data(), text.size(), ": %.2g %% of the wood's area", 100.0 * share);
-  return text.data();
-}
-
-/// One line for all parts of a name that were left out for the same reason.
-void report_skipped(const ObjScene& scene, const Parts& parts, const PartLabels& labels,
-                    const ClassifiedParts& classified, ImportReport& report) {
-  if (classified.skipped.empty()) return;
-  double wood = 0.0;
-  for (int32_t p = 0; p < parts.count(); ++p) {
-    const PartRole role = classified.role[p];
-    if (role != PartRole::kFoliage && role != PartRole::kSkipped)
-      wood += part_area(scene, parts, p);
-  }
-  struct Skipped {
-    int64_t count = 0;
-    double area = 0.0;
-    bool wood = true;
-  };
-  std::map<std::pair<std::string, std::string>, Skipped> groups;
-  for (const SkippedPart& skipped : classified.skipped) {
-    Skipped& group = groups[{part_name(labels, skipped.part), skipped.why}];
-    ++group.count;
-    group.wood = skipped.wood;
-    if (!skipped.wood) continue;
-    const double area = part_area(scene, parts, skipped.part);
-    group.area += area;
-    wood += area;
-  }
-  for (const auto& [key, group] : groups) {
-    const std::string many = group.count > 1 ? " (" + std::to_string(group.count) + " parts)" : "";
-    const bool counts = group.wood && wood > 0.0;
-    report.skipped_parts.emplace_back(key.first + many,
-                                      key.second + (counts ? share_text(group.area / wood) : ""));
-  }
-}
+/// Where more of the wood than this share is none, and so few limbs remain, it is no tree. A tree
+/// on its ground has more.
+constexpr double kMostLeftOut = 0.75;
+constexpr size_t kFewLimbs = 4;
 
 void report_scene(const ObjScene& scene, ImportReport& report) {
   if (scene.short_faces > 0) {
@@ -164,10 +125,15 @@ void turn_upside_up(TracedBranches& traced) {
 /// Fills in what the libraries say of the materials that wood and leaves use.
 void describe_materials(const ObjScene& scene, const std::string& path, Skeleton& skeleton) {
   if (scene.materials.empty() && scene.material_libraries.empty()) return;
+  const std::array both = {&skeleton.wood.materials, &skeleton.foliage.materials};
+  std::set<std::string> used;
+  for (const std::vector<ObjMaterial>* materials : both) {
+    for (const ObjMaterial& material : *materials) used.insert(material.name);
+  }
   const std::map<std::string, ObjMaterial> library =
-      read_materials(path, scene.material_libraries, skeleton.report.warnings);
-  for (std::vector<ObjMaterial>* used : {&skeleton.wood.materials, &skeleton.foliage.materials}) {
-    for (ObjMaterial& material : *used) {
+      read_materials(path, scene.material_libraries, used, skeleton.report.warnings);
+  for (std::vector<ObjMaterial>* materials : both) {
+    for (ObjMaterial& material : *materials) {
       const auto found = library.find(material.name);
       if (found != library.end()) material = found->second;
     }
@@ -190,27 +156,20 @@ NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
   return {std::move(parts), std::move(labels)};
 }
 
-/// Why the largest part that was left out is no wood; empty where nothing was.
-std::string why_left_out(const ObjScene& scene, const Parts& parts,
-                         const ClassifiedParts& classified) {
-  const std::string* why = nullptr;
-  double most = 0.0;
-  for (const SkippedPart& skipped : classified.skipped) {
-    const double area = part_area(scene, parts, skipped.part);
-    if (!skipped.wood || area <= most) continue;
-    most = area;
-    why = &skipped.why;
-  }
-  return why != nullptr ? *why : "";
-}
-
-/// @param why of the largest part that was left out, or empty.
-/// @throws std::invalid_argument where there are none.
-void check_branches(const TracedBranches& traced, int32_t foliage_count, const std::string& why,
+/// @throws std::invalid_argument where there are none, or hardly any and no name says that they
+/// are.
+void check_branches(const TracedBranches& traced, int32_t foliage_count, const LeftOut& left_out,
                     const std::string& path) {
-  if (!traced.branches.empty()) return;
-  if (!why.empty()) {
-    throw std::invalid_argument(path + ": holds no branches; its largest part is " + why +
+  if (!traced.branches.empty()) {
+    if (traced.named || left_out.share < kMostLeftOut || traced.branches.size() >= kFewLimbs)
+      return;
+    throw std::invalid_argument(
+        path + ": holds no tree: " + std::to_string(static_cast<int>(100.0 * left_out.share)) +
+        " % of it is left out, its largest part is " + left_out.why +
+        "; if it is one, name its groups trunk, branch and so on");
+  }
+  if (!left_out.why.empty()) {
+    throw std::invalid_argument(path + ": holds no branches; its largest part is " + left_out.why +
                                 "; export the tree with its trunk and branches");
   }
   throw std::invalid_argument(
@@ -247,14 +206,14 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   report.form = form_name(classified.form);
   report.foliage_parts = classified.foliage_count;
   report_scene(scene, report);
-  report_skipped(scene, parts, labels, classified, report);
+  const LeftOut left_out = report_left_out(scene, parts, labels, classified, report);
 
   TracedBranches traced = trace_branches(scene, parts, labels, classified);
   report_squares(traced, report);
-  check_branches(traced, classified.foliage_count, why_left_out(scene, parts, classified), path);
   traced.named = !options.levels.empty() || !options.foliage_names.empty() ||
                  std::any_of(labels.meaning.begin(), labels.meaning.end(),
                              [](NameMeaning m) { return m != NameMeaning::kSilent; });
+  check_branches(traced, classified.foliage_count, left_out, path);
   assign_levels(traced, labels, classified.form, options.levels, report.warnings);
   skeleton.wood = gather_wood(scene, parts, classified, traced.branches);
   if (options.foliage) {

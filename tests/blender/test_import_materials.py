@@ -163,6 +163,10 @@ def test_no_slot_and_no_material_is_left_unused(pack):
     assert {material.name for material in bpy.data.materials} == {"lower", "upper", "leaf"}
 
 
+def test_a_texture_that_only_an_unused_material_lacks_is_not_missed(pack):
+    assert not [text for text in _warnings(_import(pack)) if "nowhere.png" in text]
+
+
 def test_a_missing_texture_is_named_once_and_leaves_are_green(pack):
     (pack.parent / "Textures" / "Leaf.png").unlink()
     (pack.parent / "pack.mtl").write_text(
@@ -177,6 +181,14 @@ def test_a_missing_texture_is_named_once_and_leaves_are_green(pack):
         _surface(collection.objects["bought_leaves"].data.materials[0]).inputs["Base Color"].default_value
     )
     assert green > 2 * red and green > 2 * blue
+
+
+def test_a_black_leaf_without_a_texture_is_green_and_one_of_no_opacity_is_seen(tmp_path):
+    _write_tree(tmp_path / "plain.obj", library=False)
+    (tmp_path / "plain.mtl").write_text("newmtl leaf\nKd 0 0 0\nd 0\n")
+    surface = _surface(_import(tmp_path / "plain.obj").objects["plain_leaves"].data.materials[0])
+    red, green, _, _ = surface.inputs["Base Color"].default_value
+    assert green > red and surface.inputs["Alpha"].default_value == 1.0
 
 
 @pytest.mark.parametrize("described", [True, False])

@@ -101,7 +101,7 @@ def run(args):
         return EXIT_FAILED
     for report in reports:
         named = f"{report['file']}: " if several else ""
-        for text in report["warnings"]:
+        for text in import_tree.told(report):
             print(f"Snowbough: warning: {named}{text}")
     if several:
         print(f"Snowbough: {import_tree.summary_of_all(reports, failures)}")

@@ -21,6 +21,8 @@ from .native_tree import read_native
 
 REPORT_PROPERTY = "snowbough_report"
 LOD_PROPERTY = "snowbough_lod"
+# The native module's reason for leaves that an option keeps out.
+BY_OPTION = "left out by option"
 # Several trees of one import stand in a row, this share of their widths apart.
 ROW_GAP = 0.1
 
@@ -239,6 +241,13 @@ def summary(report):
     ):
         text += f", {count} {what}" if count else ""
     return text
+
+
+def told(report):
+    """What is told of a tree beside its summary, a line each: its warnings and the wood that was left out."""
+    # What was left out because it was asked for surprises nobody.
+    left_out = [part for part in report["skipped_parts"] if part["reason"] != BY_OPTION]
+    return report["warnings"] + [f"{part['name']} was left out: {part['reason']}" for part in left_out]
 
 
 def summary_of_all(reports, failures):

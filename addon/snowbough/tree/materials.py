@@ -18,6 +18,8 @@ GREEN = (0.08, 0.22, 0.04)
 FURROW, RIDGE = (0.028, 0.019, 0.013), (0.17, 0.125, 0.09)
 # Colours whose components differ by less say nothing: exporters write greys where nobody chose one.
 COLOURLESS = 0.04
+# No component of what is taken for black is larger.
+BLACK = 0.01
 # Share of the light that a leaf with a filter (Tf) lets through.
 TRANSLUCENCY = 0.5
 
@@ -264,10 +266,12 @@ def leaf_material(source=None, name="leaf"):
     surface.inputs["Roughness"].default_value = 0.6
     colour = GREEN
     if source is not None and source.defined:
-        white = min(source.diffuse) >= 0.5 and _chosen(source.diffuse) is None
-        # White stands for a texture: the leaf shows it through its own colour.
-        colour = GREEN if white else tuple(map(float, source.diffuse))
+        # White stands for a texture: the leaf shows it through its own colour. Black is what nobody chose.
+        extreme = min(source.diffuse) >= 0.5 or max(source.diffuse) <= BLACK
+        unsaid = extreme and _chosen(source.diffuse) is None
+        colour = GREEN if unsaid else tuple(map(float, source.diffuse))
     surface.inputs["Base Color"].default_value = (*colour, 1.0)
     if source is not None:
-        _wear(parts, source, LEAF_UV, float(source.opacity), own_alpha=True)
+        # No leaf is meant to be seen nowhere: some exporters write d and Tr the wrong way round.
+        _wear(parts, source, LEAF_UV, float(source.opacity) or 1.0, own_alpha=True)
     return material

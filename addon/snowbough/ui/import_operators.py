@@ -26,7 +26,7 @@ def _tell(operator, reports, failures):
     texts = [failure.text() for failure in failures]
     several = len(reports) + len(failures) > 1
     for report in reports:
-        texts += [f"{report['file']}: {text}" if several else text for text in report["warnings"]]
+        texts += [f"{report['file']}: {text}" if several else text for text in import_tree.told(report)]
     for text in texts[:5]:
         operator.report({"WARNING"}, text)
     if len(texts) > 5:

@@ -7,11 +7,13 @@
 #include <limits>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "base/simd.h"
 #include "tree/crossings/faces.h"
+#include "tree/crossings/fingerprints.h"
 #include "tree/crossings/neighbourhoods.h"
 
 namespace snowbough::tree {
@@ -41,24 +43,31 @@ using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 /// was found among those is taken over. Each thread has its own.
 class CrossingSearch {
  public:
-  CrossingSearch(const Surface& surface, const VertexFaces& around)
-      : surface_(surface), neighbourhoods_(surface, around), slot_(surface.quads.size(), 0) {}
+  /// @param memo  null: nothing is known, and nothing kept.
+  CrossingSearch(const Surface& surface, const VertexFaces& around, CrossingMemo* memo)
+      : surface_(surface),
+        neighbourhoods_(surface, around),
+        memo_(memo),
+        slot_(surface.quads.size(), 0) {
+    if (memo_ != nullptr) prints_.emplace(surface);
+  }
 
   /// Forgets all junctions looked at.
-  void begin() {
-    neighbourhoods_.forget();
-    faces_.clear();
-    found_.clear();
-  }
+  void begin() { searched_ = false; }
 
   /// All pairs near the junction that cross, the lower number first, ascending.
   const Pairs& at(const Junction& junction) {
-    gather(junction);
-    std::erase_if(found_, [&](const auto& pair) {
-      return !neighbourhoods_.has(pair.first) || !neighbourhoods_.has(pair.second);
-    });
-    sweep();
+    const std::vector<int32_t>& numbers = neighbourhoods_.at(junction);
+    const uint64_t print = prints_ ? prints_->of(numbers) : 0;
+    const CrossingMemo::Places* known = prints_ ? memo_->known(junction.child, print) : nullptr;
+    if (known != nullptr) {
+      take_over(*known, numbers);
+    } else {
+      search(numbers);
+      if (prints_) memo_->set(junction.child, print, places_among(numbers));
+    }
     std::sort(found_.begin(), found_.end());
+    searched_ = known == nullptr;
     return found_;
   }
 
@@ -73,13 +82,45 @@ class CrossingSearch {
     int32_t known;
   };
 
+  void take_over(const CrossingMemo::Places& known, const std::vector<int32_t>& numbers) {
+    found_.clear();
+    for (const auto& [a, b] : known) {
+      found_.emplace_back(std::min(numbers[a], numbers[b]), std::max(numbers[a], numbers[b]));
+    }
+  }
+
+  CrossingMemo::Places places_among(const std::vector<int32_t>& numbers) const {
+    const auto place_of = [&](int32_t face) {
+      return static_cast<int32_t>(std::find(numbers.begin(), numbers.end(), face) -
+                                  numbers.begin());
+    };
+    CrossingMemo::Places places;
+    for (const auto& [f, g] : found_) {
+      places.emplace_back(place_of(f), place_of(g));
+    }
+    return places;
+  }
+
+  void search(const std::vector<int32_t>& numbers) {
+    if (searched_) {
+      std::erase_if(found_, [&](const auto& pair) {
+        return !neighbourhoods_.has(pair.first) || !neighbourhoods_.has(pair.second);
+      });
+    } else {
+      // Of the junction before no faces are at hand.
+      faces_.clear();
+      found_.clear();
+    }
+    gather(numbers);
+    sweep();
+  }
+
   /// Puts the neighbourhood's faces in the order in which they begin along its longest axis.
-  void gather(const Junction& junction) {
-    const std::vector<int32_t>& numbers = neighbourhoods_.at(junction);
+  void gather(const std::vector<int32_t>& numbers) {
     glm::vec3 low(std::numeric_limits<float>::max()), high(std::numeric_limits<float>::lowest());
     order_.clear();
     for (size_t i = 0; i < numbers.size(); ++i) {
-      const bool known = neighbourhoods_.known()[i] != 0;
+      const bool known = searched_ && neighbourhoods_.known()[i] != 0;
       if (!known) {
         slot_[numbers[i]] = static_cast<int32_t>(faces_.size());
         faces_.push_back(make_crossing_face(surface_.vertices, surface_.quads, numbers[i]));
@@ -147,7 +188,12 @@ class CrossingSearch {
 
   const Surface& surface_;
   Neighbourhoods neighbourhoods_;
-  /// Faces met since begin(), and per face of the surface where it is among them.
+  std::optional<Fingerprints> prints_;
+  CrossingMemo* memo_;
+  /// Whether the junction before was searched: since begin(), and not known.
+  bool searched_ = false;
+  /// Faces met since a junction before was not searched, and per face of the surface where it is
+  /// among them.
   std::vector<CrossingFace> faces_;
   std::vector<int32_t> slot_;
   /// What the last junction gave.
@@ -162,8 +208,8 @@ class CrossingSearch {
 /// should not have to make its own.
 class SearchPool {
  public:
-  SearchPool(const Surface& surface, const VertexFaces& around)
-      : surface_(surface), around_(around) {}
+  SearchPool(const Surface& surface, const VertexFaces& around, CrossingMemo* memo)
+      : surface_(surface), around_(around), memo_(memo) {}
 
   std::unique_ptr<CrossingSearch> take() {
     {
@@ -174,7 +220,7 @@ class SearchPool {
         return one;
       }
     }
-    return std::make_unique<CrossingSearch>(surface_, around_);
+    return std::make_unique<CrossingSearch>(surface_, around_, memo_);
   }
 
   void give_back(std::unique_ptr<CrossingSearch> one) {
@@ -185,6 +231,7 @@ class SearchPool {
  private:
   const Surface& surface_;
   const VertexFaces& around_;
+  CrossingMemo* memo_;
   std::mutex mutex_;
   std::vector<std::unique_ptr<CrossingSearch>> free_;
 };
@@ -192,7 +239,7 @@ class SearchPool {
 }  // namespace
 
 JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8_t>& only,
-                                 const base::Execution& execution) {
+                                 const base::Execution& execution, CrossingMemo* memo) {
   const VertexFaces around(surface);
   JunctionCrossings crossings(surface.junctions.size());
   std::vector<size_t> wanted;
@@ -201,7 +248,7 @@ JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8
       wanted.push_back(j);
     }
   }
-  SearchPool pool(surface, around);
+  SearchPool pool(surface, around, memo);
   base::parallel_for(wanted.size(), kJunctionBlock, execution, [&](size_t begin, size_t end) {
     std::unique_ptr<CrossingSearch> search = pool.take();
     search->begin();

@@ -42,9 +42,6 @@ class Neighbourhoods {
   /// Whether the last at() found the face.
   bool has(int32_t face) const { return face_stamp_[face] == stamp_; }
 
-  /// What the next junction finds was not known before.
-  void forget() { ++stamp_; }
-
  private:
   const Surface& surface_;
   const VertexFaces& around_;

@@ -116,7 +116,8 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
   builder.build(relief);
   best.surface = builder.surface();
   base::report_progress(execution.progress, 0.3f);
-  JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f));
+  CrossingMemo memo(paths.size());
+  JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f), &memo);
   best.crossing = crossing_children(best.surface, crossings);
   std::vector<uint8_t> best_relief = relief;
 
@@ -130,7 +131,11 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
     builder.build(relief);
     around = surface_around(builder, skeleton, moved);
-    crossings = find_crossings(around, affected(around, moved), execution.part(share, share));
+    // On a limb without room for all that leave it, knuckles shift along the whole of it when one
+    // is relieved: nothing is known again then, and no longer looked for.
+    CrossingMemo* const known = round == 0 || memo.hits() > 0 ? &memo : nullptr;
+    crossings =
+        find_crossings(around, affected(around, moved), execution.part(share, share), known);
     std::vector<int32_t> still = crossing_children(around, crossings);
     ++idle;
     if (still.size() < best.crossing.size()) {

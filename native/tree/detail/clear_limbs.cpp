@@ -116,7 +116,7 @@ class Clearer {
     std::vector<uint8_t> changed;
     for (int round = 0; round < kRounds; ++round) {
       base::report_progress(execution.progress, static_cast<float>(round) / kRounds);
-      const Pairs crossing = crossing_quads(points_, fine_.quads, all, changed);
+      const Pairs crossing = crossing_quads(points_, fine_.quads, all, changed, execution.threads);
       const std::vector<glm::dvec3> before(points_);
       for (const CrossingLimbs& limbs : strangers(crossing)) part(limbs, round >= kThinnerOnly);
       if (static_cast<double>(crossing.size()) > kHopeless * static_cast<double>(all.size()))

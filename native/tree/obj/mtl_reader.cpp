@@ -1,6 +1,7 @@
 #include "tree/obj/mtl_reader.h"
 
 #include <algorithm>
+#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -10,17 +11,12 @@
 #include <set>
 #include <string_view>
 
+#include "tree/obj/text.h"
+
 namespace snowbough::tree {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
-}
 
 std::string_view trim(std::string_view text) {
   const auto blank = [](char c) { return c == ' ' || c == '\t' || c == '\r'; };
@@ -75,14 +71,20 @@ TextureStatement read_texture_statement(std::string_view rest) {
     }
     rest = trim(rest);
   }
-  statement.name = rest;
+  // Some exporters write quotes around names with blanks.
+  if (rest.size() > 1 && rest.front() == '"' && rest.back() == '"') {
+    rest = rest.substr(1, rest.size() - 2);
+  }
+  statement.name = to_utf8(rest);
   std::replace(statement.name.begin(), statement.name.end(), '\\', '/');
   return statement;
 }
 
-/// Whether one of the words of a file's name says that it is a map of normals.
+/// Whether one of the words of a file's name says that it is a map of normals, or its last one is a
+/// mere n.
 bool is_normal_map(const std::string& path) {
   const std::string stem = lower_case(fs::path(path).stem().string()) + ".";
+  if (stem.size() > 2 && (stem.ends_with("_n.") || stem.ends_with("-n."))) return true;
   std::string word;
   for (const char c : stem) {
     if (std::isalpha(static_cast<unsigned char>(c)) != 0) {
@@ -112,7 +114,8 @@ fs::path find_below(const fs::path& folder, const fs::path& relative) {
     for (const fs::directory_entry& entry : fs::directory_iterator(at, error)) {
       // The smallest of several that differ in case only: independent of the folder's order.
       const fs::path name = entry.path().filename();
-      if (lower_case(name.string()) == wanted && (found.empty() || name < found)) found = name;
+      if (lower_case(to_utf8(name.string())) == wanted && (found.empty() || name < found))
+        found = name;
     }
     if (found.empty()) return {};
     at /= found;
@@ -120,8 +123,36 @@ fs::path find_below(const fs::path& folder, const fs::path& relative) {
   return fs::is_regular_file(at, error) ? at : fs::path();
 }
 
+/// What packs call their folders of textures.
+constexpr std::array<const char*, 5> kTextureFolders = {"textures", "texture", "maps", "tex",
+                                                        "images"};
+
+/// The folders in a folder, in the order of their names.
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory(error)) found.push_back(entry.path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The file in one of the folders that a folder of textures beside holds: Textures/Bark, say.
+fs::path find_sorted(const fs::path& folder, const fs::path& name) {
+  for (const fs::path& beside : folders_in(folder)) {
+    const std::string called = lower_case(beside.filename().string());
+    if (std::find(kTextureFolders.begin(), kTextureFolders.end(), called) == kTextureFolders.end())
+      continue;
+    for (const fs::path& inner : folders_in(beside)) {
+      if (const fs::path found = find_below(inner, name); !found.empty()) return found;
+    }
+  }
+  return {};
+}
+
 /// The texture's absolute path; empty if it is in none of the folders or those for textures beside
-/// and above them.
+/// and above them, nor in a folder within one of those beside.
 std::string find_texture(const std::vector<fs::path>& folders, const std::string& name) {
   const fs::path path(name);
   fs::path found = path.is_absolute() ? find_below("/", path.relative_path()) : fs::path();
@@ -130,14 +161,15 @@ std::string find_texture(const std::vector<fs::path>& folders, const std::string
   };
   for (const fs::path& folder : folders) {
     look(folder, path.relative_path());
-    for (const char* beside : {"", "textures", "texture", "maps", "tex", "images"}) {
-      look(folder, fs::path(beside) / path.filename());
-    }
+    look(folder, path.filename());
+    for (const char* beside : kTextureFolders) look(folder, fs::path(beside) / path.filename());
   }
   for (const fs::path& folder : folders) {
-    for (const char* above : {"textures", "texture", "maps", "tex", "images"}) {
-      look(fs::absolute(folder).parent_path(), fs::path(above) / path.filename());
-    }
+    const fs::path above = fs::absolute(folder).parent_path();
+    for (const char* beside : kTextureFolders) look(above, fs::path(beside) / path.filename());
+  }
+  for (const fs::path& folder : folders) {
+    if (found.empty()) found = find_sorted(folder, path.filename());
   }
   return found.empty() ? std::string() : fs::absolute(found).lexically_normal().string();
 }
@@ -145,9 +177,12 @@ std::string find_texture(const std::vector<fs::path>& folders, const std::string
 class MaterialReader {
  public:
   /// @param obj_folder where the OBJ file is.
-  MaterialReader(fs::path obj_folder, std::map<std::string, ObjMaterial>& materials,
-                 std::vector<std::string>& warnings)
-      : obj_folder_(std::move(obj_folder)), materials_(materials), warnings_(warnings) {}
+  MaterialReader(fs::path obj_folder, const std::set<std::string>& used,
+                 std::map<std::string, ObjMaterial>& materials, std::vector<std::string>& warnings)
+      : obj_folder_(std::move(obj_folder)),
+        used_(used),
+        materials_(materials),
+        warnings_(warnings) {}
 
   void read(const fs::path& file) {
     std::ifstream stream(file, std::ios::binary);
@@ -159,7 +194,7 @@ class MaterialReader {
       const std::string keyword = lower_case(next_token(rest));
       rest = trim(rest);
       if (keyword == "newmtl") {
-        start_material(std::string(rest));
+        start_material(to_utf8(rest));
       } else if (current_ != nullptr) {
         read_statement(keyword, rest, file.parent_path());
       }
@@ -168,6 +203,8 @@ class MaterialReader {
 
  private:
   void start_material(const std::string& name) {
+    current_ = nullptr;
+    if (!used_.contains(name)) return;
     const auto [found, added] = materials_.try_emplace(name);
     found->second.name = name;
     found->second.defined = true;
@@ -236,6 +273,7 @@ class MaterialReader {
   }
 
   fs::path obj_folder_;
+  const std::set<std::string>& used_;
   std::map<std::string, ObjMaterial>& materials_;
   std::vector<std::string>& warnings_;
   ObjMaterial* current_ = nullptr;
@@ -264,11 +302,12 @@ std::vector<fs::path> find_libraries(const fs::path& folder, const std::string& 
 
 std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
                                                   const std::vector<std::string>& libraries,
+                                                  const std::set<std::string>& used,
                                                   std::vector<std::string>& warnings) {
   std::map<std::string, ObjMaterial> materials;
   fs::path folder = fs::path(obj_path).parent_path();
   if (folder.empty()) folder = ".";
-  MaterialReader reader(folder, materials, warnings);
+  MaterialReader reader(folder, used, materials, warnings);
   std::set<std::string> done;
   std::vector<std::string> missing;
   bool any = false;

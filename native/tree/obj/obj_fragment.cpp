@@ -11,6 +11,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "tree/obj/text.h"
+
 namespace snowbough::tree {
 namespace {
 
@@ -101,7 +103,7 @@ class NameTable {
   int32_t index(std::string_view name) {
     const auto [found, added] =
         numbers_.try_emplace(std::string(name), static_cast<int32_t>(names_.size()));
-    if (added) names_.emplace_back(name);
+    if (added) names_.push_back(to_utf8(name));
     return found->second;
   }
 
@@ -175,7 +177,7 @@ class FragmentParser {
       run_.material = material.empty() ? -1 : materials_.index(material);
     } else if (keyword == "mtllib") {
       const std::string_view library = line.rest();
-      if (!library.empty()) scene_.material_libraries.emplace_back(library);
+      if (!library.empty()) scene_.material_libraries.push_back(to_utf8(library));
     } else if (keyword == "l" || keyword == "p") {
       ++scene_.loose_elements;
     }
@@ -188,7 +190,7 @@ class FragmentParser {
       // Too small becomes 0 here, too large infinity.
       return std::strtod(std::string(token).c_str(), nullptr);
     }
-    if (error != std::errc() || stop != end) fail("malformed number '" + std::string(token) + "'");
+    if (error != std::errc() || stop != end) fail("malformed number '" + to_utf8(token) + "'");
     return value;
   }
 
@@ -275,7 +277,7 @@ class FragmentParser {
       }
       if (at != line.end && !is_blank(*at)) {
         Line corner{line.at, line.end};
-        fail("malformed face corner '" + std::string(corner.token()) + "'");
+        fail("malformed face corner '" + to_utf8(corner.token()) + "'");
       }
       line.at = at;
       scene_.corner_vertex.push_back(vertex);

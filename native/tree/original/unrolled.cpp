@@ -16,8 +16,10 @@ namespace {
 constexpr float kSameUv = 1e-3f;
 /// A corner this much nearer to the axis than the place has no direction of its own: a tip.
 constexpr double kOnAxis = 1e-3;
-/// Steps of a walk: faces are small against the original's triangles.
-constexpr int kMostSteps = 64;
+/// From so many steps on a walk is stopped when it comes back to where it was; and the most steps
+/// that it may have. A scan has hundreds of triangles along one of our faces.
+constexpr int kSureSteps = 64;
+constexpr int kMostSteps = 16384;
 /// A limb's surface is nowhere this many times as far from its axis as nearby; another limb's may
 /// be.
 constexpr double kOtherLimb = 2.5;
@@ -149,7 +151,16 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
     return std::array<glm::dvec3, 3>{wood_.vertices[v[0]], wood_.vertices[v[1]],
                                      wood_.vertices[v[2]]};
   };
+  // Brent's way to tell that a walk runs in a circle: one place is kept in mind, each twice as
+  // long.
+  int32_t kept = -1;
+  int keep_at = kSureSteps;
   for (int step = 0;; ++step) {
+    const bool circles = at == kept;
+    if (step == keep_at) {
+      kept = at;
+      keep_at *= 2;
+    }
     const Flat flat = unroll(place, corners(at));
     shares = shares_at_origin(flat);
     if (!finite(shares)) {
@@ -178,7 +189,7 @@ UnrolledPlace Unrolled::walk(const AxisPlace& place, int32_t from) const {
       out = k;
       farthest = shares[k];
     }
-    if (out < 0 || step == kMostSteps) {
+    if (out < 0 || circles || step == kMostSteps) {
       const bool inside = *std::min_element(shares.begin(), shares.end()) >= -1e-9;
       const bool runs_on = open && *std::min_element(shares.begin(), shares.end()) >= -kRunOn;
       if (!inside && !runs_on) shares = nearest_shares(flat);

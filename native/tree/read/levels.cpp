@@ -12,6 +12,7 @@
 #include <string_view>
 #include <utility>
 
+#include "tree/obj/text.h"
 #include "tree/skeleton/segment_tree.h"
 
 namespace snowbough::tree {
@@ -31,13 +32,6 @@ size_t digits_begin(std::string_view name) {
   size_t at = name.size();
   while (at > 0 && is_digit(name[at - 1])) --at;
   return at;
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
 }
 
 std::string trim(std::string_view text) {

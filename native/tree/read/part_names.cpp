@@ -6,6 +6,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "tree/obj/text.h"
+
 namespace snowbough::tree {
 namespace {
 
@@ -50,13 +52,6 @@ NameMeaning meaning_of_run(const std::vector<NameMeaning>& names,
   // A group of leaves in a wooden material holds petioles as well as leaves: the shape decides.
   if (material == NameMeaning::kWood && group == NameMeaning::kFoliage) return NameMeaning::kSilent;
   return group != NameMeaning::kSilent ? group : material;
-}
-
-std::string lower_case(std::string_view text) {
-  std::string lower(text);
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return lower;
 }
 
 /// Names (groups and objects, or materials) that start with one of `prefixes`; marks those used.

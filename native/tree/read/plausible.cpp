@@ -1,6 +1,7 @@
 #include "tree/read/plausible.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 #include <glm/geometric.hpp>
 
@@ -23,17 +24,64 @@ constexpr double kStandOnThicker = 0.5;
 constexpr float kBlock = 4.0f;
 constexpr double kBlocks = 0.5;
 
+/// The share of straight bars, along three directions at right angles, from which on they are a
+/// frame; sine of the angle by which they may be off; and the share of their way that straight ones
+/// may be longer than the line between their ends.
+constexpr double kFramed = 0.75;
+constexpr float kOffAngle = 0.05f;
+constexpr float kBend = 0.01f;
+
 bool tapers(const Branch& branch) {
   const auto [thin, thick] = std::minmax_element(branch.radii.begin(), branch.radii.end());
   return *thin < kEqual * *thick;
 }
 
-bool is_block(const Branch& branch) {
+float length_of(const Branch& branch) {
   float length = 0.0f;
   for (size_t i = 1; i < branch.points.size(); ++i) {
     length += glm::distance(branch.points[i - 1], branch.points[i]);
   }
-  return length < kBlock * *std::max_element(branch.radii.begin(), branch.radii.end());
+  return length;
+}
+
+bool is_block(const Branch& branch) {
+  return length_of(branch) < kBlock * *std::max_element(branch.radii.begin(), branch.radii.end());
+}
+
+/// From end to end, of a branch that is straight; else zero.
+glm::vec3 straight_way(const Branch& branch) {
+  const glm::vec3 way = branch.points.back() - branch.points.front();
+  return length_of(branch) <= (1.0f + kBend) * glm::length(way) ? way : glm::vec3(0.0f);
+}
+
+/// How many branches run straight along the longest one, along the longest that is square to it, or
+/// square to both.
+size_t count_framed(const std::vector<Branch>& branches) {
+  std::vector<glm::vec3> ways;
+  for (const Branch& branch : branches) {
+    const glm::vec3 way = straight_way(branch);
+    if (glm::length(way) > 0.0f) ways.push_back(way);
+  }
+  std::sort(ways.begin(), ways.end(),
+            [](const glm::vec3& a, const glm::vec3& b) { return glm::length(a) > glm::length(b); });
+  std::vector<glm::vec3> axes;
+  size_t framed = 0;
+  for (const glm::vec3& way : ways) {
+    const glm::vec3 direction = glm::normalize(way);
+    const auto along = [&](const glm::vec3& axis) {
+      return glm::length(glm::cross(axis, direction)) <= kOffAngle;
+    };
+    const auto square = [&](const glm::vec3& axis) {
+      return std::abs(glm::dot(axis, direction)) <= kOffAngle;
+    };
+    if (std::any_of(axes.begin(), axes.end(), along)) {
+      ++framed;
+    } else if (std::all_of(axes.begin(), axes.end(), square)) {
+      axes.push_back(direction);
+      ++framed;
+    }
+  }
+  return framed;
 }
 
 std::string of(size_t count, size_t all) {
@@ -67,6 +115,10 @@ std::string why_no_tree(const std::vector<Branch>& branches) {
   }
   if (static_cast<double>(blocks) >= kBlocks * count) {
     return bars_text + std::to_string(blocks) + " are less than twice as long as they are thick";
+  }
+  if (const size_t framed = count_framed(branches);
+      static_cast<double>(framed) >= kFramed * count) {
+    return bars_text + std::to_string(framed) + " are parallel or at right angles to each other";
   }
   return "";
 }

@@ -32,11 +32,6 @@ constexpr double kConeReach = 1.25;
 /// Limbs at one place that are told apart.
 constexpr size_t kMostLimbs = 16;
 
-/// All sections of a chain, in order, as cones.
-struct Chain {
-  std::vector<Fork::Cone> cones;
-};
-
 double smooth_step(double low, double high, double x) {
   const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
   return t * t * (3.0 - 2.0 * t);
@@ -51,24 +46,6 @@ FieldValue smooth_minimum(const FieldValue& a, const FieldValue& b, double width
           a.gradient * share + b.gradient * (1.0 - share)};
 }
 
-/// Takes the cones from number `from` on, or back from it, as long as the way to them is shorter
-/// than `length`.
-void take_cones(const Chain& chain, size_t from, bool forward, double length,
-                std::vector<Fork::Cone>& taken) {
-  double way = 0.0;
-  if (forward) {
-    for (size_t i = from; i < chain.cones.size() && way < length; ++i) {
-      taken.push_back(chain.cones[i]);
-      way += glm::length(chain.cones[i].along);
-    }
-  } else {
-    for (size_t i = from; i-- > 0 && way < length;) {
-      taken.push_back(chain.cones[i]);
-      way += glm::length(chain.cones[i].along);
-    }
-  }
-}
-
 /// Distance from the fork's centre at which its child, on the way through `sections`, is further
 /// away from its parent than it is thick; at most kFarthest of its radii.
 double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
@@ -76,8 +53,7 @@ double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
   double away = 0.0;
   for (const TubeSection& section : sections) {
     away = glm::distance(section.centre, fork.centre) + section.radius;
-    if (away >= farthest ||
-        distance_from(fork.parent, section.centre).distance > kClear * section.radius) {
+    if (away >= farthest || fork.from_parent(section.centre).distance > kClear * section.radius) {
       break;
     }
   }
@@ -86,30 +62,9 @@ double clear_from(const Fork& fork, std::span<const TubeSection> sections) {
 
 }  // namespace
 
-Fork::Cone Fork::Cone::between(const glm::dvec3& begin, double begin_radius, const glm::dvec3& end,
-                               double end_radius) {
-  const glm::dvec3 along = end - begin;
-  const double square = glm::dot(along, along);
-  return {begin, along, begin_radius, end_radius - begin_radius, square > 0.0 ? 1.0 / square : 0.0};
-}
-
-FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p) {
-  FieldValue nearest{1e300, glm::dvec3(0.0)};
-  for (const Fork::Cone& cone : cones) {
-    const glm::dvec3 to = p - cone.begin;
-    const double t = std::clamp(glm::dot(to, cone.along) * cone.per_square, 0.0, 1.0);
-    const glm::dvec3 off = to - cone.along * t;
-    const double square = glm::dot(off, off);
-    const double radius = cone.begin_radius + cone.widening * t;
-    // Most are further away than the nearest so far: told without a root.
-    const double least = nearest.distance + radius;
-    if (least <= 0.0 || square >= least * least) continue;
-    const double length = std::sqrt(square);
-    const double distance = length - radius;
-    if (distance < nearest.distance) {
-      nearest = {distance, length > 0.0 ? off / length : glm::dvec3(0.0, 0.0, 1.0)};
-    }
-  }
+FieldValue Fork::from_child(const glm::dvec3& p) const {
+  FieldValue nearest = child.distance_from(p);
+  base.take_nearer(p, nearest);
   return nearest;
 }
 
@@ -119,16 +74,16 @@ double fillet_width(const Fork& fork, const glm::dvec3& p) {
 }
 
 std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) {
-  std::vector<Chain> all(surface.limbs.size());
+  std::vector<std::shared_ptr<ConeChain>> all(surface.limbs.size());
   std::vector<size_t> first(surface.limbs.size());
   for (size_t b = 0; b < surface.limbs.size(); ++b) {
-    Chain& chain = all[tubes.chain(static_cast<int32_t>(b))];
-    first[b] = chain.cones.size();
-    const std::span<const TubeSection> sections = tubes.sections(static_cast<int32_t>(b));
-    for (size_t i = 0; i + 1 < sections.size(); ++i) {
-      chain.cones.push_back(Fork::Cone::between(sections[i].centre, sections[i].radius,
-                                                sections[i + 1].centre, sections[i + 1].radius));
-    }
+    std::shared_ptr<ConeChain>& chain = all[tubes.chain(static_cast<int32_t>(b))];
+    if (!chain) chain = std::make_shared<ConeChain>();
+    first[b] = chain->size();
+    chain->add(tubes.sections(static_cast<int32_t>(b)));
+  }
+  for (const std::shared_ptr<ConeChain>& chain : all) {
+    if (chain) chain->finish();
   }
   std::vector<Fork> forks;
   forks.reserve(surface.junctions.size());
@@ -136,32 +91,29 @@ std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes) 
     Fork& fork = forks.emplace_back();
     fork.parent_chain = tubes.chain(junction.parent);
     fork.child_chain = tubes.chain(junction.child);
+    const std::shared_ptr<ConeChain>& parent = all[fork.parent_chain];
+    const std::shared_ptr<ConeChain>& child = all[fork.child_chain];
     const Ring& hole = surface.limbs[junction.child].rings.front();
     const Ring& low = surface.limbs[junction.parent].rings[junction.row];
     const TubeSection& base = tubes.sections(junction.child).front();
     fork.centre = base.centre;
     fork.radius = base.radius;
     fork.blends = tubes.first_sides(junction.child) > 4;
-    const Fork::Cone& out = all[fork.child_chain].cones.front();
-    const glm::dvec3 direction = glm::normalize(out.along);
+    const glm::dvec3 direction = glm::normalize(child->front().along);
     const double sine = std::max(glm::dot(direction, hole.normal), kFlattest);
     fork.reach = fork.radius * (kReach + kReachAside / sine);
     const size_t at = first[junction.parent] + tubes.first_section(junction.parent, junction.row);
-    take_cones(all[fork.parent_chain], at, true, kFarthest * fork.radius, fork.parent);
-    take_cones(all[fork.parent_chain], at, false, kFarthest * fork.radius, fork.parent);
+    fork.parent = ConeRun::around(parent, at, kFarthest * fork.radius);
     fork.reach = std::max(fork.reach, clear_from(fork, tubes.sections(junction.child)));
     // The child's tube begins inside its parent, before its middle line, and so thin that nothing
     // shows on the parent's other side.
     const double inside = kInside * low.corner / sine;
     fork.inside = inside;
     const double tapered = std::min(base.radius, kInsideRadius * low.corner);
-    fork.child.push_back(
-        Fork::Cone::between(base.centre - direction * inside, tapered, base.centre, base.radius));
+    fork.base = Cone::between(base.centre - direction * inside, tapered, base.centre, base.radius);
     const double length = kConeReach * fork.reach + 2.0 * low.corner;
-    take_cones(all[fork.child_chain], 0, true, length, fork.child);
-    fork.parent.clear();
-    take_cones(all[fork.parent_chain], at, true, length, fork.parent);
-    take_cones(all[fork.parent_chain], at, false, length, fork.parent);
+    fork.child = ConeRun::around(child, 0, length);
+    fork.parent = ConeRun::around(parent, at, length);
   }
   return forks;
 }
@@ -175,8 +127,7 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
   };
   std::array<Limb, kMostLimbs> limbs;
   size_t count = 0;
-  const auto add = [&](int32_t chain, const std::vector<Fork::Cone>& cones, double width) {
-    const FieldValue value = distance_from(cones, p);
+  const auto add = [&](int32_t chain, const FieldValue& value, double width) {
     for (size_t i = 0; i < count; ++i) {
       if (limbs[i].chain == chain) {
         if (value.distance < limbs[i].value.distance) limbs[i].value = value;
@@ -188,8 +139,8 @@ FieldValue blended_distance(const glm::dvec3& p, std::span<const int32_t> at,
   };
   for (const int32_t f : at) {
     const Fork& fork = forks[f];
-    add(fork.parent_chain, fork.parent, 0.0);
-    add(fork.child_chain, fork.child, fillet_width(fork, p));
+    add(fork.parent_chain, fork.from_parent(p), 0.0);
+    add(fork.child_chain, fork.from_child(p), fillet_width(fork, p));
   }
   // Parents have lower numbers than what leaves them.
   std::sort(limbs.begin(), limbs.begin() + static_cast<std::ptrdiff_t>(count),

@@ -5,16 +5,11 @@
 #include <span>
 #include <vector>
 
+#include "tree/rims/cones.h"
 #include "tree/surface/surface.h"
 #include "tree/tubes/limb_tubes.h"
 
 namespace snowbough::tree {
-
-/// Distance from a surface, negative inside, and the unit direction in which it grows.
-struct FieldValue {
-  double distance = 0.0;
-  glm::dvec3 gradient{0.0};
-};
 
 /// A place where a limb leaves another, and both their tubes around it. Limbs that continue one
 /// another are one chain, named by its first branch.
@@ -31,24 +26,17 @@ struct Fork {
   /// How far inside its parent, before its base, the child is deepest in it. Metres along it.
   double inside = 0.0;
 
-  /// The stretch between two sections.
-  struct Cone {
-    glm::dvec3 begin{0.0}, along{0.0};
-    double begin_radius = 0.0, widening = 0.0;
-    /// 1 over the square of its length; 0 of one without.
-    double per_square = 0.0;
+  /// The parent on both sides of the fork. The child from its base on, and before that its stretch
+  /// inside the parent.
+  ConeRun parent, child;
+  Cone base;
 
-    static Cone between(const glm::dvec3& begin, double begin_radius, const glm::dvec3& end,
-                        double end_radius);
-  };
-  std::vector<Cone> parent, child;
+  FieldValue from_parent(const glm::dvec3& p) const { return parent.distance_from(p); }
+  FieldValue from_child(const glm::dvec3& p) const;
 };
 
 /// One fork a junction of the surface, in its order.
 std::vector<Fork> collect_forks(const Surface& surface, const LimbTubes& tubes);
-
-/// Distance from the stretches of a limb.
-FieldValue distance_from(const std::vector<Fork::Cone>& cones, const glm::dvec3& p);
 
 /// Width of a fork's fillet at a place: see blended_distance.
 double fillet_width(const Fork& fork, const glm::dvec3& p);

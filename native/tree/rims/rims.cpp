@@ -44,7 +44,7 @@ class Side {
 
   /// Above the parent's surface, lifted likewise.
   double above(const glm::dvec3& p) const {
-    return distance_from(fork_.parent, p).distance - kFilletHeight * fillet_width(fork_, p);
+    return fork_.from_parent(p).distance - kFilletHeight * fillet_width(fork_, p);
   }
 
   /// Arc length at which it comes to be `height` above the parent for good; where it never was

@@ -104,12 +104,15 @@ Topology build_topology(const LocalMesh& mesh) {
   return topology;
 }
 
-Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start) {
+Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start,
+                   size_t most_uneven) {
   std::vector<char> seen(mesh.positions.size(), 0);
   // A face has nothing new for those of its vertices that come to it later.
   std::vector<char> seen_face(static_cast<size_t>(mesh.face_count()), 0);
   for (const int32_t v : start) seen[v] = 1;
   Layers layers;
+  size_t fewest = mesh.positions.size();
+  size_t most = 0;
   while (!start.empty()) {
     std::vector<int32_t> next;
     for (const int32_t v : start) {
@@ -126,6 +129,11 @@ Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<
       }
     }
     std::sort(next.begin(), next.end());
+    if (!next.empty() && (!layers.empty() || start.size() > 1)) {
+      fewest = std::min(fewest, start.size());
+      most = std::max(most, start.size());
+      if (most_uneven > 0 && most > most_uneven * fewest) return {};
+    }
     layers.push_back(std::move(start));
     start = std::move(next);
   }

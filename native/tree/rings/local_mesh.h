@@ -43,6 +43,10 @@ Topology build_topology(const LocalMesh& mesh);
 using Layers = std::vector<std::vector<int32_t>>;
 
 /// Each layer holds the vertices that share a face with the layer before and were not met yet.
-Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start);
+/// @param most_uneven the walk is given up, and none are returned, as soon as one layer has more
+///   than so many times the vertices of another; the first if it is a single vertex, and the last,
+///   do not count. 0: never.
+Layers walk_layers(const LocalMesh& mesh, const Topology& topology, std::vector<int32_t> start,
+                   size_t most_uneven = 0);
 
 }  // namespace snowbough::tree

@@ -16,6 +16,11 @@ namespace {
 constexpr float kSameThickness = 0.02f;
 /// The centre of a cap lies this close to its ring's plane, as a share of the ring's radius.
 constexpr float kFlatCap = 0.02f;
+/// A tube's rings have between these shares of their common number of vertices: two of them differ
+/// by no more than the factor between both.
+constexpr double kSmallestRing = 0.5;
+constexpr double kLargestRing = 2.0;
+constexpr size_t kMostUneven = 4;
 /// A limb shorter than this share of its radius is a disc, not a tube.
 constexpr float kShortestLimb = 0.25f;
 
@@ -133,7 +138,7 @@ double irregularity(const LocalMesh& mesh, const Layers& layers, NotATube& why) 
     const auto size = static_cast<double>(layers[i].size());
     if (end && layers[i].size() == 1) continue;
     // The last layer of an uneven tube may be a remnant of a ring.
-    if (size > 2.0 * common || (size < 0.5 * common && i + 1 != layers.size())) {
+    if (size > kLargestRing * common || (size < kSmallestRing * common && i + 1 != layers.size())) {
       why = NotATube::kUneven;
       return -1.0;
     }
@@ -190,7 +195,10 @@ std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   Layers best;
   double best_irregularity = -1.0;
   for (const std::vector<int32_t>& start : starts) {
-    Layers layers = walk_layers(mesh, topology, start);
+    // Only the first start that fails has to tell why, which takes the whole walk.
+    const bool told = why != NotATube::kNone && topology.boundary_loops.size() != 2;
+    Layers layers = walk_layers(mesh, topology, start, told ? kMostUneven : 0);
+    if (layers.empty()) continue;
     gather_far_end(topology, layers);
     NotATube reason = NotATube::kNone;
     const double value = irregularity(mesh, layers, reason);

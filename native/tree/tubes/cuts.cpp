@@ -41,10 +41,17 @@ constexpr int kMostSteps = 90;
 
 std::vector<double> evenly(int count) {
   std::vector<double> at;
+  at.reserve(static_cast<size_t>(count) + 1);
   for (int i = 0; i <= count; ++i) {
     at.push_back(static_cast<double>(i) / count);
   }
   return at;
+}
+
+/// The same places counted from the other end.
+void turn_round(std::vector<double>& at) {
+  std::reverse(at.begin(), at.end());
+  for (double& share : at) share = 1.0 - share;
 }
 
 int power_of_two_from(double wanted, int most) {
@@ -314,21 +321,34 @@ class Cutter {
     return power_of_two_from(wanted, std::min(most, settings_.most_sides / 4));
   }
 
-  /// Cuts the edge of a face from corner k to k + 1.
-  void set_edge(size_t face, int k, const std::vector<double>& at) {
+  /// Cuts the edge of a face from corner k to k + 1 into so many pieces; `at` says where. Most
+  /// edges are met twice.
+  template <typename At>
+  void set_edge(size_t face, int k, size_t pieces, const At& at) {
     const int32_t e = edges_.of_face[face][k];
     std::vector<double>& edge = cuts_.edges[e];
-    std::vector<double> from_a(at);
-    if (surface_.quads[face][k] != edges_.all[e].a) {
-      std::reverse(from_a.begin(), from_a.end());
-      for (double& share : from_a) share = 1.0 - share;
-    }
-    if (!edge.empty() && edge.size() != from_a.size()) {
+    if (edge.empty()) {
+      edge = at();
+      if (surface_.quads[face][k] != edges_.all[e].a) turn_round(edge);
+    } else if (edge.size() != pieces + 1) {
       throw std::logic_error("two faces cut the edge between them differently");
     }
-    if (edge.empty()) {
-      edge = std::move(from_a);
-    }
+  }
+
+  void set_evenly(size_t face, int k, int pieces) {
+    set_edge(face, k, static_cast<size_t>(pieces), [&] { return evenly(pieces); });
+  }
+
+  /// The side of a row, or of an inset, that lies between two patches.
+  /// @param extra  it takes a level more: with_extra.
+  /// @param down  the edge runs against the levels.
+  void set_side(size_t face, int k, const std::vector<double>& levels, bool extra, bool thinner,
+                int plain, bool down) {
+    set_edge(face, k, levels.size() - 1 + (extra ? 1 : 0), [&] {
+      std::vector<double> at = extra ? with_extra(levels, thinner, plain) : levels;
+      if (down) turn_round(at);
+      return at;
+    });
   }
 
   /// Four patches around a limb or around a hole: per corner, 1 where its edge takes a piece more.
@@ -381,16 +401,11 @@ class Cutter {
     const std::vector<double>& levels = cuts_.rows[limb][row];
     const int plain = cuts_.plain[limb][row];
     cuts_.face_plain[face] = low[origin.side] == high ? 0 : plain;
-    const auto side_levels = [&](int corner) {
-      return odd[corner % 4] != 0 ? with_extra(levels, high == 1, plain) : levels;
-    };
-    std::vector<double> down = side_levels(origin.side);
-    std::reverse(down.begin(), down.end());
-    for (double& share : down) share = 1.0 - share;
-    set_edge(face, 0, evenly(low[origin.side]));
-    set_edge(face, 1, side_levels(origin.side + 1));
-    set_edge(face, 2, evenly(high));
-    set_edge(face, 3, down);
+    const int side = origin.side, next = (side + 1) % 4;
+    set_evenly(face, 0, low[side]);
+    set_side(face, 1, levels, odd[next] != 0, high == 1, plain, false);
+    set_evenly(face, 2, high);
+    set_side(face, 3, levels, odd[side] != 0, high == 1, plain, true);
   }
 
   void cut_inset(size_t face, const FaceOrigin& origin) {
@@ -405,16 +420,11 @@ class Cutter {
     }
     const std::array<int, 4> odd = odd_corners(outer, {inner, inner, inner, inner});
     const std::vector<double> levels = evenly(strips);
-    const auto spoke = [&](int corner) {
-      return odd[corner % 4] != 0 ? with_extra(levels, inner == 1, 0) : levels;
-    };
-    std::vector<double> down = spoke(origin.inset);
-    std::reverse(down.begin(), down.end());
-    for (double& share : down) share = 1.0 - share;
-    set_edge(face, 0, evenly(outer[origin.inset]));
-    set_edge(face, 1, spoke(origin.inset + 1));
-    set_edge(face, 2, evenly(inner));
-    set_edge(face, 3, down);
+    const int side = origin.inset, next = (side + 1) % 4;
+    set_evenly(face, 0, outer[side]);
+    set_side(face, 1, levels, odd[next] != 0, inner == 1, 0, false);
+    set_evenly(face, 2, inner);
+    set_side(face, 3, levels, odd[side] != 0, inner == 1, 0, true);
   }
 
   /// Strips around a hole in its inset.

@@ -99,6 +99,21 @@ class TriangleSoup {
     for (size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<int32_t>(i) + 1;
     std::vector<std::array<int32_t, 3>> triangles = triangles_;
     std::shuffle(triangles.begin(), triangles.end(), random);
+    return write(order, number, triangles);
+  }
+
+  /// The same as it was made.
+  std::string in_order() const {
+    std::vector<int32_t> order(vertices_.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::vector<int32_t> number(order.size());
+    std::iota(number.begin(), number.end(), 1);
+    return write(order, number, triangles_);
+  }
+
+ private:
+  std::string write(const std::vector<int32_t>& order, const std::vector<int32_t>& number,
+                    const std::vector<std::array<int32_t, 3>>& triangles) const {
     std::ostringstream text;
     text.precision(9);
     for (const int32_t v : order) {
@@ -110,7 +125,6 @@ class TriangleSoup {
     return text.str();
   }
 
- private:
   /// Triangles between two rings of different numbers of corners.
   void add_belt(const std::vector<int32_t>& low, const std::vector<int32_t>& high) {
     const size_t m = low.size();

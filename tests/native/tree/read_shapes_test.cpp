@@ -141,6 +141,45 @@ TEST_F(ReadTree, ABenchIsNoTree) {
               HasSubstr("pieces are bars, as thick at one end"));
 }
 
+TEST_F(ReadTree, WhatIsNearlyAllNoWoodIsNoTree) {
+  // The body alone would be refused; two horns make no tree of it.
+  std::vector<GrownLimb> body{{-1, {-1, 0, 1.5f}, {1, 0, 1.5f}, 0.6f}};
+  for (const float x : {-0.8f, 0.5f}) body.push_back({0, {x, 0, 1.3f}, {x, 0, 0}, 0.2f});
+  const auto field = [&](const glm::vec3& p) { return outside_tree(body, p); };
+  TriangleSoup soup = marched_surface(field, {-2, -1, -0.2f}, {2, 1, 2.4f}, 0.07f);
+  for (const float y : {-0.3f, 0.3f}) bar({1, y, 2}, {1, 1.5f * y, 2.4f}, 0.05f, soup);
+  EXPECT_THAT(error_of("g animal\n" + soup.in_order()),
+              HasSubstr("is left out, its largest part is no tree: its limbs are"));
+}
+
+TEST_F(ReadTree, ATableAndALadderAreNoTrees) {
+  TriangleSoup table;
+  bar({-1, 0, 0.75f}, {1, 0, 0.75f}, 0.1f, table);
+  for (const float x : {-0.9f, 0.9f}) {
+    for (const float y : {-0.05f, 0.05f}) bar({x, y, 0.75f}, {x, y, 0}, 0.03f, table);
+  }
+  EXPECT_THAT(error_of("g table\n" + table.in_order()), HasSubstr("at right angles to each other"));
+  TriangleSoup ladder;
+  for (const float x : {0.0f, 0.5f}) bar({x, 0, 0}, {x, 0, 3}, 0.04f, ladder);
+  for (int i = 0; i < 9; ++i) {
+    const float z = 0.3f + 0.3f * static_cast<float>(i);
+    bar({0, 0, z}, {0.5f, 0, z}, 0.02f, ladder);
+  }
+  EXPECT_THAT(error_of("g ladder\n" + ladder.in_order()),
+              HasSubstr("at right angles to each other"));
+}
+
+TEST_F(ReadTree, BarsAtOtherAnglesMayBeATree) {
+  // As a generator draws it that knows no taper.
+  TriangleSoup tree;
+  bar({0, 0, 0}, {0, 0, 3}, 0.1f, tree);
+  for (int i = 0; i < 6; ++i) {
+    const float z = 1.2f + 0.3f * static_cast<float>(i), angle = 2.4f * static_cast<float>(i);
+    bar({0, 0, z}, {std::cos(angle), std::sin(angle), z + 0.6f}, 0.03f, tree);
+  }
+  EXPECT_EQ(error_of("g thing\n" + tree.in_order()), "no error");
+}
+
 TEST_F(ReadTree, AHouseOfBlocksIsNoTree) {
   TriangleSoup house;
   bar({0, 0, 0}, {0, 0, 3}, 5.0f, house);

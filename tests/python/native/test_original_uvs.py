@@ -8,23 +8,33 @@ from test_read_tree import one_branch
 HEIGHT, RINGS = 6.0, 13
 
 
-def tube(sides, turns=1.0, lean=0.0, first=1, materials=("bark",), split=True, base=(0, 0, 0), radius=0.4):
+def tube(
+    sides,
+    turns=1.0,
+    lean=0.0,
+    first=1,
+    materials=("bark",),
+    split=True,
+    base=(0, 0, 0),
+    radius=0.4,
+    rings=RINGS,
+):
     """Text of a tube along Z: u runs `turns` times around, v from 0 to HEIGHT. Its seam is at angle 0.
 
     split: the seam's coordinates differ by `turns` and do not close. materials: one for each part of its
     length. Vertices are numbered from `first`, coordinates likewise.
     """
     lines = []
-    z = np.linspace(0, HEIGHT, RINGS)
-    across = radius * np.linspace(1, 0.3, RINGS)
-    for ring in range(RINGS):
+    z = np.linspace(0, HEIGHT, rings)
+    across = radius * np.linspace(1, 0.3, rings)
+    for ring in range(rings):
         for k in range(sides):
             angle = 2 * np.pi * k / sides
             x = across[ring] * np.cos(angle) + lean * z[ring]
             lines.append(f"v {x + base[0]} {across[ring] * np.sin(angle) + base[1]} {z[ring] + base[2]}")
         lines += [f"vt {turns * k / sides} {z[ring]}" for k in range(sides + 1)]
-    for ring in range(RINGS - 1):
-        lines.append(f"usemtl {materials[ring * len(materials) // (RINGS - 1)]}")
+    for ring in range(rings - 1):
+        lines.append(f"usemtl {materials[ring * len(materials) // (rings - 1)]}")
         for k in range(sides):
             corners = ((ring, k), (ring, k + 1), (ring + 1, k + 1), (ring + 1, k))
             lines.append(
@@ -125,6 +135,26 @@ def test_simplified_limbs_find_their_polygons_too(tmp_path):
     uv, _ = native.original_uvs(skeleton, mesh)
     off = uv[..., 1] - mesh.vertices[mesh.quads][..., 2]
     assert np.abs(off[walls(mesh)]).max() < 0.1
+
+
+def test_long_faces_find_their_corners_on_a_fine_original(tmp_path):
+    path = tmp_path / "fine.obj"
+    # A twig near the top, so that the trunk keeps no joints but there.
+    twig = "g twig\n"
+    for x in np.linspace(0, 0.6, 4):
+        twig += "".join(f"v {x} {0.02 * y} {5.5 + 0.02 * z}\n" for y, z in ((1, 0), (0, 1), (-1, 0), (0, -1)))
+    for k in (*range(-16, -13), *range(-12, -9), *range(-8, -5)):
+        twig += f"f {k} {k + 1} {k + 5} {k + 4}\n"
+    twig += "f -13 -16 -12 -9\nf -9 -12 -8 -5\nf -5 -8 -4 -1\n"
+    path.write_text("g trunk\n" + tube(32, rings=600) + twig)
+    skeleton = native.read_tree(path, up_axis="Z", simplify="TOLERANCE")
+    mesh = native.build_tree_mesh(skeleton, lod=0)
+    uv, _ = native.original_uvs(skeleton, mesh)
+    z = mesh.vertices[mesh.quads][..., 2]
+    side = (mesh.face_part == 0) & (mesh.face_branch == 0)
+    # From the middle of a face to its end it is more than a hundred of the original's rings.
+    assert np.ptp(z, axis=1)[side].max() > 2.1
+    assert np.abs(uv[..., 1] - z)[side].max() < 0.02
 
 
 def test_without_coordinates_there_are_none_but_materials_stay(tmp_path):

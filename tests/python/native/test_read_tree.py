@@ -162,6 +162,22 @@ def test_bad_files(tmp_path, text, message):
         native.read_tree(path)
 
 
+def test_names_in_latin_1_are_text(tmp_path):
+    path = tmp_path / "latin.obj"
+    text = small_tree().replace("g trunk1", "g trunk\xe9").replace("g leaves", "g leaves\nusemtl bl\xe4tter")
+    path.write_bytes(text.encode("latin-1"))
+    (tmp_path / "latin.mtl").write_bytes("newmtl bl\xe4tter\nmap_Kd \xe9t\xe9.png\n".encode("latin-1"))
+    (tmp_path / "\xe9t\xe9.png").touch()
+    skeleton = native.read_tree(path)
+    assert skeleton.branches[0].name == "trunk\xe9"
+    (leaf,) = skeleton.foliage.materials
+    assert (leaf.name, leaf.defined) == ("bl\xe4tter", True)
+    assert leaf.diffuse_texture.path == str(tmp_path / "\xe9t\xe9.png")
+    path.write_bytes(b"v 0 0 \xe9\n")
+    with pytest.raises(ValueError, match="malformed number '\xe9'"):
+        native.read_tree(path)
+
+
 def test_missing_file(tmp_path):
     with pytest.raises(ValueError, match="cannot be opened"):
         native.read_tree(tmp_path / "nothing.obj")

@@ -28,7 +28,8 @@ class Materials : public testing::Test {
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
   std::map<std::string, ObjMaterial> read(const std::vector<std::string>& libraries) {
-    return read_materials((folder_ / "tree.obj").string(), libraries, warnings_);
+    return read_materials((folder_ / "tree.obj").string(), libraries, {"a", "b", "leaf", "bark"},
+                          warnings_);
   }
 
   std::filesystem::path folder_;
@@ -81,6 +82,49 @@ TEST_F(Materials, ABumpMapThatIsCalledANormalMapIsOne) {
   EXPECT_EQ(materials["a"].bump_texture.path, "");
   EXPECT_THAT(materials["a"].normal_texture.path, HasSubstr("x_normal.png"));
   EXPECT_THAT(materials["b"].bump_texture.path, HasSubstr("northern_oak.png"));
+}
+
+TEST_F(Materials, ABumpMapWhoseNameEndsInAMereNIsANormalMap) {
+  write("a.mtl", "newmtl a\nbump bark_n.png\nnewmtl b\nbump n_bark.png\n");
+  write("bark_n.png", "");
+  write("n_bark.png", "");
+  auto materials = read({"a.mtl"});
+  EXPECT_THAT(materials["a"].normal_texture.path, HasSubstr("bark_n.png"));
+  EXPECT_THAT(materials["b"].bump_texture.path, HasSubstr("n_bark.png"));
+}
+
+TEST_F(Materials, ATextureIsFoundInAFolderWithinTheTextures) {
+  write("a.mtl", "newmtl leaf\nmap_Kd leaf.png\nmap_d mask.png\n");
+  write("Textures/Leaves/Leaf.png", "");
+  write("Other/Leaves/mask.png", "");
+  EXPECT_THAT(read({"a.mtl"})["leaf"].diffuse_texture.path, HasSubstr("Textures/Leaves/Leaf.png"));
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("mask.png")));
+}
+
+TEST_F(Materials, NamesMayStandInQuotes) {
+  write("a.mtl", "newmtl leaf\nmap_Kd -bm 1 \"C:\\art\\leaf green.png\"\n");
+  write("leaf green.png", "");
+  EXPECT_THAT(read({"a.mtl"})["leaf"].diffuse_texture.path, HasSubstr("leaf green.png"));
+}
+
+TEST_F(Materials, NamesInLatin1AreThoseOfTheFilesInUtf8) {
+  // The accented E stands as one byte in the library, as two in the name of the file.
+  write("a.mtl",
+        "newmtl leaf\nmap_Kd \xc9"
+        "corce.png\nmap_d \xe9garee.png\n");
+  write(
+      "\xc3\xa9"
+      "corce.png",
+      "");
+  EXPECT_THAT(read({"a.mtl"})["leaf"].diffuse_texture.path, HasSubstr("\xc3\xa9"
+                                                                      "corce.png"));
+  EXPECT_THAT(warnings_, ElementsAre(HasSubstr("\xc3\xa9garee.png")));
+}
+
+TEST_F(Materials, OfWhatNothingIsMadeNothingIsMissed) {
+  write("a.mtl", "newmtl flower\nKd x\nmap_Kd gone.png\nnewmtl leaf\nd 0.5\n");
+  EXPECT_FLOAT_EQ(read({"a.mtl"})["leaf"].opacity, 0.5f);
+  EXPECT_THAT(warnings_, IsEmpty());
 }
 
 TEST_F(Materials, TexturesBesideTheObjAreFoundFromALibraryElsewhere) {

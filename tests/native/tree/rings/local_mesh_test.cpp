@@ -45,6 +45,27 @@ TEST(LocalMesh, AnOpenTubeHasTwoBordersAndWalksRingByRing) {
                           ElementsAre(8, 9, 10, 11), ElementsAre(12, 13, 14, 15)));
 }
 
+TEST(LocalMesh, AWalkIsGivenUpWhereItsLayersAreTooUneven) {
+  // Ten corners round a middle, and a strip that ends in another middle: 1, 10, 10, 2 and 1.
+  LocalMesh mesh;
+  mesh.positions.resize(24);
+  const auto face = [&](std::initializer_list<int32_t> corners) {
+    mesh.corners.insert(mesh.corners.end(), corners);
+    mesh.face_begin.push_back(static_cast<int32_t>(mesh.corners.size()));
+  };
+  for (int32_t k = 0; k < 10; ++k) {
+    const int32_t next = (k + 1) % 10;
+    face({0, 1 + k, 1 + next});
+    face({1 + k, 11 + k, 11 + next, 1 + next});
+  }
+  face({11, 12, 22, 21});
+  face({21, 22, 23});
+  const Topology topology = build_topology(mesh);
+  EXPECT_THAT(walk_layers(mesh, topology, {0}), SizeIs(5));
+  EXPECT_THAT(walk_layers(mesh, topology, {0}, 5), SizeIs(5));
+  EXPECT_THAT(walk_layers(mesh, topology, {0}, 4), IsEmpty());
+}
+
 TEST(LocalMesh, WeldingJoinsEqualPlacesAndDropsFacesThatVanish) {
   LocalMesh mesh;
   mesh.positions = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {1, 0, 0}, {1, 1, 0}, {2, 0, 0}};
