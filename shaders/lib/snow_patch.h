@@ -9,6 +9,8 @@ namespace snowbough::shared {
 
 /// Edge of a tile of a map, in texels: for each the deepest snow is known.
 const int kSnowTile = 16;
+/// Invocations that look for the deepest of all tiles.
+const int kDeepestGroup = 64;
 /// Texels beyond a place that its height is interpolated from.
 const int kSnowReach = 2;
 

@@ -52,11 +52,8 @@ void SnowBuffers::set_pose(const SnowPatches& mesh) {
 }
 
 void SnowBuffers::set_map(std::shared_ptr<const gpu::Texture> heights) {
-  const int64_t tiles = int64_t{gpu::group_count(heights->width(), shared::kSnowTile)} *
-                        gpu::group_count(heights->height(), shared::kSnowTile);
-  if (tile_depths.bytes() != bytes_of(tiles, sizeof(float))) {
-    tile_depths = gpu::Buffer(bytes_of(tiles, sizeof(float)));
-  }
+  const int64_t tiles = MapDepths::tile_bytes(*heights);
+  if (tile_depths.bytes() != tiles) tile_depths = gpu::Buffer(tiles);
   map = std::move(heights);
   map_is_new = true;
 }
@@ -90,12 +87,7 @@ void SnowBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
 }
 
 void SnowPasses::find_depths(SnowBuffers& mesh) {
-  tiles_.use();
-  tiles_.bind_texture("height_map", *mesh.map);
-  tiles_.bind("TileDepths", mesh.tile_depths);
-  tiles_.dispatch(gpu::group_count(mesh.map->width(), shared::kSnowTile),
-                  gpu::group_count(mesh.map->height(), shared::kSnowTile));
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  map_depths_.find_tiles(*mesh.map, mesh.tile_depths);
   depths_.use();
   depths_.bind("SnowPatches", mesh.patches);
   depths_.bind("TileDepths", mesh.tile_depths);
