@@ -30,6 +30,8 @@ ground = bpy.context.object
 bpy.ops.mesh.primitive_monkey_add(size=1.5, location=(1.7, -1.6, 0.75), rotation=(0, 0, 0.4))
 monkey = bpy.context.object
 bpy.ops.object.shade_smooth()
+round_ = monkey.modifiers.new("Subdivision", "SUBSURF")
+round_.levels = round_.render_levels = 2
 red = bpy.data.materials.new("red")
 red.use_nodes = True
 red.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.6, 0.05, 0.03, 1)
