@@ -38,6 +38,7 @@ SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
       vertex_corners(mesh.vertex_corners),
       corner_normals(mesh.corner_normals),
       edges(mesh.edges),
+      edge_bends(mesh.edge_bends),
       patches(mesh.patches),
       points(bytes_of(vertex_count, sizeof(shared::SnowPoint))),
       patch_depths(bytes_of(patch_count, sizeof(float))),
@@ -48,6 +49,7 @@ SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
 void SnowBuffers::set_pose(const SnowPatches& mesh) {
   overwrite(vertices, mesh.vertices);
   overwrite(corner_normals, mesh.corner_normals);
+  overwrite(edge_bends, mesh.edge_bends);
   pose_is_new = true;
 }
 
@@ -81,6 +83,7 @@ void SnowBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
   program.bind("SnowPatches", patches);
   program.bind("SnowPoints", points);
   program.bind("SnowEdges", edges);
+  program.bind("EdgeBends", edge_bends);
   program.bind("EdgeLevels", edge_levels);
   bind_shading(program, *this);
   if (kind == DrawKind::kShaded) program.set("base_color", color);

@@ -40,6 +40,7 @@ struct SnowBuffers : PatchSource {
   gpu::Buffer vertex_corners;
   gpu::Buffer corner_normals;
   gpu::Buffer edges;
+  gpu::Buffer edge_bends;
   gpu::Buffer patches;
   gpu::Buffer points;
   gpu::Buffer tile_depths;

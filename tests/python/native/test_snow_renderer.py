@@ -208,6 +208,29 @@ def test_deep_snow_on_a_coarse_smooth_mesh_shows_no_facets(renderer):
     assert np.abs(bands[0] - bands[1]).max() <= 5
 
 
+def test_deep_snow_on_a_coarse_smooth_ball_is_round(renderer):
+    """Facets of 16 sides stand back by up to 19 mm; what lies on them by no more than half of its depth less."""
+    positions, triangles, uv = sphere(0.5, 16, 8)
+    back = {}
+    for depth in (0.2, 0.01):
+        add(
+            renderer,
+            (positions, triangles, uv),
+            np.full((64, 64), depth, np.float32),
+            positions[triangles] / 0.5,
+        )
+        found = captured(renderer).reshape(-1, 3)
+        renderer.remove("it")
+        # Away from the poles and from the seam, where this ball is open.
+        found = found[(abs(found[:, 2]) < 0.35) & (found[:, 0] < -0.1)]
+        assert len(found) > 1000
+        away = np.linalg.norm(found, axis=1) - 0.5 - depth
+        assert away.max() < 1e-6
+        back[depth] = -away.min()
+    assert back[0.2] < 0.0015
+    assert 0.012 < back[0.01] < 0.019
+
+
 def test_what_carries_no_snow_is_plain(renderer):
     height = np.zeros((256, 256), np.float32)
     height[:64, :64] = 0.05
