@@ -24,7 +24,7 @@ def blender(addon_zip, tmp_path_factory):
 
 @pytest.fixture
 def window(blender):
-    # The first time Blender compiles what draws its window: with Vulkan on a busy processor that may take over a minute.
+    # At first Blender compiles what draws its window: with Vulkan on a busy processor that may take over a minute.
     blender.run("bpy.ops.wm.read_homefile(app_template='')\nresult = True", timeout=300)
     return blender
 
