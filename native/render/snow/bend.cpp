@@ -45,7 +45,7 @@ class PhongForm {
   PhongForm(const std::array<vec3, 3>& corners, const std::array<vec3, 3>& normals) {
     for (int i = 0; i < 3; ++i) {
       const vec3 n = unit(normals[i], vec3(0.0f));
-      for (int j = 0; j < 3; ++j) {
+      for (const int j : {(i + 1) % 3, (i + 2) % 3}) {
         toward_[i][j] = -kShare * glm::dot(corners[j] - corners[i], n) * n;
       }
     }
@@ -57,10 +57,12 @@ class PhongForm {
     }
     return sum;
   }
+  /// -of(w, w) for the way from corner i to corner j.
+  vec3 along(int i, int j) const { return toward_[i][j] + toward_[j][i]; }
 
  private:
   /// From corner i's tangent plane to corner j.
-  vec3 toward_[3][3];
+  vec3 toward_[3][3]{};
 };
 
 }  // namespace
@@ -86,11 +88,15 @@ void find_bends(const SnowSource& source, const RefinedMesh& refined,
     std::array<vec3, 3> corners;
     for (int k = 0; k < 3; ++k) corners[k] = source.positions[source.triangles[of][k]];
     const PhongForm form(corners, directions[of]);
+    const auto& weights = refined.corner_weights[t];
+    const bool is_whole = weights[0].x == 1.0f && weights[1].y == 1.0f && weights[2].z == 1.0f;
     for (int k = 0; k < 3; ++k) {
-      const vec3 here = refined.corner_weights[t][k];
-      const vec3 way = refined.corner_weights[t][(k + 1) % 3] - here;
-      vertices[refined.triangles[t][k]] += vec4(form.of(here, here), 1.0f);
-      edges[patches.patches[t].edges[k] >> 1] += vec4(-form.of(way, way), 1.0f);
+      const int next = (k + 1) % 3;
+      const vec3 way = weights[next] - weights[k];
+      vec4& edge = edges[patches.patches[t].edges[k] >> 1];
+      edge += vec4(is_whole ? form.along(k, next) : -form.of(way, way), 1.0f);
+      if (is_whole) continue;  // corners have no bend
+      vertices[refined.triangles[t][k]] += vec4(form.of(weights[k], weights[k]), 1.0f);
     }
   }
   const auto mean = [](const vec4& sum) { return vec4(vec3(sum) / std::max(sum.w, 1.0f), 0.0f); };
