@@ -16,7 +16,7 @@ uint class_of(int index) {
   const vec3 c = vertices[of.vertices.z].position.xyz;
   const vec3 centre = (a + b + c) / 3.0;
   const float radius = max(distance(centre, a), max(distance(centre, b), distance(centre, c)));
-  if (is_unseen(centre, radius + patch_depths[index])) {
+  if (is_unseen(centre, radius + (1.0 + kMostBend) * patch_depths[index])) {
     return kDropped;
   }
   const float highest = max(edge_levels[of.edges.x >> 1], max(edge_levels[of.edges.y >> 1], edge_levels[of.edges.z >> 1]));

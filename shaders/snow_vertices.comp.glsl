@@ -46,5 +46,6 @@ void main() {
   const float texel = vertex.position.w;
   const vec3 direction = leaning(mean, rim, height, texel);
   height = shouldered(height, vertex.rims.z, texel);
-  points[index] = SnowPoint(vec4(vertex.position.xyz + direction * height, height), vec4(direction, vertex.rims.z), rim);
+  const vec3 at = vertex.position.xyz + bent_under(vertex.bend.xyz, height) + direction * height;
+  points[index] = SnowPoint(vec4(at, height), vec4(direction, vertex.rims.z), rim);
 }

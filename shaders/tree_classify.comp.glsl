@@ -7,6 +7,7 @@
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 layout(std430) readonly buffer EdgeLevels { float edge_levels[]; };
+layout(std430) readonly buffer DeepestSnow { float deepest_snow[]; };
 
 uint class_of(int index) {
   const TreePatch of = patches[index];
@@ -21,7 +22,7 @@ uint class_of(int index) {
     stretch = max(stretch, max(length(corners[k].row_x.xyz),
                                max(length(corners[k].row_y.xyz), length(corners[k].row_z.xyz))));
   }
-  radius += of.rest[1].w * stretch + view.snow.y;
+  radius += of.rest[1].w * stretch + deepest_snow[0];
   if (is_unseen(centre, radius)) {
     return kDropped;
   }

@@ -42,6 +42,9 @@ def build():
     bpy.ops.mesh.primitive_monkey_add(size=1.5, location=(1.7, -1.6, 0.75), rotation=(0, 0, 0.4))
     monkey = bpy.context.object
     bpy.ops.object.shade_smooth()
+    # Of 500 faces alone it would be seen to be of facets.
+    round_ = monkey.modifiers.new("Subdivision", "SUBSURF")
+    round_.levels = round_.render_levels = 2
     paint(monkey, (0.6, 0.05, 0.03))
     bpy.ops.mesh.primitive_cube_add(size=1.0, location=(-1.8, -1.2, 0.5), rotation=(0, 0, 0.5))
     cube = bpy.context.object

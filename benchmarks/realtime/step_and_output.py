@@ -5,13 +5,15 @@ normals.
     PYTHONPATH=build/python:tests/python/native /usr/bin/python3 benchmarks/realtime/step_and_output.py [--steps 8]
 
 Prints a markdown table. The scene is a waving field of 32,768 triangles that moves as a whole; the map has as many
-texels as the occlusion has pixels, as in the thesis. All times are wall times of one of the process's calls, medians:
+texels as the occlusion has pixels, as in the thesis; smoothing has a radius of two texels. Medians of calls; GPU times
+are those of the passes by the GPU's own clock, wall times what the call takes:
 
 - step: until the GPU has finished it (its balance is read back, a few bytes a receiver);
 - queued: the same number of steps handed over one after the other, waited for once, and divided: what a step takes
   where nobody asks for its balance;
-- heights, normals: the output of smoothed heights, then with normals, and its way back to the processor (4 and 16
-  bytes a texel);
+- GPU output: the smoothed map as the texture that the renderer draws from, which takes normals from it by pixel;
+- step + output: both on the GPU, what the goals are told for;
+- heights, normals: the output of a bake, which the processor makes, with its way there (4 and 16 bytes a texel);
 - GEOMETRY: a step by the thesis's own scatter on the same card.
 """
 
@@ -37,14 +39,24 @@ def timed(work):
     return time.perf_counter() - started
 
 
+def gpu_seconds(sim):
+    """What the passes since the last call took by the GPU's clock."""
+    return sum(cost["gpu_seconds"] for cost in sim.pass_costs().values())
+
+
 def measure(size, steps, mapping="COMPUTE"):
-    """Medians of seconds: {"step", "queued", "heights", "normals"}."""
+    """Medians of seconds by name."""
     positions, triangles, uv = waving_field()
     moved = [{"field": positions + np.float32(0.001 * k)} for k in range(steps + 1)]
-    with native.SnowSimulation(
-        pixel_size=EXTENT / size, engine="GL", mapping=mapping, blur_radius=2.0, noise_density=0.1
-    ) as sim:
+    texel = EXTENT / size
+    with (
+        native.SnowSimulation(
+            pixel_size=texel, engine="GL", mapping=mapping, blur_radius=2 * texel, noise_density=0.1
+        ) as sim,
+        native.Renderer() as renderer,
+    ):
         sim.add_object("field", triangles, uv, resolution=size)
+        renderer.add_snow_mesh("field", positions, triangles, uv, resolution=size)
 
         def step(k):
             sim.step(moved[k], DEPTH, SLANT)
@@ -53,8 +65,13 @@ def measure(size, steps, mapping="COMPUTE"):
             step(k)
             sim.statistics()
 
+        def shared():
+            if not renderer.take_snow("field", sim):
+                raise RuntimeError("the map did not stay on the GPU")
+
         waited(0)
-        sim.output("field")  # sets up what output needs
+        shared()  # sets up what output needs
+        sim.output("field")
         taken = {"step": [timed(lambda k=k: waited(k)) for k in range(1, steps + 1)]}
         sim.snapshot("field", normal=False).output()
         taken["heights"] = [timed(lambda: sim.snapshot("field", normal=False).output()) for _ in range(steps)]
@@ -66,6 +83,14 @@ def measure(size, steps, mapping="COMPUTE"):
             sim.statistics()
 
         taken["queued"] = [timed(several) / steps]
+        # Asking the GPU for its times costs some: measured apart from the wall's.
+        sim.measure_passes(True)
+        taken["GPU step"], taken["GPU output"], taken["output"] = [], [], []
+        for k in range(1, steps + 1):
+            waited(k)
+            taken["GPU step"].append(gpu_seconds(sim))
+            taken["output"].append(timed(shared))
+            taken["GPU output"].append(gpu_seconds(sim))
     return {name: statistics.median(seconds) for name, seconds in taken.items()}
 
 
@@ -82,22 +107,31 @@ def main():
     parser.add_argument("--steps", type=int, default=8)
     parser.add_argument("--sizes", default="256,512,1024,2048,4096")
     given = parser.parse_args()
-    row("map", "step ms", "queued ms", "heights ms", "normals ms", "step + normals ms", "GEOMETRY step ms")
-    row(*["---"] * 7)
+    names = ("GPU step", "step", "queued", "GPU output", "output")
+    heads = ("step GPU", "step wall", "queued wall", "output GPU", "output wall")
+    row(
+        "map",
+        *(f"{head} ms" for head in heads),
+        "step + output GPU ms",
+        "GEOMETRY GPU ms",
+        "GEOMETRY wall ms",
+    )
+    row(*["---"] * 9)
+    baked = []
     for size in map(int, given.sizes.split(",")):
         try:
             ours, thesis = measure(size, given.steps), measure(size, given.steps, "GEOMETRY")
         except RuntimeError as error:
             print(f"\nthe table ends here: {error}")
             return 1
-        cells = [
-            ours["step"],
-            ours["queued"],
-            ours["heights"],
-            ours["normals"],
-            ours["step"] + ours["normals"],
-        ]
-        row(f"{size} x {size}", *map(milliseconds, [*cells, thesis["step"]]))
+        cells = [*(ours[name] for name in names), ours["GPU step"] + ours["GPU output"]]
+        row(f"{size} x {size}", *map(milliseconds, [*cells, thesis["GPU step"], thesis["step"]]))
+        baked.append((size, ours))
+    print()
+    row("map", "a bake's heights, wall ms", "with normals, wall ms")
+    row(*["---"] * 3)
+    for size, ours in baked:
+        row(f"{size} x {size}", milliseconds(ours["heights"]), milliseconds(ours["normals"]))
     return 0
 
 

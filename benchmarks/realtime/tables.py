@@ -39,8 +39,8 @@ class Section:
 
 
 HANAK = """\
-Others, on their cards: Hanak 2021, maps of 1024 x 1024 in compute shaders. Ours is `step + normals` above, which holds
-all three, and occlusion and stability besides.
+Others, on their cards: Hanak 2021, maps of 1024 x 1024 in compute shaders. Ours is `step + output` above, which holds
+occlusion and stability besides; normals are no pass of their own, the renderer takes them from the heights by pixel.
 
 | | deformation ms | blur ms | normals ms | together |
 |---|---|---|---|---|

@@ -28,8 +28,8 @@ THESIS = {
     80: (791.3, 1_624),
 }
 FIELD_OF_VIEW = 0.8
-#: Levels of the mesh that is subdivided in advance.
-STATIC_LEVELS = 2
+#: Levels of the mesh that is subdivided in advance: the highest of an imported chain.
+STATIC_LEVELS = 3
 
 
 def camera_at(mesh, away, size):

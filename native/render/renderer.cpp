@@ -131,7 +131,8 @@ void Renderer::set_snow(const std::string& mesh, const HeightMap& heights) {
 bool Renderer::share_snow(const std::string& mesh, const gpu::ThreadTexture& heights) {
   Drawing& to = drawing();
   if (heights.thread != thread_) return false;
-  return thread_->run([&] { return to.made_scene().share_snow(mesh, heights.texture); });
+  thread_->run([&] { to.made_scene().share_snow(mesh, heights.texture); });
+  return true;
 }
 
 void Renderer::remove(const std::string& name) {

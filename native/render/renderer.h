@@ -115,9 +115,8 @@ class Renderer {
                      const std::vector<std::array<glm::vec3, 3>>& normals = {});
   /// The snow on such a mesh, or on a tree that has places for it.
   void set_snow(const std::string& name, const HeightMap& heights);
-  /// The snow on a mesh from a texture (R32F, linear filtering) where it lies, if that is in this
-  /// renderer's context: whether it is. To be called anew when its content has changed. Trees take
-  /// no textures: false.
+  /// The same from a texture (R32F, linear filtering) where it lies, if that is in this renderer's
+  /// context: whether it is. To be called anew when its content has changed.
   bool share_snow(const std::string& name, const gpu::ThreadTexture& heights);
   /// Takes a tree or a mesh away.
   void remove(const std::string& name);

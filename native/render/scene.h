@@ -35,7 +35,7 @@ class Scene {
   void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
                      const std::vector<std::array<glm::vec3, 3>>& normals);
   void set_snow(const std::string& mesh, const HeightMap& heights);
-  bool share_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
+  void share_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
   void remove(const std::string& name);
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
@@ -108,6 +108,7 @@ class Scene {
   };
 
   Tree& tree(const std::string& name) const;
+  Tree& tree_with_places(const std::string& name) const;
   MeshBuffers& mesh(const std::string& name) const;
   Receiver& receiver(const std::string& name) const;
   void require_new(const std::string& name) const;

@@ -83,7 +83,6 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
     view.thesis.z = static_cast<float>(of->levels);
     view.bark_dark = vec4(of->look.bark_dark, 1.0f);
     view.bark_light = vec4(of->look.bark_light, 1.0f);
-    view.snow.y = of->buffers.deepest_snow;
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 #include <stdexcept>
 
 #include "render/scene.h"
@@ -38,25 +37,29 @@ void Scene::set_snow(const std::string& name, const HeightMap& heights) {
   ++revision_;
   auto map = std::make_shared<gpu::Texture>(GL_R32F, heights.width, heights.height, 0, GL_LINEAR);
   map->write(0, GL_RED, GL_FLOAT, heights.values.data());
-  const auto found = trees_.find(name);
-  if (found == trees_.end()) return receiver(name).buffers.set_map(std::move(map));
-  Tree& of = *found->second;
+  if (trees_.count(name) == 0) return receiver(name).buffers.set_map(std::move(map));
+  Tree& of = tree_with_places(name);
+  // A bare tree is drawn by the shaders without snow.
+  const bool is_bare = std::all_of(heights.values.begin(), heights.values.end(),
+                                   [](float height) { return height == 0.0f; });
+  of.buffers.set_snow(is_bare ? nullptr : std::move(map));
+}
+
+Scene::Tree& Scene::tree_with_places(const std::string& name) const {
+  Tree& of = tree(name);
   if (!of.has_snow_places) {
     throw std::invalid_argument("tree '" + name + "' has no places on a map: give it its snow_uv");
   }
-  of.buffers.deepest_snow = 0.0f;
-  for (const float h : heights.values) {
-    of.buffers.deepest_snow = std::max(of.buffers.deepest_snow, std::abs(h));
-  }
-  // A bare tree is drawn by the shaders without snow.
-  of.buffers.snow = of.buffers.deepest_snow > 0.0f ? std::move(map) : nullptr;
+  return of;
 }
 
-bool Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
+void Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights) {
   ++revision_;
-  if (trees_.count(name) != 0) return false;
-  receiver(name).buffers.set_map(std::move(heights));
-  return true;
+  if (trees_.count(name) != 0) {
+    tree_with_places(name).buffers.set_snow(std::move(heights));
+  } else {
+    receiver(name).buffers.set_map(std::move(heights));
+  }
 }
 
 void Scene::prepare_snow(const RenderSettings& settings) {

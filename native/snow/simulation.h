@@ -151,6 +151,9 @@ class SnowSimulation {
   std::vector<std::string> receivers() const;
   SnowStatistics statistics();
   MemoryEstimate memory_estimate() const;
+  /// See Engine; waits for it.
+  void measure_passes(bool on);
+  std::vector<PassCost> take_costs();
   /// What does the passes, and why; waits for it.
   EngineInfo engine_info();
 

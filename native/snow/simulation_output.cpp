@@ -199,6 +199,18 @@ std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std:
   return made;
 }
 
+void SnowSimulation::measure_passes(bool on) {
+  const std::scoped_lock lock(mutex_);
+  engine().run([&] { engine().measure_passes(on); });
+}
+
+std::vector<PassCost> SnowSimulation::take_costs() {
+  const std::scoped_lock lock(mutex_);
+  std::vector<PassCost> costs;
+  engine().run([&] { costs = engine().take_costs(); });
+  return costs;
+}
+
 void SnowSimulation::save(const std::string& path) {
   Checkpoint checkpoint{{}, state()};
   {

@@ -1,5 +1,7 @@
-// How snow ends: over a hard edge it leans to the mean of both faces' normals, within as far as it is deep, which makes
-// a round rim; where the surface ends, it ends in a round shoulder. Distances are interpolated from the vertices'.
+// How snow stands on its base, and how it ends: over a hard edge it leans to the mean of both faces' normals, within as
+// far as it is deep, which makes a round rim; where the surface ends, it ends in a round shoulder. Distances are
+// interpolated from the vertices'.
+#include "lib/snow_patch.h"
 
 /// A rim is as wide as this many depths, and as this many texels at least.
 const float kRimDepths = 1.0;
@@ -7,6 +9,11 @@ const float kRimTexels = 1.5;
 /// The same of the shoulder at the surface's end.
 const float kShoulderDepths = 0.5;
 const float kShoulderTexels = 0.5;
+
+/// What snow of a height has of a bend: on a mesh that is shaded smooth it is rounder than the facets.
+vec3 bent_under(vec3 bend, float height) {
+  return bend * min(1.0, kMostBend * abs(height) / max(length(bend), 1e-9));
+}
 
 vec3 toward(vec3 from, vec3 to, float share) {
   const vec3 mean = mix(from, to, share);

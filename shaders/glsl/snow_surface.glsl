@@ -6,6 +6,7 @@
 #include "glsl/snow_rims.glsl"
 
 layout(std430) readonly buffer SnowEdges { SnowEdge edges[]; };
+layout(std430) readonly buffer EdgeBends { vec4 edge_bends[]; };
 
 /// Mean of the normals of an edge's two faces at a share t.
 vec3 edge_normal(SnowEdge edge, float t) {
@@ -25,7 +26,9 @@ SurfacePoint edge_surface(int index, float t) {
   const float end = edge.ends.z != 0 ? 0.0 : mix(a.direction.w, b.direction.w, t);
   const float height = shouldered(mean, end, bare.w);
   const vec3 direction = leaning(edge_normal(edge, t), mix(a.rim, b.rim, t), mean, bare.w);
-  precise vec3 position = bare.xyz + direction * height;
+  const vec3 bend = mix(vec3(vertices[edge.ends.x].bend), vec3(vertices[edge.ends.y].bend), t) +
+                    t * (1.0 - t) * vec3(edge_bends[index]);
+  precise vec3 position = bare.xyz + bent_under(bend, height) + direction * height;
   return SurfacePoint(position, direction);
 }
 
@@ -35,6 +38,7 @@ SurfacePoint inner_surface(int index, vec3 at) {
   vec4 bare = vec4(0.0);
   vec3 normal = vec3(0.0);
   vec4 rim = vec4(0.0);
+  vec3 bend = vec3(0.0);
   float end = 0.0;
   for (int k = 0; k < 3; ++k) {
     const SnowPoint corner = points[of.vertices[k]];
@@ -42,11 +46,13 @@ SurfacePoint inner_surface(int index, vec3 at) {
     normal += at[k] * vec3(corner_normals[3 * index + k]);
     rim += at[k] * corner.rim;
     end += at[k] * corner.direction.w;
+    bend += at[k] * vec3(vertices[of.vertices[k]].bend) +
+            at[k] * at[(k + 1) % 3] * vec3(edge_bends[of.edges[k] >> 1]);
   }
   const float whole = height_at(at.x * of.uv_01.xy + at.y * of.uv_01.zw + at.z * of.uv_2.xy);
   const float height = shouldered(whole, end, bare.w);
   const vec3 direction = leaning(normal / max(length(normal), 1e-12), rim, whole, bare.w);
-  return SurfacePoint(bare.xyz + direction * height, direction);
+  return SurfacePoint(bare.xyz + bent_under(bend, height) + direction * height, direction);
 }
 
 /// The point of a patch at the tessellator's weights of its corners.

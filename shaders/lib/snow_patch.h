@@ -9,6 +9,8 @@ namespace snowbough::shared {
 
 /// Edge of a tile of a map, in texels: for each the deepest snow is known.
 const int kSnowTile = 16;
+/// Invocations that look for the deepest of all tiles.
+const int kDeepestGroup = 64;
 /// Texels beyond a place that its height is interpolated from.
 const int kSnowReach = 2;
 
@@ -23,8 +25,10 @@ struct SnowVertex {
   ivec4 corners;
   /// Metres to that hard edge, which share along it is nearest, and metres to where the surface ends.
   vec4 rims;
+  /// From the facets to the surface that the normals tell of (m), see native/render/snow/bend.h; w: unused.
+  vec4 bend;
 };
-SNOWBOUGH_SHARED_SIZE(SnowVertex, 64)
+SNOWBOUGH_SHARED_SIZE(SnowVertex, 80)
 
 /// A vertex with its snow.
 struct SnowPoint {
@@ -62,6 +66,9 @@ struct SnowPatch {
   vec4 uv_2;
 };
 SNOWBOUGH_SHARED_SIZE(SnowPatch, 64)
+
+/// Most of a bend, as a share of the snow's depth: bare facets stay where they are.
+const float kMostBend = 0.5f;
 
 /// Metres to a rim that is nowhere.
 const float kNoRim = 1e9f;

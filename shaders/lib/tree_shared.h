@@ -121,7 +121,7 @@ struct TreeView {
   vec4 ground_color;
   vec4 bark_dark;
   vec4 bark_light;
-  /// Factor m of the thesis's 4.2.2, deepest snow on the tree (m); z, w: unused.
+  /// Factor m of the thesis's 4.2.2; y, z, w: unused.
   vec4 snow;
 };
 SNOWBOUGH_SHARED_SIZE(TreeView, 384)

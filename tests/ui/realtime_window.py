@@ -7,14 +7,16 @@
 
 SNOWBOUGH_TEST_BLENDER_ARGUMENTS="--gpu-backend vulkan" in front of it draws Blender's window with Vulkan. A tree, a
 monkey, a box that a collection instances, and their ground are snowed in and seen through the camera. Writes
-build/ui/realtime_<version>_<backend>.png and beside it what F12's operator renders (_f12.png); prints both names and,
-of an orbit of 24 redraws, how long the window's thread was held by each and when the first and the last picture came.
+build/ui/realtime_<version>_<backend>.png and beside it what F12's operator renders (_f12.png) and the 3D view while it
+orbits and after it (_orbit.png); prints their names and, of the orbit's 24 turns, how long the window's thread was held
+by each redraw, how many pictures came meanwhile, and when the whole one came.
 """
 
 import tempfile
 import time
 
 import window as ui
+from PIL import Image
 
 TREE = ui.ROOT / "tests" / "data" / "small_maple.obj"
 
@@ -30,6 +32,8 @@ ground = bpy.context.object
 bpy.ops.mesh.primitive_monkey_add(size=1.5, location=(1.7, -1.6, 0.75), rotation=(0, 0, 0.4))
 monkey = bpy.context.object
 bpy.ops.object.shade_smooth()
+round_ = monkey.modifiers.new("Subdivision", "SUBSURF")
+round_.levels = round_.render_levels = 2
 red = bpy.data.materials.new("red")
 red.use_nodes = True
 red.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.6, 0.05, 0.03, 1)
@@ -93,35 +97,67 @@ import time
 from mathutils import Euler
 
 viewport = {VIEWPORTS}[0]
-held, draw = [], viewport.draw
+held, draw, texture = [], viewport.draw, viewport._texture
+pictures = 0
 
 def timed(*given):
     begun = time.perf_counter()
     draw(*given)
     held.append(time.perf_counter() - begun)
+    global pictures, texture
+    pictures += viewport._texture is not texture
+    texture = viewport._texture
 
 viewport.draw = timed
 space.region_3d.view_perspective = "PERSP"
+space.region_3d.view_location, space.region_3d.view_distance = (0.3, -0.8, 1.6), 9.0
 result = True
 """
 TURN = "space.region_3d.view_rotation = Euler((1.4, 0, {angle})).to_quaternion()\narea.tag_redraw()\nresult = True"
 
 
-def orbit(window):
-    """Turns the view by small steps; prints what it took."""
+def orbit(window, name):
+    """Turns the view by small steps; prints what it took. Returns the 3D view at a third, two thirds and the end of the
+    way, and when all of it is there, as pictures."""
     window.run(WATCH)
-    began = time.monotonic()
+    seen = []
+    began, looked = time.monotonic(), 0.0
     for step in range(24):
         window.run(TURN.format(angle=0.05 * step))
-    moved = time.monotonic() - began
+        if step % 8 == 7:
+            begun = time.monotonic()
+            seen.append(view3d(window, name))
+            looked += time.monotonic() - begun
+    moved = time.monotonic() - began - looked
+    began += looked
     window.wait_until(SHOWN, timeout=300)
     settled = time.monotonic() - began - moved
-    held = sorted(window.run("viewport.draw = draw\nresult = held"))
+    held, pictures = window.run("viewport.draw = draw\nresult = [held, pictures]")
+    held.sort()
     print(
-        f"orbit: {len(held)} redraws while and after 24 turns in {moved:.2f} s, each held the window's thread for "
-        f"{1e3 * held[len(held) // 2]:.1f} ms (median), {1e3 * held[-1]:.1f} ms at most; the whole picture "
-        f"{settled:.2f} s after the last turn"
+        f"orbit: {len(held)} redraws and {pictures} pictures while and after 24 turns in {moved:.2f} s, each redraw "
+        f"held the window's thread for {1e3 * held[len(held) // 2]:.1f} ms (median), {1e3 * held[-1]:.1f} ms at most; "
+        f"the whole picture {settled:.2f} s after the last turn"
     )
+    time.sleep(1.0)
+    return [*seen, view3d(window, name)]
+
+
+def view3d(window, name):
+    """The 3D view's part of a screenshot, which is kept under that name."""
+    x, y, width, height = window.run("result = [area.x, area.y, area.width, area.height]")
+    return window.screenshot(name).crop((x, ui.HEIGHT - y - height, x + width, ui.HEIGHT - y))
+
+
+def side_by_side(pictures, height=300):
+    """One picture of several, scaled to a height."""
+    small = [each.resize((round(each.width * height / each.height), height)) for each in pictures]
+    sheet = Image.new("RGB", (sum(each.width for each in small), height))
+    x = 0
+    for each in small:
+        sheet.paste(each, (x, 0))
+        x += each.width
+    return sheet
 
 
 def main():
@@ -140,8 +176,9 @@ def main():
             window.screenshot(name)
             rendered = str(ui.SCREENSHOTS / f"{name}_f12.png")
             window.run(RENDER.format(path=rendered), timeout=600)
-            print(ui.SCREENSHOTS / f"{name}.png", rendered, sep="\n")
-            orbit(window)
+            orbited = ui.SCREENSHOTS / f"{name}_orbit.png"
+            side_by_side(orbit(window, f"{name}_orbit")[1:]).save(orbited)
+            print(ui.SCREENSHOTS / f"{name}.png", rendered, orbited, sep="\n")
         finally:
             window.close()
 

@@ -4,7 +4,8 @@
 import time
 from pathlib import Path
 
-from PIL import ImageChops, ImageStat
+import window as ui
+from PIL import Image, ImageChops, ImageStat
 
 MAPLE = Path(__file__).resolve().parent.parent / "data" / "small_maple.obj"
 
@@ -151,6 +152,32 @@ def test_another_shading_and_switching_the_addon_off_end_it(window):
     window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
     window.run("bpy.context.scene.render.engine = 'SNOWBOUGH_REALTIME'\nresult = True")
     settled(window)
+
+
+def test_the_key_f12_renders_a_picture(window, tmp_path):
+    show(window)
+    settled(window)
+    window.run(
+        """
+scene.camera.location, scene.camera.rotation_euler = (0, -9, 2), (math.radians(85), 0, 0)
+scene.render.resolution_x, scene.render.resolution_y = 64, 48
+bpy.context.preferences.view.render_display_type = "NONE"
+rendered = []
+bpy.app.handlers.render_complete.append(lambda *_: rendered.append(scene.render.engine))
+result = True
+"""
+    )
+    x, y, width, height = window.run("result = [area.x, area.y, area.width, area.height]")
+    window.move(x + width // 2, ui.HEIGHT - y - height // 2)
+    time.sleep(0.5)
+    window.key("F12")
+    window.wait_until("rendered == ['SNOWBOUGH_REALTIME'] and not bpy.app.is_job_running('RENDER')")
+    path = str(tmp_path / "f12.png")
+    window.run(f"bpy.data.images['Render Result'].save_render({path!r})\nresult = True")
+    picture = Image.open(path).convert("RGB")
+    assert picture.size == (64, 48)
+    red, green, blue = picture.getpixel((32, 24))
+    assert red > 2 * max(green, blue) and red > 80  # the cube
 
 
 # The ground as the only receiver: 0.2 m in 20 frames.

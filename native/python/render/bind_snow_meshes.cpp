@@ -126,14 +126,13 @@ void bind_render_snow(RendererClass& to) {
            "along\n"
            "the shading normals, row 0 = v 0,\n"
            "negative on the back, as SnowSimulation.output gives them.")
-      .def("take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
-           "The snow on a mesh as it lies now on an object of a SnowSimulation (by default that of "
-           "the\n"
-           "same name). Where the simulation's engine is GL and of the same device, the map stays "
-           "on "
-           "the\n"
-           "GPU, rounded by the thesis's Gaussian, and True is returned; else `output` is handed "
-           "over.")
+      .def(
+          "take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
+          "The snow on a mesh or a tree as it lies now on an object of a SnowSimulation (by "
+          "default\nthat of the same name). Where the simulation's engine is GL and of the same "
+          "device, the map\nstays on the GPU, rounded by the thesis's Gaussian and as thick as it "
+          "lies (`output` is less\nhigh where a surface curves outwards, as on twigs), and True is "
+          "returned; else `output` is\nhanded over.")
       .def(
           "snow_levels", &snow_levels, "name"_a,
           "The same of a mesh with snow, for its patches (its triangles, cut where they cover many "

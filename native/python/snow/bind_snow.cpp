@@ -158,6 +158,18 @@ py::dict balance_dict(const snow::StatisticsPair& pair) {
   return dict;
 }
 
+py::dict pass_costs(SnowSimulation& simulation) {
+  py::dict dict;
+  for (const snow::PassCost& cost : without_gil([&] { return simulation.take_costs(); })) {
+    py::dict one;
+    one["calls"] = cost.calls;
+    one["gpu_seconds"] = cost.gpu_seconds;
+    one["wall_seconds"] = cost.wall_seconds;
+    dict[py::str(cost.name)] = one;
+  }
+  return dict;
+}
+
 py::dict statistics(SnowSimulation& simulation) {
   const snow::SnowStatistics statistics = without_gil([&] { return simulation.statistics(); });
   py::dict dict = balance_dict(statistics.all);
@@ -305,6 +317,13 @@ void bind_snow(py::module_& module) {
            "differs.")
       .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
            "Area in m2 that each texel covers now, (H, W) float32, 0 where there is no surface.")
+      .def("measure_passes", &SnowSimulation::measure_passes, "on"_a,
+           py::call_guard<py::gil_scoped_release>(),
+           "Whether the engine GL measures its passes from now on.")
+      .def("pass_costs", &pass_costs,
+           "What the passes of the engine GL took since the last call, by name: 'calls', "
+           "'gpu_seconds' of\nthe GPU's own clock, 'wall_seconds' of handing them in. Empty "
+           "unless measure_passes(True).")
       .def(
           "statistics", &statistics,
           "Balance of the last step, under 'total' of all steps, and under 'objects' by receiver:\n"

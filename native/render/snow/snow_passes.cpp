@@ -38,6 +38,7 @@ SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
       vertex_corners(mesh.vertex_corners),
       corner_normals(mesh.corner_normals),
       edges(mesh.edges),
+      edge_bends(mesh.edge_bends),
       patches(mesh.patches),
       points(bytes_of(vertex_count, sizeof(shared::SnowPoint))),
       patch_depths(bytes_of(patch_count, sizeof(float))),
@@ -48,15 +49,13 @@ SnowBuffers::SnowBuffers(const SnowPatches& mesh, const glm::vec4& base_color)
 void SnowBuffers::set_pose(const SnowPatches& mesh) {
   overwrite(vertices, mesh.vertices);
   overwrite(corner_normals, mesh.corner_normals);
+  overwrite(edge_bends, mesh.edge_bends);
   pose_is_new = true;
 }
 
 void SnowBuffers::set_map(std::shared_ptr<const gpu::Texture> heights) {
-  const int64_t tiles = int64_t{gpu::group_count(heights->width(), shared::kSnowTile)} *
-                        gpu::group_count(heights->height(), shared::kSnowTile);
-  if (tile_depths.bytes() != bytes_of(tiles, sizeof(float))) {
-    tile_depths = gpu::Buffer(bytes_of(tiles, sizeof(float)));
-  }
+  const int64_t tiles = MapDepths::tile_bytes(*heights);
+  if (tile_depths.bytes() != tiles) tile_depths = gpu::Buffer(tiles);
   map = std::move(heights);
   map_is_new = true;
 }
@@ -84,18 +83,14 @@ void SnowBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
   program.bind("SnowPatches", patches);
   program.bind("SnowPoints", points);
   program.bind("SnowEdges", edges);
+  program.bind("EdgeBends", edge_bends);
   program.bind("EdgeLevels", edge_levels);
   bind_shading(program, *this);
   if (kind == DrawKind::kShaded) program.set("base_color", color);
 }
 
 void SnowPasses::find_depths(SnowBuffers& mesh) {
-  tiles_.use();
-  tiles_.bind_texture("height_map", *mesh.map);
-  tiles_.bind("TileDepths", mesh.tile_depths);
-  tiles_.dispatch(gpu::group_count(mesh.map->width(), shared::kSnowTile),
-                  gpu::group_count(mesh.map->height(), shared::kSnowTile));
-  glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
+  map_depths_.find_tiles(*mesh.map, mesh.tile_depths);
   depths_.use();
   depths_.bind("SnowPatches", mesh.patches);
   depths_.bind("TileDepths", mesh.tile_depths);

@@ -11,6 +11,7 @@
 #include "gpu/program_variants.h"
 #include "gpu/resources.h"
 #include "render/draw/draw_kind.h"
+#include "render/draw/map_depths.h"
 #include "render/draw/patch_lists.h"
 #include "render/draw/patch_passes.h"
 #include "render/snow/snow_patches.h"
@@ -39,6 +40,7 @@ struct SnowBuffers : PatchSource {
   gpu::Buffer vertex_corners;
   gpu::Buffer corner_normals;
   gpu::Buffer edges;
+  gpu::Buffer edge_bends;
   gpu::Buffer patches;
   gpu::Buffer points;
   gpu::Buffer tile_depths;
@@ -68,7 +70,7 @@ class SnowPasses {
  private:
   void find_depths(SnowBuffers& mesh);
 
-  gpu::Program tiles_{{"snow_tiles.comp.glsl"}};
+  MapDepths map_depths_;
   gpu::Program depths_{{"snow_depths.comp.glsl"}};
   gpu::Program vertices_{{"snow_vertices.comp.glsl"}};
   gpu::Program edges_{{"snow_edges.comp.glsl"}};

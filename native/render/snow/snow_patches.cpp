@@ -12,6 +12,8 @@
 #include <tuple>
 #include <utility>
 
+#include "render/snow/bend.h"
+
 namespace snowbough::render {
 namespace {
 
@@ -67,24 +69,6 @@ void check(const SnowSource& source) {
 vec3 unit(const vec3& v, const vec3& otherwise) {
   const float length = glm::length(v);
   return length > 1e-20f ? v / length : otherwise;
-}
-
-/// Smooth normals by vertex, faces weighted by the angle of their corner.
-std::vector<vec3> smooth_normals(const SnowSource& source) {
-  std::vector<vec3> sums(source.positions.size(), vec3(0.0f));
-  for (const auto& triangle : source.triangles) {
-    for (int k = 0; k < 3; ++k) {
-      const vec3 at = source.positions[triangle[k]];
-      const vec3 next = source.positions[triangle[(k + 1) % 3]] - at;
-      const vec3 last = source.positions[triangle[(k + 2) % 3]] - at;
-      const vec3 across = glm::cross(next, last);
-      const float size = glm::length(across);
-      if (size > 0.0f)
-        sums[triangle[k]] += across * (std::atan2(size, glm::dot(next, last)) / size);
-    }
-  }
-  for (vec3& sum : sums) sum = unit(sum, vec3(0.0f, 0.0f, 1.0f));
-  return sums;
 }
 
 float texels_between(const vec2& a, const vec2& b, int32_t resolution) {
@@ -174,9 +158,11 @@ SnowMesh::SnowMesh(SnowSource source) : source_(std::move(source)) {
   add_patches();
   patches_.vertices.resize(refined_.vertex_parents.size());
   patches_.corner_normals.resize(3 * refined_.triangles.size());
-  take_pose();
+  const auto directions = growth_directions(source_);
+  take_pose(directions);
   for (shared::SnowVertex& vertex : patches_.vertices) vertex.rest = vertex.position;
   add_edges();
+  find_bends(source_, refined_, directions, patches_);
   list_corners();
   measure_rims();
 }
@@ -186,7 +172,9 @@ void SnowMesh::set_pose(const std::vector<vec3>& positions,
   check_pose(positions, normals, source_.positions.size(), source_.triangles.size());
   source_.positions = positions;
   source_.normals = normals;
-  take_pose();
+  const auto directions = growth_directions(source_);
+  take_pose(directions);
+  find_bends(source_, refined_, directions, patches_);
 }
 
 void SnowMesh::add_patches() {
@@ -206,9 +194,7 @@ void SnowMesh::add_patches() {
   }
 }
 
-void SnowMesh::take_pose() {
-  const bool own_normals = !source_.normals.empty();
-  const std::vector<vec3> smooth = own_normals ? std::vector<vec3>() : smooth_normals(source_);
+void SnowMesh::take_pose(const std::vector<std::array<vec3, 3>>& directions) {
   for (size_t v = 0; v < patches_.vertices.size(); ++v) {
     const auto& parents = refined_.vertex_parents[v];
     const vec3 w = refined_.vertex_weights[v];
@@ -227,9 +213,7 @@ void SnowMesh::take_pose() {
     for (int k = 0; k < 3; ++k) {
       const vec3 w = refined_.corner_weights[t][k];
       vec3 normal(0.0f);
-      for (int j = 0; j < 3; ++j) {
-        normal += w[j] * (own_normals ? source_.normals[source][j] : smooth[corners[j]]);
-      }
+      for (int j = 0; j < 3; ++j) normal += w[j] * directions[source][j];
       patches_.corner_normals[3 * t + k] = vec4(unit(normal, flat), 0.0f);
       const int32_t from = refined_.triangles[t][k], to = refined_.triangles[t][(k + 1) % 3];
       const vec2 length(

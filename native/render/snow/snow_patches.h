@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
@@ -16,6 +17,8 @@ struct SnowPatches {
   std::vector<shared::SnowVertex> vertices;
   std::vector<int32_t> vertex_corners;
   std::vector<shared::SnowEdge> edges;
+  /// By edge, see find_bends; w: unused.
+  std::vector<glm::vec4> edge_bends;
   std::vector<shared::SnowPatch> patches;
   /// Per corner: the shading normal, unit.
   std::vector<glm::vec4> corner_normals;
@@ -38,7 +41,7 @@ class SnowMesh {
                 const std::vector<std::array<glm::vec3, 3>>& normals);
 
  private:
-  void take_pose();
+  void take_pose(const std::vector<std::array<glm::vec3, 3>>& directions);
   void add_patches();
   void add_edges();
   void list_corners();

@@ -1,5 +1,7 @@
 #include "render/tree/tree_passes.h"
 
+#include <utility>
+
 #include "render/draw/matrix_rows.h"
 
 namespace snowbough::render {
@@ -47,6 +49,7 @@ void TreeBuffers::bind_classify(gpu::Program& program) const {
   program.bind("PosedVertices", posed);
   program.bind("TreePatches", patches);
   program.bind("EdgeLevels", edge_levels);
+  program.bind("DeepestSnow", deepest_snow);
 }
 
 void TreeBuffers::bind_plain(gpu::Program& program, DrawKind kind) const {
@@ -70,7 +73,24 @@ void TreeBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
   if (snow != nullptr) program.bind_texture("height_map", *snow);
 }
 
+void TreeBuffers::set_snow(std::shared_ptr<const gpu::Texture> heights) {
+  snow = std::move(heights);
+  snow_is_new = true;
+  if (snow == nullptr) return;
+  const int64_t tiles = MapDepths::tile_bytes(*snow);
+  if (tile_depths.bytes() != tiles) tile_depths = gpu::Buffer(tiles);
+}
+
+void TreePasses::find_deepest(TreeBuffers& tree) {
+  if (!tree.snow_is_new) return;
+  tree.snow_is_new = false;
+  if (tree.snow == nullptr) return tree.deepest_snow.clear();
+  map_depths_.find_tiles(*tree.snow, tree.tile_depths);
+  map_depths_.find_deepest(tree.tile_depths, tree.deepest_snow);
+}
+
 void TreePasses::pose(TreeBuffers& tree, const gpu::Buffer& view) {
+  find_deepest(tree);
   gpu::Program& program = pose_.with(snow_define(tree));
   program.use();
   program.bind("ViewBlock", view);

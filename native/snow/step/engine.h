@@ -30,6 +30,16 @@ struct StabilitySettings {
   float reckoned_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
 };
 
+/// What the calls of a pass took together.
+struct PassCost {
+  std::string name;
+  int32_t calls = 0;
+  /// Seconds of the GPU's own clock.
+  double gpu_seconds = 0.0;
+  /// Seconds in which it was handed in and, on a software renderer, done.
+  double wall_seconds = 0.0;
+};
+
 /// What makes the passes of a step: shaders of OpenGL (step/gl) or C++ on the processor's cores
 /// (step/cpu). Chosen once, when a simulation is made; the frame step calls the passes, one verb
 /// each, in the order in which they stand here. Objects are meant by their number in drawing order,
@@ -89,6 +99,11 @@ class Engine {
                                                                 double /*blur_radius*/) {
     return nullptr;
   }
+  /// Whether passes are measured from now on, where they run on a GPU.
+  virtual void measure_passes(bool /*on*/) {}
+  /// What was measured since the last call, in the order in which the passes came first. Waits for
+  /// the GPU.
+  virtual std::vector<PassCost> take_costs() { return {}; }
   /// A receiver's balance.
   virtual shared::ObjectSums read_sums(size_t object) = 0;
   virtual void write_sums(size_t object, const shared::ObjectSums& sums) = 0;

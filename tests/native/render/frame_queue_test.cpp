@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "gpu/gpu_thread.h"
+#include "native/render/gl_calls.h"
 
 namespace snowbough::render {
 namespace {
@@ -52,6 +53,26 @@ TEST(FrameQueue, theNewestRequestIsDrawnAndArrivesUnderItsTicket) {
     EXPECT_EQ(frame->words, (std::vector<uint32_t>{0x3F000000u + 0xBABABAu, 0x3F000000u}));
     EXPECT_FALSE(queue.is_busy());
     EXPECT_FALSE(queue.take().has_value());
+  });
+}
+
+TEST(FrameReader, threePicturesAreUnderWayAndNoneIsWaitedFor) {
+  gpu::GpuThread::shared("")->run([] {
+    FrameReader reader;
+    const gpu::Texture light(GL_RGBA16F, 2, 1);
+    for (uint64_t ticket = 1; ticket <= 3; ++ticket) {
+      EXPECT_TRUE(reader.has_room());
+      reader.begin(light, ticket);  // makes its buffer
+    }
+    EXPECT_FALSE(reader.has_room());
+    EXPECT_THROW(reader.begin(light, 4), std::logic_error);
+    glFinish();
+    EXPECT_EQ(reader.arrived()->ticket, 3u);
+    const GlWatch watch;
+    reader.begin(light, 4);
+    reader.arrived();
+    EXPECT_EQ(watch.seen().waits, 0);
+    EXPECT_EQ(watch.seen().read_backs, 0);
   });
 }
 

@@ -4,6 +4,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "native/render/gl_calls.h"
 #include "native/render/scene_things.h"
 
 namespace snowbough::render {
@@ -81,6 +82,44 @@ TEST(SceneFrames, theSunsPictureIsKeptAsLongAsItWouldBeTheSame) {
     const std::vector<float> renewed = light(Scene::Shadows::kIfOther);
     EXPECT_NE(stale, renewed);
     EXPECT_EQ(light(Scene::Shadows::kDraw), renewed);
+  });
+}
+
+TEST(SceneFrames, aFrameBringsNothingBackAndWaitsForNothing) {
+  with_scene([](Scene& scene) {
+    add_both(scene);
+    scene.set_snow("tree", {4, 4, std::vector<float>(16, 0.05f)});
+    scene.draw_light(square_camera(), {});
+    const GlWatch watch;
+    Camera nearer = square_camera();
+    nearer.eye *= 0.7f;
+    RenderSettings settings;
+    settings.snowfall.rate = 1e-5f;
+    scene.draw_light(nearer, settings, Scene::Shadows::kDraw);
+    EXPECT_EQ(watch.seen().read_backs, 0);
+    EXPECT_EQ(watch.seen().waits, 0);
+    scene.render(nearer, settings);  // whose pixels and statistics are asked for
+    EXPECT_GT(watch.seen().read_backs, 0);
+  });
+}
+
+TEST(SceneFrames, aPoseUploadsItsBonesAlone) {
+  with_scene([](Scene& scene) {
+    add_both(scene);
+    scene.draw_light(square_camera(), {});
+    const auto uploaded_by = [&](auto&& work) {
+      const GlWatch watch;
+      work();
+      return watch.seen().uploaded;
+    };
+    const auto frame = [&] { scene.draw_light(square_camera(), {}); };
+    // The views of the camera and of the sun, once for the tree and once for all else.
+    EXPECT_EQ(uploaded_by(frame), 4 * static_cast<int64_t>(sizeof(shared::TreeView)));
+    glm::mat4 aside(1.0f);
+    aside[3].x = 0.3f;
+    EXPECT_EQ(uploaded_by([&] { scene.set_pose("tree", {aside}); }),
+              3 * static_cast<int64_t>(sizeof(glm::vec4)));
+    EXPECT_EQ(uploaded_by(frame), 4 * static_cast<int64_t>(sizeof(shared::TreeView)));
   });
 }
 

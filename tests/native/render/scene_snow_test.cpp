@@ -4,6 +4,7 @@
 #include <memory>
 #include <stdexcept>
 
+#include "native/render/gl_calls.h"
 #include "native/render/scene_things.h"
 
 namespace snowbough::render {
@@ -44,17 +45,40 @@ TEST(SceneSnow, aLayerIsThereOnlyWhereItHides) {
   });
 }
 
-TEST(SceneSnow, aMapMayBeSharedWithMeshesButNotWithTrees) {
+TEST(SceneSnow, aMapMayBeSharedWithMeshesAndTrees) {
   with_scene([](Scene& scene) {
     add_square(scene);
     scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
     const auto map = std::make_shared<gpu::Texture>(GL_R32F, 4, 4, 0, GL_LINEAR);
     map->write(0, GL_RED, GL_FLOAT, kBlanket.values.data());
-    EXPECT_FALSE(scene.share_snow("tree", map));
-    EXPECT_TRUE(scene.share_snow("square", map));
+    const GlWatch watch;
+    scene.share_snow("tree", map);
+    scene.share_snow("square", map);
+    scene.draw_light(square_camera(), {});
+    EXPECT_EQ(watch.seen().read_backs, 0);
     const Picture shared = scene.render(square_camera(), {});
     scene.set_snow("square", kBlanket);
+    scene.set_snow("tree", kBlanket);
     EXPECT_EQ(scene.render(square_camera(), {}).rgba, shared.rgba);
+    scene.set_snow("tree", {4, 4, std::vector<float>(16, 0.0f)});
+    EXPECT_NE(scene.render(square_camera(), {}).rgba, shared.rgba);
+  });
+}
+
+TEST(SceneSnow, aTreeIsDroppedOnlyWithAllOfItsSnow) {
+  with_scene([](Scene& scene) {
+    scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+    Camera aside = square_camera();
+    aside.target.x = aside.eye.x = 3.0f;
+    scene.render(aside, {});
+    EXPECT_EQ(scene.statistics().dropped, 4);
+    // Two metres of snow reach into the picture.
+    scene.set_snow("tree", {4, 4, std::vector<float>(16, 2.0f)});
+    scene.render(aside, {});
+    EXPECT_LT(scene.statistics().dropped, 4);
+    scene.set_snow("tree", {4, 4, std::vector<float>(16, 0.0f)});
+    scene.render(aside, {});
+    EXPECT_EQ(scene.statistics().dropped, 4);
   });
 }
 

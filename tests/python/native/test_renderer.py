@@ -237,6 +237,28 @@ def test_limbs_are_as_round_as_the_subdivided_meshes(mesh):
     assert share.max() < 0.25, "rims, which the meshes smooth"
 
 
+def test_bark_has_four_scales_each_half_as_high_that_come_with_the_samples(mesh):
+    """Corners of the trunk, whose circumference is a metre and a quarter, seen from so far that all are as far away."""
+    rise, waves = 0.2 * 0.2, (8, 16, 32, 64)
+    view = {"target": (0, 0, 2.5), "field_of_view": 0.01, "height": 4 * HEIGHT}
+    camera = native.Camera(eye=(0, -1000, 2.5), **view)
+    pixels = 2 * math.pi * 0.2 * 4 * HEIGHT / (2 * math.tan(0.005)) / 1000
+    with native.Renderer() as renderer:
+        renderer.add_tree("tree", mesh, bark_depth=0.2)
+
+        def radii(samples):
+            settings = native.RenderSettings(max_level=1, target_pixels=pixels / samples, **WHOLE)
+            found = renderer.triangles("tree", camera, settings).reshape(-1, 2, 3, 3)
+            trunk = found[np.flatnonzero(mesh.branch_level == 0)].reshape(-1, 3)
+            return np.hypot(trunk[:, 0], trunk[:, 1])
+
+        heights = [radii(samples) for samples in (waves[0], *(4 * count for count in waves))]
+    for scale, (coarser, finer) in enumerate(zip(heights, heights[1:], strict=False)):
+        most = rise / 2 ** (scale + 1)
+        added = abs(finer - coarser)
+        assert 0.5 * most < added.max() < 1.01 * most
+
+
 def test_statistics_count_the_triangles_that_are_drawn(renderer, mesh):
     camera, settings = native.Camera(**FAR), native.RenderSettings(target_pixels=3, **WHOLE)
     renderer.render(camera, settings)

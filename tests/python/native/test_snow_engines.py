@@ -154,3 +154,31 @@ def test_the_wind_reaches_a_wall_on_both_engines():
             sim.step({"wall": wall}, 0.01, wind(45.0), 0.0)
             height = sim.height("wall")
         assert height[32, 32] == pytest.approx(0.01, rel=1e-4)
+
+
+def stepped(sim, steps=2):
+    positions, triangles, uv = grid()
+    sim.add_object("it", triangles, uv, resolution=64)
+    sim.measure_passes(True)
+    for _ in range(steps):
+        sim.step({"it": positions}, 0.01)
+
+
+@pytest.mark.parametrize("mapping", ["COMPUTE", "GEOMETRY"])
+def test_the_gpus_passes_are_measured_where_that_is_asked_for(mapping):
+    with native.SnowSimulation(pixel_size=0.1, engine="GL", mapping=mapping) as sim:
+        stepped(sim)
+        costs = sim.pass_costs()
+        assert {"triangles", "occlusion", "deposit", "stability", "statistics"} <= set(costs)
+        assert costs["triangles"]["calls"] == 2
+        assert all(cost["gpu_seconds"] > 0 for cost in costs.values())
+        assert sim.pass_costs() == {}, "told once"
+        sim.measure_passes(False)
+        sim.step({}, 0.01)
+        assert sim.pass_costs() == {}
+
+
+def test_the_processors_passes_have_no_gpu_time():
+    with native.SnowSimulation(pixel_size=0.1, engine="CPU") as sim:
+        stepped(sim)
+        assert sim.pass_costs() == {}

@@ -208,6 +208,29 @@ def test_deep_snow_on_a_coarse_smooth_mesh_shows_no_facets(renderer):
     assert np.abs(bands[0] - bands[1]).max() <= 5
 
 
+def test_deep_snow_on_a_coarse_smooth_ball_is_round(renderer):
+    """Facets of 16 sides stand back by up to 19 mm; what lies on them by no more than half of its depth less."""
+    positions, triangles, uv = sphere(0.5, 16, 8)
+    back = {}
+    for depth in (0.2, 0.01):
+        add(
+            renderer,
+            (positions, triangles, uv),
+            np.full((64, 64), depth, np.float32),
+            positions[triangles] / 0.5,
+        )
+        found = captured(renderer).reshape(-1, 3)
+        renderer.remove("it")
+        # Away from the poles and from the seam, where this ball is open.
+        found = found[(abs(found[:, 2]) < 0.35) & (found[:, 0] < -0.1)]
+        assert len(found) > 1000
+        away = np.linalg.norm(found, axis=1) - 0.5 - depth
+        assert away.max() < 1e-6
+        back[depth] = -away.min()
+    assert back[0.2] < 0.0015
+    assert 0.012 < back[0.01] < 0.019
+
+
 def test_what_carries_no_snow_is_plain(renderer):
     height = np.zeros((256, 256), np.float32)
     height[:64, :64] = 0.05
@@ -368,6 +391,26 @@ MAPLE = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
 @pytest.fixture(scope="module")
 def maple():
     return native.build_tree_mesh(native.read_tree(MAPLE), snow_resolution=256)
+
+
+def test_snow_of_a_simulation_on_the_gpu_lies_on_trees_without_reading_it_back(renderer, maple):
+    camera = native.Camera(eye=(1.0, -2.2, 2.6), target=(0, 0, 1.2), width=160, height=120)
+    renderer.add_tree("tree", maple)
+    bare = renderer.render(camera)[..., :3].astype(int)
+    quads, uv = np.asarray(maple.quads), np.asarray(maple.uv_snow)
+    triangles = np.concatenate([quads[:, [0, 1, 2]], quads[:, [0, 2, 3]]]).astype(np.int32)
+    places = np.concatenate([uv[:, [0, 1, 2]], uv[:, [0, 2, 3]]]).astype(np.float32)
+    with native.SnowSimulation(pixel_size=0.02, repose=np.pi / 2, engine="GL") as sim:
+        sim.add_object("tree", triangles, places, resolution=256, shading=triangles)
+        sim.step({"tree": maple.vertices.astype(np.float32)}, 0.05)
+        assert renderer.take_snow("tree", sim) is True
+        live = renderer.render(camera)[..., :3].astype(int)
+        # Limbs are thin: the output's heights allow for their curvature, which those on the GPU do not.
+        renderer.set_snow("tree", sim.height("tree"))
+    baked = renderer.render(camera)[..., :3].astype(int)
+    changed = abs(baked - bare).max(axis=2) > 20
+    assert changed.mean() > 0.01
+    assert (abs(live - baked).max(axis=2) > 20).mean() < 0.1 * changed.mean()
 
 
 def test_a_tree_with_snow_is_closed_to_the_bit(renderer, maple):

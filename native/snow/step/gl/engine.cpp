@@ -1,8 +1,10 @@
 #include "snow/step/gl/engine.h"
 
+#include <algorithm>
 #include <map>
 #include <utility>
 
+#include "gpu/timer.h"
 #include "snow/output/gl/live_filter.h"
 #include "snow/repose/pass.h"
 #include "snow/step/gl/driver.h"
@@ -29,6 +31,7 @@ struct Passes {
   OcclusionTarget target;
   /// By object.
   std::map<size_t, std::unique_ptr<LiveFilter>> live_filters;
+  gpu::PassTimer timer{gpu::renders_in_software()};
   gpu::Buffer projection{static_cast<int64_t>(sizeof(shared::ProjectionFrame))};
   bool has_noise = false;
 };
@@ -52,7 +55,10 @@ class GlEngine final : public Engine {
   void run(const std::function<void()>& work) override { thread_->run(work); }
 
   void build_scene(const std::vector<const SceneObject*>& objects) override {
-    if (passes_ == nullptr) passes_ = std::make_unique<Passes>();
+    if (passes_ == nullptr) {
+      passes_ = std::make_unique<Passes>();
+      passes_->timer.set_enabled(measures_);
+    }
     passes_->scene = SceneBuffers{};
     passes_->live_filters.clear();
     passes_->scene = build_scene_buffers(objects, thread_->info(), by_geometry_);
@@ -68,33 +74,42 @@ class GlEngine final : public Engine {
   void set_up_triangles(const shared::ProjectionFrame& frame) override {
     passes_->has_noise = shared::noise_density(frame) < 1.0f;
     passes_->projection.write(0, sizeof frame, &frame);
+    const auto measured = passes_->timer.measure("triangles");
     passes_->triangles.run(passes_->scene, passes_->projection);
   }
   void choose_texels() override {
+    const auto measured = passes_->timer.measure("texel groups");
     // GEOMETRY draws all texels.
     passes_->groups.run(passes_->scene, by_geometry_);
   }
-  void open_statistics() override { passes_->statistics.open(passes_->scene); }
+  void open_statistics() override {
+    const auto measured = passes_->timer.measure("statistics");
+    passes_->statistics.open(passes_->scene);
+  }
   void evaluate_texels() override {
-    passes_->surface.run(passes_->scene);
-    if (by_geometry_) begin_geometry();
+    const auto measured = passes_->timer.measure("texels");
+    evaluate_surface();
   }
   void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
+    const auto measured = passes_->timer.measure("occlusion");
     passes_->occlusion.run(passes_->scene, passes_->projection, tile, ranges, passes_->target);
   }
   void count_back_faces(const Tile& tile) override {
+    const auto measured = passes_->timer.measure("back faces");
     passes_->back_pixels.run(passes_->scene, tile, passes_->target);
   }
   void gather_deposit(const Tile& tile, bool is_first) override {
+    const auto measured = passes_->timer.measure("deposit");
     if (!by_geometry_) {
       passes_->deposit.run(passes_->scene, passes_->projection, tile, passes_->target,
                            passes_->has_noise, is_first);
       return;
     }
-    if (is_first) evaluate_texels();
+    if (is_first) evaluate_surface();
     passes_->deposit_geometry->run(passes_->scene, passes_->projection, tile, passes_->target);
   }
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
+    const auto measured = passes_->timer.measure("stability");
     passes_->stability.run(passes_->scene, settings, full_gain, dt, by_geometry_);
   }
   void apply_repose(const ReposeSettings& settings, float dt) override {
@@ -122,6 +137,7 @@ class GlEngine final : public Engine {
     }
   }
   void close_statistics(float pixel_area) override {
+    const auto measured = passes_->timer.measure("statistics");
     passes_->statistics.close(passes_->scene, pixel_area);
   }
 
@@ -139,8 +155,26 @@ class GlEngine final : public Engine {
     if (filter == nullptr) {
       filter = std::make_unique<LiveFilter>(thread_, receiver.table, seams, blur_radius);
     }
+    const auto measured = passes_->timer.measure("output");
     group_of(object).height.copy_to(layer_of(object), GL_RED, GL_FLOAT, filter->map());
     return std::make_shared<const gpu::ThreadTexture>(filter->run());
+  }
+  void measure_passes(bool on) override {
+    measures_ = on;
+    if (passes_ != nullptr) passes_->timer.set_enabled(on);
+  }
+  std::vector<PassCost> take_costs() override {
+    std::vector<PassCost> costs;
+    if (passes_ == nullptr) return costs;
+    for (const gpu::PassTime& pass : passes_->timer.take()) {
+      auto cost = std::find_if(costs.begin(), costs.end(),
+                               [&](const PassCost& known) { return known.name == pass.name; });
+      if (cost == costs.end()) cost = costs.insert(cost, PassCost{pass.name});
+      ++cost->calls;
+      cost->gpu_seconds += pass.gpu_seconds;
+      cost->wall_seconds += pass.wall_seconds;
+    }
+    return costs;
   }
   shared::ObjectSums read_sums(size_t object) override {
     shared::ObjectSums sums;
@@ -154,6 +188,10 @@ class GlEngine final : public Engine {
   const SceneLayout& layout() const override { return passes_->scene.layout; }
 
  private:
+  void evaluate_surface() {
+    passes_->surface.run(passes_->scene);
+    if (by_geometry_) begin_geometry();
+  }
   void begin_geometry() {
     if (passes_->deposit_geometry == nullptr) {
       passes_->deposit_geometry = std::make_unique<DepositGeometryPass>();
@@ -172,6 +210,7 @@ class GlEngine final : public Engine {
 
   std::shared_ptr<gpu::GpuThread> thread_;
   bool by_geometry_;
+  bool measures_ = false;
   std::unique_ptr<Passes> passes_;
   ReposePass repose_;
 };

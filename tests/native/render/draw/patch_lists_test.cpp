@@ -45,6 +45,7 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
         camera_view(camera, RenderSettings{}, {vec3(0.0f), 1.0f, 1.0f}, false);
     const gpu::Buffer view(std::vector<shared::TreeView>{seen_from});
     const gpu::Buffer posed(of.vertices), patches(of.patches), edges(levels);
+    const gpu::Buffer no_snow(sizeof(float));
 
     gpu::Program classify({"tree_classify.comp.glsl"});
     PatchListPasses passes;
@@ -54,6 +55,7 @@ TEST(PatchLists, patchesAreListedByClassInTheirOrder) {
     classify.bind("PosedVertices", posed);
     classify.bind("TreePatches", patches);
     classify.bind("EdgeLevels", edges);
+    classify.bind("DeepestSnow", no_snow);
     passes.run(classify, list, 6, 5.0f);
 
     const PatchCounts counts = count_patches(list, 6);

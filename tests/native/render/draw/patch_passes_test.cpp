@@ -46,6 +46,7 @@ struct Squares : PatchSource {
     program.bind("PosedVertices", posed);
     program.bind("TreePatches", patches);
     program.bind("EdgeLevels", edge_levels);
+    program.bind("DeepestSnow", no_snow);
   }
   void bind_plain(gpu::Program& program, DrawKind /*kind*/) const override {
     program.bind("PosedVertices", posed);
@@ -56,6 +57,7 @@ struct Squares : PatchSource {
   gpu::Buffer posed;
   gpu::Buffer patches;
   gpu::Buffer edge_levels;
+  gpu::Buffer no_snow{sizeof(float)};
 };
 
 gpu::Buffer view_of_origin() {
