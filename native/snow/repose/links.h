@@ -94,11 +94,11 @@ struct ReposeLinks {
     const int32_t first = block / blocks_a_side * kReposeBlock;
     for (int32_t row = first; row < std::min(first + kReposeBlock, resolution); ++row) {
       if (((rows >> (row - first)) & 1) == 0) continue;
-      const int32_t* run = &run_begin[static_cast<size_t>(row * blocks_a_side + column)];
+      const int32_t* run = &run_begin[static_cast<size_t>(row) * blocks_a_side + column];
       const int32_t begin = row * resolution + column * kReposeBlock;
       for (int32_t i = run[0]; i < run[1]; ++i) {
-        visit(i, static_cast<size_t>((row - first) * kReposeBlock +
-                                     (places[static_cast<size_t>(i)] - begin)));
+        visit(i, static_cast<size_t>(row - first) * kReposeBlock +
+                     static_cast<size_t>((places[static_cast<size_t>(i)] - begin)));
       }
     }
   }
