@@ -106,8 +106,7 @@ void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
   const LimbTubes tubes(surface, shapes, cuts, chains);
   base::report_progress(execution.progress, kCutDone);
   const std::vector<Fork> forks = collect_forks(surface, tubes);
-  std::vector<glm::dvec3> points =
-      limb_positions(surface, tubes, forks, fine, scale.height, execution.threads);
+  std::vector<glm::dvec3> points = limb_positions(surface, tubes, forks, fine, execution.threads);
   blend_forks(surface, forks, chains, fine, execution.part(kCutDone, kForksDone), points);
   clear_limbs(surface, paths, parents, chains, fine, scale, execution.part(kForksDone, kCleared),
               points);
