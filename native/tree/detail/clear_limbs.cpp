@@ -126,6 +126,7 @@ class Clearer {
       }
       changed = changed_faces(before);
       if (changed.empty()) return;
+      straighten(fine_, changed, points_);
     }
   }
 
@@ -282,15 +283,14 @@ class Clearer {
   void to_base(const Pairs& crossing, const base::Execution& execution) {
     if (crossing.empty()) return;
     if (!neighbours_) neighbours_.emplace(fine_.quads, fine_.vertices.size());
-    std::vector<uint8_t> near(points_.size(), 0);
-    for (const auto& [f, g] : crossing) {
-      for (const int32_t face : {f, g}) {
-        for (const int32_t v : fine_.quads[face]) near[v] = 1;
-      }
-    }
     double reach_back = 0.0;
     for (const auto& [f, g] : crossing) {
       reach_back = std::max({reach_back, kBackReach * corner(f), kBackReach * corner(g)});
+    }
+    std::vector<uint8_t> near(points_.size(), 0);
+    for (const auto& [f, g] : crossing) {
+      for (const int32_t v : fine_.quads[f]) near[v] |= is_beside(v, g, reach_back) ? 1 : 0;
+      for (const int32_t v : fine_.quads[g]) near[v] |= is_beside(v, f, reach_back) ? 1 : 0;
     }
     ForkFaces around{fine_.quads, *neighbours_, {}, {{}}};
     for (int ring = 0; ring < kBackRings; ++ring) {
@@ -315,6 +315,15 @@ class Clearer {
       }
     }
     tree::take_back(around, base, execution, points_);
+  }
+
+  /// Whether a corner of a face is so near to a vertex: the other end of a long face may be far
+  /// from where it crosses another one.
+  bool is_beside(int32_t vertex, int32_t face, double distance) const {
+    const Quad& quad = fine_.quads[face];
+    return std::any_of(quad.begin(), quad.end(), [&](int32_t v) {
+      return glm::distance(points_[v], points_[vertex]) <= distance;
+    });
   }
 
   glm::dvec3 on_base(const FinePlace& at) const {

@@ -71,7 +71,7 @@ struct Pleat {
 
 TEST(Untangle, SpreadsAPleatOutOverTheSurface) {
   Pleat pleat;
-  ASSERT_GT(pleat.faces_upside_down(), 10);
+  ASSERT_GT(pleat.faces_upside_down(), 5);
   pleat.untangle();
   EXPECT_EQ(pleat.faces_upside_down(), 0);
   EXPECT_TRUE(crossing_quads(pleat.points, pleat.quads, pleat.all_faces()).empty());
@@ -85,7 +85,8 @@ TEST(Untangle, WhatMayNotMoveStays) {
   const std::vector<glm::dvec3> before(pleat.points);
   pleat.untangle();
   for (size_t v = 0; v < before.size(); ++v) {
-    if (pleat.pull[v] <= 0.0) EXPECT_EQ(pleat.points[v], before[v]);
+    if (pleat.pull[v] > 0.0) continue;
+    EXPECT_EQ(pleat.points[v], before[v]);
   }
 }
 
