@@ -98,9 +98,10 @@ void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
     parents.push_back(branch.parent);
   }
   const Edges edges(mesh.quads, mesh.vertices.size());
-  const std::vector<LimbShape> shapes = limb_shapes(surface, paths, parents, scale.height);
-  const SurfaceCuts cuts =
-      cut_surface(surface, edges, shapes, scale.height, detail_settings(detail));
+  const DetailSettings settings = detail_settings(detail);
+  const std::vector<LimbShape> shapes =
+      limb_shapes(surface, paths, parents, settings.thin_stray * scale.height);
+  const SurfaceCuts cuts = cut_surface(surface, edges, shapes, scale.height, settings);
   FineMesh fine = cut_quads(mesh.quads, mesh.vertices.size(), edges, cuts);
   const std::vector<int32_t> chains = limb_chains(surface, parents);
   const LimbTubes tubes(surface, shapes, cuts, chains);

@@ -11,9 +11,7 @@ namespace {
 
 /// A limb strays from its straight segments by at most this share of its corner radius.
 constexpr double kStray = 0.07;
-/// What a thin limb may stray by, as a share of the tree's height, and how much of it a corner
-/// radius takes away.
-constexpr double kThinStray = 5e-4;
+/// How much of what the thinnest limbs may stray by a corner radius takes away.
 constexpr double kThinLoss = 0.5;
 /// Cosine of the widest angle between a joint's direction and its segments that is followed.
 constexpr double kWidestTurn = 0.35;
@@ -41,7 +39,7 @@ double joint_taper(double length0, double taper0, double length1, double taper1)
 }  // namespace
 
 LimbCurve::LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::dvec3& after,
-                     double height)
+                     double thin_stray)
     : lengths_(path.lengths) {
   const size_t count = path.points.size() - 1;
   segments_.resize(count);
@@ -69,7 +67,7 @@ LimbCurve::LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::
     segment.begin_slope = slope(mean_direction(incoming, along));
     segment.end_slope = slope(mean_direction(along, outgoing));
     const auto reach = [&](const glm::dvec3& sideways, double corner) {
-      const double stray = std::max(kStray * corner, kThinStray * height - kThinLoss * corner);
+      const double stray = std::max(kStray * corner, thin_stray - kThinLoss * corner);
       const double most = kPeak * glm::length(sideways);
       return most > stray ? stray / most : 1.0;
     };

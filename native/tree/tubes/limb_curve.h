@@ -19,9 +19,11 @@ class LimbCurve {
  public:
   /// @param before, after  unit directions in which the limb comes and goes on, where it is part of
   ///   a longer one; zero: it ends there.
-  /// @param height  of the tree in metres: limbs thinner than a thousandth of it may stray by a
-  ///   two-thousandth, others by a share of their radius.
-  LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::dvec3& after, double height);
+  /// @param thin_stray  how far the thinnest limbs may stray, metres; thick ones by a share of
+  /// their
+  ///   radius.
+  LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::dvec3& after,
+            double thin_stray);
 
   /// Both at arc length `s` along the path's straight segments, clamped to it.
   glm::dvec3 position(double s) const;
