@@ -36,8 +36,6 @@ constexpr double kStretch = 2.0;
 /// What goes back towards the base: faces so many edges around those that cross.
 constexpr int kBackRings = 2;
 constexpr double kBackReach = 3.0;
-/// Limbs are as thin as any may be up to so many times that.
-constexpr double kThinnest = 1.01;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
@@ -100,13 +98,12 @@ class Clearer {
  public:
   Clearer(const Surface& surface, const std::vector<LimbPath>& paths,
           const std::vector<int32_t>& parents, const std::vector<int32_t>& chains,
-          const FineMesh& fine, double smallest, std::vector<glm::dvec3>& points)
+          const FineMesh& fine, std::vector<glm::dvec3>& points)
       : surface_(surface),
         paths_(paths),
         parents_(parents),
         chains_(chains),
         fine_(fine),
-        smallest_(smallest),
         points_(points) {}
 
   void clear(const base::Execution& execution) {
@@ -160,16 +157,10 @@ class Clearer {
   Pairs related(const Pairs& crossing) const {
     Pairs found;
     for (const auto& [f, g] : crossing) {
-      if (are_related(branch(f), branch(g)) && !(is_thinnest(f) && is_thinnest(g))) {
-        found.emplace_back(f, g);
-      }
+      if (are_related(branch(f), branch(g))) found.emplace_back(f, g);
     }
     return found;
   }
-
-  /// Whether a face is part of a limb as thin as any may be: the base has more creases there than
-  /// such a limb is worth.
-  bool is_thinnest(int32_t face) const { return corner(face) <= kThinnest * smallest_; }
 
   /// Corner radius of the limb at a face's thicker end.
   double corner(int32_t face) const {
@@ -338,7 +329,6 @@ class Clearer {
   const std::vector<int32_t>& parents_;
   const std::vector<int32_t>& chains_;
   const FineMesh& fine_;
-  double smallest_;
   std::vector<glm::dvec3>& points_;
   /// Made when first asked for: most trees need neither.
   std::optional<Neighbours> neighbours_;
@@ -350,9 +340,9 @@ class Clearer {
 
 void clear_limbs(const Surface& surface, const std::vector<LimbPath>& paths,
                  const std::vector<int32_t>& parents, const std::vector<int32_t>& chains,
-                 const FineMesh& fine, const SurfaceScale& scale, const base::Execution& execution,
+                 const FineMesh& fine, const base::Execution& execution,
                  std::vector<glm::dvec3>& points) {
-  Clearer(surface, paths, parents, chains, fine, scale.smallest_corner, points).clear(execution);
+  Clearer(surface, paths, parents, chains, fine, points).clear(execution);
 }
 
 }  // namespace snowbough::tree

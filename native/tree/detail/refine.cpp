@@ -109,8 +109,7 @@ void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
   const std::vector<Fork> forks = collect_forks(surface, tubes);
   std::vector<glm::dvec3> points = limb_positions(surface, tubes, forks, fine, execution.threads);
   blend_forks(surface, forks, chains, fine, execution.part(kCutDone, kForksDone), points);
-  clear_limbs(surface, paths, parents, chains, fine, scale, execution.part(kForksDone, kCleared),
-              points);
+  clear_limbs(surface, paths, parents, chains, fine, execution.part(kForksDone, kCleared), points);
   interpolate_weights(fine, max_influences, mesh, execution.part(kCleared, kWeighted));
   take_faces(std::move(fine), mesh, execution.part(kWeighted, 1.0f));
   mesh.vertices.assign(points.begin(), points.end());
