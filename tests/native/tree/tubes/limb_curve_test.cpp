@@ -47,6 +47,19 @@ TEST(LimbCurve, AThickLimbStaysCloseToItsStraightSegments) {
   }
 }
 
+TEST(LimbCurve, ASharpJointIsNotTighterThanTheLimbIsThick) {
+  const double corner = 0.05;
+  const LimbPath path = path_of({{0, 0, 0}, {0, 0, 1}, {1, 0, 1}}, {corner, corner, corner});
+  const LimbCurve curve(path, kEnds, kEnds, 0.0);
+  const double step = 1e-3;
+  for (double s = 1.0 + step; s < 1.2; s += step) {
+    const glm::dvec3 before = curve.position(s) - curve.position(s - step);
+    const glm::dvec3 after = curve.position(s + step) - curve.position(s);
+    const double turn = std::atan2(glm::length(glm::cross(before, after)), glm::dot(before, after));
+    EXPECT_LT(turn / glm::length(after), 1.1 / corner) << s;
+  }
+}
+
 TEST(LimbCurve, AThinLimbStraysNoFurtherThanItMay) {
   const LimbPath path = path_of({{0, 0, 0}, {0, 0, 1}, {1, 0, 1}, {1, 0, 2}}, {0, 0, 0, 0});
   for (const double thin_stray : {5e-3, 2e-2}) {
