@@ -87,13 +87,14 @@ class ForkBlender {
     }
     ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
     for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
-    spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
-    soften();
-    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_);
+    std::vector<uint8_t> due = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
+    soften(moved_faces, due);
+    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_, std::move(due));
   }
 
  private:
-  void spread_out(const ForkFaces& moved_faces, const base::Execution& execution) {
+  /// Per fork, whether faces may cross still.
+  std::vector<uint8_t> spread_out(const ForkFaces& moved_faces, const base::Execution& execution) {
     std::vector<double> pull(points_.size(), 0.0);
     for (const Mover& mover : movers_) {
       if (mover.relaxation > 0.0) pull[mover.vertex] = kPull / kLongestStep * mover.longest_step;
@@ -101,13 +102,23 @@ class ForkBlender {
     const auto onto = [this](int32_t vertex, const glm::dvec3& p) {
       return onto_surface(movers_[mover_of_[vertex]], p, kStepsBack).first;
     };
-    untangle(moved_faces, pull, onto, execution, points_);
+    return untangle(moved_faces, pull, onto, execution, points_);
   }
 
-  void soften() {
+  /// Softens creases; in the forks where some were, faces may cross again.
+  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& due) {
     std::vector<double> farthest(points_.size(), 0.0);
     for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
+    const std::vector<glm::dvec3> before(points_);
     soften_creases(fine_, surface_.origins, chains_, farthest, points_);
+    for (size_t j = 0; j < due.size(); ++j) {
+      const std::vector<int32_t>& faces = moved_faces.faces[j];
+      due[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
+        const Quad& quad = fine_.quads[face];
+        return std::any_of(quad.begin(), quad.end(),
+                           [&](int32_t v) { return points_[v] != before[v]; });
+      });
+    }
   }
 
   /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.

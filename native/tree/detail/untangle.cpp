@@ -30,16 +30,21 @@ class Untangler {
  public:
   Untangler(const ForkFaces& forks, std::span<const double> pull, const OntoSurface& onto,
             std::vector<glm::dvec3>& points)
-      : forks_(forks), pull_(pull), onto_(onto), points_(points), crossing_(forks.faces.size()) {}
+      : forks_(forks),
+        pull_(pull),
+        onto_(onto),
+        points_(points),
+        crossing_(forks.faces.size()),
+        suspects_(forks.moving) {}
 
-  void untangle(const base::Execution& execution) {
+  std::vector<uint8_t> untangle(const base::Execution& execution) {
     constexpr int kRounds = kOnSurface + kFree;
     std::vector<uint8_t> due(forks_.faces.size(), 1);
     for (int round = 0; round < kRounds; ++round) {
       find_crossing(due, execution.part(static_cast<float>(round) / kRounds,
                                         static_cast<float>(round + 1) / kRounds));
       std::vector<int32_t> around = tangled();
-      if (around.empty()) return;
+      if (around.empty()) return std::vector<uint8_t>(due.size(), 0);
       const bool on_surface = round < kOnSurface;
       grow(on_surface ? round + 1 : 1, around);
       for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -49,7 +54,11 @@ class Untangler {
         }
       }
       find_due(around, due);
+      add_neighbours(around);
+      suspects_ = std::move(around);
     }
+    for (size_t j = 0; j < due.size(); ++j) due[j] |= crossing_[j].empty() ? 0 : 1;
+    return due;
   }
 
  private:
@@ -71,7 +80,7 @@ class Untangler {
         }
       }
     }
-    for (const int32_t v : forks_.moving) {
+    for (const int32_t v : suspects_) {
       if (pull_[v] > 0.0 && in_pleat(v)) found.push_back(v);
     }
     keep_once(found);
@@ -97,15 +106,17 @@ class Untangler {
 
   /// Takes in what lies up to so many edges away and may move; leaves out what may not.
   void grow(int rings, std::vector<int32_t>& vertices) const {
-    for (int ring = 0; ring < rings; ++ring) {
-      const size_t count = vertices.size();
-      for (size_t i = 0; i < count; ++i) {
-        const auto beside = forks_.neighbours.of(vertices[i]);
-        vertices.insert(vertices.end(), beside.begin(), beside.end());
-      }
-      keep_once(vertices);
-    }
+    for (int ring = 0; ring < rings; ++ring) add_neighbours(vertices);
     std::erase_if(vertices, [&](int32_t v) { return pull_[v] <= 0.0; });
+  }
+
+  void add_neighbours(std::vector<int32_t>& vertices) const {
+    const size_t count = vertices.size();
+    for (size_t i = 0; i < count; ++i) {
+      const auto beside = forks_.neighbours.of(vertices[i]);
+      vertices.insert(vertices.end(), beside.begin(), beside.end());
+    }
+    keep_once(vertices);
   }
 
   glm::dvec3 between_neighbours(int32_t vertex) const {
@@ -136,13 +147,17 @@ class Untangler {
   std::vector<glm::dvec3>& points_;
   /// Per fork: pairs of its faces that cross when last looked at.
   std::vector<Pairs> crossing_;
+  /// What may lie in pleats: at first all that has moved, then what moved in the last round and its
+  /// neighbours.
+  std::vector<int32_t> suspects_;
 };
 
 }  // namespace
 
-void untangle(const ForkFaces& forks, std::span<const double> pull, const OntoSurface& onto,
-              const base::Execution& execution, std::vector<glm::dvec3>& points) {
-  Untangler(forks, pull, onto, points).untangle(execution);
+std::vector<uint8_t> untangle(const ForkFaces& forks, std::span<const double> pull,
+                              const OntoSurface& onto, const base::Execution& execution,
+                              std::vector<glm::dvec3>& points) {
+  return Untangler(forks, pull, onto, points).untangle(execution);
 }
 
 }  // namespace snowbough::tree

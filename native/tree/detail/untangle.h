@@ -24,7 +24,9 @@ using OntoSurface = std::function<glm::dvec3(int32_t vertex, const glm::dvec3& p
 /// @param pull  per vertex: neighbours further away than this pull as if they were so near, metres;
 ///   0 for those that stay.
 /// @throws Cancelled when execution's progress says stop.
-void untangle(const ForkFaces& forks, std::span<const double> pull, const OntoSurface& onto,
-              const base::Execution& execution, std::vector<glm::dvec3>& points);
+/// @return per fork, 1 where faces cross still or were not looked at since they moved.
+std::vector<uint8_t> untangle(const ForkFaces& forks, std::span<const double> pull,
+                              const OntoSurface& onto, const base::Execution& execution,
+                              std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree
