@@ -36,8 +36,6 @@ constexpr double kStretch = 2.0;
 /// What goes back towards the base: faces so many edges around those that cross.
 constexpr int kBackRings = 2;
 constexpr double kBackReach = 3.0;
-/// Limbs are as thin as any may be up to so many times that.
-constexpr double kThinnest = 1.01;
 
 using Pairs = std::vector<std::pair<int32_t, int32_t>>;
 
@@ -100,13 +98,12 @@ class Clearer {
  public:
   Clearer(const Surface& surface, const std::vector<LimbPath>& paths,
           const std::vector<int32_t>& parents, const std::vector<int32_t>& chains,
-          const FineMesh& fine, double smallest, std::vector<glm::dvec3>& points)
+          const FineMesh& fine, std::vector<glm::dvec3>& points)
       : surface_(surface),
         paths_(paths),
         parents_(parents),
         chains_(chains),
         fine_(fine),
-        smallest_(smallest),
         points_(points) {}
 
   void clear(const base::Execution& execution) {
@@ -126,6 +123,7 @@ class Clearer {
       }
       changed = changed_faces(before);
       if (changed.empty()) return;
+      straighten(fine_, changed, points_);
     }
   }
 
@@ -159,16 +157,10 @@ class Clearer {
   Pairs related(const Pairs& crossing) const {
     Pairs found;
     for (const auto& [f, g] : crossing) {
-      if (are_related(branch(f), branch(g)) && !(is_thinnest(f) && is_thinnest(g))) {
-        found.emplace_back(f, g);
-      }
+      if (are_related(branch(f), branch(g))) found.emplace_back(f, g);
     }
     return found;
   }
-
-  /// Whether a face is part of a limb as thin as any may be: the base has more creases there than
-  /// such a limb is worth.
-  bool is_thinnest(int32_t face) const { return corner(face) <= kThinnest * smallest_; }
 
   /// Corner radius of the limb at a face's thicker end.
   double corner(int32_t face) const {
@@ -282,15 +274,14 @@ class Clearer {
   void to_base(const Pairs& crossing, const base::Execution& execution) {
     if (crossing.empty()) return;
     if (!neighbours_) neighbours_.emplace(fine_.quads, fine_.vertices.size());
-    std::vector<uint8_t> near(points_.size(), 0);
-    for (const auto& [f, g] : crossing) {
-      for (const int32_t face : {f, g}) {
-        for (const int32_t v : fine_.quads[face]) near[v] = 1;
-      }
-    }
     double reach_back = 0.0;
     for (const auto& [f, g] : crossing) {
       reach_back = std::max({reach_back, kBackReach * corner(f), kBackReach * corner(g)});
+    }
+    std::vector<uint8_t> near(points_.size(), 0);
+    for (const auto& [f, g] : crossing) {
+      for (const int32_t v : fine_.quads[f]) near[v] |= is_beside(v, g, reach_back) ? 1 : 0;
+      for (const int32_t v : fine_.quads[g]) near[v] |= is_beside(v, f, reach_back) ? 1 : 0;
     }
     ForkFaces around{fine_.quads, *neighbours_, {}, {{}}};
     for (int ring = 0; ring < kBackRings; ++ring) {
@@ -317,6 +308,15 @@ class Clearer {
     tree::take_back(around, base, execution, points_);
   }
 
+  /// Whether a corner of a face is so near to a vertex: the other end of a long face may be far
+  /// from where it crosses another one.
+  bool is_beside(int32_t vertex, int32_t face, double distance) const {
+    const Quad& quad = fine_.quads[face];
+    return std::any_of(quad.begin(), quad.end(), [&](int32_t v) {
+      return glm::distance(points_[v], points_[vertex]) <= distance;
+    });
+  }
+
   glm::dvec3 on_base(const FinePlace& at) const {
     const Quad& quad = surface_.quads[at.face];
     const auto& p = surface_.vertices;
@@ -329,7 +329,6 @@ class Clearer {
   const std::vector<int32_t>& parents_;
   const std::vector<int32_t>& chains_;
   const FineMesh& fine_;
-  double smallest_;
   std::vector<glm::dvec3>& points_;
   /// Made when first asked for: most trees need neither.
   std::optional<Neighbours> neighbours_;
@@ -341,9 +340,9 @@ class Clearer {
 
 void clear_limbs(const Surface& surface, const std::vector<LimbPath>& paths,
                  const std::vector<int32_t>& parents, const std::vector<int32_t>& chains,
-                 const FineMesh& fine, const SurfaceScale& scale, const base::Execution& execution,
+                 const FineMesh& fine, const base::Execution& execution,
                  std::vector<glm::dvec3>& points) {
-  Clearer(surface, paths, parents, chains, fine, scale.smallest_corner, points).clear(execution);
+  Clearer(surface, paths, parents, chains, fine, points).clear(execution);
 }
 
 }  // namespace snowbough::tree

@@ -18,7 +18,7 @@ namespace snowbough::tree {
 /// the other's middle line. Those whose own tubes, round along their straight segments, cut each
 /// other already, stay: they cross in the bought tree. Where a limb crosses itself, its parent or
 /// its child, the faces around go back towards the four-sided base, which has been freed of that
-/// (build_uncrossed_surface); not where both are as thin as a limb may be.
+/// (build_uncrossed_surface).
 ///
 /// @param paths  limb_paths.
 /// @param parents  per branch its parent, or -1.
@@ -26,7 +26,7 @@ namespace snowbough::tree {
 /// @throws Cancelled when execution's progress says stop.
 void clear_limbs(const Surface& surface, const std::vector<LimbPath>& paths,
                  const std::vector<int32_t>& parents, const std::vector<int32_t>& chains,
-                 const FineMesh& fine, const SurfaceScale& scale, const base::Execution& execution,
+                 const FineMesh& fine, const base::Execution& execution,
                  std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree

@@ -7,11 +7,13 @@
 #include <glm/geometric.hpp>
 #include <numeric>
 #include <span>
+#include <tuple>
 #include <utility>
 
 #include "tree/detail/creases.h"
 #include "tree/detail/neighbours.h"
 #include "tree/detail/uncross.h"
+#include "tree/detail/untangle.h"
 
 namespace snowbough::tree {
 namespace {
@@ -33,8 +35,13 @@ constexpr int kHalvings = 3;
 constexpr double kLeastArea = 0.1;
 /// Share of a fork's reach from which on vertices stay where they are along the surface.
 constexpr double kStill = 0.7;
-/// Share of the time until everything is blended.
-constexpr float kBlended = 0.6f;
+/// Where the mesh is spread out: edges longer than this many of the child's radii pull as if they
+/// were as long, and steps back to the surface.
+constexpr double kPull = 0.25;
+constexpr int kStepsBack = 3;
+/// Share of the time until everything is blended, and spread out.
+constexpr float kBlended = 0.5f;
+constexpr float kSpreadOut = 0.8f;
 /// Vertices that a thread moves at a time.
 constexpr size_t kBlock = 256;
 
@@ -78,17 +85,40 @@ class ForkBlender {
                          });
       take_ways(moved, active);
     }
-    soften();
     ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
     for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
-    uncross(moved_faces, first_points_, execution.part(kBlended, 1.0f), points_);
+    std::vector<uint8_t> due = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
+    soften(moved_faces, due);
+    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_, std::move(due));
   }
 
  private:
-  void soften() {
+  /// Per fork, whether faces may cross still.
+  std::vector<uint8_t> spread_out(const ForkFaces& moved_faces, const base::Execution& execution) {
+    std::vector<double> pull(points_.size(), 0.0);
+    for (const Mover& mover : movers_) {
+      if (mover.relaxation > 0.0) pull[mover.vertex] = kPull / kLongestStep * mover.longest_step;
+    }
+    const auto onto = [this](int32_t vertex, const glm::dvec3& p) {
+      return onto_surface(movers_[mover_of_[vertex]], p, kStepsBack).first;
+    };
+    return untangle(moved_faces, pull, onto, execution, points_);
+  }
+
+  /// Softens creases; in the forks where some were, faces may cross again.
+  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& due) {
     std::vector<double> farthest(points_.size(), 0.0);
     for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
+    const std::vector<glm::dvec3> before(points_);
     soften_creases(fine_, surface_.origins, chains_, farthest, points_);
+    for (size_t j = 0; j < due.size(); ++j) {
+      const std::vector<int32_t>& faces = moved_faces.faces[j];
+      due[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
+        const Quad& quad = fine_.quads[face];
+        return std::any_of(quad.begin(), quad.end(),
+                           [&](int32_t v) { return points_[v] != before[v]; });
+      });
+    }
   }
 
   /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.
@@ -193,7 +223,6 @@ class ForkBlender {
   }
 
   glm::dvec3 move(const Mover& mover) const {
-    const std::span<const int32_t> at(at_.data() + mover.first_fork, at_.data() + mover.last_fork);
     glm::dvec3 p = points_[mover.vertex];
     if (mover.relaxation > 0.0) {
       // Vertices go where their neighbours go, the nearest most: how far apart they were at first
@@ -207,20 +236,28 @@ class ForkBlender {
         weights += weight;
       }
       const glm::dvec3 way = from + sum / weights - p;
-      const glm::dvec3 normal = blended_distance(p, at, forks_).gradient;
+      const glm::dvec3 normal = blended_distance(p, forks_of(mover), forks_).gradient;
       p += (way - normal * glm::dot(way, normal)) * mover.relaxation;
     }
-    FieldValue field;
-    for (int step = 0; step < kSteps; ++step) {
-      field = blended_distance(p, at, forks_);
-      p -= field.gradient * std::clamp(field.distance, -mover.longest_step, mover.longest_step);
-    }
+    glm::dvec3 outwards;
+    std::tie(p, outwards) = onto_surface(mover, p, kSteps);
     const glm::dvec3& old = points_[mover.vertex];
     for (int half = 0; half < kHalvings; ++half) {
-      if (!folds(mover.vertex, p, field.gradient)) return p;
+      if (!folds(mover.vertex, p, outwards)) return p;
       p = 0.5 * (p + old);
     }
     return old;
+  }
+
+  /// Where some steps from p towards the blended surface lead, and the direction out of it there.
+  std::pair<glm::dvec3, glm::dvec3> onto_surface(const Mover& mover, glm::dvec3 p,
+                                                 int steps) const {
+    FieldValue field;
+    for (int step = 0; step < steps; ++step) {
+      field = blended_distance(p, forks_of(mover), forks_);
+      p -= field.gradient * std::clamp(field.distance, -mover.longest_step, mover.longest_step);
+    }
+    return {p, field.gradient};
   }
 
   /// Whether a face around a vertex would turn its back where the vertex goes.

@@ -16,7 +16,8 @@ namespace snowbough::tree {
 /// thinner one's radius at its base. Between steps towards it they move along it as their
 /// neighbours have moved, so that faces stay as even as they were and none folds over.
 ///
-/// What crosses then is taken back or smoothed (uncross).
+/// What lies in pleats or crosses then is spread out (untangle), creases across limbs are softened
+/// (soften_creases), and what still crosses is taken back or smoothed (uncross).
 ///
 /// A limb's tube ends at its base inside its parent; the fillet fades out along the limbs, so that
 /// further away they have their own surface.

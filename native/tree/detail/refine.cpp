@@ -98,19 +98,18 @@ void refine(TreeMesh& mesh, const Surface& surface, const Skeleton& skeleton,
     parents.push_back(branch.parent);
   }
   const Edges edges(mesh.quads, mesh.vertices.size());
-  const std::vector<LimbShape> shapes = limb_shapes(surface, paths, parents, scale.height);
-  const SurfaceCuts cuts =
-      cut_surface(surface, edges, shapes, scale.height, detail_settings(detail));
+  const DetailSettings settings = detail_settings(detail);
+  const std::vector<LimbShape> shapes =
+      limb_shapes(surface, paths, parents, settings.thin_stray * scale.height);
+  const SurfaceCuts cuts = cut_surface(surface, edges, shapes, scale.height, settings);
   FineMesh fine = cut_quads(mesh.quads, mesh.vertices.size(), edges, cuts);
   const std::vector<int32_t> chains = limb_chains(surface, parents);
   const LimbTubes tubes(surface, shapes, cuts, chains);
   base::report_progress(execution.progress, kCutDone);
   const std::vector<Fork> forks = collect_forks(surface, tubes);
-  std::vector<glm::dvec3> points =
-      limb_positions(surface, tubes, forks, fine, scale.height, execution.threads);
+  std::vector<glm::dvec3> points = limb_positions(surface, tubes, forks, fine, execution.threads);
   blend_forks(surface, forks, chains, fine, execution.part(kCutDone, kForksDone), points);
-  clear_limbs(surface, paths, parents, chains, fine, scale, execution.part(kForksDone, kCleared),
-              points);
+  clear_limbs(surface, paths, parents, chains, fine, execution.part(kForksDone, kCleared), points);
   interpolate_weights(fine, max_influences, mesh, execution.part(kCleared, kWeighted));
   take_faces(std::move(fine), mesh, execution.part(kWeighted, 1.0f));
   mesh.vertices.assign(points.begin(), points.end());

@@ -36,11 +36,11 @@ class Uncrosser {
         crossing_(forks.faces.size()),
         crossed_before_(forks.faces.size()) {}
 
-  void take_back(const base::Execution& execution) {
+  void take_back(const base::Execution& execution, std::vector<uint8_t> due = {}) {
     const std::vector<glm::dvec3> moved(points_);
     // Share of its way that every vertex goes.
     std::vector<double> shares(points_.size(), 1.0);
-    std::vector<uint8_t> due(forks_.faces.size(), 1);
+    if (due.empty()) due.assign(forks_.faces.size(), 1);
     for (int round = 0; round < kBackRounds; ++round) {
       find(due, execution.part(static_cast<float>(round) / kBackRounds,
                                static_cast<float>(round + 1) / kBackRounds));
@@ -171,9 +171,10 @@ void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
 }
 
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
-             const base::Execution& execution, std::vector<glm::dvec3>& points) {
+             const base::Execution& execution, std::vector<glm::dvec3>& points,
+             std::vector<uint8_t> due) {
   Uncrosser uncrosser(forks, before, points);
-  uncrosser.take_back(execution.part(0.0f, kTakenBack));
+  uncrosser.take_back(execution.part(0.0f, kTakenBack), std::move(due));
   uncrosser.smooth();
 }
 

@@ -1,6 +1,7 @@
 #include "tree/rims/membrane.h"
 
 #include <algorithm>
+#include <glm/common.hpp>
 #include <iterator>
 
 namespace snowbough::tree {
@@ -13,13 +14,13 @@ constexpr int kMostSteps = 30;
 constexpr int kFirstSweeps = 25;
 constexpr int kSweeps = 8;
 constexpr double kOverRelaxation = 1.5;
-/// What moves with a rim moves by a third of that at this share of the rim's reach: without, the
-/// whole limb would turn with it, as far as the reach goes, and back in the one row after that.
+/// What moves with a rim is held back by its place, with the square of the distance as a share of
+/// the rim's reach: hardly beside the rim, where it has to make way, and at the reach as if it hung
+/// on a neighbour this share of it away. Without, the whole limb would turn with the rim, as far as
+/// the reach goes, and back in the one row after that.
 constexpr double kFade = 0.25;
-/// Afterwards vertices near a rim go between their neighbours, in so many sweeps at first and after
-/// each step.
+/// At first vertices near a rim go between their neighbours, in so many sweeps.
 constexpr int kSpreads = 12;
-constexpr int kStepSpreads = 4;
 /// A face keeps at least this share of its area.
 constexpr double kLeastArea = 0.04;
 /// Steps that a rim's vertex may be ahead of the next.
@@ -69,7 +70,6 @@ class Membrane {
     for (int step = 0; step < steps_; ++step) {
       weigh();
       take_step(step == 0 ? kFirstSweeps : kSweeps);
-      spread(kStepSpreads);
     }
     for (size_t i = 0; i < rim_count_; ++i) {
       const Node& node = nodes_[i];
@@ -89,8 +89,9 @@ class Membrane {
     bool stopped = false;
     /// Edges from the rim.
     int depth = 0;
-    /// Way of a rim's vertex in a step, and that of this step.
-    glm::dvec2 step{0.0}, velocity{0.0};
+    /// Way of a rim's vertex in a step, that of this step, and what relaxing left of it: where the
+    /// next step begins.
+    glm::dvec2 step{0.0}, velocity{0.0}, relaxed{0.0};
     /// Steps that a rim's vertex has made, and the nodes before and after it on the rim.
     int gone = 0;
     int32_t before = -1, after = -1;
@@ -177,9 +178,14 @@ class Membrane {
   /// taken up by large ones.
   void weigh() {
     weights_.clear();
+    held_.clear();
     for (const Node& node : nodes_) {
       if (node.rim) continue;
-      const double quarter = reaches_[node.junction].quarter_length;
+      const RimReach& reach = reaches_[node.junction];
+      const double away = std::min(reach.from_centre(unrolled_.places[node.vertex]), reach.radius);
+      const double hold = away / std::max(kFade * reach.radius * reach.radius, 1e-30);
+      held_.push_back(hold * hold);
+      const double quarter = reach.quarter_length;
       for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
         const glm::dvec2 way =
             difference(unrolled_.places[node.vertex], unrolled_.places[graph_.all[at]]);
@@ -193,13 +199,15 @@ class Membrane {
     for (size_t i = 0; i < rim_count_; ++i) {
       nodes_[i].velocity = nodes_[i].stopped ? glm::dvec2(0.0) : nodes_[i].step;
     }
+    glm::dvec2 farthest(0.0);
+    for (size_t i = 0; i < rim_count_; ++i) farthest = glm::max(farthest, glm::abs(nodes_[i].step));
+    for (size_t i = rim_count_; i < nodes_.size(); ++i) nodes_[i].velocity = nodes_[i].relaxed;
     for (int sweep = 0; sweep < sweeps; ++sweep) {
       size_t weight = 0;
       for (size_t i = rim_count_; i < nodes_.size(); ++i) {
         Node& node = nodes_[i];
         glm::dvec2 sum(0.0);
-        const double fade = kFade * reaches_[node.junction].radius;
-        double weights = 1.0 / (fade * fade);
+        double weights = held_[i - rim_count_];
         for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
           const int32_t other = local_of_[graph_.all[at]];
           const double w = weights_[weight++];
@@ -208,9 +216,12 @@ class Membrane {
         }
         if (weights > 0.0 && !node.stopped) {
           node.velocity += (sum / weights - node.velocity) * kOverRelaxation;
+          // Nothing goes further than what pushes it, however much relaxing overshoots.
+          node.velocity = glm::clamp(node.velocity, -farthest, farthest);
         }
       }
     }
+    for (Node& node : nodes_) node.relaxed = node.velocity;
   }
 
   TubePlace moved(int32_t vertex) const {
@@ -313,13 +324,20 @@ class Membrane {
     }
   }
 
-  /// A rim's vertices wait for those beside them, or where some are held back others would run over
-  /// them.
+  /// A rim's vertices wait for those beside them and for its slowest, or where some are held back
+  /// others would run over them.
   void wait() {
+    std::vector<int> slowest(junctions_.size(), steps_);
+    for (size_t i = 0; i < rim_count_; ++i) {
+      int& least = slowest[nodes_[i].junction];
+      least = std::min(least, nodes_[i].gone);
+    }
     for (size_t i = 0; i < rim_count_; ++i) {
       Node& node = nodes_[i];
+      const RimReach& reach = reaches_[node.junction];
       const int behind = std::min(nodes_[node.before].gone, nodes_[node.after].gone);
-      node.stopped = node.gone > behind + kMostAhead;
+      const double ahead = (node.gone - slowest[node.junction]) * reach.way / steps_;
+      node.stopped = node.gone > behind + kMostAhead || ahead > reach.most_ahead;
     }
   }
 
@@ -395,7 +413,8 @@ class Membrane {
   /// What was last looked at, of nodes and faces.
   int mark_ = 0;
   std::vector<int> face_marks_;
-  std::vector<double> weights_;
+  /// Of neighbours, and of the places that hold what is free back.
+  std::vector<double> weights_, held_;
   std::vector<int32_t> turned_;
 };
 

@@ -47,6 +47,9 @@ struct RimReach {
   double quarter_length = 1.0;
   /// Of the rim's point that moves farthest.
   double way = 0.0;
+  /// Metres that a point may be ahead of the rim's slowest: half of the hole. Further, and the hole
+  /// would turn inside out.
+  double most_ahead = 0.0;
   /// Length of the faces beside the rim that the fillet asks for.
   double spread = 0.0;
   /// Vertices up to so many edges from the rim are spread out.

@@ -64,7 +64,9 @@ HolePlace hole_place(const Surface& surface, const Junction& junction) {
 /// Where a child's side begins, once its rim stands.
 struct SideBegin {
   double quarter = 0.0;
-  /// Along the child, and from its own surface there to the rim.
+  /// How much further around the child it begins, how far along it, and the way from its own
+  /// surface there to the rim.
+  double turned = 0.0;
   double length = 0.0;
   glm::dvec3 off{0.0};
 };
@@ -76,12 +78,11 @@ double mix(double a, double b, double t) {
 class Placer {
  public:
   Placer(const Surface& surface, const LimbTubes& tubes, const std::vector<Fork>& forks,
-         const FineMesh& fine, double height, int threads)
+         const FineMesh& fine, int threads)
       : surface_(surface),
         tubes_(tubes),
         forks_(forks),
         fine_(fine),
-        least_radius_(kLeastFork * height),
         threads_(threads),
         hole_of_(surface.limbs.size(), -1),
         positions_(fine.vertices.size()) {
@@ -97,11 +98,10 @@ class Placer {
     unroll();
     base::parallel_for(rims_.size(), kForkBlock, {threads_, {}}, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (forks_[j].radius < least_radius_ || !forks_[j].blends) continue;
-        meet_limbs(forks_[j], tubes_, kSlant * first_row(j), rims_[j]);
+        if (forks_[j].blends) meet_limbs(forks_[j], tubes_, kSlant * first_row(j), rims_[j]);
       }
     });
-    move_rims(rims_, forks_, tubes_, least_radius_, threads_, unrolled_);
+    move_rims(rims_, forks_, tubes_, threads_, unrolled_);
     place_rims();
     place_others();
     return std::move(positions_);
@@ -212,14 +212,15 @@ class Placer {
         const glm::dvec3 met = point.position - tubes_.at(fork.parent_chain, point.target);
         const glm::dvec3 p = tubes_.at(fork.parent_chain, place) + met * share;
         positions_[point.vertex] = p;
-        const TubePlace near{0.0, point.quarter};
         const glm::dvec3 start = tubes_.centre(fork.child_chain, 0.0);
         const glm::dvec3 axis = tubes_.centre(fork.child_chain, farthest) - start;
         const double along =
             std::clamp(glm::dot(p - start, axis) / glm::dot(axis, axis), -1.0, 1.0) * farthest;
         const double length = mix(along, point.length, share);
+        const double turned = point.turned * share;
+        const TubePlace begin{length, point.quarter + turned};
         begins_[j].push_back(
-            {point.quarter, length, p - tubes_.at(fork.child_chain, {length, near.quarter})});
+            {point.quarter, turned, length, p - tubes_.at(fork.child_chain, begin)});
       }
     }
   }
@@ -235,7 +236,8 @@ class Placer {
     const SideBegin& low = above == begins.begin() ? begins.back() : *(above - 1);
     const double gap = high.quarter - low.quarter + (wraps ? 4.0 : 0.0);
     const double t = gap > 0.0 ? std::clamp((quarter - low.quarter) / gap, 0.0, 1.0) : 0.0;
-    return {quarter, mix(low.length, high.length, t), low.off * (1.0 - t) + high.off * t};
+    return {quarter, mix(low.turned, high.turned, t), mix(low.length, high.length, t),
+            low.off * (1.0 - t) + high.off * t};
   }
 
   void place_others() {
@@ -269,8 +271,9 @@ class Placer {
     const double length = begin.length + (row - begin.length) * (place.length / row);
     const double fade = std::min(kForkShare * fork.reach, row - begin.length);
     const double t = std::clamp((length - begin.length) / fade, 0.0, 1.0);
-    return tubes_.at(fork.child_chain, {length, place.quarter}) +
-           begin.off * (1.0 - t * t * (3.0 - 2.0 * t));
+    const double left = 1.0 - t * t * (3.0 - 2.0 * t);
+    return tubes_.at(fork.child_chain, {length, place.quarter + begin.turned * left}) +
+           begin.off * left;
   }
 
   /// The child whose hole an inset lies around: its corners 2 and 3 are on the rim.
@@ -307,7 +310,6 @@ class Placer {
   const LimbTubes& tubes_;
   const std::vector<Fork>& forks_;
   const FineMesh& fine_;
-  double least_radius_;
   int threads_;
   /// Per branch: the junction that it leaves from, or -1.
   std::vector<int32_t> hole_of_;
@@ -326,8 +328,8 @@ class Placer {
 
 std::vector<glm::dvec3> limb_positions(const Surface& surface, const LimbTubes& tubes,
                                        const std::vector<Fork>& forks, const FineMesh& fine,
-                                       double height, int threads) {
-  return Placer(surface, tubes, forks, fine, height, threads).place();
+                                       int threads) {
+  return Placer(surface, tubes, forks, fine, threads).place();
 }
 
 }  // namespace snowbough::tree

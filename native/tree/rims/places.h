@@ -18,10 +18,9 @@ namespace snowbough::tree {
 /// round within the fork's reach. Caps are flat.
 ///
 /// @param forks  one a junction, collect_forks.
-/// @param height  of the tree in metres: rims of children thinner than kLeastFork of it stay where
-///   the base has them.
+///   Rims of those that do not blend stay where the base has them.
 std::vector<glm::dvec3> limb_positions(const Surface& surface, const LimbTubes& tubes,
                                        const std::vector<Fork>& forks, const FineMesh& fine,
-                                       double height, int threads);
+                                       int threads);
 
 }  // namespace snowbough::tree

@@ -27,6 +27,9 @@ constexpr double kDeepest = 0.1;
 constexpr double kHighest = 0.3;
 /// It begins at most so many radii further inwards than the base has it.
 constexpr double kInwards = 1.2;
+/// How often each point of a rim is put between those beside it, times their number: what is held
+/// at its ends comes to rest over the whole rim.
+constexpr size_t kStretches = 2;
 
 /// One of the child's straight sides, lifted off it.
 class Side {
@@ -103,6 +106,51 @@ void take_out_jumps(double jump, std::vector<double>& lengths) {
   }
 }
 
+/// Stretches a rim like a string between the least and the greatest lengths that its points may
+/// have, so that it has corners only where it must.
+void stretch(const std::vector<double>& least, const std::vector<double>& greatest,
+             std::vector<double>& lengths) {
+  const size_t count = lengths.size();
+  for (size_t pass = 0; pass < kStretches * count; ++pass) {
+    for (size_t i = 0; i < count; ++i) {
+      // One that was taken out of a jump is further in or out than its own side would be.
+      if (lengths[i] < least[i] || lengths[i] > greatest[i]) continue;
+      const double middle = 0.5 * (lengths[(i + count - 1) % count] + lengths[(i + 1) % count]);
+      lengths[i] = std::clamp(middle, least[i], greatest[i]);
+    }
+  }
+}
+
+/// Spaces a rim's points evenly along the line that they lie on, and turns them around the child as
+/// little as that takes.
+void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
+  const size_t count = rim.size();
+  std::vector<double> way(count + 1, 0.0);
+  for (size_t i = 0; i < count; ++i) {
+    way[i + 1] = way[i] + glm::distance(rim[i].position, rim[(i + 1) % count].position);
+  }
+  const double around = way[count];
+  if (around <= 0.0) return;
+  double offset = 0.0;
+  for (size_t i = 0; i < count; ++i) offset += way[i] / around - 0.25 * rim[i].quarter;
+  offset /= static_cast<double>(count);
+  const Rim from(rim);
+  for (RimPoint& point : rim) {
+    const double share = 0.25 * point.quarter + offset;
+    const double rounds = std::floor(share);
+    const double place = (share - rounds) * around;
+    const auto above = std::upper_bound(way.begin() + 1, way.end() - 1, place);
+    const auto low = static_cast<size_t>(above - way.begin()) - 1, high = (low + 1) % count;
+    const double step = way[low + 1] - way[low];
+    const double t = step > 0.0 ? (place - way[low]) / step : 0.0;
+    const double next = from[high].quarter + (high == 0 ? 4.0 : 0.0);
+    const double quarter = from[low].quarter * (1.0 - t) + next * t + 4.0 * rounds;
+    point.turned = quarter - point.quarter;
+    point.length = from[low].length * (1.0 - t) + from[high].length * t;
+    point.position = Side(fork, tubes, quarter).at(point.length);
+  }
+}
+
 /// Arc length on the child beside which the base has a rim's point.
 double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& point) {
   const glm::dvec3 start = tubes.centre(fork.child_chain, 0.0);
@@ -114,20 +162,25 @@ double base_length(const Fork& fork, const LimbTubes& tubes, const RimPoint& poi
 }  // namespace
 
 void meet_limbs(const Fork& fork, const LimbTubes& tubes, double farthest, Rim& rim) {
-  std::vector<double> lengths;
+  std::vector<double> lengths, least, greatest;
   for (const RimPoint& point : rim) {
     const Side side(fork, tubes, point.quarter);
     const double low = side.rises_to(-kDeepest * fork.radius, farthest);
     const double high = side.rises_to(kHighest * fork.radius, farthest);
     const double base = base_length(fork, tubes, point);
-    const double met = std::clamp(base, std::min(low, high), high);
-    lengths.push_back(std::max(met, std::min(base - kInwards * fork.radius, farthest)));
+    const double inmost = std::min(base - kInwards * fork.radius, farthest);
+    least.push_back(std::max(std::min(low, high), inmost));
+    greatest.push_back(std::max(high, inmost));
+    lengths.push_back(std::clamp(base, least.back(), greatest.back()));
   }
   take_out_jumps(kJump * fork.radius, lengths);
+  stretch(least, greatest, lengths);
   for (size_t i = 0; i < rim.size(); ++i) {
-    RimPoint& point = rim[i];
-    point.length = lengths[i];
-    point.position = Side(fork, tubes, point.quarter).at(point.length);
+    rim[i].length = lengths[i];
+    rim[i].position = Side(fork, tubes, rim[i].quarter).at(lengths[i]);
+  }
+  space_evenly(fork, tubes, rim);
+  for (RimPoint& point : rim) {
     point.target =
         tubes.nearest(fork.parent_chain, point.position, point.base, kWindow * fork.reach);
   }

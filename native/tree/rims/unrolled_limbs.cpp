@@ -39,6 +39,7 @@ RimReach rim_reach(int32_t junction, const Rim& rim, const Fork& fork, const Lim
   }
   reach.spread = std::min(kSpread, 2.0 * M_PI / static_cast<double>(rim.size())) * fork.radius;
   reach.spread_depth = std::max(kSpreadDepth, static_cast<int>(rim.size()) / 6);
+  reach.most_ahead = fork.radius;
   reach.radius = extent + kReachOfWay * reach.way + kReach * fork.radius;
   return reach;
 }
@@ -67,13 +68,11 @@ std::vector<std::span<const RimReach>> apart(std::span<RimReach> rims) {
 }  // namespace
 
 void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
-               double least_radius, int threads, UnrolledLimbs& unrolled) {
+               int threads, UnrolledLimbs& unrolled) {
   const Graph graph(unrolled.quads, unrolled.places.size());
   std::vector<std::pair<int32_t, int32_t>> by_chain;
   for (size_t j = 0; j < forks.size(); ++j) {
-    if (forks[j].radius >= least_radius && forks[j].blends) {
-      by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
-    }
+    if (forks[j].blends) by_chain.emplace_back(forks[j].parent_chain, static_cast<int32_t>(j));
   }
   std::sort(by_chain.begin(), by_chain.end());
   std::vector<RimReach> reaches;

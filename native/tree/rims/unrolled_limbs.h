@@ -27,10 +27,9 @@ struct UnrolledLimbs {
 /// on the parent along with it: as a membrane that is fixed at the rims and further away. Where
 /// faces would turn over, a rim stays behind.
 ///
-/// @param rims, forks  one a junction, in the same order.
-/// @param least_radius  rims of thinner children stay where they are, in metres.
+/// @param rims, forks  one a junction, in the same order. Rims of forks that do not blend stay.
 /// @param unrolled  whose places move.
 void move_rims(const std::vector<Rim>& rims, const std::vector<Fork>& forks, const LimbTubes& tubes,
-               double least_radius, int threads, UnrolledLimbs& unrolled);
+               int threads, UnrolledLimbs& unrolled);
 
 }  // namespace snowbough::tree

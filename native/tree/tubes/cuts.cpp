@@ -306,7 +306,8 @@ class Cutter {
     return best;
   }
 
-  /// A power of two, so that what grows out of the row's side can start from it.
+  /// A power of two, so that what grows out of the row's side can start from it. A child of four
+  /// sides has no fillet that more pieces would serve.
   int knuckle_pieces(size_t limb, size_t row) const {
     const double length = row_length(limb, row);
     double wanted = 1.0;
@@ -315,6 +316,7 @@ class Cutter {
          j != leaving_[limb].end() && surface_.junctions[*j].row == static_cast<int32_t>(row);
          ++j) {
       const int32_t child = surface_.junctions[*j].child;
+      if (across_child(child) == 1) continue;
       wanted = std::max(wanted, length / (kForkRow * child_side(child)));
       most = std::max(most, 2 * across_child(child));
     }

@@ -26,6 +26,10 @@ struct DetailSettings {
   double turn = 0.17;
   /// The same for limbs of four sides.
   double thin_turn = 0.17;
+  /// How far the curve of the thinnest limbs may stray from their joints' straight segments, as a
+  /// share of the tree's height: the further, the softer it bends. From close by less is seen of
+  /// the bends and more of the limb's place.
+  double thin_stray = 5e-4;
   /// Faces that the level aims at: side_error grows until they are enough, or no limb has more
   /// than four sides. A tree whose four-sided base has many faces may have `per_base` times those.
   int faces = 55000;

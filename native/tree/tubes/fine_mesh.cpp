@@ -1,9 +1,16 @@
 #include "tree/tubes/fine_mesh.h"
 
+#include <cmath>
+#include <glm/geometric.hpp>
+
 #include "tree/tubes/patch.h"
 
 namespace snowbough::tree {
 namespace {
+
+/// Corners of a face along a limb are this far apart across it at most, as shares of the base's
+/// face.
+constexpr double kAside = 1e-9;
 
 /// A point of edge k of a face, at the share `t` of the way from corner k to the next.
 FinePlace on_edge(int32_t face, int k, double t) {
@@ -134,6 +141,23 @@ class Cut {
 FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
                    const SurfaceCuts& cuts) {
   return Cut(quads, vertex_count, edges, cuts).cut();
+}
+
+void straighten(const FineMesh& fine, std::span<const uint8_t> faces,
+                std::vector<glm::dvec3>& points) {
+  for (size_t f = 0; f < fine.quads.size(); ++f) {
+    if (faces[f] == 0) continue;
+    const auto& at = fine.corners[f];
+    // cut_patch puts such a vertex at corner 0 or 2, and others between two across the limb.
+    for (const int k : {0, 2}) {
+      const int before = (k + 3) % 4, after = (k + 1) % 4;
+      const glm::dvec2 a = at[k] - at[before], b = at[after] - at[k];
+      if (std::abs(a.x) > kAside || std::abs(b.x) > kAside) continue;
+      const double low = glm::length(a), high = glm::length(b);
+      const Quad& quad = fine.quads[f];
+      points[quad[k]] = (points[quad[before]] * high + points[quad[after]] * low) / (low + high);
+    }
+  }
 }
 
 }  // namespace snowbough::tree

@@ -3,6 +3,8 @@
 #include <array>
 #include <cstdint>
 #include <glm/vec2.hpp>
+#include <glm/vec3.hpp>
+#include <span>
 #include <vector>
 
 #include "tree/mesh/edges.h"
@@ -33,5 +35,12 @@ struct FineMesh {
 /// the first of them.
 FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
                    const SurfaceCuts& cuts);
+
+/// Puts vertices that only one of their edges' faces has, where limbs change their number of sides,
+/// back onto the line between the two beside them: faces there are triangles of four corners, and
+/// would fold across it.
+/// @param faces  per face, 0 leaves it out.
+void straighten(const FineMesh& fine, std::span<const uint8_t> faces,
+                std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree

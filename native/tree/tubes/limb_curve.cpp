@@ -11,10 +11,10 @@ namespace {
 
 /// A limb strays from its straight segments by at most this share of its corner radius.
 constexpr double kStray = 0.07;
-/// What a thin limb may stray by, as a share of the tree's height, and how much of it a corner
-/// radius takes away.
-constexpr double kThinStray = 5e-4;
+/// How much of what the thinnest limbs may stray by a corner radius takes away.
 constexpr double kThinLoss = 0.5;
+/// Sideways slope on both sides of a joint from which on it is sharp: it turns by 48 degrees.
+constexpr double kSharp = 0.45;
 /// Cosine of the widest angle between a joint's direction and its segments that is followed.
 constexpr double kWidestTurn = 0.35;
 /// Largest value of t (1 - t)^2.
@@ -41,7 +41,7 @@ double joint_taper(double length0, double taper0, double length1, double taper1)
 }  // namespace
 
 LimbCurve::LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::dvec3& after,
-                     double height)
+                     double thin_stray)
     : lengths_(path.lengths) {
   const size_t count = path.points.size() - 1;
   segments_.resize(count);
@@ -69,9 +69,14 @@ LimbCurve::LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::
     segment.begin_slope = slope(mean_direction(incoming, along));
     segment.end_slope = slope(mean_direction(along, outgoing));
     const auto reach = [&](const glm::dvec3& sideways, double corner) {
-      const double stray = std::max(kStray * corner, kThinStray * height - kThinLoss * corner);
-      const double most = kPeak * glm::length(sideways);
-      return most > stray ? stray / most : 1.0;
+      const double stray = std::max(kStray * corner, thin_stray - kThinLoss * corner);
+      const double size = glm::length(sideways), most = kPeak * size;
+      if (most <= stray) return 1.0;
+      if (size < kSharp * segment.length) return stray / most;
+      // At a joint the curve bends by 4 size / (length^2 reach): not within the limb itself, whose
+      // inside would fold.
+      const double widest = 4.0 * size * corner / (segment.length * segment.length);
+      return std::min(std::max(stray / most, widest), 1.0);
     };
     segment.begin_reach = reach(segment.begin_slope, segment.begin_corner);
     segment.end_reach = reach(segment.end_slope, segment.end_corner);

@@ -12,16 +12,19 @@ namespace snowbough::tree {
 /// At a joint it has the mean direction of the two segments that meet there. On each segment it
 /// leaves the straight line by the cubic Hermite curve of its ends' directions where that stays
 /// close to the line; where it would stray further than allowed, each end's share of the bulge dies
-/// out sooner, so that the limb turns beside the joint and runs straight in between. Thickness is a
-/// monotone cubic through the joints' (F. N. Fritsch and R. E. Carlson, "Monotone Piecewise Cubic
-/// Interpolation", SIAM Journal on Numerical Analysis 17(2), 1980).
+/// out sooner, so that the limb turns beside the joint and runs straight in between; but at sharp
+/// joints it turns around no smaller circle than its corners lie on. Thickness is a monotone cubic
+/// through the joints' (F. N. Fritsch and R. E. Carlson, "Monotone Piecewise Cubic Interpolation",
+/// SIAM Journal on Numerical Analysis 17(2), 1980).
 class LimbCurve {
  public:
   /// @param before, after  unit directions in which the limb comes and goes on, where it is part of
   ///   a longer one; zero: it ends there.
-  /// @param height  of the tree in metres: limbs thinner than a thousandth of it may stray by a
-  ///   two-thousandth, others by a share of their radius.
-  LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::dvec3& after, double height);
+  /// @param thin_stray  how far the thinnest limbs may stray, metres; thick ones by a share of
+  /// their
+  ///   radius.
+  LimbCurve(const LimbPath& path, const glm::dvec3& before, const glm::dvec3& after,
+            double thin_stray);
 
   /// Both at arc length `s` along the path's straight segments, clamped to it.
   glm::dvec3 position(double s) const;

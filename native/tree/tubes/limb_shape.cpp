@@ -43,8 +43,8 @@ double largest_turn(const Ring& from, const Ring& to, const glm::dvec3& along,
 
 LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
                      const std::vector<glm::dvec3>& vertices, const glm::dvec3& before,
-                     const glm::dvec3& after, double height)
-    : curve_(path, before, after, height) {
+                     const glm::dvec3& after, double thin_stray)
+    : curve_(path, before, after, thin_stray) {
   for (const Ring& ring : limb.rings) {
     RingShape& shape = rings_.emplace_back();
     shape.length = ring.bone_length;
@@ -97,7 +97,7 @@ std::vector<double> LimbShape::joints(size_t row) const {
 }
 
 std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,
-                                   const std::vector<int32_t>& parents, double height) {
+                                   const std::vector<int32_t>& parents, double thin_stray) {
   std::vector<glm::dvec3> before(paths.size(), glm::dvec3(0.0)), after(before);
   for (size_t b = 0; b < paths.size(); ++b) {
     if (surface.limbs[b].continues_parent) {
@@ -108,7 +108,8 @@ std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<Lim
   std::vector<LimbShape> shapes;
   shapes.reserve(paths.size());
   for (size_t b = 0; b < paths.size(); ++b) {
-    shapes.emplace_back(paths[b], surface.limbs[b], surface.vertices, before[b], after[b], height);
+    shapes.emplace_back(paths[b], surface.limbs[b], surface.vertices, before[b], after[b],
+                        thin_stray);
   }
   return shapes;
 }

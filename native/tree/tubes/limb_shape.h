@@ -15,9 +15,9 @@ namespace snowbough::tree {
 /// segments, wherever the base moved or narrowed them.
 class LimbShape {
  public:
-  /// @param path  the branch's own, limb_paths; before, after, height: see LimbCurve.
+  /// @param path  the branch's own, limb_paths; before, after, thin_stray: see LimbCurve.
   LimbShape(const LimbPath& path, const LimbSurface& limb, const std::vector<glm::dvec3>& vertices,
-            const glm::dvec3& before, const glm::dvec3& after, double height);
+            const glm::dvec3& before, const glm::dvec3& after, double thin_stray);
 
   glm::dvec3 centre(size_t row, double v) const;
   /// Of the circle that has the limb's area there.
@@ -50,6 +50,6 @@ class LimbShape {
 
 /// The shapes of all limbs. Where a child continues its parent both curves meet smoothly.
 std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,
-                                   const std::vector<int32_t>& parents, double height);
+                                   const std::vector<int32_t>& parents, double thin_stray);
 
 }  // namespace snowbough::tree

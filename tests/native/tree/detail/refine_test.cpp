@@ -142,6 +142,15 @@ TEST(Refine, SidesFollowThickness) {
   EXPECT_EQ(cap(1, FacePart::kTipCap), 1);
 }
 
+TEST(Refine, ForksOfLimbsWithFourSidesCutTheirParentNoFiner) {
+  // Both are thin, so that Draft gives them four sides; the child is a third as thick, so that one
+  // of its sides is a third as long as the row that it leaves from.
+  const Skeleton skeleton = make_skeleton({trunk(0.001f), side_branch(5.5f, 0.0003f)});
+  const TreeMesh base = build_tree_mesh(skeleton);
+  const TreeMesh draft = build_at(skeleton, Detail::kDraft);
+  EXPECT_EQ(draft.quads.size(), base.quads.size());
+}
+
 /// Unit normals of the faces, across their diagonals.
 std::vector<glm::dvec3> normals(const TreeMesh& mesh) {
   std::vector<glm::dvec3> result;

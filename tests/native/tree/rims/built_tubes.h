@@ -24,8 +24,9 @@ struct BuiltTubes {
 
  private:
   BuiltTubes(Built surface, const std::vector<int32_t>& parents)
-      : BuiltTubes(surface, parents,
-                   limb_shapes(surface.surface, surface.paths, parents, surface.scale.height)) {}
+      : BuiltTubes(
+            surface, parents,
+            limb_shapes(surface.surface, surface.paths, parents, 5e-4 * surface.scale.height)) {}
 
   BuiltTubes(const Built& surface, const std::vector<int32_t>& parents,
              const std::vector<LimbShape>& shapes)

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -59,6 +60,28 @@ TEST(Rims, ReachIntoAnAcuteCrotch) {
   // The child's upper side, x = (z - 5.5) / 2 - 0.112, passes x = 0.2 at z = 6.12.
   EXPECT_GT(highest, 6.05);
   EXPECT_LT(highest, 6.45);
+}
+
+TEST(Rims, PointsLieEvenlyAlongALongLine) {
+  const BuiltTubes built(
+      make_skeleton({trunk(0.2f), side_branch(5.5f, 0.1f, {0.3f, 0.0f, 0.95f})}));
+  Rim rim = rim_of(built);
+  meet_limbs(built.forks.front(), built.tubes, 1.0, rim);
+  double shortest = 1e300, longest = 0.0;
+  for (size_t i = 0; i < rim.size(); ++i) {
+    const double step = glm::distance(rim[i].position, rim[(i + 1) % rim.size()].position);
+    shortest = std::min(shortest, step);
+    longest = std::max(longest, step);
+  }
+  EXPECT_LT(longest, 2.0 * shortest);
+}
+
+TEST(Rims, PointsKeepTheirTurnsWhereALimbLeavesAtARightAngle) {
+  const BuiltTubes built(
+      make_skeleton({trunk(0.2f), side_branch(5.5f, 0.05f, {1.0f, 0.0f, 0.0f})}));
+  Rim rim = rim_of(built);
+  meet_limbs(built.forks.front(), built.tubes, 1.0, rim);
+  for (const RimPoint& point : rim) EXPECT_NEAR(point.turned, 0.0, 0.1);
 }
 
 TEST(Rims, StayBelowTheFarthestPlace) {

@@ -15,7 +15,7 @@ double turn_of(const Skeleton& skeleton) {
   const Built built = build(skeleton);
   const std::vector<int32_t> parents(skeleton.branches.size(), -1);
   const LimbShape shape =
-      limb_shapes(built.surface, built.paths, parents, built.scale.height).front();
+      limb_shapes(built.surface, built.paths, parents, 5e-4 * built.scale.height).front();
   double sum = 0.0;
   for (size_t row = 0; row < shape.row_count(); ++row) sum += row_turns(shape, row).total();
   return sum;
