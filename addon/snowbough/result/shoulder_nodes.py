@@ -36,8 +36,8 @@ AT_RIM = 0.1
 MOST = 1.4
 FARTHEST = 1e6
 # How far snow reaches out over its rim, in parts of its thickness, by how much that varies along it, in waves a metre.
-REACH = 0.18
-VARIATION = 0.7
+REACH = 0.21
+VARIATION = 0.55
 WAVES = 6.0
 # The least cosine between the snow's own normal and the surface's that slopes are taken from.
 STEEPEST = 0.08
