@@ -28,13 +28,13 @@ constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
 /// How often the second problem is solved again at most, each time for what is still too far apart:
 /// what suits the thinnest snow drives thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 4;
+constexpr int32_t kMostRepeats = 3;
 /// What part of the texels may be left for a repeat to be worth another: where snow ends on a seam
 /// no heights make the sides equal, and there all repeats come to the same.
 constexpr double kWorthRepeating = 0.95;
 /// How often the second problem is solved again at most for what hangs together with texels that it
 /// wanted beyond their limits.
-constexpr int32_t kMostLimited = 3;
+constexpr int32_t kMostLimited = 2;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
