@@ -10,12 +10,11 @@ from pathlib import Path
 
 import bpy
 
-from .. import compat, compat_nodes
+from .. import compat
 from ..names import BARK_UV, LEAF_UV
+from .bark_nodes import add_bark
 
 GREEN = (0.08, 0.22, 0.04)
-# Ends of the procedural bark's colour ramp.
-FURROW, RIDGE = (0.028, 0.019, 0.013), (0.17, 0.125, 0.09)
 # Colours whose components differ by less say nothing: exporters write greys where nobody chose one.
 COLOURLESS = 0.04
 # No component of what is taken for black is larger.
@@ -48,37 +47,6 @@ def _chosen(colour):
     """The colour if it is one that somebody chose."""
     colour = tuple(map(float, colour))
     return colour if max(colour) - min(colour) > COLOURLESS else None
-
-
-def _procedural_bark(tree, surface, tint):
-    """Furrowed bark along the limb: noise stretched along `bark`'s V, as colour and as bump."""
-    uv = _uv_node(tree, BARK_UV)
-    mapping = tree.nodes.new("ShaderNodeMapping")
-    mapping.location = (-1100, 0)
-    # The map's U goes once round the limb; furrows run along V.
-    mapping.inputs["Scale"].default_value = (6.0, 1.5, 1.0)
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    noise.location = (-900, 0)
-    noise.inputs["Scale"].default_value = 2.0
-    noise.inputs["Detail"].default_value = 8.0
-    ramp = tree.nodes.new("ShaderNodeValToRGB")
-    ramp.location = (-650, 100)
-    ridge = tint or RIDGE
-    furrow = tuple(c * f / r for c, f, r in zip(ridge, FURROW, RIDGE))
-    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.3, (*furrow, 1)
-    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.75, (*ridge, 1)
-    bump = tree.nodes.new("ShaderNodeBump")
-    bump.location = (-600, -250)
-    bump.inputs["Strength"].default_value = 0.5
-    bump.inputs["Distance"].default_value = 0.01
-    height = compat_nodes.noise_value(noise)
-    link = tree.links.new
-    link(uv.outputs["UV"], mapping.inputs["Vector"])
-    link(mapping.outputs["Vector"], noise.inputs["Vector"])
-    link(height, ramp.inputs["Fac"] if "Fac" in ramp.inputs else ramp.inputs[0])
-    link(height, bump.inputs["Height"])
-    link(ramp.outputs["Color"], surface.inputs["Base Color"])
-    link(bump.outputs["Normal"], surface.inputs["Normal"])
 
 
 class _Textures:
@@ -253,7 +221,7 @@ def bark_material(name, source=None, uv_map=BARK_UV):
     material, tree, surface, _output = parts
     surface.inputs["Roughness"].default_value = 0.9
     if source is None or not source.diffuse_texture.path:
-        _procedural_bark(tree, surface, _chosen(source.diffuse) if source and source.defined else None)
+        add_bark(tree, surface, _chosen(source.diffuse) if source and source.defined else None)
     if source is not None:
         _wear(parts, source, uv_map, 1.0, own_alpha=False)
     return material
