@@ -241,7 +241,11 @@ def maple(resolution=1024):
 def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="AUTO"):
     """Heights by name after a fall that lays `depth` metres, and a while in which it comes to rest."""
     with native.SnowSimulation(
-        cohesion=0.005, pixel_size=pixel_size, flutter=10.0, blur_radius=blur_radius, engine=engine
+        cohesion=0.005,
+        pixel_size=pixel_size,
+        flutter=np.radians(10.0),
+        blur_radius=blur_radius,
+        engine=engine,
     ) as snow:
         for name, thing in things.items():
             snow.add_object(

@@ -153,7 +153,7 @@ def evenness():
                     wind(angle, 30.0),
                     128,
                     pixel_size=texels * texel_size(plane, 128),
-                    flutter=flutter,
+                    flutter=np.radians(flutter),
                 )
                 lain = height[height > 0.0]
                 spread = float(lain.std() / lain.mean())
@@ -173,7 +173,14 @@ def spikes():
         return
     for pixel_size in (0.005, 0.01, 0.02):
         height, area, _ = bake(
-            mesh, 20, 0.1 * 20 / 48, wind(30.0), 1024, pixel_size=pixel_size, max_depth=1.0, flutter=3.0
+            mesh,
+            20,
+            0.1 * 20 / 48,
+            wind(30.0),
+            1024,
+            pixel_size=pixel_size,
+            max_depth=1.0,
+            flutter=np.radians(3.0),
         )
         lain = height[height > 0.0]
         row(
@@ -203,7 +210,11 @@ def seam_gap(mesh, resolution, sigma_texels, direction=DOWN, steps=12):
     positions, triangles, uv = mesh
     texel = texel_size(mesh, resolution)
     with native.SnowSimulation(
-        repose=STAYS, pixel_size=texel, max_depth=1.0, flutter=3.0, blur_radius=sigma_texels * texel
+        repose=STAYS,
+        pixel_size=texel,
+        max_depth=1.0,
+        flutter=np.radians(3.0),
+        blur_radius=sigma_texels * texel,
     ) as sim:
         sim.add_object("it", triangles, uv, resolution=resolution)
         for step in range(steps):

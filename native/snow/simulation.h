@@ -30,7 +30,7 @@ struct SimulationSettings {
   /// Probability, over 0 to 1, with which a pixel gets snow in a step; those that do get
   /// 1 / density as much.
   double noise_density = 1.0;
-  /// Degrees by which flakes stray from the direction of the fall, 0 to 45.
+  /// Radians by which flakes stray from the direction of the fall, 0 to pi / 4.
   double flutter = 0.0;
   /// Metres that level ground holds before snow slides.
   double max_depth = 1.0;

@@ -42,7 +42,8 @@ std::string describe(const SimulationSettings& s,
   std::string text;
   text += "pixel_size=" + number(s.pixel_size) + "\n";
   text += "noise_density=" + number(s.noise_density) + "\n";
-  text += "flutter=" + number(s.flutter) + "\n";
+  // `flutter` alone was in degrees, of which none is none in radians, too.
+  text += (s.flutter > 0.0 ? "flutter in radians=" : "flutter=") + number(s.flutter) + "\n";
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
   text += "repose=" + number(s.repose) + "\n";
