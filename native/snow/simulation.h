@@ -175,6 +175,8 @@ class SnowSimulation {
 
  private:
   const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
+  /// The same, with positions. @throws std::invalid_argument before its first step.
+  const std::shared_ptr<SceneObject>& find_stepped_receiver(const std::string& name) const;
   std::vector<float> stored_height(const std::string& name);
   std::vector<const SceneObject*> all_objects() const;
   MemoryEstimate estimate() const;
