@@ -1,31 +1,15 @@
 // Two triangles of a patch that needs no tessellation, six vertices each.
-//
-// CAPTURE: hands world positions to transform feedback. SHADOW: the sun's picture, of depth alone.
 #include "glsl/tree_view.glsl"
+#include "glsl/tree_outputs.glsl"
 
-/// Plain and tessellated patches meet: both programs compute it to the same bits.
-invariant gl_Position;
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
 layout(std430) readonly buffer TreePatches { TreePatch patches[]; };
 layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };
-#ifdef CAPTURE
-layout(xfb_buffer = 0, xfb_offset = 0, xfb_stride = 12) out vec3 captured;
-#else
-#ifndef SHADOW
-out vec3 world;
-out vec3 smooth_normal;
-out vec4 bark;
-#ifdef IMAGE
-layout(std430) readonly buffer BarkPlaces { BarkPlace bark_places[]; };
-/// Coordinates of the bark's image, and its layer.
-out vec3 image_place;
-#endif
 #ifdef SNOW
+#ifndef CAPTURE
+#ifndef SHADOW
 #ifndef WIRE
 layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
-/// Where the snow is on its map, and the bark in the rest pose.
-out vec2 snow_place;
-out vec3 rest_place;
 #endif
 #endif
 #endif

@@ -241,7 +241,11 @@ def maple(resolution=1024):
 def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="AUTO"):
     """Heights by name after a fall that lays `depth` metres, and a while in which it comes to rest."""
     with native.SnowSimulation(
-        cohesion=0.005, pixel_size=pixel_size, flutter=10.0, blur_radius=blur_radius, engine=engine
+        cohesion=0.005,
+        pixel_size=pixel_size,
+        flutter=np.radians(10.0),
+        blur_radius=blur_radius,
+        engine=engine,
     ) as snow:
         for name, thing in things.items():
             snow.add_object(
@@ -253,20 +257,18 @@ def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="
         return {name: snow.output(name, normal=False)["height"] for name in things}
 
 
+def add_snow_mesh(renderer, name, thing, cut=1.0):
+    """`cut`: how finely triangles of many texels are cut, as a share of the map's size."""
+    edge = int(cut * thing.resolution)
+    renderer.add_snow_mesh(name, thing.positions, thing.triangles, thing.uv, thing.normals, thing.color, edge)
+
+
 def show(renderer, things, heights, trees=None, cut=1.0):
-    """Puts things with their snow into a renderer; `trees`: those that are trees, by name their mesh; `cut`: how
-    finely triangles of many texels are cut, as a share of the map's size."""
+    """Puts things with their snow into a renderer; `trees`: those that are trees, by name their mesh; `cut`: see
+    add_snow_mesh."""
     for name, thing in things.items():
         if trees and name in trees:
             renderer.add_tree(name, trees[name])
         else:
-            renderer.add_snow_mesh(
-                name,
-                thing.positions,
-                thing.triangles,
-                thing.uv,
-                thing.normals,
-                thing.color,
-                int(cut * thing.resolution),
-            )
+            add_snow_mesh(renderer, name, thing, cut)
         renderer.set_snow(name, heights[name])

@@ -78,15 +78,7 @@ def step_and_draw(things, way, arguments, blur):
             snow.add_object(
                 name, thing.triangles, thing.uv, resolution=thing.resolution, shading=thing.shading
             )
-            renderer.add_snow_mesh(
-                name,
-                thing.positions,
-                thing.triangles,
-                thing.uv,
-                thing.normals,
-                thing.color,
-                thing.resolution,
-            )
+            scenes.add_snow_mesh(renderer, name, thing)
         for frame in range(arguments.frames + 1):
             began = time.perf_counter(), time.process_time()
             moved = {name: thing.positions for name, thing in things.items()} if frame == 0 else {}

@@ -106,7 +106,7 @@ def planes():
         mesh = grid()
         mesh = (rotated(mesh[0], "x", tilt), *mesh[1:])
         for steps in (1, 24):
-            scene = Scene({"it": (mesh, 512)}, flutter=3.0, repose=NONE).fall(0.05, steps)
+            scene = Scene({"it": (mesh, 512)}, flutter=np.radians(3.0), repose=NONE).fall(0.05, steps)
             inner = scene.height("it")[40:-40, 40:-40]
             spread = inner.std() / inner.mean()
             row(f"plane at {tilt}, {steps} steps: std / mean", "0.002", f"{spread:.1e}", spread < 0.002)
@@ -262,7 +262,7 @@ def gable():
     """A wall that stands under the open sky: flutter blows a veil on it, which does not stay."""
     wall = grid(2.0, 1.0)
     wall = (rotated(wall[0], "x", 90), *wall[1:])
-    scene = Scene({"it": (wall, 256)}, flutter=3.0, sides={"it": "FRONT"}).fall(0.12, 24)
+    scene = Scene({"it": (wall, 256)}, flutter=np.radians(3.0), sides={"it": "FRONT"}).fall(0.12, 24)
     scene.fall(0.0, SECOND, seconds=1.0)
     veil = np.abs(scene.held("it")).max()
     row("gable, a second after straight fall", "0 mm", f"{veil * 1000:.4f} mm", veil < 1e-7)
@@ -291,7 +291,7 @@ def steps():
     plate[0][:, 2] = 1.0
     edges = {}
     for frames in (1, 12, 250):
-        scene = Scene({"it": (grid(3.0, 3.0), 256)}, {"roof": plate}, flutter=3.0, repose=NONE)
+        scene = Scene({"it": (grid(3.0, 3.0), 256)}, {"roof": plate}, flutter=np.radians(3.0), repose=NONE)
         # As a bake divides few frames: bake/plan.py, frame_directions.
         edges[frames] = scene.fall(0.1, frames * max(1, -(-64 // frames))).held("it")[20:-20, 20:-20]
     for frames in (1, 12):

@@ -124,7 +124,7 @@ def write(name, parts, camera, target, lens=50.0, sun=(0.5, -0.6, 0.9), wire=0.0
 def fall(meshes, poses, steps, depth, direction=(0, 0, -1), resolution=1024, pixel_size=0.008, **settings):
     """Simulates; poses(step) gives the positions that changed. Returns the output heights by name."""
     with native.SnowSimulation(
-        pixel_size=pixel_size, **{"flutter": 3.0, "blur_radius": 0.01, **settings}
+        pixel_size=pixel_size, **{"flutter": np.radians(3.0), "blur_radius": 0.01, **settings}
     ) as sim:
         for name, (_, triangles, uv) in meshes.items():
             sim.add_object(name, triangles, uv, resolution=resolution)
@@ -168,7 +168,7 @@ def picture_ball():
         with native.SnowSimulation(
             pixel_size=0.006,
             blur_radius=0.01,
-            flutter=3.0,
+            flutter=np.radians(3.0),
             max_depth=0.3,
             slide_half_life=settings["slide_half_life"],
         ) as sim:

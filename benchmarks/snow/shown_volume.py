@@ -95,7 +95,9 @@ def saddle():
 def measure(name, mesh, resolution, depth, pixel_size, cuts, steps=16, **settings):
     shading = shared_corners(*mesh[:2])
     normals = smooth_normals(mesh[0], mesh[1], shading)
-    with native.SnowSimulation(pixel_size=pixel_size, max_depth=10.0, flutter=3.0, **settings) as sim:
+    with native.SnowSimulation(
+        pixel_size=pixel_size, max_depth=10.0, flutter=np.radians(3.0), **settings
+    ) as sim:
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution, shading=shading, sides="FRONT")
         for step in range(steps):
             sim.step({"it": mesh[0]} if step == 0 else {}, depth / steps, (0.0, 0.0, -1.0), 0.0)

@@ -17,41 +17,19 @@ import numpy as np
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(Path(__file__).resolve().parent))
 import junctions  # noqa: E402
+import sheets  # noqa: E402
 
 DETAILS = ("DRAFT", "DEFAULT", "FILM")
 SIZE = 480
 
 
-def add_mesh(name, vertices, quads):
-    mesh = bpy.data.meshes.new(name)
-    mesh.vertices.add(len(vertices))
-    mesh.vertices.foreach_set("co", vertices.ravel())
-    mesh.loops.add(quads.size)
-    mesh.loops.foreach_set("vertex_index", quads.ravel())
-    mesh.polygons.add(len(quads))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, quads.size, 4))
-    mesh.polygons.foreach_set("loop_total", np.full(len(quads), 4))
-    mesh.polygons.foreach_set("use_smooth", np.ones(len(quads), bool))
-    mesh.update()
-    added = bpy.data.objects.new(name, mesh)
-    bpy.context.scene.collection.objects.link(added)
-    return added
-
-
 def import_columns(path, native):
     """[objects of a column, ...]: export, then each level of detail; and the skeleton's branches."""
-    skeleton = native.read_tree(str(path))
-    axes = ("NEGATIVE_Z", "Y") if skeleton.report["up_axis"] == "Y" else ("Y", "Z")
-    bpy.ops.wm.obj_import(filepath=str(path), forward_axis=axes[0], up_axis=axes[1])
-    columns = [[obj for obj in bpy.context.selected_objects if obj.type == "MESH"]]
-    for obj in columns[0]:
-        # Exports hold normals that point anywhere: flat faces show the polygons as they are.
-        bpy.context.view_layer.objects.active = obj
-        bpy.ops.mesh.customdata_custom_splitnormals_clear()
-        obj.data.polygons.foreach_set("use_smooth", np.zeros(len(obj.data.polygons), bool))
+    export, skeleton = sheets.import_export(path, native)
+    columns = [export]
     for detail in DETAILS:
         mesh = native.build_tree_mesh(skeleton, detail=detail)
-        columns.append([add_mesh(detail, mesh.vertices, mesh.quads)])
+        columns.append([sheets.add_mesh(detail, mesh.vertices, mesh.quads)])
     return columns, skeleton.branches
 
 
@@ -76,17 +54,11 @@ def main(path, folder):
         print(f"fork {row + 1}: {child.name} on {branches[child.parent].name}, radius {frame[2]:.4g}")
         junctions.look_at(camera, child, frame)
         for column, objects in enumerate(columns):
-            for obj in bpy.data.objects:
-                if obj.type == "MESH":
-                    obj.hide_render = obj not in objects
+            sheets.show_only(objects)
             low = SIZE * (len(forks) - 1 - row)
             part = junctions.picture(scene, folder / "part.png")
             sheet[low : low + SIZE, SIZE * column : SIZE * (column + 1)] = part
-    image = bpy.data.images.new("sheet", sheet.shape[1], sheet.shape[0])
-    image.pixels.foreach_set(sheet.reshape(-1))
-    image.filepath_raw, image.file_format = str(folder / f"{path.stem}_detail.png"), "PNG"
-    image.save()
-    print(image.filepath_raw)
+    sheets.save_sheet(sheet, folder / f"{path.stem}_detail.png")
 
 
 if __name__ == "__main__":

@@ -17,6 +17,9 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import sheets  # noqa: E402
+
 SIZE = 420
 SAMPLES = 8
 # Half the picture's width, in the parent's radii at the junction.
@@ -137,15 +140,8 @@ def picture(scene, path):
 
 def import_rows(path, snowbough):
     """[(objects of a row, ...)]: export, base, level of detail 2; and the skeleton's branches."""
-    skeleton = snowbough.native.load().read_tree(str(path))
-    axes = ("NEGATIVE_Z", "Y") if skeleton.report["up_axis"] == "Y" else ("Y", "Z")
-    bpy.ops.wm.obj_import(filepath=str(path), forward_axis=axes[0], up_axis=axes[1])
-    rows = [[obj for obj in bpy.context.selected_objects if obj.type == "MESH"]]
-    for obj in rows[0]:
-        # Exports hold normals that point anywhere: flat faces show the polygons as they are.
-        bpy.context.view_layer.objects.active = obj
-        bpy.ops.mesh.customdata_custom_splitnormals_clear()
-        obj.data.polygons.foreach_set("use_smooth", np.zeros(len(obj.data.polygons), bool))
+    export, skeleton = sheets.import_export(path, snowbough.native.load())
+    rows = [export]
     for lod, smooth in ((0, False), (2, True)):
         before = set(bpy.data.objects)
         bpy.ops.import_scene.xfrog_tree(filepath=str(path), lod=lod)
@@ -188,17 +184,11 @@ def main(path, folder):
         )
         look_at(camera, child, frame)
         for number, row in enumerate(rows):
-            for obj in bpy.data.objects:
-                if obj.type == "MESH":
-                    obj.hide_render = obj not in row
+            sheets.show_only(row)
             low = SIZE * (len(rows) - 1 - number)
             part = picture(scene, folder / "part.png")
             sheet[low : low + SIZE, SIZE * column : SIZE * (column + 1)] = part
-    image = bpy.data.images.new("sheet", sheet.shape[1], sheet.shape[0])
-    image.pixels.foreach_set(sheet.reshape(-1))
-    image.filepath_raw, image.file_format = str(folder / f"{path.stem}_junctions.png"), "PNG"
-    image.save()
-    print(image.filepath_raw)
+    sheets.save_sheet(sheet, folder / f"{path.stem}_junctions.png")
 
 
 if __name__ == "__main__":

@@ -18,6 +18,9 @@ import numpy as np
 from mathutils import Matrix, Vector
 
 ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(Path(__file__).resolve().parent))
+import sheets  # noqa: E402
+
 VIEWS = {"X": (1, 0, 0), "Y": (0, -1, 0)}
 PAIRS = ((0, 3), (1, 3), (2, 3), (1, 2))
 
@@ -37,21 +40,6 @@ def set_up(samples):
     scene.camera.data.type = "ORTHO"
     scene.collection.objects.link(scene.camera)
     return scene
-
-
-def add_mesh(scene, vertices, quads):
-    mesh = bpy.data.meshes.new("level")
-    mesh.vertices.add(len(vertices))
-    mesh.vertices.foreach_set("co", vertices.ravel())
-    mesh.loops.add(quads.size)
-    mesh.loops.foreach_set("vertex_index", quads.ravel())
-    mesh.polygons.add(len(quads))
-    mesh.polygons.foreach_set("loop_start", np.arange(0, quads.size, 4))
-    mesh.polygons.foreach_set("loop_total", np.full(len(quads), 4))
-    mesh.update()
-    level = bpy.data.objects.new("level", mesh)
-    scene.collection.objects.link(level)
-    return level
 
 
 def look(scene, view, low, high):
@@ -83,7 +71,7 @@ def main(path, samples):
             mesh = native.build_tree_mesh(skeleton, lod=lod)
             if lod == 0:
                 low, high = mesh.vertices.min(axis=0).astype(float), mesh.vertices.max(axis=0).astype(float)
-            level = add_mesh(scene, mesh.vertices, mesh.quads)
+            level = sheets.add_mesh("level", mesh.vertices, mesh.quads)
             for name, view in VIEWS.items():
                 look(scene, view, low, high)
                 masks[name, lod] = covered(scene, Path(folder) / "view.png", samples)

@@ -47,8 +47,8 @@ struct Snowfall {
   /// In which they fall, downwards; need not be unit.
   glm::vec3 direction{0.0f, 0.0f, -1.0f};
   float speed = 1.2f;
-  /// Degrees by which they stray.
-  float flutter = 10.0f;
+  /// Radians by which they stray.
+  float flutter = 0.1745f;
   float radius = 0.004f;
   /// A metre in the scene's units.
   float metre = 1.0f;

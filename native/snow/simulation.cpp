@@ -4,7 +4,6 @@
 #include <cmath>
 #include <cstring>
 #include <glm/geometric.hpp>
-#include <numbers>
 #include <stdexcept>
 
 #include "base/thread_pool.h"
@@ -27,7 +26,7 @@ void check_settings(const SimulationSettings& s) {
   require(std::isfinite(s.pixel_size) && s.pixel_size > 0.0, "pixel_size must be over 0 metres");
   require(s.noise_density > 0.0 && s.noise_density <= 1.0,
           "noise_density must be over 0 and at most 1");
-  require(s.flutter >= 0.0 && s.flutter <= 45.0, "flutter must be 0 to 45 degrees");
+  require(s.flutter >= 0.0 && s.flutter <= 0.7854, "flutter must be 0 to pi / 4 radians");
   require(std::isfinite(s.max_depth) && s.max_depth >= 0.0, "max_depth must be 0 metres or more");
   require(std::isfinite(s.slide_half_life) && s.slide_half_life >= 0.0,
           "slide_half_life must be 0 seconds or more");
@@ -130,13 +129,9 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
     refuse("step: dt must be 0 seconds or more");
   }
   FrameStep frame;
-  frame.fall = {unit_fall(direction),
-                settings_.pixel_size,
-                settings_.flutter * std::numbers::pi / 180.0,
-                settings_.noise_density,
-                depth,
-                settings_.seed,
-                step_number_};
+  frame.fall = {
+      unit_fall(direction), settings_.pixel_size, settings_.flutter, settings_.noise_density, depth,
+      settings_.seed,       step_number_};
   frame.stability = {static_cast<float>(settings_.max_depth),
                      static_cast<float>(settings_.slide_half_life)};
   frame.repose.angle = settings_.repose;

@@ -30,7 +30,7 @@ struct SimulationSettings {
   /// Probability, over 0 to 1, with which a pixel gets snow in a step; those that do get
   /// 1 / density as much.
   double noise_density = 1.0;
-  /// Degrees by which flakes stray from the direction of the fall, 0 to 45.
+  /// Radians by which flakes stray from the direction of the fall, 0 to pi / 4.
   double flutter = 0.0;
   /// Metres that level ground holds before snow slides.
   double max_depth = 1.0;
@@ -175,6 +175,8 @@ class SnowSimulation {
 
  private:
   const std::shared_ptr<SceneObject>& find_receiver(const std::string& name) const;
+  /// The same, with positions. @throws std::invalid_argument before its first step.
+  const std::shared_ptr<SceneObject>& find_stepped_receiver(const std::string& name) const;
   std::vector<float> stored_height(const std::string& name);
   std::vector<const SceneObject*> all_objects() const;
   MemoryEstimate estimate() const;

@@ -42,7 +42,8 @@ std::string describe(const SimulationSettings& s,
   std::string text;
   text += "pixel_size=" + number(s.pixel_size) + "\n";
   text += "noise_density=" + number(s.noise_density) + "\n";
-  text += "flutter=" + number(s.flutter) + "\n";
+  // `flutter` alone was in degrees, of which none is none in radians, too.
+  text += (s.flutter > 0.0 ? "flutter in radians=" : "flutter=") + number(s.flutter) + "\n";
   text += "max_depth=" + number(s.max_depth) + "\n";
   text += "slide_half_life=" + number(s.slide_half_life) + "\n";
   text += "repose=" + number(s.repose) + "\n";
@@ -147,6 +148,16 @@ void SnowSimulation::set_blur_radius(const std::string& name, double blur_radius
   outputs_.forget(name);
 }
 
+const std::shared_ptr<SceneObject>& SnowSimulation::find_stepped_receiver(
+    const std::string& name) const {
+  const std::shared_ptr<SceneObject>& object = find_receiver(name);
+  if (object->positions.empty()) {
+    throw std::invalid_argument("object '" + name +
+                                "' has no positions yet: output is known after its first step");
+  }
+  return object;
+}
+
 MapOutput OutputSnapshot::output() {
   return filter_->run(std::move(stored_), surface_);
 }
@@ -158,11 +169,7 @@ MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
 OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_normals) {
   const std::scoped_lock lock(mutex_);
   require_open();
-  const std::shared_ptr<SceneObject>& object = find_receiver(name);
-  if (object->positions.empty()) {
-    throw std::invalid_argument("object '" + name +
-                                "' has no positions yet: output is known after its first step");
-  }
+  const std::shared_ptr<SceneObject>& object = find_stepped_receiver(name);
   const MapTopology& topology = object->description.topology;
   OutputSnapshot snapshot;
   snapshot.resolution_ = topology.resolution;
@@ -185,11 +192,7 @@ OutputSnapshot SnowSimulation::snapshot(const std::string& name, bool with_norma
 std::shared_ptr<const gpu::ThreadTexture> SnowSimulation::live_output(const std::string& name) {
   const std::scoped_lock lock(mutex_);
   require_open();
-  const std::shared_ptr<SceneObject>& object = find_receiver(name);
-  if (object->positions.empty()) {
-    throw std::invalid_argument("object '" + name +
-                                "' has no positions yet: output is known after its first step");
-  }
+  const std::shared_ptr<SceneObject>& object = find_stepped_receiver(name);
   if (!scene_is_current_ || engine().name() != "GL") return nullptr;
   const double blur_radius = blur_radius_of(*object);
   const SeamTable& seams = outputs_.get(object, blur_radius)->seams();

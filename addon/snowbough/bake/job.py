@@ -21,16 +21,16 @@ from concurrent.futures import ThreadPoolExecutor
 from ..cache import versions
 from ..cache.errors import CacheError, CacheFinished
 from ..cache.files import digest, make_folder
-from ..cache.folder import checkpoints
 from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.manifest import read_inputs, read_manifest
 from ..scene.tracker import SceneTracker
 from . import plan, resuming, simulation
 from .choice import choose_receivers
+from .frames import FrameBaker
 from .log import open_log
 from .map_writer import MapWriter, WriteFailed
-from .request import BakeCancelled, FrameResult
-from .snow_engine import driver_text, engine_info, other_engine
+from .request import BakeCancelled
+from .snow_engine import driver_text, engine_info
 
 
 class BakeJob:
@@ -52,14 +52,10 @@ class BakeJob:
         """Receiver's label -> folder, once the version is picked."""
         self._simulation = None
         self._registry = None
-        # Whether the simulation's state is that of the last frame reported.
-        self._between_frames = True
         self._tracker = SceneTracker()
-        self._inputs_at = []
         # What the simulation has not been told yet.
         self._positions = {}
         self._driver = ""
-        self._resumed = False
         # Loads its driver beside the first pose; the simulation takes it over.
         self._engine = native.Engine(engine=request.engine, mapping=request.snow["mapping"])
 
@@ -107,7 +103,27 @@ class BakeJob:
             else:
                 self._resume_from(rest, evaluate, snowfall, first_pose, settings, log, cancelled)
                 begin = rest + 1
-            self._bake(begin, evaluate, snowfall, settings, report, cancelled, log)
+            writer = stack.enter_context(MapWriter())
+            baker = FrameBaker(
+                request,
+                self.native,
+                self._simulation,
+                self._registry,
+                self.receivers,
+                self._positions,
+                settings,
+                driver=self._driver,
+                resumed=rest is not None,
+                writer=writer,
+                log=log,
+            )
+            self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+            if request.last == request.frame_end:
+                writer.flush()
+                for receiver in self.receivers:
+                    receiver.complete(settings, self.native, baker.inputs)
+            else:
+                baker.stop()
 
     def _plan(self, evaluate):
         request = self.request
@@ -173,7 +189,6 @@ class BakeJob:
         for receiver in self.receivers:
             receiver.forget_after(frame)
         self.native.set_simulation_state(self._simulation, state)
-        self._resumed = True
         log(f"restored the checkpoint of frame {frame}")
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
@@ -237,16 +252,19 @@ class BakeJob:
             poses[-1][1].append(step)
         return poses
 
-    def _bake(self, begin, evaluate, snowfall, settings, report, cancelled, log):
+    def _bake(self, begin, evaluate, snowfall, baker, writer, report, cancelled, log):
+        """Evaluates pose after pose, each while the baker's thread has the frame before."""
         request = self.request
         clock = time.perf_counter
-        with MapWriter() as writer, ThreadPoolExecutor(1, "snowbough-step") as worker:
+        with ThreadPoolExecutor(1, "snowbough-step") as worker:
             pending = collections.deque()
             started = clock()
 
             def finish():
                 nonlocal started
-                result = pending.popleft().result()
+                future, evaluating = pending.popleft()
+                result = future.result()
+                result.seconds["evaluate"] = evaluating
                 result.seconds["total"], started = clock() - started, clock()
                 result.seconds["files"] = writer.busy_since_last_call()
                 self.results.append(result)
@@ -260,18 +278,12 @@ class BakeJob:
                 for frame in range(begin, request.last + 1):
                     if cancelled():
                         raise BakeCancelled
-                    work, evaluating = [], clock()
-                    for at, steps in self._poses(snowfall, frame):
-                        pose = evaluate(*at)
-                        direction = plan.fall_direction(pose.fall_angle, pose.bearing)
-                        work.append((*self._tracker.register_changes(pose, *at), direction, steps))
+                    evaluating = clock()
+                    work = self._evaluate_frame(frame, evaluate, snowfall)
                     evaluating = clock() - evaluating
                     inputs = [list(entry) for entry in self._tracker.inputs.poses]
-                    pending.append(
-                        worker.submit(
-                            self._frame, frame, work, inputs, snowfall, settings, writer, evaluating, log
-                        )
-                    )
+                    depth = snowfall.totals[frame - request.frame_start]
+                    pending.append((worker.submit(baker.bake, frame, work, inputs, depth), evaluating))
                     # Only now, so that the worker need not wait for the frame before to be reported.
                     if len(pending) > 1:
                         finish()
@@ -286,104 +298,22 @@ class BakeJob:
                         if isinstance(error, BakeCancelled):
                             raise later from None
                 if isinstance(error, BakeCancelled):
-                    self._stop(settings, writer)
+                    baker.stop()
                 elif not isinstance(error, (CacheError, WriteFailed, OSError)):
                     # A scene that cannot be read any more (the add-on was switched off, say) is no reason
                     # to lose the frames since the last checkpoint.
                     with contextlib.suppress(Exception):
-                        self._stop(settings, writer)
+                        baker.stop()
                 raise
-            last = request.last
-            if last == request.frame_end:
-                writer.flush()
-                for receiver in self.receivers:
-                    receiver.complete(settings, self.native, self._inputs_at)
-            else:
-                self._stop(settings, writer)
 
-    def _frame(self, frame, work, inputs, snowfall, settings, writer, evaluating, log):
-        """The steps of one frame, in the worker's thread; the writer makes its maps and, where due, the
-        checkpoint."""
-        request, clock = self.request, time.perf_counter
-        begun = clock()
-        if not self._between_frames:
-            raise RuntimeError("the frame before broke off")
-        self._between_frames = False
-        for added, changed, direction, steps in work:
-            self._registry.register_changes(added)
-            self._positions.update(changed)
-            for step in steps:
-                self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
-                self._positions = {}
-        self._follow_engine(log)
-        snowing = clock() - begun
-        volume = slid = 0.0
-        reading = -clock()
-        balance = self._simulation.statistics()["objects"]
-        for receiver in self.receivers:
-            snapshot = self._simulation.snapshot(receiver.key, normal=request.write_normals)
-            total = balance[receiver.key]["total"]
-            lying, gone = float(total["held_volume"]), float(total["slid_volume"])
-            volume, slid = volume + lying, slid + gone
-            depth = snowfall.totals[frame - request.frame_start]
-            noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
-            writer.call(
-                lambda output, receiver=receiver, noted=noted: receiver.write_maps(
-                    self.native, output, noted
-                ),
-                snapshot.output,
-            )
-        reading += clock()
-        self._inputs_at = inputs
-        saving = clock()
-        regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
-        if regular and frame < request.frame_end:
-            self._checkpoint(frame, settings, writer)
-        self._between_frames = True
-        saving = clock() - saving
-        result = FrameResult(frame, request.first, request.last, snowfall.totals[frame - request.frame_start],
-                             volume, slid)  # fmt: skip
-        result.seconds = {
-            "evaluate": evaluating,
-            "snow": snowing,
-            "maps": reading,
-            "gpu": snowing + reading + saving,
-        }
-        return result
-
-    def _follow_engine(self, log):
-        """Takes note of the engine that really ran: in its first step a simulation may leave OpenGL for the
-        processor. What another engine began is not continued so."""
-        engine = self._simulation.engine
-        ran, meant = driver_text(engine), self._driver
-        if ran == meant:
-            return
-        self._driver = ran
-        log(f"engine {ran}: {engine['reason']}")
-        if self._resumed and not self.request.allow_other_driver:
-            raise other_engine(meant, ran)
-
-    # -- files -----------------------------------------------------------------------------------------
-
-    def _checkpoint(self, frame, settings, writer):
-        """Reads the state back; packing and writing it is the writer's, after the maps before it."""
-        state = self.native.simulation_state(self._simulation)
-        inputs, driver = self._inputs_at, driver_text(self._simulation.engine)
-        for receiver in self.receivers:
-            writer.call(
-                lambda receiver=receiver: receiver.write_checkpoint(
-                    self.native, frame, settings, state, driver, inputs
-                )
-            )
-
-    def _stop(self, settings, writer):
-        """Leaves a checkpoint at the last frame that is whole. Where the simulation broke off in the middle of
-        a frame its state belongs to none, and the last regular checkpoint must do."""
-        writer.flush()
-        done = self.receivers[0].frames
-        if self._between_frames and done and done[-1]["frame"] not in checkpoints(self.receivers[0].folder):
-            self._checkpoint(done[-1]["frame"], settings, writer)
-            writer.flush()
+    def _evaluate_frame(self, frame, evaluate, snowfall):
+        """What FrameBaker.bake does for a frame: a row for each of its poses."""
+        work = []
+        for at, steps in self._poses(snowfall, frame):
+            pose = evaluate(*at)
+            direction = plan.fall_direction(pose.fall_angle, pose.bearing)
+            work.append((*self._tracker.register_changes(pose, *at), direction, steps))
+        return work
 
     def _close_simulation(self):
         if self._simulation is not None:

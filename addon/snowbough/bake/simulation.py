@@ -4,8 +4,6 @@
 The bake and the live preview both go this way.
 """
 
-import math
-
 import numpy as np
 
 from ..names import MIN_RESOLUTION
@@ -24,24 +22,15 @@ def pixel_size(pose, texel_sizes, wanted=0.0):
     return plan.automatic_pixel_size(texel_sizes, low, high)
 
 
-def native_settings(snow):
-    """settings.simulation.snow_of in the units of the native module, which takes flutter in degrees."""
-    return {**snow, "flutter": math.degrees(snow["flutter"])}
-
-
 def changeable(snow):
     """What of settings.simulation.snow_of a SnowSimulation takes while it runs, for its change_settings."""
-    settings = native_settings(snow)
-    del settings["mapping"]
-    return settings
+    return {name: value for name, value in snow.items() if name != "mapping"}
 
 
 def make_simulation(native, snow, pixel_size, engine="AUTO", wait_for_gpu=True):
     """A SnowSimulation of the module snowbough_native. snow: settings.simulation.snow_of. engine: AUTO, GL or
     CPU."""
-    return native.SnowSimulation(
-        pixel_size=pixel_size, engine=engine, wait_for_gpu=wait_for_gpu, **native_settings(snow)
-    )
+    return native.SnowSimulation(pixel_size=pixel_size, engine=engine, wait_for_gpu=wait_for_gpu, **snow)
 
 
 class Registry:

@@ -1,15 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Flakes in the air, by the engine's own settings and the direction and flutter of the scene's snow."""
 
-import math
-
 from ..bake.plan import fall_direction
 from ..scene.pose import metres_per_unit
 from .records import Flakes
 
 SECONDS_AN_HOUR = 3600.0
-# As the renderer takes it.
-MOST_FLUTTER = 45.0
 
 
 def flakes_of(scene):
@@ -24,7 +20,7 @@ def flakes_of(scene):
         rate=rate,
         direction=tuple(fall_direction(snow.fall_angle, snow.bearing)),
         speed=options.flake_speed,
-        flutter=min(math.degrees(snow.flutter), MOST_FLUTTER),
+        flutter=snow.flutter,
         radius=options.flake_size,
         shutter=min(render.motion_blur_shutter / fps, 1.0),
         time=scene.frame_current_final / fps,

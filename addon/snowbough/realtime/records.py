@@ -164,13 +164,12 @@ class Light:
 
 @dataclass(frozen=True)
 class Flakes:
-    """Snow in the air, as the native Snowfall has it. Metres, seconds."""
+    """Snow in the air, as the native Snowfall has it. Metres, seconds, radians."""
 
     rate: float
     direction: tuple
     speed: float
     flutter: float
-    """Degrees."""
     radius: float
     shutter: float
     time: float

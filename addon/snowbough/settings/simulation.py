@@ -18,7 +18,7 @@ MAPPINGS = (
 
 
 class SnowProperties:
-    """What ``SnowSimulation`` takes under the same names: metres, seconds, radians (bake.simulation converts)."""
+    """What ``SnowSimulation`` takes under the same names: metres, seconds, radians."""
 
     flutter: FloatProperty(
         name="Flutter",

@@ -142,11 +142,14 @@ class SNOWBOUGH_PT_result(_ScenePanel, bpy.types.Panel):
         panel_parts.draw_result(self.layout, context)
 
 
-class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
-    bl_label = "Snow"
+class _SidebarPanel:
     bl_space_type = "VIEW_3D"
     bl_region_type = "UI"
     bl_category = "Snowbough"
+
+
+class SNOWBOUGH_PT_sidebar(_SidebarPanel, bpy.types.Panel):
+    bl_label = "Snow"
 
     def draw(self, context):
         layout = self.layout
@@ -165,12 +168,9 @@ class SNOWBOUGH_PT_sidebar(bpy.types.Panel):
         panel_parts.draw_bake(layout, context)
 
 
-class SNOWBOUGH_PT_sidebar_result(bpy.types.Panel):
+class SNOWBOUGH_PT_sidebar_result(_SidebarPanel, bpy.types.Panel):
     bl_label = "Result"
     bl_parent_id = "SNOWBOUGH_PT_sidebar"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Snowbough"
 
     @classmethod
     def poll(cls, context):
@@ -180,11 +180,8 @@ class SNOWBOUGH_PT_sidebar_result(bpy.types.Panel):
         panel_parts.draw_result(self.layout, context)
 
 
-class SNOWBOUGH_PT_tree(bpy.types.Panel):
+class SNOWBOUGH_PT_tree(_SidebarPanel, bpy.types.Panel):
     bl_label = "Tree"
-    bl_space_type = "VIEW_3D"
-    bl_region_type = "UI"
-    bl_category = "Snowbough"
 
     def draw(self, context):
         column = self.layout.column()

@@ -91,11 +91,11 @@ void bind_render_options(py::module_& module) {
   matrix_field(camera, "projection", &Camera::projection,
                "(4, 4) from the camera's space to clip space, in perspective or orthographic.");
   OptionsClass<Snowfall>(module, "Snowfall",
-                         "Flakes in the air, its fields set by keyword. Metres, seconds.")
+                         "Flakes in the air, its fields set by keyword. Metres, seconds, radians.")
       .field("rate", &Snowfall::rate, "Depth on open level ground in a second; 0: no flakes.")
       .field("direction", &Snowfall::direction, "In which they fall, downwards, (3,).")
       .field("speed", &Snowfall::speed, "Metres a second.")
-      .field("flutter", &Snowfall::flutter, "Degrees by which they stray, 0 to 45.")
+      .field("flutter", &Snowfall::flutter, "Radians by which they stray, 0 to pi / 4.")
       .field("radius", &Snowfall::radius, "Of a flake, metres.")
       .field("metre", &Snowfall::metre, "A metre in the scene's units.")
       .field("shutter", &Snowfall::shutter, "How long the picture is exposed, seconds.")

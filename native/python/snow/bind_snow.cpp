@@ -210,7 +210,7 @@ void bind_snow(py::module_& module) {
       "Snow that accumulates on moving objects, each with a map in UV space.\n\n"
       "pixel_size: edge of an occlusion pixel in metres. noise_density: share of pixels that snow "
       "in\n"
-      "a step (mean unchanged). flutter: degrees by which flakes stray. max_depth: metres that "
+      "a step (mean unchanged). flutter: radians by which flakes stray. max_depth: metres that "
       "level\n"
       "ground holds. slide_half_life: seconds. repose: radians from level, over 0 to pi / 2, that\n"
       "snow's own surface keeps before it moves to what lies lower, or over a rim into the air, "

@@ -33,7 +33,8 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
           "snowfall: direction must point downwards");
   require(fall.speed > 0.0f && fall.speed < 100.0f, "snowfall: speed must be over 0, to 100 m/s");
   require(fall.radius > 0.0f && fall.radius < 0.1f, "snowfall: radius must be over 0, to 0.1 m");
-  require(fall.flutter >= 0.0f && fall.flutter <= 45.0f, "snowfall: flutter must be from 0 to 45");
+  require(fall.flutter >= 0.0f && fall.flutter <= 0.7854f,
+          "snowfall: flutter must be from 0 to pi / 4");
   require(fall.shutter >= 0.0f && fall.shutter <= 1.0f, "snowfall: shutter must be from 0 to 1 s");
   require(fall.metre > 0.0f && std::isfinite(fall.metre), "snowfall: metre must be over 0");
   const dvec3 along = glm::normalize(direction);
@@ -43,7 +44,7 @@ shared::FlakeFall flake_fall(const Snowfall& fall) {
   dvec3 drift = along * static_cast<double>(fall.speed) * static_cast<double>(fall.time);
   drift -= kBox * glm::floor(drift / kBox);
   // A swing of this width has the angle of flutter where it is steepest.
-  const double aside = fall.speed * std::tan(fall.flutter * 3.14159265 / 180.0) /
+  const double aside = fall.speed * std::tan(static_cast<double>(fall.flutter)) /
                        (2.0 * 3.14159265 * static_cast<double>(kSwings));
   shared::FlakeFall made{};
   made.drift = fall.metre * vec4(glm::vec3(drift), static_cast<float>(kBox));

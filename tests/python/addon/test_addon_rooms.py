@@ -75,6 +75,7 @@ WITHOUT_BLENDER = (
     "bake.baked_receiver",
     "bake.snow_engine",
     "bake.resuming",
+    "bake.frames",
     "bake.job",
     "preview.history",
     "preview.interface",

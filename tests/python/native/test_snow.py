@@ -24,7 +24,7 @@ def test_a_tilted_plane_gathers_depth_times_its_area_seen_from_above(tilt, pixel
     assert total["held_volume"] == pytest.approx(volume(height, area), rel=1e-5)
 
 
-@pytest.mark.parametrize("steps, flutter", [(1, 0.0), (8, 3.0)])
+@pytest.mark.parametrize("steps, flutter", [(1, 0.0), (8, np.radians(3.0))])
 @pytest.mark.parametrize("texels_a_pixel", [0.3, 1.0, 2.0, 10.0])
 @pytest.mark.parametrize("tilt, wind_angle", [(0, 0), (30, 0), (60, 0), (0, 45), (0, 80), (0, 89), (20, 80)])
 def test_an_open_plane_is_covered_evenly(tilt, wind_angle, texels_a_pixel, steps, flutter):

@@ -80,9 +80,9 @@ def test_half_alpha_is_there():
 
 def test_two_runs_and_other_tiles_end_with_the_same_bits():
     alpha = alpha_of(card(0.5), np.random.default_rng(7).integers(0, 256, (33, 57)))
-    first, _ = snow(alpha, True, noise_density=0.5, flutter=5.0)
-    again, _ = snow(alpha, True, noise_density=0.5, flutter=5.0)
-    tiled, _ = snow(alpha, True, noise_density=0.5, flutter=5.0, tile_size=64)
+    first, _ = snow(alpha, True, noise_density=0.5, flutter=np.radians(5.0))
+    again, _ = snow(alpha, True, noise_density=0.5, flutter=np.radians(5.0))
+    tiled, _ = snow(alpha, True, noise_density=0.5, flutter=np.radians(5.0), tile_size=64)
     for name in first:
         assert np.array_equal(first[name], again[name]) and np.array_equal(first[name], tiled[name])
 

@@ -25,7 +25,7 @@ def baked(engine, density=1.0, repose=STAYS, max_depth=0.02):
         max_depth=max_depth,
         noise_density=density,
         tile_size=64,
-        flutter=2.0,
+        flutter=np.radians(2.0),
         engine=engine,
     ) as sim:
         sim.add_object("ball", *ball[1:], resolution=128)

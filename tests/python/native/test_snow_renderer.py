@@ -334,7 +334,7 @@ def test_flakes_fall_along_their_direction(renderer):
 
 
 def test_flutter_takes_flakes_aside(renderer):
-    fall = {"speed": 2.0, "shutter": 0.0, "flutter": 20.0}
+    fall = {"speed": 2.0, "shutter": 0.0, "flutter": np.radians(20.0)}
     first = air(renderer, **fall)
     apart = abs(first - air(renderer, eye=(0, 0, -1.4), time=0.7, **fall)).max(axis=2)
     assert (apart > 8).mean() > 0.01

@@ -30,7 +30,7 @@ def latitudes(resolution=256):
     return (((np.arange(resolution) + 0.5) / resolution - 0.02) / 0.96 - 0.5) * np.pi
 
 
-@pytest.mark.parametrize("flutter, steps", [(0.0, 1), (3.0, 16)])
+@pytest.mark.parametrize("flutter, steps", [(0.0, 1), (np.radians(3.0), 16)])
 def test_a_smooth_ball_of_32_by_16_faces_has_the_profile_of_the_cosine_and_no_terraces(flutter, steps):
     mesh = sphere(0.5, 32, 16)
     height, area, _ = snow_on(mesh, smooth(*mesh[:2]), flutter=flutter, steps=steps)

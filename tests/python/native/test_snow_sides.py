@@ -278,7 +278,7 @@ def test_tiles_change_nothing_on_either_side():
     maps = []
     for tile_size in (64, 2048):
         with native.SnowSimulation(
-            pixel_size=0.005, repose=STAYS, max_depth=1.0, flutter=3.0, tile_size=tile_size
+            pixel_size=0.005, repose=STAYS, max_depth=1.0, flutter=np.radians(3.0), tile_size=tile_size
         ) as sim:
             sim.add_object("it", triangles, uv, resolution=128, shading=smooth(positions, triangles))
             for _ in range(3):

@@ -20,7 +20,12 @@ def scene_heights(order, receivers, tile_size=2048, mapping="COMPUTE", seed=3):
         "plate": objects["plate"][0] + np.float32((0.8, 0.0, 0.4)),
     }
     with simulation(
-        pixel_size=0.01, noise_density=0.5, flutter=2.0, seed=seed, tile_size=tile_size, mapping=mapping
+        pixel_size=0.01,
+        noise_density=0.5,
+        flutter=np.radians(2.0),
+        seed=seed,
+        tile_size=tile_size,
+        mapping=mapping,
     ) as sim:
         for name in order:
             sim.add_object(
@@ -72,7 +77,7 @@ def test_a_checkpoint_continues_bit_for_bit(tmp_path):
     positions, triangles, uv = sphere()
 
     def start():
-        sim = simulation(pixel_size=0.01, noise_density=0.5, flutter=3.0)
+        sim = simulation(pixel_size=0.01, noise_density=0.5, flutter=np.radians(3.0))
         sim.add_object("it", triangles, uv, resolution=64)
         return sim
 

@@ -100,7 +100,9 @@ def test_simulations_on_several_threads_give_the_same_bits():
 
     def work(index):
         positions, triangles, uv = sphere()
-        with native.SnowSimulation(pixel_size=0.02, noise_density=0.5, flutter=2.0, seed=index % 2) as sim:
+        with native.SnowSimulation(
+            pixel_size=0.02, noise_density=0.5, flutter=np.radians(2.0), seed=index % 2
+        ) as sim:
             sim.add_object("it", triangles, uv, resolution=64)
             for _ in range(4):
                 sim.step({"it": positions}, 0.01)

@@ -34,6 +34,17 @@ TEST(Flakes, areNoMoreThanCanBeDrawn) {
   EXPECT_EQ(flake_fall(fall(0.0f)).counts.y, 0u);
 }
 
+TEST(Flakes, swingAsideAtTheAngleOfTheirFlutter) {
+  Snowfall of = fall(1e-6f);
+  of.speed = 2.0f;
+  of.flutter = std::atan(0.5f);
+  const shared::FlakeFall made = flake_fall(of);
+  // The steepest moment of a swing: its width times the swings a second times 2 pi.
+  EXPECT_NEAR(made.flutter.x * made.flutter.y * 6.2831853f, 1.0f, 1e-5f);
+  of.flutter = 1.0f;
+  EXPECT_THROW(flake_fall(of), std::invalid_argument);
+}
+
 TEST(Flakes, driftAlongTheirDirectionWithinTheBox) {
   Snowfall of = fall(1e-6f);
   of.direction = {3.0f, 0.0f, -4.0f};

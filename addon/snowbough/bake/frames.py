@@ -1,0 +1,129 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""A bake's frames in the thread that has the simulation: steps, snapshots for the writer, checkpoints. No ``bpy``."""
+
+import time
+
+from ..cache.folder import checkpoints
+from .request import FrameResult
+from .snow_engine import driver_text, other_engine
+
+
+class FrameBaker:
+    """Bakes a BakeJob's frames one after the other.
+
+    registry: bake.simulation.Registry of `simulation`. positions: {key: array} that it has not been told yet.
+    driver: snow_engine.driver_text of the engine that is meant. resumed: whether the simulation goes on from a
+    checkpoint. writer: a MapWriter. log(text).
+    """
+
+    def __init__(
+        self,
+        request,
+        native,
+        simulation,
+        registry,
+        receivers,
+        positions,
+        settings,
+        driver,
+        resumed,
+        writer,
+        log,
+    ):
+        self._request = request
+        self._native = native
+        self._simulation = simulation
+        self._registry = registry
+        self._receivers = receivers
+        self._positions = positions
+        self._settings = settings
+        self._driver = driver
+        self._resumed = resumed
+        self._writer = writer
+        self._log = log
+        # Whether the simulation's state is that of the last frame reported.
+        self._between_frames = True
+        self.inputs = []
+        """Fingerprints of the poses up to the last frame, as scene.inputs has them."""
+
+    def bake(self, frame, work, inputs, depth):
+        """The steps of one frame; the writer makes its maps and, where due, the checkpoint.
+
+        work: [(added, positions that changed, direction, [plan.Step, ...]) of each pose]. depth: metres that lie on
+        open level ground after the frame. Returns a FrameResult."""
+        request, clock = self._request, time.perf_counter
+        begun = clock()
+        if not self._between_frames:
+            raise RuntimeError("the frame before broke off")
+        self._between_frames = False
+        for added, changed, direction, steps in work:
+            self._registry.register_changes(added)
+            self._positions.update(changed)
+            for step in steps:
+                self._simulation.step(self._positions, depth=step.depth, direction=direction, dt=step.dt)
+                self._positions = {}
+        self._follow_engine()
+        snowing = clock() - begun
+        reading = -clock()
+        volume, slid = self._take_snapshots(frame, depth)
+        reading += clock()
+        self.inputs = inputs
+        saving = clock()
+        regular = (frame - request.frame_start + 1) % request.checkpoint_interval == 0
+        if regular and frame < request.frame_end:
+            self._checkpoint(frame)
+        self._between_frames = True
+        saving = clock() - saving
+        result = FrameResult(frame, request.first, request.last, depth, volume, slid)
+        result.seconds = {"snow": snowing, "maps": reading, "gpu": snowing + reading + saving}
+        return result
+
+    def stop(self):
+        """Leaves a checkpoint at the last frame that is whole. Where the simulation broke off in the middle of
+        a frame its state belongs to none, and the last regular checkpoint must do."""
+        self._writer.flush()
+        done = self._receivers[0].frames
+        if self._between_frames and done and done[-1]["frame"] not in checkpoints(self._receivers[0].folder):
+            self._checkpoint(done[-1]["frame"])
+            self._writer.flush()
+
+    def _follow_engine(self):
+        """Takes note of the engine that really ran: in its first step a simulation may leave OpenGL for the
+        processor. What another engine began is not continued so."""
+        engine = self._simulation.engine
+        ran, meant = driver_text(engine), self._driver
+        if ran == meant:
+            return
+        self._driver = ran
+        self._log(f"engine {ran}: {engine['reason']}")
+        if self._resumed and not self._request.allow_other_driver:
+            raise other_engine(meant, ran)
+
+    def _take_snapshots(self, frame, depth):
+        """Hands the writer what lies on each receiver; returns the volumes that lie and that have slid, m3."""
+        volume = slid = 0.0
+        balance = self._simulation.statistics()["objects"]
+        for receiver in self._receivers:
+            snapshot = self._simulation.snapshot(receiver.key, normal=self._request.write_normals)
+            total = balance[receiver.key]["total"]
+            lying, gone = float(total["held_volume"]), float(total["slid_volume"])
+            volume, slid = volume + lying, slid + gone
+            noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
+            self._writer.call(
+                lambda output, receiver=receiver, noted=noted: receiver.write_maps(
+                    self._native, output, noted
+                ),
+                snapshot.output,
+            )
+        return volume, slid
+
+    def _checkpoint(self, frame):
+        """Reads the state back; packing and writing it is the writer's, after the maps before it."""
+        state = self._native.simulation_state(self._simulation)
+        inputs, driver = self.inputs, driver_text(self._simulation.engine)
+        for receiver in self._receivers:
+            self._writer.call(
+                lambda receiver=receiver: receiver.write_checkpoint(
+                    self._native, frame, self._settings, state, driver, inputs
+                )
+            )
