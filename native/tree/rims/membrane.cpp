@@ -71,7 +71,9 @@ class Membrane {
 
  private:
   /// Neighbours pull the more the nearer they are: small faces are the stiffest, what moves is
-  /// taken up by large ones.
+  /// taken up by large ones. But what a limb turns by shows from row to row, however long the rows
+  /// are: where vertices move around it, those beyond the reach hold them as if they were no
+  /// further away than half the hole.
   void weigh() {
     weights_.clear();
     held_.clear();
@@ -83,9 +85,13 @@ class Membrane {
       held_.push_back(hold * hold);
       const double quarter = reach.quarter_length;
       for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
-        const glm::dvec2 way = difference(patch_.place(node.vertex), patch_.place(graph_.all[at]));
+        const int32_t other = graph_.all[at];
+        const glm::dvec2 way = difference(patch_.place(node.vertex), patch_.place(other));
         const double x = way.x * quarter;
-        weights_.push_back(1.0 / std::max(x * x + way.y * way.y, 1e-30));
+        const double y =
+            patch_.local(other) < 0 ? std::min(std::abs(way.y), reach.most_ahead) : way.y;
+        weights_.emplace_back(1.0 / std::max(x * x + y * y, 1e-30),
+                              1.0 / std::max(x * x + way.y * way.y, 1e-30));
       }
     }
   }
@@ -102,14 +108,14 @@ class Membrane {
       for (size_t i = rim_count_; i < nodes_.size(); ++i) {
         MembraneNode& node = nodes_[i];
         glm::dvec2 sum(0.0);
-        double weights = held_[i - rim_count_];
+        glm::dvec2 weights(held_[i - rim_count_]);
         for (int32_t at = graph_.begin[node.vertex]; at < graph_.begin[node.vertex + 1]; ++at) {
           const int32_t other = patch_.local(graph_.all[at]);
-          const double w = weights_[weight++];
+          const glm::dvec2& w = weights_[weight++];
           weights += w;
           if (other >= 0) sum += nodes_[other].velocity * w;
         }
-        if (weights > 0.0 && !node.stopped) {
+        if (weights.y > 0.0 && !node.stopped) {
           node.velocity += (sum / weights - node.velocity) * kOverRelaxation;
           // Nothing goes further than what pushes it, however much relaxing overshoots.
           node.velocity = glm::clamp(node.velocity, -farthest, farthest);
@@ -156,8 +162,9 @@ class Membrane {
   const size_t rim_count_;
   std::span<const RimReach> reaches_;
   int steps_;
-  /// Of neighbours, and of the places that hold what is free back.
-  std::vector<double> weights_, held_;
+  /// Of neighbours, around the limb and along it, and of the places that hold what is free back.
+  std::vector<glm::dvec2> weights_;
+  std::vector<double> held_;
 };
 
 }  // namespace

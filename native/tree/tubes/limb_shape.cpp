@@ -1,6 +1,7 @@
 #include "tree/tubes/limb_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
@@ -24,17 +25,17 @@ Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
   return frame;
 }
 
-/// The largest angle between the sides of two rings, seen along a direction.
-double largest_turn(const Ring& from, const Ring& to, const glm::dvec3& along,
-                    const std::vector<glm::dvec3>& vertices) {
-  const auto side = [&](const Ring& ring, int k) {
-    const glm::dvec3 edge = vertices[ring.vertices[(k + 1) % 4]] - vertices[ring.vertices[k]];
-    return edge - along * glm::dot(edge, along);
-  };
+/// The largest angle between the sides of a ring and those of a limb that runs along the frame's
+/// normal, seen along it.
+double largest_turn(const Ring& ring, const Frame& limb, const std::vector<glm::dvec3>& vertices) {
+  const std::array<glm::dvec3, 4> sides = {limb.v - limb.u, -limb.u - limb.v, limb.u - limb.v,
+                                           limb.u + limb.v};
   double largest = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const glm::dvec3 a = side(from, k), b = side(to, k);
-    largest = std::max(largest, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+    const glm::dvec3 edge = vertices[ring.vertices[(k + 1) % 4]] - vertices[ring.vertices[k]];
+    const glm::dvec3 seen = edge - limb.normal * glm::dot(edge, limb.normal);
+    const double sine = glm::length(glm::cross(seen, sides[k]));
+    largest = std::max(largest, std::atan2(sine, glm::dot(seen, sides[k])));
   }
   return largest;
 }
@@ -56,8 +57,12 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   }
   if (!limb.continues_parent && rings_.size() > 1) {
     // The hole lies askew; around it the limb is as round as at its first own ring.
-    hole_twist_ = largest_turn(limb.rings[0], limb.rings[1], rings_[1].frame.normal, vertices);
     rings_[0].frame = rings_[1].frame;
+    const glm::dvec3 way = centre(0, 1.0) - centre(0, 0.0);
+    const Frame& next = rings_[1].frame;
+    const double length = glm::length(way);
+    hole_twist_ =
+        largest_turn(limb.rings[0], length > 0.0 ? transport(next, way / length) : next, vertices);
   }
 }
 

@@ -21,10 +21,21 @@ constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
 /// A limb of four sides has turned from its hole's corners to its own within so many radii, or
-/// within this share of its first row.
+/// within this share of its first row. From face to face it turns by half of that if the way is one
+/// piece or two, and by a third if it is three: those it takes from so many turns of a row on.
 constexpr double kTurnedShare = 0.15;
+constexpr double kTwisted = 3.5;
 /// Pieces are worth a change of sides further from the edge with fewer when longer by this factor.
 constexpr double kLonger = 1.25;
+/// Where a limb's sides halve, those of the other end face aside: by a right angle over the number
+/// of sides, of which this share lies on the edge of the end with more.
+constexpr double kMoreSides = 0.64;
+/// At such a place limbs of four sides and eight turn by no more than that and so many turns of a
+/// row besides, by up to so many pieces more.
+constexpr double kBesideChange = 0.6;
+constexpr int kMorePieces = 3;
+/// What is taken for a piece of the next row, while it is not cut.
+constexpr double kNextPiece = 0.15;
 /// A row that tapers to less than this share has room for a change of sides where it is wide.
 constexpr double kPointed = 0.5;
 
@@ -75,18 +86,21 @@ class RowCutter {
         want_near(b, -1, 1, reach, kForkRow * child_side(child), wanted);
       } else if (holes_.has_hole(b)) {
         // Of four sides, it turns from the hole's corners to its own there: not on the whole row.
-        const double pieces =
-            std::clamp(shapes_[b].hole_twist() / settings_.thin_turn - 0.35, 0.0, 1.0);
+        const double turns = shapes_[b].hole_twist() / settings_.thin_turn;
+        const double pieces = turns < kTwisted ? std::clamp(turns - 0.35, 0.0, 1.0)
+                                               : std::max(3.0, 1.5 * turns / kTwisted);
         const double reach =
             std::max(kForkReachOnChild * radius_of(surface_.limbs[b].rings.front()),
                      kTurnedShare * row_length(surface_.limbs[b], 0));
         if (pieces > 0.0) want_near(b, -1, 1, reach, reach / pieces, wanted);
       }
       for (size_t row = 0; row < rows; ++row) {
-        cuts_.rows[b][row] = knuckle[row] != 0
-                                 ? even_pieces(knuckle_pieces(b, row))
-                                 : spread_pieces(wanted[row], pieces(b, row, wanted[row]));
-        cuts_.plain[b].push_back(plain_strips(b, row));
+        cuts_.plain[b].push_back(0);
+        if (knuckle[row] != 0) {
+          cuts_.rows[b][row] = even_pieces(knuckle_pieces(b, row));
+        } else {
+          cut_row(b, row, wanted[row]);
+        }
       }
     }
     return std::move(cuts_);
@@ -157,30 +171,95 @@ class RowCutter {
     return large > 0.0 ? small / large : 1.0;
   }
 
-  /// Where a limb's sides change their number: in the longest pieces of the row, between which it
-  /// turns least, and that taper least; in short ones they would show as a knot, and of those that
-  /// run to a point the first is as wide as the limb and faces aside.
-  int plain_strips(size_t limb, size_t row) const {
+  /// Cuts a row, into more pieces than it needs for its turns where its sides change beside one.
+  void cut_row(size_t limb, size_t row, const RowSamples& wanted) {
+    const int count = pieces(limb, row, wanted);
+    std::vector<double>& at = cuts_.rows[limb][row];
+    at = spread_pieces(wanted, count);
+    if (across_[limb][row] == across_[limb][row + 1]) return;
+    // Around a hole all sides have their own number; the limb's is the next ring's from the start.
+    if (row == 0 && holes_.has_hole(limb)) return;
+    Change change = best_change(limb, row, at);
+    for (int more = 1; more <= kMorePieces && change.turn > change.most; ++more) {
+      std::vector<double> finer = spread_pieces(wanted, count + more);
+      const Change other = best_change(limb, row, finer);
+      if (other.turn >= change.turn) continue;
+      change = other;
+      at = std::move(finer);
+    }
+    cuts_.plain[limb][row] = change.plain;
+  }
+
+  /// Strips before a limb's sides change their number, the largest angle between its faces there,
+  /// and the one that it may have.
+  struct Change {
+    int plain = 0;
+    double turn = 1e300, most = 0.0;
+  };
+
+  /// Where a limb's sides change their number: in the longest pieces of the row that do not lie
+  /// beside its bends, and that taper least; in short ones they would show as a knot, and of those
+  /// that run to a point the first is as wide as the limb and faces aside.
+  Change best_change(size_t limb, size_t row, const std::vector<double>& at) const {
     const int low = across_[limb][row], high = across_[limb][row + 1];
     const int steps = halvings(low, high);
-    if (steps == 0 || (row == 0 && holes_.has_hole(limb))) return 0;
-    const std::vector<double>& at = cuts_.rows[limb][row];
     const auto strips = static_cast<int>(at.size()) - 1;
-    int best = 0;
+    const std::vector<double> turns = turns_at(limb, row, at);
+    // Per edge across the change, how far faces turn aside there.
+    std::vector<double> aside(static_cast<size_t>(steps) + 1, 0.0);
+    for (int step = 0; step < steps; ++step) {
+      const int fewer = high < low ? low >> (step + 1) : low << step;
+      const double angle = M_PI / (8.0 * fewer);
+      aside[high < low ? step : step + 1] += kMoreSides * angle;
+      aside[high < low ? step + 1 : step] += (1.0 - kMoreSides) * angle;
+    }
+    Change best;
+    best.most = kMoreSides * M_PI / 8.0 + kBesideChange * settings_.turn;
     double longest = 0.0;
     for (int plain = 0; plain + steps <= strips; ++plain) {
       const int first = high < low ? strips - steps - plain : plain;
-      double shortest = 1.0;
+      double shortest = 1.0, turn = 0.0;
       for (int strip = first; strip < first + steps; ++strip) {
         const double length = at[strip + 1] - at[strip];
         shortest = std::min(shortest, length * tapering(limb, row, at[strip], at[strip + 1]));
       }
-      if (shortest > kLonger * longest) {
+      for (int edge = 0; edge <= steps; ++edge) {
+        turn = std::max(turn, turns[first + edge] + aside[edge]);
+      }
+      const bool fits = turn <= best.most, fitted = best.turn <= best.most;
+      if (fits && fitted ? shortest > kLonger * longest : turn < best.turn) {
         longest = shortest;
-        best = plain;
+        best.plain = plain;
+        best.turn = turn;
       }
     }
     return best;
+  }
+
+  /// Radians that a limb's sides turn by at the places at which a row is cut, its ends included.
+  std::vector<double> turns_at(size_t limb, size_t row, const std::vector<double>& at) const {
+    const LimbShape& shape = shapes_[limb];
+    std::vector<glm::dvec3> centres;
+    std::vector<double> radii;
+    const auto add = [&](size_t of_row, double share) {
+      centres.push_back(shape.centre(of_row, share));
+      radii.push_back(shape.radius(of_row, share));
+    };
+    // Rows are cut one after the other: of the next one it is not known how.
+    const bool before = row > 0, after = row + 1 < shape.row_count();
+    if (before) add(row - 1, cuts_.rows[limb][row - 1].end()[-2]);
+    for (const double share : at) add(row, share);
+    if (after) add(row + 1, kNextPiece);
+    std::vector<double> turns(before ? 0 : 1, 0.0);
+    for (size_t i = 1; i + 1 < centres.size(); ++i) {
+      const glm::dvec3 in = centres[i] - centres[i - 1], out = centres[i + 1] - centres[i];
+      const double taper = std::atan2(radii[i + 1] - radii[i], glm::length(out)) -
+                           std::atan2(radii[i] - radii[i - 1], glm::length(in));
+      turns.push_back(std::atan2(glm::length(glm::cross(in, out)), glm::dot(in, out)) +
+                      std::abs(taper));
+    }
+    if (!after) turns.push_back(0.0);
+    return turns;
   }
 
   /// A power of two, so that what grows out of the row's side can start from it. A child of four
