@@ -10,6 +10,8 @@ namespace {
 
 using Part = FacePart;
 
+/// A strip around a hole may be wider than the parent's sides by this share.
+constexpr double kSpareSide = 0.25;
 /// The side error grows by this factor, at most so often, until the budget is kept.
 constexpr double kCoarser = 1.12;
 constexpr int kMostSteps = 90;
@@ -157,10 +159,21 @@ class Cutter {
     set_side(face, 3, levels, odd[side] != 0, inner == 1, 0, true);
   }
 
-  /// Strips around a hole in its inset.
+  /// Strips around a hole in its inset: for the fillet, and so many that none is wider than the
+  /// parent's own sides where it is widest. It would lie inside the round limb, and the row beside
+  /// it would face along the limb.
   int wanted_around(const Junction& junction) const {
     const int across = cuts_.across[junction.child].front();
-    return across <= 1 ? 1 : across <= 2 ? 2 : 3;
+    double left = 1.0, right = 1.0;
+    for (const glm::dvec2& corner : hole_place(surface_, junction).corners) {
+      left = std::min(left, corner.x);
+      right = std::min(right, 1.0 - corner.x);
+    }
+    const double sides = std::max(left, right) * cuts_.across[junction.parent][junction.row];
+    return std::max(across <= 1   ? 1
+                    : across <= 2 ? 2
+                                  : 3,
+                    static_cast<int>(std::ceil(sides - kSpareSide)));
   }
 
   const Junction& junction_at(const FaceOrigin& origin) const {

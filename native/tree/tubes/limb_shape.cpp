@@ -8,6 +8,8 @@
 namespace snowbough::tree {
 namespace {
 
+/// Corners of a hole stay so far inside their side.
+constexpr double kLeastMargin = 0.02;
 /// A joint nearer to a ring than this share of the row is at it.
 constexpr double kAtRing = 1e-3;
 /// Between two rings a limb is no thinner than this share of the thinner one's radius.
@@ -117,6 +119,34 @@ std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<Lim
                         thin_stray);
   }
   return shapes;
+}
+
+HolePlace hole_place(const Surface& surface, const Junction& junction) {
+  HolePlace place;
+  place.parent = junction.parent;
+  place.row = junction.row;
+  place.side = junction.side;
+  place.inset = junction.inset;
+  if (!junction.inset) return place;
+  const LimbSurface& parent = surface.limbs[junction.parent];
+  const Ring& low = parent.rings[junction.row];
+  const Ring& high = parent.rings[junction.row + 1];
+  const int after = (junction.side + 1) % 4;
+  const auto point = [&](int32_t vertex) { return surface.vertices[vertex]; };
+  const glm::dvec3 p0 = point(low.vertices[junction.side]), p1 = point(low.vertices[after]);
+  const glm::dvec3 p2 = point(high.vertices[after]), p3 = point(high.vertices[junction.side]);
+  const glm::dvec3 across = 0.5 * (p1 + p2 - p0 - p3), along = 0.5 * (p2 + p3 - p0 - p1);
+  const glm::dvec3 middle = 0.25 * (p0 + p1 + p2 + p3);
+  const auto share = [](const glm::dvec3& p, const glm::dvec3& axis, double low_end) {
+    return std::clamp(0.5 + glm::dot(p, axis) / glm::dot(axis, axis), low_end, 1.0 - low_end);
+  };
+  const Ring& hole = surface.limbs[junction.child].rings.front();
+  for (int k = 0; k < 4; ++k) {
+    const glm::dvec3 p = point(hole.vertices[k]) - middle;
+    const double x = 2.0 * share(p, across, kLeastMargin) - 1.0;
+    place.corners[k] = {0.5 + 2.0 / M_PI * std::atan(x), share(p, along, kLeastMargin)};
+  }
+  return place;
 }
 
 }  // namespace snowbough::tree
