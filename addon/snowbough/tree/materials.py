@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of an imported tree: those of the export's MTL as Principled materials, and what stands in for them.
 
-A source is a native ObjMaterial. Its textures lie on the UV map that the caller names: on wood `original`, the
-export's own coordinates, on leaves `leaf`. Textures that could not be found are empty in it; the import's report has
-named them.
+A source is a native ObjMaterial, or a copy of one by :class:`textures.Check`. Its textures lie on the UV map that the
+caller names: on wood `original`, the export's own coordinates, on leaves `leaf`. Textures that could not be found or
+read are empty in it; the import's report has named them.
 """
-
-from pathlib import Path
 
 import bpy
 
 from .. import compat
 from ..names import BARK_UV, LEAF_UV
 from .bark_nodes import add_bark
+from .textures import Textures
 
 GREEN = (0.08, 0.22, 0.04)
 # Colours whose components differ by less say nothing: exporters write greys where nobody chose one.
@@ -36,62 +35,10 @@ def _fresh(name):
     return material, tree, surface, output
 
 
-def _uv_node(tree, uv_map):
-    node = tree.nodes.new("ShaderNodeUVMap")
-    node.uv_map = uv_map
-    node.location = (-1300, 0)
-    return node
-
-
 def _chosen(colour):
     """The colour if it is one that somebody chose."""
     colour = tuple(map(float, colour))
     return colour if max(colour) - min(colour) > COLOURLESS else None
-
-
-class _Textures:
-    """Image nodes of one material, all on the same UV map."""
-
-    def __init__(self, tree, uv_map):
-        self._tree, self._uv_map, self._uv, self._nodes = tree, uv_map, None, {}
-
-    def node(self, texture, color_space, height=0):
-        """The image texture node of a native MaterialTexture; None without a file."""
-        if not texture.path:
-            return None
-        key = (texture.path, texture.scale, texture.offset, color_space)
-        if key not in self._nodes:
-            self._nodes[key] = self._new(texture, color_space, height)
-        return self._nodes[key]
-
-    def _new(self, texture, color_space, height):
-        nodes, link = self._tree.nodes, self._tree.links.new
-        if self._uv is None:
-            self._uv = _uv_node(self._tree, self._uv_map)
-        place = self._uv.outputs["UV"]
-        if texture.scale != (1.0, 1.0) or texture.offset != (0.0, 0.0):
-            mapping = nodes.new("ShaderNodeMapping")
-            mapping.location = (-1100, height)
-            mapping.inputs["Scale"].default_value = (*texture.scale, 1.0)
-            mapping.inputs["Location"].default_value = (*texture.offset, 0.0)
-            link(place, mapping.inputs["Vector"])
-            place = mapping.outputs["Vector"]
-        node = nodes.new("ShaderNodeTexImage")
-        node.image = _image(texture.path, color_space)
-        node.location = (-900, height)
-        link(place, node.inputs["Vector"])
-        return node
-
-
-def _image(path, color_space):
-    """The image, once a colour space: a file may be both a colour and a mask."""
-    path = str(Path(path))
-    for image in bpy.data.images:
-        if bpy.path.abspath(image.filepath) == path and image.colorspace_settings.name == color_space:
-            return image
-    image = bpy.data.images.load(path)
-    image.colorspace_settings.name = color_space
-    return image
 
 
 def _relief(tree, surface, source, textures, uv_map):
@@ -193,7 +140,7 @@ def _let_light_through(tree, surface, output, colour, mask, opacity):
 def _wear(parts, source, uv_map, opacity, own_alpha):
     """Puts the source's textures onto a fresh material."""
     material, tree, surface, output = parts
-    textures = _Textures(tree, uv_map)
+    textures = Textures(tree, uv_map)
     colour = textures.node(source.diffuse_texture, "sRGB")
     if colour is not None:
         tree.links.new(colour.outputs["Color"], surface.inputs["Base Color"])
