@@ -25,14 +25,15 @@ std::vector<uint8_t> filled_tiles(const std::vector<float>& map, int32_t resolut
 }  // namespace
 
 CpuFilter::CpuFilter(const TexelTable& table, const SeamTable& seams,
-                     const SmoothingSettings& settings, int32_t threads)
+                     const SmoothingSettings& settings, int32_t threads,
+                     const std::vector<glm::vec3>& normals)
     : table_(table),
       seams_(seams),
       threads_(std::max(1, threads)),
       is_smoothed_(settings.blur_radius > 0.0f),
       leveller_(is_smoothed_ ? seams.levelling : SeamLevelling()),
       continuation_(table, seams),
-      grid_(is_smoothed_ ? build_smoothing_grid(table, seams) : SmoothingGrid()),
+      grid_(is_smoothed_ ? build_smoothing_grid(table, seams, normals) : SmoothingGrid()),
       smoother_(grid_, settings, threads) {}
 
 MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
