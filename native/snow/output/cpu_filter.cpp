@@ -27,16 +27,17 @@ std::vector<uint8_t> filled_tiles(const std::vector<float>& map, int32_t resolut
 }  // namespace
 
 CpuFilter::CpuFilter(const TexelTable& table, const SeamTable& seams,
-                     const SmoothingSettings& settings, int32_t threads)
+                     const SmoothingSettings& settings, int32_t threads,
+                     const std::vector<glm::vec3>& normals)
     : table_(table),
       seams_(seams),
       threads_(std::max(1, threads)),
       is_smoothed_(settings.blur_radius > 0.0f),
-      parts_(build_parts(table, seams, is_smoothed_)),
+      parts_(build_parts(table, seams, is_smoothed_, normals)),
       smoother_(parts_.grid, settings, threads) {}
 
 CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable& seams,
-                                        bool is_smoothed) {
+                                        bool is_smoothed, const std::vector<glm::vec3>& normals) {
   std::optional<SeamLeveller> leveller;
   std::optional<MapContinuation> continuation;
   SmoothingGrid grid;
@@ -45,7 +46,7 @@ CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable
       leveller.emplace(is_smoothed ? seams.levelling : SeamLevelling());
     } else {
       continuation.emplace(table, seams);
-      if (is_smoothed) grid = build_smoothing_grid(table, seams);
+      if (is_smoothed) grid = build_smoothing_grid(table, seams, normals);
     }
   });
   return {std::move(*leveller), std::move(*continuation), std::move(grid)};

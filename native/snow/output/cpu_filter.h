@@ -32,9 +32,10 @@ struct OutputSurface {
 /// Several threads may call run() at once: one smooths a map while another levels the one before.
 class CpuFilter {
  public:
-  /// `table` and `seams` must outlive it. The result does not depend on `threads`.
+  /// `table` and `seams` must outlive it. `normals`: see build_smoothing_grid. The result does not
+  /// depend on `threads`.
   CpuFilter(const TexelTable& table, const SeamTable& seams, const SmoothingSettings& settings,
-            int32_t threads = 2);
+            int32_t threads = 2, const std::vector<glm::vec3>& normals = {});
 
   /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where no chart owns the
   /// texel; handed back as the output's.
@@ -47,7 +48,8 @@ class CpuFilter {
     MapContinuation continuation;
     SmoothingGrid grid;
   };
-  static Parts build_parts(const TexelTable& table, const SeamTable& seams, bool is_smoothed);
+  static Parts build_parts(const TexelTable& table, const SeamTable& seams, bool is_smoothed,
+                           const std::vector<glm::vec3>& normals);
 
   const TexelTable& table_;
   const SeamTable& seams_;

@@ -2,8 +2,28 @@
 
 #include <algorithm>
 #include <exception>
+#include <glm/geometric.hpp>
 
 namespace snowbough::snow {
+
+namespace {
+
+constexpr int32_t kThreads = 2;
+
+/// Of unit length; of triangles without area no number.
+std::vector<glm::vec3> triangle_normals(const MapTopology& topology,
+                                        const std::vector<glm::vec3>& positions) {
+  std::vector<glm::vec3> normals;
+  normals.reserve(topology.triangles.size() / 3);
+  for (size_t t = 0; t + 2 < topology.triangles.size(); t += 3) {
+    const glm::vec3& first = positions[topology.triangles[t]];
+    normals.push_back(glm::normalize(glm::cross(positions[topology.triangles[t + 1]] - first,
+                                                positions[topology.triangles[t + 2]] - first)));
+  }
+  return normals;
+}
+
+}  // namespace
 
 OutputFilter::OutputFilter(std::shared_ptr<const SceneObject> receiver, double blur_radius)
     : receiver_(std::move(receiver)), blur_radius_(blur_radius) {}
@@ -15,7 +35,8 @@ void OutputFilter::build() {
     seams_ = build_seam_table(topology, receiver_->table,
                               {rest.begin(), rest.begin() + topology.vertex_count});
     cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_,
-                                              SmoothingSettings{static_cast<float>(blur_radius_)});
+                                              SmoothingSettings{static_cast<float>(blur_radius_)},
+                                              kThreads, triangle_normals(topology, rest));
   });
 }
 

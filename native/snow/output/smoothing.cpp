@@ -106,6 +106,7 @@ void Smoother::make_level(size_t number) {
        {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
     *values = base::ZeroedArray<float>(count);
   }
+  level.bank.distance = base::ZeroedArray<uint8_t>(count);
   if (number > 0) level.before = base::ZeroedArray<float>(count);
   if (number == 0) level.edges = base::ZeroedArray<uint8_t>(4 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
@@ -272,6 +273,7 @@ void Smoother::prolong_from(size_t number) {
   float* const height = fine.at(fine.height);
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
+  const std::vector<NewHeight> bank = prolonged_bank(number);
   for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       const Run run = level.runs[r];
@@ -284,13 +286,12 @@ void Smoother::prolong_from(size_t number) {
                   run.end - run.begin);
     }
   });
+  for (const auto& [cell, value] : bank) height[cell] = value;
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
     if (fine.stray_joins[s] == 0) continue;
     const auto [cell, parent] = fine_grid.strays[s];
-    const float closeness = from_half(std::max(grid.to_right()[parent], grid.upwards()[parent]));
     height[cell] =
-        changed(height[cell], before[parent], now[parent],
-                kept_part(before[parent], closeness, least_variance_, done_below_[number]));
+        changed(height[cell], before[parent], now[parent], kept_of_block(number, parent));
   }
 }
 
@@ -304,6 +305,7 @@ void Smoother::cycle(size_t number, float variance) {
   stages(number, kStagesUp);
   make_level(next);
   restrict_to(next);
+  restrict_bank(next);
   open_loose_links(next);
   conduct(next);
   cycle(next, variance);
@@ -332,6 +334,7 @@ void Smoother::run(std::vector<float>& map) {
     if (has_edges) divide_by_profile();
     cycle(0, variance);
     store(map);
+    clear_banks();
   }
   Works::shared().give(size, std::move(levels_));
   levels_.clear();

@@ -31,6 +31,11 @@ void check_smoothing(const SmoothingSettings& settings);
 ///   shoulder's profile, a parabola that rises from 0 at the edge to 1 within a sigma. What tapers
 ///   off by itself goes on doing so, up to half as steep again at its foot; where the surface
 ///   itself ends nothing is rounded.
+/// - Where snow ends in a bank, steeply but on ground that goes on or at a surface's open end, what
+///   is spread piles up at the foot, over which nothing flows, and makes the bank steeper than snow
+///   lies. So sigma (but for blur_radius) is at most a tenth of the distance to the foot there, and
+///   a bank gets steeper by a hundredth or two. At rims, and on ridges, which are bank on both
+///   sides (posts, twigs), roundness matters more.
 ///
 /// Every stage is explicit and moves a fifth of a difference at most, which keeps all heights
 /// within those that there were before. Far away snow travels over blocks of 2 x 2, 4 x 4, ..
@@ -70,6 +75,16 @@ class Smoother {
     std::vector<Cell> cells;
     std::vector<OpenLink> links;
   };
+  /// The cells of a level that are near the foot of a bank.
+  struct Bank {
+    std::vector<int32_t> cells;
+    /// Per cell of the level, after its margin: eighths of a cell to the foot; 0: not in a bank.
+    base::ZeroedArray<uint8_t> distance;
+  };
+  struct NewHeight {
+    int32_t cell;
+    float height;
+  };
   /// What a level works on. Arrays have a margin of kMargin cells and a row before the first cell.
   struct Level {
     ptrdiff_t margin = 0;
@@ -91,6 +106,7 @@ class Smoother {
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
     std::vector<uint8_t> stray_joins;
+    Bank bank;
 
     float* at(const base::ZeroedArray<float>& values) const { return values.data() + margin; }
   };
@@ -118,6 +134,17 @@ class Smoother {
   /// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
   /// as many rounds as the widest shoulder has texels. Returns whether there is an edge.
   bool shape_edges();
+  void find_banks(const EdgeArrays& edges);
+  template <typename Visit>
+  void for_each_beside(size_t number, int32_t cell, const Visit& visit) const;
+  void spread_bank(size_t number);
+  void restrict_bank(size_t number);
+  /// kBankCells beyond banks.
+  float cells_to_foot(size_t number, int32_t cell) const;
+  void limit_bank(size_t number);
+  float kept_of_block(size_t number, int32_t block) const;
+  std::vector<NewHeight> prolonged_bank(size_t number) const;
+  void clear_banks();
   /// Heights to heights over profile.
   void divide_by_profile();
   /// Returns the largest variance over distance^2 of a link.

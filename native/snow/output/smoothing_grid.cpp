@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <glm/geometric.hpp>
 
 namespace snowbough::snow {
 namespace {
@@ -11,6 +12,11 @@ constexpr int32_t kMostLevels = 7;
 constexpr int32_t kSmallestLevel = 8;
 /// Links that a cell may have, in whole ones: each moves a fifth of a difference at most.
 constexpr float kMostLinks = 5.0f;
+
+/// Of the angle over which a surface bends at a rim.
+constexpr float kRimCosine = 0.7071f;
+/// How many links beyond the bend snow may end that hangs over it.
+constexpr int32_t kRimReach = 3;
 
 /// A link that the grid does not have of itself. a < b.
 struct LooseLink {
@@ -111,7 +117,7 @@ float closeness_of(float length) {
 /// The links of one axis: within runs on the grid, beyond their ends to what the first ghost sees.
 /// Both sides of a seam see each other, so each brings half of a link.
 void link_texels(const TexelTable& table, const SeamTable& seams, int axis, SmoothingLevel& level,
-                 std::vector<LooseLink>& loose) {
+                 std::vector<LooseLink>& loose, std::vector<SurfaceEnd>& end) {
   const TexelLines& lines = axis == 0 ? seams.u : seams.v;
   std::vector<uint16_t>& links = axis == 0 ? level.right : level.above;
   std::vector<int32_t> texel_at(static_cast<size_t>(lines.length), -1);
@@ -129,6 +135,9 @@ void link_texels(const TexelTable& table, const SeamTable& seams, int axis, Smoo
     const int32_t place = lines.ghost_place[g];
     const bool is_begin = g / kFilterReach % 2 == 0;
     const int32_t own = texel_at[place + (is_begin ? 1 : -1)];
+    if (lines.ghosts.begin[g] == lines.ghosts.begin[g + 1]) {
+      end[table.texel[own]] = SurfaceEnd::kOpen;
+    }
     for (int32_t t = lines.ghosts.begin[g]; t < lines.ghosts.begin[g + 1]; ++t) {
       const int32_t other = lines.ghosts.source[t];
       if (other == own) continue;
@@ -249,12 +258,48 @@ SmoothingLevel coarsened(SmoothingLevel& level, const Cells& cells, Cells& block
   return next;
 }
 
+/// Calls visit(cell, other) for every link of a level, grid links once and loose ones twice.
+template <typename Visit>
+void for_each_link(const SmoothingLevel& level, const Visit& visit) {
+  for (int32_t i = 0; i < level.size * level.size; ++i) {
+    if (level.to_right()[i] != 0) visit(i, i + 1);
+    if (level.upwards()[i] != 0) visit(i, i + level.size);
+  }
+  for (size_t k = 0; k < level.link_cell.size(); ++k) {
+    for (int32_t t = level.link_begin[k]; t < level.link_begin[k + 1]; ++t) {
+      visit(level.link_cell[k], level.link_other[t]);
+    }
+  }
+}
+
+/// Texels whose neighbours' surface faces elsewhere, and those beside them.
+void find_rims(const TexelTable& table, const SmoothingLevel& level,
+               const std::vector<glm::vec3>& normals, std::vector<SurfaceEnd>& end) {
+  const auto count = static_cast<size_t>(level.size) * static_cast<size_t>(level.size);
+  std::vector<glm::vec3> normal(count, glm::vec3(0.0f));
+  for (size_t i = 0; i < table.texel.size(); ++i) {
+    normal[table.texel[i]] = normals[table.triangle[i]];
+  }
+  for_each_link(level, [&](int32_t i, int32_t j) {
+    if (glm::dot(normal[i], normal[j]) < kRimCosine) end[i] = end[j] = SurfaceEnd::kRim;
+  });
+  for (int32_t round = 0; round < kRimReach; ++round) {
+    const std::vector<SurfaceEnd> before = end;
+    for_each_link(level, [&](int32_t i, int32_t j) {
+      if (before[i] == SurfaceEnd::kRim) end[j] = SurfaceEnd::kRim;
+      if (before[j] == SurfaceEnd::kRim) end[i] = SurfaceEnd::kRim;
+    });
+  }
+}
+
 }  // namespace
 
-SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams) {
+SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams,
+                                   const std::vector<glm::vec3>& normals) {
   const auto texels = static_cast<size_t>(table.resolution) * static_cast<size_t>(table.resolution);
   SmoothingGrid grid;
   grid.inverse_area.assign(texels, 0.0f);
+  grid.end.assign(texels, SurfaceEnd::kNone);
   Cells cells{std::vector<int32_t>(texels, -1), std::vector<float>(texels, 0.0f), {}};
   for (size_t i = 0; i < table.texel.size(); ++i) {
     const float area = seams.texel_area[i];
@@ -267,9 +312,10 @@ SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& sea
   first.size = table.resolution;
   first.right.assign(texels + static_cast<size_t>(first.size), 0);
   first.above.assign(texels + static_cast<size_t>(first.size), 0);
-  link_texels(table, seams, 0, first, cells.loose);
-  link_texels(table, seams, 1, first, cells.loose);
+  link_texels(table, seams, 0, first, cells.loose, grid.end);
+  link_texels(table, seams, 1, first, cells.loose, grid.end);
   lay_links(first, cells.loose);
+  if (!normals.empty()) find_rims(table, first, normals, grid.end);
   while (grid.levels.size() < kMostLevels && grid.levels.back().size >= 2 * kSmallestLevel) {
     Cells blocks;
     SmoothingLevel next = coarsened(grid.levels.back(), cells, blocks);

@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <cstdint>
+#include <glm/vec3.hpp>
 #include <vector>
 
 #include "snow/seams/seam_table.h"
@@ -50,17 +51,30 @@ struct SmoothingLevel {
   std::vector<Stray> strays;
 };
 
+/// What becomes of the surface beyond a texel.
+enum class SurfaceEnd : uint8_t {
+  kNone,
+  /// It ends.
+  kOpen,
+  /// It turns away: snow that ends there hangs over.
+  kRim,
+};
+
 /// How snow may move over a map's surface: a graph of texels, and of blocks of texels, in which
 /// links cross the seams of the layout like any other neighbourhood.
 struct SmoothingGrid {
   /// 1 / m2 of every texel of the map in the rest pose; 0 without surface.
   std::vector<float> inverse_area;
+  /// Per texel of the map.
+  std::vector<SurfaceEnd> end;
   /// Level 0 has a cell a texel, each further one a cell for 2 x 2 of the one below that are of one
   /// chart.
   std::vector<SmoothingLevel> levels;
 };
 
-/// O(texels).
-SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams);
+/// `normals`: per triangle, of unit length; where neighbouring texels' differ by more than 45
+/// degrees, there is a rim. None: no rims. O(texels).
+SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& seams,
+                                   const std::vector<glm::vec3>& normals = {});
 
 }  // namespace snowbough::snow

@@ -46,16 +46,6 @@ SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const Closene
   return (closed & 255) != 0;
 }
 
-namespace {
-
-/// The closest of a cell's links on the grid.
-inline float closest(const ClosenessView& closeness, int32_t i) {
-  return from_half(std::max({closeness.right[i], closeness.above[i], closeness.right[i - 1],
-                             closeness.above[i - closeness.size]}));
-}
-
-}  // namespace
-
 /// Finds the cells that are the deeper end of a link that is there and not open; returns whether
 /// there are any.
 SNOWBOUGH_WIDE bool mark_edges(const float* __restrict height, const ClosenessView& closeness,
@@ -96,7 +86,7 @@ float find_edges_run(const float* height, const ClosenessView& closeness, float 
   for (int32_t i = begin; i < end; ++i) {
     if (edges.distance[i] != 0) continue;
     const float variance = std::max(least_variance, third_squared(height[i]));
-    widest = std::max(widest, variance * closest(closeness, i));
+    widest = std::max(widest, variance * closest_link(closeness, i));
   }
   return widest;
 }
@@ -125,8 +115,8 @@ void shape_run(const float* height, const ClosenessView& closeness, float least_
   for (int32_t i = begin; i < end; ++i) {
     if (distance[i] >= widest || height[i] == 0.0f) continue;
     const float variance = std::max(least_variance, third_squared(height[i]));
-    const float width =
-        std::max(1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest(closeness, i))));
+    const float width = std::max(
+        1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest_link(closeness, i))));
     const float part = (static_cast<float>(distance[i]) + 0.5f) / width;
     if (part < 1.0f) inverse_weight[i] /= part * (2.0f - part);
   }

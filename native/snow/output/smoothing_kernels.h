@@ -21,6 +21,15 @@ inline constexpr auto kStages = static_cast<float>(kStagesUp + kStagesDown);
 inline constexpr float kLeastPart = 0.02f;
 /// Width of a shoulder in standard deviations.
 inline constexpr float kShoulder = 1.0f;
+/// Sigma in a bank, in parts of the distance to its foot, at most. A straight bank gets steeper by
+/// this squared, one round a corner by half as much again: 0.4 degrees of 65.
+inline constexpr float kBankPart = 0.1f;
+/// How near a foot is that matters, in cells: a level's stages spread snow by less than a tenth.
+inline constexpr float kBankCells = 15.0f;
+/// What ends in slopes under 40 degrees is no bank.
+inline constexpr float kLeastBank = 0.84f;
+/// Snow that ends higher than so many cells (a bank of 80 degrees does not) ends in a cliff.
+inline constexpr float kHighestFoot = 6.0f;
 /// More links from the edge than any shoulder is wide.
 inline constexpr uint8_t kFarFromEdge = 200;
 
@@ -66,12 +75,23 @@ inline LinkConductance conductance(float a, float b, float inverse_a, float inve
   return {open ? own / (terms.stages * inverse) : 0.0f, open ? wanted : 0.0f};
 }
 
+/// Half the variance over distance^2 that is let through so many cells from a bank's foot.
+inline float bank_limit(float cells) {
+  return 0.5f * kBankPart * kBankPart * cells * cells;
+}
+
 /// Closeness of the links of a level's grid.
 struct ClosenessView {
   const uint16_t* right;
   const uint16_t* above;
   ptrdiff_t size;
 };
+
+/// The closest of a cell's links on the grid.
+inline float closest_link(const ClosenessView& closeness, int32_t i) {
+  return from_half(std::max({closeness.right[i], closeness.above[i], closeness.right[i - 1],
+                             closeness.above[i - closeness.size]}));
+}
 
 /// Per cell: links to the nearest edge; the same after a round; 255 where the link to the right and
 /// above is open, else 0.
@@ -140,12 +160,15 @@ void prolong_run(float* low, float* high, const BlockRows& rows, const float* be
                  const float* now, const KeptTerms& terms, int32_t count);
 
 /// What is left of the differences within a block: about what a Gaussian leaves of waves as long.
+/// `wanted`: half the block's variance over distance^2.
+inline float kept_part(float wanted, float done_below) {
+  const float left = wanted > done_below ? wanted - done_below : 0.0f;
+  return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
+}
 inline float kept_part(float before, float closeness, float least_variance, float done_below) {
   const float third = third_squared(before);
   const float variance = third > least_variance ? third : least_variance;
-  const float wanted = 0.5f * variance * closeness - done_below;
-  const float left = wanted > 0.0f ? wanted : 0.0f;
-  return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
+  return kept_part(0.5f * variance * closeness, done_below);
 }
 
 }  // namespace snowbough::snow

@@ -69,6 +69,7 @@ float Smoother::conduct(size_t number) {
       }
     }
   });
+  limit_bank(number);
   return std::max(*std::max_element(largest.begin(), largest.end()),
                   *std::max_element(loose_largest.begin(), loose_largest.end()));
 }
