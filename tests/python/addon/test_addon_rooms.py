@@ -22,6 +22,7 @@ ROOMS = (
     "session",
     "compat",
     "compat_nodes",
+    "node_builder",
     "options",
     "settings",
     "cache",
