@@ -78,22 +78,6 @@ def import_tree(path):
     return armature, meshes, seconds
 
 
-def has_textures(mesh):
-    nodes = (node for material in mesh.data.materials for node in material.node_tree.nodes)
-    return any(node.type == "TEX_IMAGE" for node in nodes)
-
-
-def clothe(meshes):
-    """Bark for wood that came without textures; leaves keep what the export gave them."""
-    bark = demo_scene.make_material(
-        "bark", (0.15, 0.108, 0.078), 0.92, mottle=0.4, scale=9.0, bump=0.7, stretch=(1.0, 1.0, 0.35)
-    )
-    for mesh in meshes:
-        if mesh.name.endswith("_bark") and not has_textures(mesh):
-            mesh.data.materials.clear()
-            mesh.data.materials.append(bark)
-
-
 def strength(frame):
     """How hard it snows in a frame, 0 to 1."""
     return float(np.interp(frame, *zip(*SNOWFALL)))
@@ -186,7 +170,6 @@ def main(tree, folder):
     scene = bpy.context.scene
     stage = demo_scene.build_stage()
     armature, meshes, import_seconds = import_tree(tree)
-    clothe(meshes)
     bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
     prepare_snowfall([bark, stage.ground, stage.bench, stage.cart, *stage.wheels], stage.backdrop)
     blend = folder / "snowbough.blend"

@@ -166,7 +166,6 @@ def main(tree, folder, resolution):
     scene = bpy.context.scene
     stage = demo_scene.build_stage()
     _armature, meshes, _ = demo.import_tree(tree)
-    demo.clothe(meshes)
     bark = next(mesh for mesh in meshes if mesh.name.endswith("_bark"))
     flag, pole = make_flag()
     prepare_snowfall([bark, stage.ground, stage.bench, stage.cart, flag, pole], stage.backdrop, resolution)

@@ -44,6 +44,10 @@ SNOW_KINDS = (
 # On the points of an imported tree's leaves: the bone that a leaf hangs on, as the number of its vertex group.
 LEAF_BONE_ATTRIBUTE = "snowbough_bone"
 
+# On the points of an imported tree's bark: the level of their branch, the trunk's is the lowest. glTF carries only
+# attributes whose names begin with an underscore, and only those of points.
+POINT_LEVEL_ATTRIBUTE = "_BRANCH_LEVEL"
+
 # On the points of an object that is told to keep it: where they are undeformed. Blender's own name.
 REST_ATTRIBUTE = "rest_position"
 

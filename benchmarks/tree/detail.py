@@ -289,7 +289,13 @@ def deviation(samples, branches, forks, mesh):
 
 
 def turns(mesh, forks):
-    """Largest and 99.9th percentile of the angles between faces that follow one another along a limb."""
+    """Largest and 99.9th percentile of turn_angles."""
+    angle = turn_angles(mesh, forks)
+    return f"{angle.max():.0f} / {np.percentile(angle, 99.9):.0f}" if len(angle) else "-"
+
+
+def turn_angles(mesh, forks):
+    """Degrees between the normals of all faces that follow one another along a limb, outside of forks."""
     quads, corners = mesh.quads, mesh.vertices.astype(float)[mesh.quads]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -316,8 +322,7 @@ def turns(mesh, forks):
     f, g, middle = f[along], g[along], middle[along]
     # Where they meet, not where they are: beside a fork faces may be long.
     free = forks.outside(middle) & (normal_length(corners[f]) > 0) & (normal_length(corners[g]) > 0)
-    angle = np.degrees(np.arccos(np.clip((normal[f] * normal[g]).sum(1), -1, 1)))[free]
-    return f"{angle.max():.0f} / {np.percentile(angle, 99.9):.0f}" if len(angle) else "-"
+    return np.degrees(np.arccos(np.clip((normal[f] * normal[g]).sum(1), -1, 1)))[free]
 
 
 def normal_length(corners):

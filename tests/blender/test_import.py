@@ -255,6 +255,19 @@ def test_wood_that_is_left_out_is_told_with_its_share(addon, tmp_path):
     assert line.endswith(" % of the wood's area")
 
 
+def test_a_lone_pole_comes_in_with_a_warning_and_a_tree_without(tmp_path):
+    corners = [
+        (0.1 * x, 3 * ring, 0.1 * z) for ring in range(2) for x, z in ((1, 1), (1, -1), (-1, -1), (-1, 1))
+    ]
+    lines = ["v {} {} {}".format(*corner) for corner in corners]
+    lines += [f"f {k + 1} {(k + 1) % 4 + 1} {(k + 1) % 4 + 5} {k + 5}" for k in range(4)]
+    pole = tmp_path / "pole.obj"
+    pole.write_text("g post\n" + "\n".join(lines) + "\n")
+    told = "nothing in the file branches or bears leaves"
+    assert [text for text in _report(_import(pole))["warnings"] if text.startswith(told)]
+    assert not [text for text in _report(_import())["warnings"] if text.startswith(told)]
+
+
 def test_too_little_memory_is_told(addon, monkeypatch):
     def fail(*_arguments, **_options):
         raise MemoryError

@@ -2,6 +2,7 @@
 """Materials of the export on wood and leaves: bought textures where their maker put them."""
 
 import json
+from pathlib import Path
 
 import bpy
 import numpy as np
@@ -165,6 +166,28 @@ def test_no_slot_and_no_material_is_left_unused(pack):
 
 def test_a_texture_that_only_an_unused_material_lacks_is_not_missed(pack):
     assert not [text for text in _warnings(_import(pack)) if "nowhere.png" in text]
+
+
+def test_a_broken_texture_is_named_once_and_the_material_keeps_its_colour(pack):
+    (pack.parent / "pack.mtl").write_text(
+        "newmtl lower\nKd 0.6 0.2 0.1\nmap_Kd bark.png\nmap_bump bark_b.png\n"
+        "newmtl upper\nKd 0.4 0.1 0.1\nmap_Kd bark.png\n"
+        "newmtl leaf\nKd 0.1 0.5 0.2\nmap_Kd leaf.png\nmap_d leaf.png\n"
+    )
+    (pack.parent / "Textures" / "bark.png").write_text("<html>not found</html>")
+    (pack.parent / "Textures" / "Leaf.png").write_bytes(b"")
+    collection = _import(pack)
+    assert _warnings(collection) == [
+        "texture 'bark.png' of material 'lower' cannot be read",
+        "texture 'Leaf.png' of material 'leaf' cannot be read",
+    ]
+    lower, _upper = collection.objects["bought_bark"].data.materials[:2]
+    images = [node.image for node in lower.node_tree.nodes if node.type == "TEX_IMAGE"]
+    assert [Path(image.filepath).name for image in images] == ["bark_b.png"]
+    leaf = bpy.data.materials["leaf"]
+    assert not [node for node in leaf.node_tree.nodes if node.type == "TEX_IMAGE"]
+    assert tuple(_surface(leaf).inputs["Base Color"].default_value)[:3] == pytest.approx((0.1, 0.5, 0.2))
+    assert not [image for image in bpy.data.images if "Leaf" in image.filepath or image.users == 0]
 
 
 def test_a_missing_texture_is_named_once_and_leaves_are_green(pack):

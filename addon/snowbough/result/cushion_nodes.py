@@ -19,10 +19,11 @@ CUSHIONS_INPUT = "Cushions"
 RADIUS_OF_DEPTH = 0.35
 LEAST_RADIUS, MOST_RADIUS = 0.001, 0.02
 # By how much of that it is shrunk, and grown again at last.
-SHRUNK, PUFFED = 1.12, 0.45
+SHRUNK, PUFFED = 1.15, 0.37
 # How far a second layer of the snow lies above the first, in parts of the radius: it tells a bough's flat spray, which
-# gets as thick as a body, from a lone needle, which stays thin across.
-RAISED = 0.5
+# gets as thick as a body, from a lone needle, which stays thin across. What is left of a flat spray is thicker than
+# two points lie apart (RAISED - 2 (SHRUNK - 1) against 1 / FINE), wherever a Blender begins to lay them.
+RAISED = 0.75
 # Voxels and points a radius: more are finer and dearer.
 COARSE, FINE = 2.5, 3.0
 # The least thickness of the snow that is bridged, in parts of the depth on open ground.

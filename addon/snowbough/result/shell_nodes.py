@@ -22,8 +22,8 @@ from dataclasses import dataclass
 import bpy
 
 from .. import compat, compat_nodes
+from ..node_builder import NodeBuilder
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
-from .node_builder import NodeBuilder
 from .ragged_nodes import RAGGED_INPUT, add_ragged_edges, support
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
 from .shell_pieces import (

@@ -10,7 +10,7 @@ import bpy
 
 from .. import compat_nodes
 from ..names import SNOW_GROUP
-from .node_builder import NodeBuilder
+from ..node_builder import NodeBuilder
 from .relief_nodes import OCTAVES, add_relief
 
 # Light enters snow some centimetres deep, red less than blue; albedo of fresh snow about 0.9 and

@@ -15,7 +15,7 @@ import numpy as np
 
 from .. import compat, native
 from ..names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
-from . import armature, kept_bark, kept_skeleton, materials, objects, thumbnail, wind_attributes
+from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
 
@@ -42,12 +42,15 @@ def _used(sources, chosen, make):
     return [*made, make(None) if -1 in used else None]
 
 
-def _create_bark(name, tree, options, bone_names):
-    """The bark objects, the finest first."""
+def _create_bark(name, tree, options, bone_names, check):
+    """The bark objects, the finest first.
+
+    check: textures.Check
+    """
     meshes = tree.meshes
     uv_map = ORIGINAL_UV if meshes[0].original_uv is not None else BARK_UV
     slots = _used(
-        tree.skeleton.wood_materials,
+        check.readable(tree.skeleton.wood_materials),
         [made.face_material for made in meshes],
         lambda source: materials.bark_material(f"{name}_bark", source, uv_map),
     )
@@ -72,10 +75,10 @@ def _create_bark(name, tree, options, bone_names):
     return barks
 
 
-def _create_leaves(name, tree, options, bone_names):
+def _create_leaves(name, tree, options, bone_names, check):
     foliage = tree.skeleton.foliage
     slots = _used(
-        foliage.materials,
+        check.readable(foliage.materials),
         [foliage.face_material],
         lambda source: materials.leaf_material(source, f"{name}_leaf"),
     )
@@ -111,8 +114,11 @@ def create_tree(context, title, tree, options):
         rig = armature.create_armature(context, name, bones, collection)
         kept_skeleton.keep(rig.data, tree, options)
         kept_bark.keep(rig.data, tree.base, tree.meshes[-1])
-        barks = _create_bark(name, tree, options, bones.names)
-        leaves = [_create_leaves(name, tree, options, bones.names)] if tree.leaf_bones is not None else []
+        check = textures.Check(tree.report["warnings"])
+        barks = _create_bark(name, tree, options, bones.names, check)
+        leaves = []
+        if tree.leaf_bones is not None:
+            leaves.append(_create_leaves(name, tree, options, bones.names, check))
         for obj in (*barks, *leaves):
             collection.objects.link(obj)
             objects.bind(obj, rig)

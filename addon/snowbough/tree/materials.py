@@ -1,21 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Materials of an imported tree: those of the export's MTL as Principled materials, and what stands in for them.
 
-A source is a native ObjMaterial. Its textures lie on the UV map that the caller names: on wood `original`, the
-export's own coordinates, on leaves `leaf`. Textures that could not be found are empty in it; the import's report has
-named them.
+A source is a native ObjMaterial, or a copy of one by :class:`textures.Check`. Its textures lie on the UV map that the
+caller names: on wood `original`, the export's own coordinates, on leaves `leaf`. Textures that could not be found or
+read are empty in it; the import's report has named them.
 """
-
-from pathlib import Path
 
 import bpy
 
-from .. import compat, compat_nodes
+from .. import compat
 from ..names import BARK_UV, LEAF_UV
+from .bark_nodes import add_bark
+from .textures import Textures
 
 GREEN = (0.08, 0.22, 0.04)
-# Ends of the procedural bark's colour ramp.
-FURROW, RIDGE = (0.028, 0.019, 0.013), (0.17, 0.125, 0.09)
 # Colours whose components differ by less say nothing: exporters write greys where nobody chose one.
 COLOURLESS = 0.04
 # No component of what is taken for black is larger.
@@ -37,93 +35,10 @@ def _fresh(name):
     return material, tree, surface, output
 
 
-def _uv_node(tree, uv_map):
-    node = tree.nodes.new("ShaderNodeUVMap")
-    node.uv_map = uv_map
-    node.location = (-1300, 0)
-    return node
-
-
 def _chosen(colour):
     """The colour if it is one that somebody chose."""
     colour = tuple(map(float, colour))
     return colour if max(colour) - min(colour) > COLOURLESS else None
-
-
-def _procedural_bark(tree, surface, tint):
-    """Furrowed bark along the limb: noise stretched along `bark`'s V, as colour and as bump."""
-    uv = _uv_node(tree, BARK_UV)
-    mapping = tree.nodes.new("ShaderNodeMapping")
-    mapping.location = (-1100, 0)
-    # The map's U goes once round the limb; furrows run along V.
-    mapping.inputs["Scale"].default_value = (6.0, 1.5, 1.0)
-    noise = tree.nodes.new("ShaderNodeTexNoise")
-    noise.location = (-900, 0)
-    noise.inputs["Scale"].default_value = 2.0
-    noise.inputs["Detail"].default_value = 8.0
-    ramp = tree.nodes.new("ShaderNodeValToRGB")
-    ramp.location = (-650, 100)
-    ridge = tint or RIDGE
-    furrow = tuple(c * f / r for c, f, r in zip(ridge, FURROW, RIDGE))
-    ramp.color_ramp.elements[0].position, ramp.color_ramp.elements[0].color = 0.3, (*furrow, 1)
-    ramp.color_ramp.elements[1].position, ramp.color_ramp.elements[1].color = 0.75, (*ridge, 1)
-    bump = tree.nodes.new("ShaderNodeBump")
-    bump.location = (-600, -250)
-    bump.inputs["Strength"].default_value = 0.5
-    bump.inputs["Distance"].default_value = 0.01
-    height = compat_nodes.noise_value(noise)
-    link = tree.links.new
-    link(uv.outputs["UV"], mapping.inputs["Vector"])
-    link(mapping.outputs["Vector"], noise.inputs["Vector"])
-    link(height, ramp.inputs["Fac"] if "Fac" in ramp.inputs else ramp.inputs[0])
-    link(height, bump.inputs["Height"])
-    link(ramp.outputs["Color"], surface.inputs["Base Color"])
-    link(bump.outputs["Normal"], surface.inputs["Normal"])
-
-
-class _Textures:
-    """Image nodes of one material, all on the same UV map."""
-
-    def __init__(self, tree, uv_map):
-        self._tree, self._uv_map, self._uv, self._nodes = tree, uv_map, None, {}
-
-    def node(self, texture, color_space, height=0):
-        """The image texture node of a native MaterialTexture; None without a file."""
-        if not texture.path:
-            return None
-        key = (texture.path, texture.scale, texture.offset, color_space)
-        if key not in self._nodes:
-            self._nodes[key] = self._new(texture, color_space, height)
-        return self._nodes[key]
-
-    def _new(self, texture, color_space, height):
-        nodes, link = self._tree.nodes, self._tree.links.new
-        if self._uv is None:
-            self._uv = _uv_node(self._tree, self._uv_map)
-        place = self._uv.outputs["UV"]
-        if texture.scale != (1.0, 1.0) or texture.offset != (0.0, 0.0):
-            mapping = nodes.new("ShaderNodeMapping")
-            mapping.location = (-1100, height)
-            mapping.inputs["Scale"].default_value = (*texture.scale, 1.0)
-            mapping.inputs["Location"].default_value = (*texture.offset, 0.0)
-            link(place, mapping.inputs["Vector"])
-            place = mapping.outputs["Vector"]
-        node = nodes.new("ShaderNodeTexImage")
-        node.image = _image(texture.path, color_space)
-        node.location = (-900, height)
-        link(place, node.inputs["Vector"])
-        return node
-
-
-def _image(path, color_space):
-    """The image, once a colour space: a file may be both a colour and a mask."""
-    path = str(Path(path))
-    for image in bpy.data.images:
-        if bpy.path.abspath(image.filepath) == path and image.colorspace_settings.name == color_space:
-            return image
-    image = bpy.data.images.load(path)
-    image.colorspace_settings.name = color_space
-    return image
 
 
 def _relief(tree, surface, source, textures, uv_map):
@@ -225,7 +140,7 @@ def _let_light_through(tree, surface, output, colour, mask, opacity):
 def _wear(parts, source, uv_map, opacity, own_alpha):
     """Puts the source's textures onto a fresh material."""
     material, tree, surface, output = parts
-    textures = _Textures(tree, uv_map)
+    textures = Textures(tree, uv_map)
     colour = textures.node(source.diffuse_texture, "sRGB")
     if colour is not None:
         tree.links.new(colour.outputs["Color"], surface.inputs["Base Color"])
@@ -253,7 +168,7 @@ def bark_material(name, source=None, uv_map=BARK_UV):
     material, tree, surface, _output = parts
     surface.inputs["Roughness"].default_value = 0.9
     if source is None or not source.diffuse_texture.path:
-        _procedural_bark(tree, surface, _chosen(source.diffuse) if source and source.defined else None)
+        add_bark(tree, surface, _chosen(source.diffuse) if source and source.defined else None)
     if source is not None:
         _wear(parts, source, uv_map, 1.0, own_alpha=False)
     return material

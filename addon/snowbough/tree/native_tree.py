@@ -14,6 +14,9 @@ from typing import NamedTuple
 from .. import native
 from .import_options import BY_DETAIL, LOD_COUNT, METRES_OF_UNIT
 
+# A dead trunk or a stump may well be meant; a lamp post has hardly come here on purpose.
+BARE = "nothing in the file branches or bears leaves: it was imported as a bare trunk, but may be a mere pole"
+
 
 @dataclass(frozen=True)
 class Fineness:
@@ -188,6 +191,8 @@ def read_native(path, options, progress=None, metre=1.0):
     ]
     report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
+    if all(branch.parent < 0 for branch in skeleton.branches) and leaf_layout is None:
+        warnings.append(BARE)
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
     return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report)

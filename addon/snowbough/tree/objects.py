@@ -9,13 +9,11 @@ import bpy
 import numpy as np
 
 from .. import compat
-from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, LEAF_UV, ORIGINAL_UV, SNOW_UV
+from ..names import BARK_UV, LEAF_BONE_ATTRIBUTE, LEAF_UV, ORIGINAL_UV, POINT_LEVEL_ATTRIBUTE, SNOW_UV
 from . import armature
 from .bone_names import NAME_BYTES, clip_utf8
 
 LEVEL_ATTRIBUTE = "branch_level"
-# glTF carries only attributes whose names begin with an underscore, and only those of points.
-POINT_LEVEL_ATTRIBUTE = "_BRANCH_LEVEL"
 
 
 class Ledger:

@@ -1,8 +1,10 @@
 #include "snow/output/cpu_filter.h"
 
 #include <algorithm>
+#include <optional>
 #include <utility>
 
+#include "base/parallel_for.h"
 #include "snow/output/map_tiles.h"
 #include "snow/output/normals.h"
 #include "snow/output/smoothing_kernels.h"
@@ -30,10 +32,24 @@ CpuFilter::CpuFilter(const TexelTable& table, const SeamTable& seams,
       seams_(seams),
       threads_(std::max(1, threads)),
       is_smoothed_(settings.blur_radius > 0.0f),
-      leveller_(is_smoothed_ ? seams.levelling : SeamLevelling()),
-      continuation_(table, seams),
-      grid_(is_smoothed_ ? build_smoothing_grid(table, seams) : SmoothingGrid()),
-      smoother_(grid_, settings, threads) {}
+      parts_(build_parts(table, seams, is_smoothed_)),
+      smoother_(parts_.grid, settings, threads) {}
+
+CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable& seams,
+                                        bool is_smoothed) {
+  std::optional<SeamLeveller> leveller;
+  std::optional<MapContinuation> continuation;
+  SmoothingGrid grid;
+  base::parallel_for(2, [&](size_t part, size_t) {
+    if (part == 0) {
+      leveller.emplace(is_smoothed ? seams.levelling : SeamLevelling());
+    } else {
+      continuation.emplace(table, seams);
+      if (is_smoothed) grid = build_smoothing_grid(table, seams);
+    }
+  });
+  return {std::move(*leveller), std::move(*continuation), std::move(grid)};
+}
 
 MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
   if (is_smoothed_) {
@@ -41,10 +57,10 @@ MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
     smoother_.run(map);
   }
   if (surface.layers != nullptr) show_layers(table_, *surface.layers, map, threads_);
-  continuation_.run(map, filled_tiles(map, table_.resolution));
+  parts_.continuation.run(map, filled_tiles(map, table_.resolution));
   if (is_smoothed_) {
     const std::scoped_lock lock(levelling_);
-    leveller_.run(map);
+    parts_.leveller.run(map);
   }
   MapOutput output;
   if (!surface.metrics.empty()) {

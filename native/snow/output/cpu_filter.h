@@ -41,14 +41,20 @@ class CpuFilter {
   MapOutput run(std::vector<float> map, const OutputSurface& surface = {});
 
  private:
+  /// What the seams say, as each of the output's parts needs it.
+  struct Parts {
+    SeamLeveller leveller;
+    MapContinuation continuation;
+    SmoothingGrid grid;
+  };
+  static Parts build_parts(const TexelTable& table, const SeamTable& seams, bool is_smoothed);
+
   const TexelTable& table_;
   const SeamTable& seams_;
   int32_t threads_;
   bool is_smoothed_;
+  Parts parts_;
   std::mutex levelling_;
-  SeamLeveller leveller_;
-  MapContinuation continuation_;
-  SmoothingGrid grid_;
   std::mutex smoothing_;
   Smoother smoother_;
 };

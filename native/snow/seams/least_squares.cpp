@@ -225,6 +225,8 @@ struct SeamFactor::State {
 
 SeamFactor::SeamFactor() : state_(std::make_unique<State>()) {}
 SeamFactor::~SeamFactor() = default;
+SeamFactor::SeamFactor(SeamFactor&& other) noexcept = default;
+SeamFactor& SeamFactor::operator=(SeamFactor&& other) noexcept = default;
 
 std::vector<int32_t> SeamFactor::elimination_order(const std::vector<SeamRow>& rows,
                                                    int32_t unknowns) {

@@ -27,6 +27,8 @@ class SeamFactor {
  public:
   SeamFactor();
   ~SeamFactor();
+  SeamFactor(SeamFactor&& other) noexcept;
+  SeamFactor& operator=(SeamFactor&& other) noexcept;
 
   /// In which order unknowns are best eliminated: per place, the unknown. An approximate minimum
   /// degree ordering: P. R. Amestoy, T. A. Davis, I. S. Duff, An Approximate Minimum Degree

@@ -16,25 +16,23 @@ namespace {
 /// in metres), then in the second (both parts of the height).
 constexpr float kDamping = 0.05f;
 constexpr float kFineDamping = 0.0005f;
-/// What part of the height at a seam the sides may differ by, what the second problem is solved
-/// again for, and how much more makes a texel take part fully; heights under least_height count as
-/// that.
-constexpr float kLevelWithin = 0.005f;
-constexpr float kLevelAgain = 0.006f;
-constexpr float kLevelFade = 0.004f;
+/// What part of the height at a seam the sides may differ by, and how much more makes a texel take
+/// part fully; heights under least_height count as that.
+constexpr float kLevelWithin = 0.008f;
+constexpr float kLevelFade = 0.002f;
 /// What a factor may take, in multiplications: the one that is made once, about two seconds, and
 /// the one that is made for every map.
 constexpr int64_t kMostWork = int64_t{1} << 29;
 constexpr int64_t kMostFineWork = int64_t{1} << 26;
 /// How often the second problem is solved again at most, each time for what is still too far apart:
 /// what suits the thinnest snow drives thicker snow beside it apart again.
-constexpr int32_t kMostRepeats = 4;
+constexpr int32_t kMostRepeats = 3;
 /// What part of the texels may be left for a repeat to be worth another: where snow ends on a seam
 /// no heights make the sides equal, and there all repeats come to the same.
 constexpr double kWorthRepeating = 0.95;
 /// How often the second problem is solved again at most for what hangs together with texels that it
 /// wanted beyond their limits.
-constexpr int32_t kMostLimited = 3;
+constexpr int32_t kMostLimited = 2;
 /// Rounds in place of a factor.
 constexpr int32_t kRounds = 20;
 constexpr int32_t kFineRounds = 30;
@@ -175,28 +173,28 @@ void SeamLeveller::refresh_foreign() {
   for (const auto& [foreign, own] : foreign_) heights_[foreign] = heights_[own];
 }
 
-/// Marks the texels that change for a point whose sides differ by more than a part `within` of the
-/// height, and takes the points that look at a marked texel.
-void SeamLeveller::mark(float within) {
+/// Marks the texels that change for a point whose sides differ by more than they may, and takes the
+/// points that look at a marked texel.
+void SeamLeveller::mark() {
   for (const int32_t texel : marked_) marks_[texel] = 0.0f;
   marked_.clear();
-  if (within == marked_within_) {
+  if (has_marks_) {
     // What has not changed since then has no mark now either: what had one has changed.
-    for (const int32_t at : changed_) mark_for(residuals_[at], within);
+    for (const int32_t at : changed_) mark_for(residuals_[at]);
   } else {
-    for (SeamResidual& residual : residuals_) mark_for(residual, within);
+    for (SeamResidual& residual : residuals_) mark_for(residual);
   }
-  marked_within_ = within;
+  has_marks_ = true;
   std::sort(marked_.begin(), marked_.end());
   activate_points();
 }
 
-void SeamLeveller::mark_for(SeamResidual& residual, float within) {
+void SeamLeveller::mark_for(SeamResidual& residual) {
   if (residual.may_differ) {
     residual = residual_at(residual.point);
     residual.height = std::max(0.5f * residual.height, least_height_);
   }
-  const float over = std::fabs(residual.gap) / residual.height - within;
+  const float over = std::fabs(residual.gap) / residual.height - kLevelWithin;
   const float mark = std::min(over / kLevelFade, 1.0f);
   if (mark <= 0.0f) return;
   for (const int32_t texel : points_[residual.point].source) {
@@ -324,8 +322,8 @@ bool SeamLeveller::accept_within_limits() {
   return any;
 }
 
-size_t SeamLeveller::level_fine(float within) {
-  mark(within);
+size_t SeamLeveller::level_fine() {
+  mark();
   assemble();
   const size_t count = fine_texels_.size();
   if (count == 0) return 0;
@@ -346,12 +344,12 @@ void SeamLeveller::run(std::vector<float>& map) {
   for (size_t i = 0; i < texel_.size(); ++i) heights_[i] = map[texel_[i]];
   level_all();
   refresh_foreign();
-  marked_within_ = -1.0f;
-  size_t left = level_fine(kLevelWithin);
+  has_marks_ = false;
+  size_t left = level_fine();
   for (int32_t repeat = 0; repeat < kMostRepeats && left > 0; ++repeat) {
     refresh_foreign();
     const size_t before = left;
-    left = level_fine(kLevelAgain);
+    left = level_fine();
     if (static_cast<double>(left) > kWorthRepeating * static_cast<double>(before)) break;
   }
   for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];

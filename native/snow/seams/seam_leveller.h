@@ -62,10 +62,10 @@ class SeamLeveller {
   void level_all();
   void note_bare_neighbours();
   void refresh_foreign();
-  /// Returns how many texels had points further apart than a part `within` of the height.
-  size_t level_fine(float within);
-  void mark(float within);
-  void mark_for(SeamResidual& residual, float within);
+  /// Returns how many texels had points further apart than they may be.
+  size_t level_fine();
+  void mark();
+  void mark_for(SeamResidual& residual);
   void activate_points();
   bool reads_foreign(const SeamRow& point) const;
   void assemble();
@@ -104,8 +104,8 @@ class SeamLeveller {
   std::vector<int32_t> foreign_residuals_;
   std::vector<int32_t> changed_;
   std::vector<int32_t> active_;
-  /// What marks were last made within; negative: none yet in this map.
-  float marked_within_ = -1.0f;
+  /// Whether marks have been made in this map.
+  bool has_marks_ = false;
   /// The second problem. Per texel: how much it takes part, 0 to 1, and its number there.
   std::vector<float> marks_;
   /// The unknowns that have a mark, and maybe some that have lost it, ascending.

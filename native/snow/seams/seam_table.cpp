@@ -1,11 +1,14 @@
 #include "snow/seams/seam_table.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <functional>
 #include <glm/geometric.hpp>
 #include <stdexcept>
 #include <string>
 
+#include "base/parallel_for.h"
 #include "snow/seams/seam_walk.h"
 #include "snow/seams/surface_metric.h"
 #include "snow/texels/charts.h"
@@ -37,10 +40,15 @@ class SeamTableBuilder {
   }
 
   SeamTable build() {
-    lay_lines(seams_.u, 0);
-    lay_lines(seams_.v, 1);
-    dilate();
-    seams_.levelling = find_seam_gaps(topology_, table_, charts_, owned_, mean_texel_size());
+    // None of them reads what another writes.
+    const std::array<std::function<void()>, 4> parts{
+        [this] { dilate(); }, [this] { lay_lines(seams_.u, 0); },
+        [this] { lay_lines(seams_.v, 1); },
+        [this] {
+          seams_.levelling = find_seam_gaps(topology_, table_, charts_, owned_, mean_texel_size());
+        }};
+    base::parallel_for(static_cast<int32_t>(parts.size()),
+                       [&](size_t part, size_t) { parts[part](); });
     return std::move(seams_);
   }
 
@@ -154,21 +162,21 @@ class SeamTableBuilder {
 
   /// Ghosts beyond the end `i` of a run, outwards along `step`, at places from `place` on in steps
   /// of `place_step`.
-  void add_ghosts(TexelLines& lines, int32_t i, glm::dvec2 step, int32_t place,
-                  int32_t place_step) {
+  void add_ghosts(TexelLines& lines, int32_t i, glm::dvec2 step, int32_t place, int32_t place_step,
+                  Terms& terms) const {
     SurfacePoint point{table_.chart[i], sample_point(i)};
     glm::dvec2 direction = step;
     glm::dvec2 target = centre(table_.texel[i]) + step;
     bool alive = true;
     for (int32_t k = 0; k < kFilterReach; ++k) {
-      terms_.clear();
+      terms.clear();
       alive = alive && walk_.go(point, target, direction);
       if (alive) {
-        interpolate(point, 1.0, true, terms_);
+        interpolate(point, 1.0, true, terms);
         target = point.at + direction;
       }
       lines.ghost_place.push_back(place + k * place_step);
-      append_row(lines.ghosts, terms_);
+      append_row(lines.ghosts, terms);
     }
   }
 
@@ -183,11 +191,12 @@ class SeamTableBuilder {
     }
   }
 
-  void lay_lines(TexelLines& lines, int axis) {
+  void lay_lines(TexelLines& lines, int axis) const {
     constexpr int32_t kColumns = 16;
     lines.place.assign(table_.texel.size(), -1);
     const glm::dvec2 step(axis == 0 ? 1.0 : 0.0, axis == 0 ? 0.0 : 1.0);
     std::vector<int32_t> columns(axis == 0 ? 0 : size_t{kColumns} * resolution_);
+    Terms terms;
     int32_t place = 0;
     for (int32_t line = 0; line < resolution_; ++line) {
       if (axis == 1 && line % kColumns == 0) {
@@ -212,8 +221,8 @@ class SeamTableBuilder {
           lines.place[next] = place++;
           last = next;
         }
-        add_ghosts(lines, first, -step, begin - 1, -1);
-        add_ghosts(lines, last, step, place, 1);
+        add_ghosts(lines, first, -step, begin - 1, -1, terms);
+        add_ghosts(lines, last, step, place, 1, terms);
         place += kFilterReach;
       }
     }
@@ -231,6 +240,7 @@ class SeamTableBuilder {
       const int32_t db = b.first * b.first + b.second * b.second;
       return da != db ? da < db : a < b;
     });
+    Terms terms;
     for (const int32_t texel : texels_near_charts()) {
       const int32_t column = texel % resolution_;
       const int32_t row = texel / resolution_;
@@ -242,14 +252,14 @@ class SeamTableBuilder {
         nearest = owned_[static_cast<size_t>(y) * resolution_ + x];
         if (nearest >= 0) break;
       }
-      terms_.clear();
+      terms.clear();
       SurfacePoint point{table_.chart[nearest], sample_point(nearest)};
       glm::dvec2 direction(0.0);
-      if (walk_.go(point, centre(texel), direction)) interpolate(point, 1.0, true, terms_);
-      if (terms_.empty()) terms_.emplace_back(nearest, 1.0);
+      if (walk_.go(point, centre(texel), direction)) interpolate(point, 1.0, true, terms);
+      if (terms.empty()) terms.emplace_back(nearest, 1.0);
       seams_.dilated.push_back(texel);
       seams_.dilated_nearest.push_back(nearest);
-      append_row(seams_.dilated_rows, terms_);
+      append_row(seams_.dilated_rows, terms);
     }
   }
 
@@ -287,7 +297,6 @@ class SeamTableBuilder {
   /// Per texel of the map: its index among the owned ones, or -1.
   std::vector<int32_t> owned_;
   SeamTable seams_;
-  Terms terms_;
 };
 
 }  // namespace

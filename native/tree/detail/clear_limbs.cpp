@@ -22,7 +22,7 @@ constexpr int kRounds = 10;
 /// between two others.
 constexpr int kThinnerOnly = 4;
 /// What goes back to the base does so in the first rounds.
-constexpr int kBackRounds = 3;
+constexpr int kBackRounds = 5;
 /// Where so many pairs a face cross, the skeleton is none of a tree: nothing is mended.
 constexpr double kHopeless = 0.01;
 /// A limb is bent by what it reaches into the other and so much of both radii, by at most so many
@@ -119,7 +119,7 @@ class Clearer {
       if (static_cast<double>(crossing.size()) > kHopeless * static_cast<double>(all.size()))
         return;
       if (round < kBackRounds) {
-        to_base(related(crossing), execution);
+        to_base(related(crossing), kBackReach * std::exp2(round), execution);
       }
       changed = changed_faces(before);
       if (changed.empty()) return;
@@ -247,7 +247,10 @@ class Clearer {
     std::sort(vertices.begin(), vertices.end());
     vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
     double nearest = 1e300;
-    for (const int32_t v : vertices) nearest = std::min(nearest, glm::distance(points_[v], place));
+    for (const int32_t v : vertices) {
+      // Those between others go where these go.
+      if (between_[v] == 0) nearest = std::min(nearest, glm::distance(points_[v], place));
+    }
     const double farthest = stretch + kStretch * nearest;
     for (const int32_t v : vertices) {
       const double share = std::min(1.0, glm::distance(points_[v], place) / farthest);
@@ -256,13 +259,14 @@ class Clearer {
     }
   }
 
-  /// The faces of every limb.
+  /// The faces of every limb, and the vertices that lie between others.
   void number_faces() {
     first_faces_.assign(surface_.limbs.size() + 1, 0);
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
       ++first_faces_[branch(static_cast<int32_t>(f)) + 1];
     }
     std::partial_sum(first_faces_.begin(), first_faces_.end(), first_faces_.begin());
+    between_ = between_others(fine_);
     by_limb_.resize(fine_.quads.size());
     std::vector<size_t> next(first_faces_.begin(), first_faces_.end() - 1);
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
@@ -271,37 +275,43 @@ class Clearer {
   }
 
   /// Puts what crosses, and what is around it, back towards the base.
-  void to_base(const Pairs& crossing, const base::Execution& execution) {
+  /// @param radii  how far what crosses reaches, in corner radii of the thicker limb.
+  void to_base(const Pairs& crossing, double radii, const base::Execution& execution) {
     if (crossing.empty()) return;
     if (!neighbours_) neighbours_.emplace(fine_.quads, fine_.vertices.size());
-    double reach_back = 0.0;
+    // Per vertex that goes back: how far from it others do, by the thickness of what crosses there.
+    std::vector<double> near(points_.size(), 0.0);
+    const auto take_beside = [&](int32_t face, int32_t other, double reach) {
+      for (const int32_t v : fine_.quads[face]) {
+        if (is_beside(v, other, reach)) near[v] = std::max(near[v], reach);
+      }
+    };
     for (const auto& [f, g] : crossing) {
-      reach_back = std::max({reach_back, kBackReach * corner(f), kBackReach * corner(g)});
-    }
-    std::vector<uint8_t> near(points_.size(), 0);
-    for (const auto& [f, g] : crossing) {
-      for (const int32_t v : fine_.quads[f]) near[v] |= is_beside(v, g, reach_back) ? 1 : 0;
-      for (const int32_t v : fine_.quads[g]) near[v] |= is_beside(v, f, reach_back) ? 1 : 0;
+      const double reach = radii * std::max(corner(f), corner(g));
+      take_beside(f, g, reach);
+      take_beside(g, f, reach);
     }
     ForkFaces around{fine_.quads, *neighbours_, {}, {{}}};
     for (int ring = 0; ring < kBackRings; ++ring) {
-      const std::vector<uint8_t> inner(near);
+      const std::vector<double> inner(near);
       for (size_t v = 0; v < inner.size(); ++v) {
-        if (inner[v] == 0) continue;
+        if (inner[v] <= 0.0) continue;
         for (const int32_t beside : neighbours_->of(static_cast<int32_t>(v))) {
-          if (glm::distance(points_[v], points_[beside]) <= reach_back) near[beside] = 1;
+          if (glm::distance(points_[v], points_[beside]) <= inner[v]) {
+            near[beside] = std::max(near[beside], inner[v]);
+          }
         }
       }
     }
     std::vector<glm::dvec3> base(points_);
     for (size_t v = 0; v < near.size(); ++v) {
-      if (near[v] == 0) continue;
+      if (near[v] <= 0.0) continue;
       around.moving.push_back(static_cast<int32_t>(v));
       base[v] = on_base(fine_.vertices[v]);
     }
     for (size_t f = 0; f < fine_.quads.size(); ++f) {
       const Quad& quad = fine_.quads[f];
-      if (std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return near[v] != 0; })) {
+      if (std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return near[v] > 0.0; })) {
         around.faces[0].push_back(static_cast<int32_t>(f));
       }
     }
@@ -334,6 +344,7 @@ class Clearer {
   std::optional<Neighbours> neighbours_;
   std::vector<size_t> first_faces_;
   std::vector<int32_t> by_limb_;
+  std::vector<uint8_t> between_;
 };
 
 }  // namespace

@@ -39,6 +39,9 @@ constexpr double kStill = 0.7;
 /// were as long, and steps back to the surface.
 constexpr double kPull = 0.25;
 constexpr int kStepsBack = 3;
+/// Creases in the rows beside holes go away within this share of the limb's corner radius: the
+/// middle of one of sixteen sides lies 0.02 of it inside.
+constexpr double kBesideHole = 0.03;
 /// Share of the time until everything is blended, and spread out.
 constexpr float kBlended = 0.5f;
 constexpr float kSpreadOut = 0.8f;
@@ -107,7 +110,7 @@ class ForkBlender {
 
   /// Softens creases; in the forks where some were, faces may cross again.
   void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& due) {
-    std::vector<double> farthest(points_.size(), 0.0);
+    std::vector<double> farthest = beside_holes();
     for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
     const std::vector<glm::dvec3> before(points_);
     soften_creases(fine_, surface_.origins, chains_, farthest, points_);
@@ -119,6 +122,29 @@ class ForkBlender {
                            [&](int32_t v) { return points_[v] != before[v]; });
       });
     }
+  }
+
+  /// Per vertex how far it may go in the rows beside holes: where a hole nearly fills its row, what
+  /// is left of them is so short that the middle of a side, which lies inside the next row's
+  /// corners, makes a step.
+  std::vector<double> beside_holes() const {
+    std::vector<std::vector<double>> of_rows(surface_.limbs.size());
+    for (const Junction& junction : surface_.junctions) {
+      const std::vector<Ring>& rings = surface_.limbs[junction.parent].rings;
+      std::vector<double>& rows = of_rows[junction.parent];
+      rows.resize(rings.size(), 0.0);
+      for (int row = std::max(junction.row - 1, 0); row <= junction.row + 1; ++row) {
+        if (row < static_cast<int>(rings.size())) rows[row] = kBesideHole * rings[row].corner;
+      }
+    }
+    std::vector<double> farthest(points_.size(), 0.0);
+    for (size_t f = 0; f < fine_.quads.size(); ++f) {
+      const FaceOrigin& origin = surface_.origins[fine_.face[f]];
+      const std::vector<double>& rows = of_rows[origin.branch];
+      if (origin.part != FacePart::kWall || rows.empty()) continue;
+      for (const int32_t v : fine_.quads[f]) farthest[v] = std::max(farthest[v], rows[origin.row]);
+    }
+    return farthest;
   }
 
   /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.

@@ -1,7 +1,6 @@
 #include "tree/obj/mtl_reader.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <charconv>
 #include <cmath>
@@ -12,6 +11,7 @@
 #include <string_view>
 
 #include "tree/obj/text.h"
+#include "tree/obj/texture_files.h"
 
 namespace snowbough::tree {
 namespace {
@@ -100,80 +100,6 @@ bool is_normal_map(const std::string& path) {
   return false;
 }
 
-/// The file in `folder` with this relative path, whatever its case; empty if there is none.
-fs::path find_below(const fs::path& folder, const fs::path& relative) {
-  std::error_code error;
-  fs::path at = folder;
-  for (const fs::path& step : relative) {
-    if (fs::exists(at / step, error)) {
-      at /= step;
-      continue;
-    }
-    const std::string wanted = lower_case(step.string());
-    fs::path found;
-    for (const fs::directory_entry& entry : fs::directory_iterator(at, error)) {
-      // The smallest of several that differ in case only: independent of the folder's order.
-      const fs::path name = entry.path().filename();
-      if (lower_case(to_utf8(name.string())) == wanted && (found.empty() || name < found))
-        found = name;
-    }
-    if (found.empty()) return {};
-    at /= found;
-  }
-  return fs::is_regular_file(at, error) ? at : fs::path();
-}
-
-/// What packs call their folders of textures.
-constexpr std::array<const char*, 5> kTextureFolders = {"textures", "texture", "maps", "tex",
-                                                        "images"};
-
-/// The folders in a folder, in the order of their names.
-std::vector<fs::path> folders_in(const fs::path& folder) {
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
-    if (entry.is_directory(error)) found.push_back(entry.path());
-  }
-  std::sort(found.begin(), found.end());
-  return found;
-}
-
-/// The file in one of the folders that a folder of textures beside holds: Textures/Bark, say.
-fs::path find_sorted(const fs::path& folder, const fs::path& name) {
-  for (const fs::path& beside : folders_in(folder)) {
-    const std::string called = lower_case(beside.filename().string());
-    if (std::find(kTextureFolders.begin(), kTextureFolders.end(), called) == kTextureFolders.end())
-      continue;
-    for (const fs::path& inner : folders_in(beside)) {
-      if (const fs::path found = find_below(inner, name); !found.empty()) return found;
-    }
-  }
-  return {};
-}
-
-/// The texture's absolute path; empty if it is in none of the folders or those for textures beside
-/// and above them, nor in a folder within one of those beside.
-std::string find_texture(const std::vector<fs::path>& folders, const std::string& name) {
-  const fs::path path(name);
-  fs::path found = path.is_absolute() ? find_below("/", path.relative_path()) : fs::path();
-  const auto look = [&](const fs::path& folder, const fs::path& relative) {
-    if (found.empty()) found = find_below(folder, relative);
-  };
-  for (const fs::path& folder : folders) {
-    look(folder, path.relative_path());
-    look(folder, path.filename());
-    for (const char* beside : kTextureFolders) look(folder, fs::path(beside) / path.filename());
-  }
-  for (const fs::path& folder : folders) {
-    const fs::path above = fs::absolute(folder).parent_path();
-    for (const char* beside : kTextureFolders) look(above, fs::path(beside) / path.filename());
-  }
-  for (const fs::path& folder : folders) {
-    if (found.empty()) found = find_sorted(folder, path.filename());
-  }
-  return found.empty() ? std::string() : fs::absolute(found).lexically_normal().string();
-}
-
 class MaterialReader {
  public:
   /// @param obj_folder where the OBJ file is.
@@ -257,13 +183,16 @@ class MaterialReader {
   MaterialTexture texture(std::string_view rest, const fs::path& folder) {
     const TextureStatement statement = read_texture_statement(rest);
     if (statement.name.empty()) return {};
-    MaterialTexture found{find_texture({folder, obj_folder_}, statement.name), statement.scale,
-                          statement.offset};
+    const std::vector<fs::path> folders = {folder, obj_folder_};
+    MaterialTexture found{find_texture(folders, statement.name), statement.scale, statement.offset};
+    if (!found.path.empty()) return found;
+    found.path = find_converted_texture(folders, statement.name);
     // Under whatever path and case a file is named, it is missing but once.
-    const std::string key = lower_case(fs::path(statement.name).filename().string());
-    if (found.path.empty() && missing_.insert(key).second) {
+    if (missing_.insert(lower_case(fs::path(statement.name).filename().string())).second) {
+      const std::string instead = fs::path(found.path).filename().string();
       warnings_.push_back("texture '" + statement.name + "' of material '" + current_->name +
-                          "' is missing");
+                          "' is missing" +
+                          (found.path.empty() ? "" : ": '" + instead + "' is taken for it"));
     }
     return found;
   }

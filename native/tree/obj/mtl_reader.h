@@ -18,13 +18,14 @@ namespace snowbough::tree {
 /// mere n at its end) is one. Textures are looked for at the path given, below the folders of the
 /// library and of the OBJ, and by their bare name beside both, in the folders named textures,
 /// texture, maps, tex or images beside or above them, and in the folders within those beside; upper
-/// and lower case are the same.
+/// and lower case are the same. In place of one that is missing the only image is taken that has
+/// its name but another ending.
 ///
 /// @param obj_path the OBJ file.
 /// @param libraries as the OBJ names them.
 /// @param used names of the materials that are wanted: what others lack is nobody's loss.
-/// @param warnings receives one line for every library and texture that is missing, with its name,
-///   and for every malformed line, with file and line.
+/// @param warnings receives one line for every library and texture that is missing, with its name
+///   and what is taken for it, and for every malformed line, with file and line.
 /// @return materials by name; of a name that comes twice, the first.
 ///
 /// Format: Wavefront, "MTL material format (Lightwave, OBJ)", 1995.

@@ -14,52 +14,15 @@
 namespace snowbough::tree {
 namespace {
 
-/// Corners of a hole stay so far inside their side.
-constexpr double kLeastMargin = 0.02;
-
+/// Around a hole vertices lie on the limb's own edges, drawn there by this share, where there is
+/// room for it: no piece is narrower than this share of an even one. Elsewhere, the middle of a
+/// row's sides would lie inside them, and where a hole nearly fills its row they would make a step.
+constexpr double kDrawn = 0.9;
+constexpr double kNarrowest = 0.4;
 /// A rim reaches at most this share of the limb's first row along it.
 constexpr double kSlant = 0.85;
 /// Within this share of a fork's reach a limb becomes round.
 constexpr double kForkShare = 0.9;
-
-/// The opening that a limb grows out of: its corners on one side of a row of the parent, as shares
-/// of the side and of the row.
-struct HolePlace {
-  int32_t parent = -1;
-  int32_t row = 0, side = 0;
-  bool inset = false;
-  std::array<glm::dvec2, 4> corners = {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1),
-                                       glm::dvec2(0, 1)};
-};
-
-HolePlace hole_place(const Surface& surface, const Junction& junction) {
-  HolePlace place;
-  place.parent = junction.parent;
-  place.row = junction.row;
-  place.side = junction.side;
-  place.inset = junction.inset;
-  if (!junction.inset) return place;
-  const LimbSurface& parent = surface.limbs[junction.parent];
-  const Ring& low = parent.rings[junction.row];
-  const Ring& high = parent.rings[junction.row + 1];
-  const int after = (junction.side + 1) % 4;
-  const auto point = [&](int32_t vertex) { return surface.vertices[vertex]; };
-  const glm::dvec3 p0 = point(low.vertices[junction.side]), p1 = point(low.vertices[after]);
-  const glm::dvec3 p2 = point(high.vertices[after]), p3 = point(high.vertices[junction.side]);
-  const glm::dvec3 across = 0.5 * (p1 + p2 - p0 - p3), along = 0.5 * (p2 + p3 - p0 - p1);
-  const glm::dvec3 middle = 0.25 * (p0 + p1 + p2 + p3);
-  const auto share = [](const glm::dvec3& p, const glm::dvec3& axis, double low_end) {
-    return std::clamp(0.5 + glm::dot(p, axis) / glm::dot(axis, axis), low_end, 1.0 - low_end);
-  };
-  const Ring& hole = surface.limbs[junction.child].rings.front();
-  for (int k = 0; k < 4; ++k) {
-    const glm::dvec3 p = point(hole.vertices[k]) - middle;
-    // On a round side a flat side's middle third lies closer together: by angle, not by length.
-    const double x = 2.0 * share(p, across, kLeastMargin) - 1.0;
-    place.corners[k] = {0.5 + 2.0 / M_PI * std::atan(x), share(p, along, kLeastMargin)};
-  }
-  return place;
-}
 
 /// Where a child's side begins, once its rim stands.
 struct SideBegin {
@@ -196,9 +159,31 @@ class Placer {
     constexpr std::array<glm::dvec2, 4> kCell = {glm::dvec2(0, 0), glm::dvec2(1, 0),
                                                  glm::dvec2(1, 1), glm::dvec2(0, 1)};
     const int k = origin.inset, after = (k + 1) % 4;
-    const glm::dvec2 p = (kCell[k] * (1.0 - u) + kCell[after] * u) * (1.0 - v) +
-                         (hole.corners[k] * (1.0 - u) + hole.corners[after] * u) * v;
+    const size_t section = tubes_.first_section(origin.branch, origin.row);
+    const double sides = tubes_.sections(origin.branch)[section].sides / 4.0;
+    const auto corner = [&](int c) {
+      const glm::dvec2 p = kCell[c] * (1.0 - v) + hole.corners[c] * v;
+      const bool left = kCell[c].x < 0.5;
+      const double margin = left ? hole.corners[c].x : 1.0 - hole.corners[c].x;
+      const double x = towards_edges(margin * v * sides, margin * sides) / sides;
+      return glm::dvec2(left ? x : 1.0 - x, p.y);
+    };
+    const glm::dvec2 a = corner(k), b = corner(after);
+    glm::dvec2 p = a * (1.0 - u) + b * u;
+    if (k % 2 == 0) {
+      // Above the vertices of the row's own ring, as far as it may.
+      const double at = kCell[k].x * (1.0 - u) + kCell[after].x * u;
+      const glm::dvec2 low = k == 0 ? a : b, high = k == 0 ? b : a;
+      const double least = (high.x - low.x) * kNarrowest;
+      p.x = std::clamp(at, low.x + least * at, high.x - least * (1.0 - at));
+    }
     return on_side(origin.branch, origin.row, origin.side, p);
+  }
+
+  /// Sides of the limb from the end of a row's side, drawn towards whole numbers, where the limb
+  /// has its edges; `end` and what is beyond its last whole number stay.
+  static double towards_edges(double at, double end) {
+    return at < std::floor(end) ? at - kDrawn * std::sin(2.0 * M_PI * at) / (2.0 * M_PI) : at;
   }
 
   void place_rims() {

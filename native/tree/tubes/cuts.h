@@ -9,19 +9,15 @@
 #include "tree/tubes/detail.h"
 #include "tree/tubes/limb_shape.h"
 #include "tree/tubes/patch.h"
+#include "tree/tubes/row_cuts.h"
+#include "tree/tubes/side_counts.h"
 
 namespace snowbough::tree {
 
 /// How finely the four-sided base is cut: every base edge into pieces that both its faces share.
 struct SurfaceCuts {
-  /// Per limb and row: shares of the row at which its levels lie, from 0 to 1.
-  std::vector<std::vector<std::vector<double>>> rows;
-  /// Per limb and row: strips of the row, from its end with fewer quads across, before their number
-  /// changes.
-  std::vector<std::vector<int>> plain;
-  /// Per limb and ring: quads across each of the four sides, a power of two. Of a hole in the
-  /// parent's side, that of the limb's next ring.
-  std::vector<std::vector<int>> across;
+  RowCuts along;
+  SideCounts across;
   /// Per base edge: shares of the edge, from its vertex a (the lower one), at which its pieces
   /// begin and end, from 0 to 1.
   std::vector<std::vector<double>> edges;

@@ -5,7 +5,7 @@ namespace snowbough::tree {
 DetailSettings detail_settings(Detail detail) {
   switch (detail) {
     case Detail::kDraft:
-      return {8, 4e-4, 0.5, 2.0, 5e-4, 12000, 1.3};
+      return {8, 4e-4, 0.5, 2.0, 5e-4, 12000, 1.6};
     case Detail::kGame:
       return {16, 3e-4, 0.28, 0.5, 5e-4, 25000, 1.7};
     case Detail::kDefault:

@@ -12,6 +12,13 @@ namespace {
 /// face.
 constexpr double kAside = 1e-9;
 
+/// Whether a face's corner lies between the two beside it on a line along the limb: cut_patch puts
+/// such a vertex at corner 0 or 2, and others between two across the limb.
+bool is_between(const std::array<glm::dvec2, 4>& corners, int k) {
+  const glm::dvec2 a = corners[k] - corners[(k + 3) % 4], b = corners[(k + 1) % 4] - corners[k];
+  return std::abs(a.x) <= kAside && std::abs(b.x) <= kAside;
+}
+
 /// A point of edge k of a face, at the share `t` of the way from corner k to the next.
 FinePlace on_edge(int32_t face, int k, double t) {
   switch (k) {
@@ -143,17 +150,25 @@ FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Ed
   return Cut(quads, vertex_count, edges, cuts).cut();
 }
 
+std::vector<uint8_t> between_others(const FineMesh& fine) {
+  std::vector<uint8_t> between(fine.vertices.size(), 0);
+  for (size_t f = 0; f < fine.quads.size(); ++f) {
+    for (const int k : {0, 2}) {
+      if (is_between(fine.corners[f], k)) between[fine.quads[f][k]] = 1;
+    }
+  }
+  return between;
+}
+
 void straighten(const FineMesh& fine, std::span<const uint8_t> faces,
                 std::vector<glm::dvec3>& points) {
   for (size_t f = 0; f < fine.quads.size(); ++f) {
     if (faces[f] == 0) continue;
     const auto& at = fine.corners[f];
-    // cut_patch puts such a vertex at corner 0 or 2, and others between two across the limb.
     for (const int k : {0, 2}) {
+      if (!is_between(at, k)) continue;
       const int before = (k + 3) % 4, after = (k + 1) % 4;
-      const glm::dvec2 a = at[k] - at[before], b = at[after] - at[k];
-      if (std::abs(a.x) > kAside || std::abs(b.x) > kAside) continue;
-      const double low = glm::length(a), high = glm::length(b);
+      const double low = glm::distance(at[before], at[k]), high = glm::distance(at[k], at[after]);
       const Quad& quad = fine.quads[f];
       points[quad[k]] = (points[quad[before]] * high + points[quad[after]] * low) / (low + high);
     }

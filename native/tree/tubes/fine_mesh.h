@@ -36,6 +36,9 @@ struct FineMesh {
 FineMesh cut_quads(const std::vector<Quad>& quads, size_t vertex_count, const Edges& edges,
                    const SurfaceCuts& cuts);
 
+/// Per vertex, 1 for those that straighten puts back.
+std::vector<uint8_t> between_others(const FineMesh& fine);
+
 /// Puts vertices that only one of their edges' faces has, where limbs change their number of sides,
 /// back onto the line between the two beside them: faces there are triangles of four corners, and
 /// would fold across it.

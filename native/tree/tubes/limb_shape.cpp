@@ -1,12 +1,15 @@
 #include "tree/tubes/limb_shape.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <glm/geometric.hpp>
 
 namespace snowbough::tree {
 namespace {
 
+/// Corners of a hole stay so far inside their side.
+constexpr double kLeastMargin = 0.02;
 /// A joint nearer to a ring than this share of the row is at it.
 constexpr double kAtRing = 1e-3;
 /// Between two rings a limb is no thinner than this share of the thinner one's radius.
@@ -24,17 +27,17 @@ Frame frame_of(const Ring& ring, const std::vector<glm::dvec3>& vertices) {
   return frame;
 }
 
-/// The largest angle between the sides of two rings, seen along a direction.
-double largest_turn(const Ring& from, const Ring& to, const glm::dvec3& along,
-                    const std::vector<glm::dvec3>& vertices) {
-  const auto side = [&](const Ring& ring, int k) {
-    const glm::dvec3 edge = vertices[ring.vertices[(k + 1) % 4]] - vertices[ring.vertices[k]];
-    return edge - along * glm::dot(edge, along);
-  };
+/// The largest angle between the sides of a ring and those of a limb that runs along the frame's
+/// normal, seen along it.
+double largest_turn(const Ring& ring, const Frame& limb, const std::vector<glm::dvec3>& vertices) {
+  const std::array<glm::dvec3, 4> sides = {limb.v - limb.u, -limb.u - limb.v, limb.u - limb.v,
+                                           limb.u + limb.v};
   double largest = 0.0;
   for (int k = 0; k < 4; ++k) {
-    const glm::dvec3 a = side(from, k), b = side(to, k);
-    largest = std::max(largest, std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)));
+    const glm::dvec3 edge = vertices[ring.vertices[(k + 1) % 4]] - vertices[ring.vertices[k]];
+    const glm::dvec3 seen = edge - limb.normal * glm::dot(edge, limb.normal);
+    const double sine = glm::length(glm::cross(seen, sides[k]));
+    largest = std::max(largest, std::atan2(sine, glm::dot(seen, sides[k])));
   }
   return largest;
 }
@@ -56,8 +59,12 @@ LimbShape::LimbShape(const LimbPath& path, const LimbSurface& limb,
   }
   if (!limb.continues_parent && rings_.size() > 1) {
     // The hole lies askew; around it the limb is as round as at its first own ring.
-    hole_twist_ = largest_turn(limb.rings[0], limb.rings[1], rings_[1].frame.normal, vertices);
     rings_[0].frame = rings_[1].frame;
+    const glm::dvec3 way = centre(0, 1.0) - centre(0, 0.0);
+    const Frame& next = rings_[1].frame;
+    const double length = glm::length(way);
+    hole_twist_ =
+        largest_turn(limb.rings[0], length > 0.0 ? transport(next, way / length) : next, vertices);
   }
 }
 
@@ -112,6 +119,34 @@ std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<Lim
                         thin_stray);
   }
   return shapes;
+}
+
+HolePlace hole_place(const Surface& surface, const Junction& junction) {
+  HolePlace place;
+  place.parent = junction.parent;
+  place.row = junction.row;
+  place.side = junction.side;
+  place.inset = junction.inset;
+  if (!junction.inset) return place;
+  const LimbSurface& parent = surface.limbs[junction.parent];
+  const Ring& low = parent.rings[junction.row];
+  const Ring& high = parent.rings[junction.row + 1];
+  const int after = (junction.side + 1) % 4;
+  const auto point = [&](int32_t vertex) { return surface.vertices[vertex]; };
+  const glm::dvec3 p0 = point(low.vertices[junction.side]), p1 = point(low.vertices[after]);
+  const glm::dvec3 p2 = point(high.vertices[after]), p3 = point(high.vertices[junction.side]);
+  const glm::dvec3 across = 0.5 * (p1 + p2 - p0 - p3), along = 0.5 * (p2 + p3 - p0 - p1);
+  const glm::dvec3 middle = 0.25 * (p0 + p1 + p2 + p3);
+  const auto share = [](const glm::dvec3& p, const glm::dvec3& axis, double low_end) {
+    return std::clamp(0.5 + glm::dot(p, axis) / glm::dot(axis, axis), low_end, 1.0 - low_end);
+  };
+  const Ring& hole = surface.limbs[junction.child].rings.front();
+  for (int k = 0; k < 4; ++k) {
+    const glm::dvec3 p = point(hole.vertices[k]) - middle;
+    const double x = 2.0 * share(p, across, kLeastMargin) - 1.0;
+    place.corners[k] = {0.5 + 2.0 / M_PI * std::atan(x), share(p, along, kLeastMargin)};
+  }
+  return place;
 }
 
 }  // namespace snowbough::tree

@@ -1,5 +1,8 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
+#include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -51,5 +54,19 @@ class LimbShape {
 /// The shapes of all limbs. Where a child continues its parent both curves meet smoothly.
 std::vector<LimbShape> limb_shapes(const Surface& surface, const std::vector<LimbPath>& paths,
                                    const std::vector<int32_t>& parents, double thin_stray);
+
+/// The opening that a limb grows out of: its corners on one side of a row of the parent, as shares
+/// of the side and of the row.
+struct HolePlace {
+  int32_t parent = -1;
+  int32_t row = 0, side = 0;
+  bool inset = false;
+  std::array<glm::dvec2, 4> corners = {glm::dvec2(0, 0), glm::dvec2(1, 0), glm::dvec2(1, 1),
+                                       glm::dvec2(0, 1)};
+};
+
+/// Where a child's hole is. On a round side the middle third of a flat one lies closer together:
+/// its corners lie by angle, not by length.
+HolePlace hole_place(const Surface& surface, const Junction& junction);
 
 }  // namespace snowbough::tree

@@ -112,12 +112,12 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
   /// Row and share of every section.
   std::vector<std::pair<size_t, double>> places;
   for (size_t row = 0; row < shape.row_count(); ++row) {
-    const std::vector<double>& levels = cuts_.rows[number][row];
+    const std::vector<double>& levels = cuts_.along.rows[number][row];
     own.rows.push_back(chain.sections.size() - own.first);
     const int high = cuts_.across[number][row + 1];
     const int low = row == 0 && hole ? high : cuts_.across[number][row];
     const int strips = static_cast<int>(levels.size()) - 1;
-    const PatchCuts across{low, strips, high, strips, cuts_.plain[number][row]};
+    const PatchCuts across{low, strips, high, strips, cuts_.along.plain[number][row]};
     // The last level is the next row's first.
     const bool last_row = row + 1 == shape.row_count();
     for (int level = 0; level < strips + (last_row ? 1 : 0); ++level) {
@@ -146,7 +146,7 @@ void LimbTubes::add_limb(const LimbShape& shape, const LimbSurface& limb, size_t
 
 double LimbTubes::length(int32_t limb, int32_t row, double v) const {
   const Limb& own = limbs_[limb];
-  const std::vector<double>& levels = cuts_.rows[limb][row];
+  const std::vector<double>& levels = cuts_.along.rows[limb][row];
   const auto above = std::upper_bound(levels.begin() + 1, levels.end() - 1, v);
   const auto level = static_cast<size_t>(above - levels.begin()) - 1;
   const double t = std::clamp((v - levels[level]) / (levels[level + 1] - levels[level]), 0.0, 1.0);

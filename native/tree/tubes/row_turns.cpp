@@ -111,6 +111,15 @@ RowSamples row_turns(const LimbShape& shape, size_t row) {
   return turns;
 }
 
+std::vector<double> even_pieces(int count) {
+  std::vector<double> at;
+  at.reserve(static_cast<size_t>(count) + 1);
+  for (int i = 0; i <= count; ++i) {
+    at.push_back(static_cast<double>(i) / count);
+  }
+  return at;
+}
+
 std::vector<double> spread_pieces(const RowSamples& wanted, int count) {
   const double even = kEven * wanted.total() + 1e-6;
   const double all = wanted.total() + even;

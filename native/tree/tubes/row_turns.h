@@ -21,6 +21,9 @@ struct RowSamples {
 /// stretch.
 RowSamples row_turns(const LimbShape& shape, size_t row);
 
+/// Shares at which a row is cut into `count` pieces of the same length.
+std::vector<double> even_pieces(int count);
+
 /// Shares at which a row is cut into `count` pieces, so that each holds as much of what is wanted.
 std::vector<double> spread_pieces(const RowSamples& wanted, int count);
 

@@ -7,8 +7,10 @@ namespace {
 
 constexpr int kSides = 4;
 /// How many times its share of texels a widened row may take, and how far it is shortened for it.
-constexpr double kMaxDensityRatio = 1.6;
-constexpr double kMinShortening = 0.5;
+/// Rounding limbs and blending forks spread a detailed surface's texels by another third, and a
+/// factor of two is all there is from its 5th to its 95th percentile.
+constexpr double kMaxDensityRatio = 1.5;
+constexpr double kMinShortening = 0.35;
 /// Rows of no length (rings upon each other) still get this many texels, for a positive area.
 constexpr double kMinRowLength = 1.0 / 32.0;
 /// A side takes at least this share of the perimeter in the map, however short it is.

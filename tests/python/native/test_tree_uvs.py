@@ -96,6 +96,13 @@ def test_real_tree_is_unwrapped_evenly_without_overlap(path, least_fill, resolut
     assert result["fill"] >= least_fill
 
 
+@pytest.mark.parametrize("detail", ["DRAFT", "DEFAULT", "FILM"])
+@pytest.mark.parametrize("path, _least_fill", REAL_TREES)
+def test_a_real_trees_texels_are_even_at_every_detail(path, _least_fill, detail):
+    result = measure(native.build_tree_mesh(native.read_tree(str(path)), detail=detail), 1024)
+    assert result["density_p95"] < 2 * result["density_p5"]
+
+
 @pytest.mark.parametrize("path, least_fill", REAL_TREES)
 def test_real_tree_by_sampling(path, least_fill):
     """The same as above found another way, with nothing of the project's in it."""

@@ -52,6 +52,27 @@ TEST_F(Materials, ATextureIsFoundInAFolderBesideTheLibraryWhateverItsCase) {
   EXPECT_THAT(warnings_, IsEmpty());
 }
 
+TEST_F(Materials, AConvertedTextureIsTakenAndSaidOnce) {
+  write("a.mtl",
+        "newmtl leaf\nmap_Kd leaf.tga\nmap_d leaf.tga\nnewmtl bark\nmap_Kd old/Leaf.TGA\n");
+  write("Textures/Leaf.png", "");
+  write("Textures/leaf.txt", "");
+  auto materials = read({"a.mtl"});
+  EXPECT_THAT(materials["leaf"].diffuse_texture.path, HasSubstr("Textures/Leaf.png"));
+  EXPECT_THAT(materials["leaf"].alpha_texture.path, HasSubstr("Textures/Leaf.png"));
+  EXPECT_THAT(materials["bark"].diffuse_texture.path, HasSubstr("Textures/Leaf.png"));
+  EXPECT_THAT(warnings_, ElementsAre("texture 'leaf.tga' of material 'leaf' is missing: "
+                                     "'Leaf.png' is taken for it"));
+}
+
+TEST_F(Materials, OfSeveralConvertedTexturesNoneIsTaken) {
+  write("a.mtl", "newmtl leaf\nmap_Kd leaf.tga\n");
+  write("leaf.png", "");
+  write("textures/leaf.jpg", "");
+  EXPECT_EQ(read({"a.mtl"})["leaf"].diffuse_texture.path, "");
+  EXPECT_THAT(warnings_, ElementsAre("texture 'leaf.tga' of material 'leaf' is missing"));
+}
+
 TEST_F(Materials, AllTexturesOfAPackAreFoundWithHowTheyLie) {
   write("a.mtl",
         "newmtl bark\nTf 0.5 0.75 0.25\nmap_Kd -s 2 4 1 -o 0.5 0.25 maps\\Bark.JPG\n"

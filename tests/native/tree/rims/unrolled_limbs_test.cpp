@@ -98,6 +98,26 @@ TEST(UnrolledLimbs, ARimThatGrowsToAnEggStaysLittleBehind) {
   }
 }
 
+TEST(UnrolledLimbs, WhatTurnsWithARimTurnsBackWithinItsReach) {
+  GridWithHole grid(0.0);
+  for (RimPoint& point : grid.rims[0]) point.target.quarter += 0.3;
+  // Above the rim's reach, rows are long: there it used to turn back in one.
+  constexpr int kLong = 15;
+  for (int y = kLong + 1; y < kAlong; ++y) {
+    for (int x = 0; x < kAround; ++x) {
+      grid.unrolled.places[GridWithHole::vertex(x, y)].length += y - kLong;
+    }
+  }
+  const UnrolledLimbs before = grid.unrolled;
+  grid.move();
+  double most = 0.0;
+  for (int x = 0; x < kAround; ++x) {
+    const int32_t v = GridWithHole::vertex(x, kLong);
+    most = std::max(most, grid.unrolled.places[v].quarter - before.places[v].quarter);
+  }
+  EXPECT_LT(most, 0.06) << "five degrees, of 27";
+}
+
 TEST(UnrolledLimbs, RimsOfForksThatDoNotBlendStay) {
   GridWithHole grid(0.2);
   grid.built.forks[0].blends = false;

@@ -33,6 +33,12 @@ TEST(FineMesh, FacesThatAreNotAskedForStayAsTheyAre) {
   EXPECT_EQ(change.points[2].z, 0.5);
 }
 
+TEST(FineMesh, OnlyAVertexAlongASideLiesBetweenOthers) {
+  Change change;
+  change.fine.vertices.resize(4);
+  EXPECT_EQ(between_others(change.fine), (std::vector<uint8_t>{0, 0, 1, 0}));
+}
+
 TEST(FineMesh, AVertexBetweenTwoAroundALimbStays) {
   Change change;
   change.fine.corners = {{{{0.0, 0.5}, {0.0, 1.0}, {0.25, 1.0}, {1.0, 1.0}}}};

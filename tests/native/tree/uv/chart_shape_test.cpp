@@ -46,9 +46,14 @@ TEST(Charts, ARowIsAsLongAsItsAreaOverItsWidth) {
   EXPECT_THAT(lengths_of(even_strip(3), 10.0), Each(20.0));
 }
 
-TEST(Charts, ARowWidenedToTwoTexelsIsShortenedByHalfAtMost) {
-  // Ten times too thin: its 20 texels become 10.
-  EXPECT_THAT(lengths_of(even_strip(1, 0.02), 10.0), Each(testing::DoubleEq(10.0)));
+TEST(Charts, ARowWidenedToTwoTexelsIsShortenedToAThirdAtMost) {
+  // Ten times too thin: its 20 texels become 7.
+  EXPECT_THAT(lengths_of(even_strip(1, 0.02), 10.0), Each(testing::DoubleEq(7.0)));
+}
+
+TEST(Charts, AWidenedRowTakesHalfAsManyTexelsAgainAsItsShare) {
+  // Half as wide as two texels: twice its share, were it as long.
+  EXPECT_THAT(lengths_of(even_strip(1, 0.1), 10.0), Each(testing::DoubleEq(15.0)));
 }
 
 TEST(Charts, AChartStandsOnItsRootCap) {

@@ -1,0 +1,92 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Procedural bark: plates between furrows that run along the limb, as colour and as bump.
+
+The map `bark` goes once round a limb and keeps its aspect from trunk to twig. Rolled up into a cylinder of radius 1
+it gives textures in three dimensions no seam along the limb, and everything lies as densely on a twig as on the
+trunk. Plates are the cells of a Voronoi texture whose walls have been bent by noise (S. Worley, A Cellular Texture
+Basis Function, 1996). Thinner, younger limbs have less of them and are smoother.
+"""
+
+import math
+
+from .. import compat_nodes
+from ..names import BARK_UV, POINT_LEVEL_ATTRIBUTE
+from ..node_builder import NodeBuilder
+
+# Ends of the colour ramp.
+FURROW, RIDGE = (0.034, 0.026, 0.02), (0.2, 0.165, 0.13)
+# Plates a radius, and how much longer than wide they are.
+PLATES, LENGTH_TO_WIDTH = 3.0, 3.4
+# Scale and reach, in radii, of the noise that bends their walls: as a whole, and raggedly.
+BENT, RAGGED = (0.9, 0.3), (5.0, 0.09)
+# Furrows between plates, and cracks across them: scale beside the plates', width in cells, depth beside the furrows'.
+FURROWS, CRACKS = (1.0, 0.14, 1.0), (2.6, 0.12, 0.35)
+# Of the grain on plates: scale and depth.
+GRAIN_SCALE, GRAIN = 9.0, 0.8
+# Depth of the trunk's furrows in metres, and what part of depth and of plates the next level of branches has.
+DEPTH, YOUNGER = 0.025, 0.5
+
+
+def _place(builder):
+    """Where on the rolled-up limb a point is."""
+    uv = builder.node("ShaderNodeUVMap", uv_map=BARK_UV)
+    u, v, _ = builder.components(uv.outputs["UV"])
+    angle = builder.multiply(u, 2.0 * math.pi)
+    along = builder.multiply(v, 2.0 * math.pi)
+    return builder.combine(builder.math("COSINE", angle), builder.math("SINE", angle), along)
+
+
+def _noise(builder, place, scale, detail, roughness=0.5):
+    node = builder.node("ShaderNodeTexNoise")
+    return builder.feed(node, Vector=place, Scale=scale, Detail=detail, Roughness=roughness)
+
+
+def _moved(builder, place, scale, reach):
+    """The place, moved at random."""
+    noise = _noise(builder, place, scale, 4.0)
+    colour = next(output for output in noise.outputs if output.type == "RGBA")
+    away = builder.vector("SUBTRACT", colour, (0.5, 0.5, 0.5))
+    return builder.vector("ADD", place, builder.scale(away, 2.0 * reach))
+
+
+def _open(builder, place, scale, width, depth):
+    """1 on the cells of a Voronoi texture, less by up to `depth` towards their walls."""
+    cells = builder.node("ShaderNodeTexVoronoi", feature="DISTANCE_TO_EDGE")
+    builder.feed(cells, Vector=place, Scale=scale * PLATES)
+    inside = builder.math("DIVIDE", cells.outputs["Distance"], width, clamp=True)
+    # Steep at the wall, flat on the plate.
+    return builder.add(builder.multiply(builder.math("POWER", inside, 0.6), depth), 1.0 - depth)
+
+
+def add_bark(tree, surface, ridge=None):
+    """Adds nodes of bark to a material and links them to its Principled BSDF.
+
+    tree: the material's node tree; surface: the node. ridge: the colour of what stands out, linear RGB; the furrows'
+    follows it.
+    """
+    builder = NodeBuilder(tree)
+    ridge = ridge or RIDGE
+    furrow = tuple(c * f / r for c, f, r in zip(ridge, FURROW, RIDGE))
+    level = builder.node("ShaderNodeAttribute", attribute_name=POINT_LEVEL_ATTRIBUTE).outputs["Fac"]
+    age = builder.math("POWER", YOUNGER, level)
+
+    place = _place(builder)
+    x, y, z = builder.components(_moved(builder, _moved(builder, place, *BENT), *RAGGED))
+    long = builder.combine(x, y, builder.divide(z, LENGTH_TO_WIDTH))
+    plates = builder.multiply(_open(builder, long, *FURROWS), _open(builder, long, *CRACKS))
+    # Where limbs are young they are hardly there.
+    hollow = builder.multiply(builder.subtract(1.0, plates), builder.math("POWER", age, 0.5))
+    grain = compat_nodes.noise_value(_noise(builder, long, GRAIN_SCALE, 9.0, 0.65))
+    height = builder.add(builder.subtract(1.0, hollow), builder.multiply(builder.subtract(grain, 0.5), GRAIN))
+    patches = compat_nodes.noise_value(_noise(builder, place, 0.55, 3.0))
+    bright = builder.add(builder.multiply(height, 0.8), builder.multiply(builder.subtract(patches, 0.5), 0.7))
+
+    ramp = builder.node("ShaderNodeValToRGB")
+    builder.set(ramp.inputs[0], bright)
+    ends = ramp.color_ramp.elements
+    ends[0].position, ends[0].color = 0.1, (*furrow, 1.0)
+    ends[1].position, ends[1].color = 0.95, (*ridge, 1.0)
+    bump = builder.node("ShaderNodeBump")
+    builder.feed(bump, Strength=1.0, Distance=builder.multiply(age, DEPTH), Height=height)
+    builder.set(surface.inputs["Base Color"], ramp.outputs["Color"])
+    builder.set(surface.inputs["Normal"], bump.outputs["Normal"])

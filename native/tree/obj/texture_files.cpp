@@ -1,0 +1,129 @@
+#include "tree/obj/texture_files.h"
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+#include "tree/obj/text.h"
+
+namespace snowbough::tree {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// What packs call their folders of textures.
+constexpr std::array<const char*, 5> kTextureFolders = {"textures", "texture", "maps", "tex",
+                                                        "images"};
+/// Images that Blender reads.
+constexpr std::array<const char*, 12> kImages = {".png", ".jpg", ".jpeg", ".tga",  ".tif", ".tiff",
+                                                 ".bmp", ".dds", ".exr",  ".webp", ".jp2", ".hdr"};
+
+/// What lies in `folder` under this relative path, whatever its case; empty if nothing does.
+fs::path find_any_below(const fs::path& folder, const fs::path& relative) {
+  std::error_code error;
+  fs::path at = folder;
+  for (const fs::path& step : relative) {
+    if (fs::exists(at / step, error)) {
+      at /= step;
+      continue;
+    }
+    const std::string wanted = lower_case(step.string());
+    fs::path found;
+    for (const fs::directory_entry& entry : fs::directory_iterator(at, error)) {
+      // The smallest of several that differ in case only: independent of the folder's order.
+      const fs::path name = entry.path().filename();
+      if (lower_case(to_utf8(name.string())) == wanted && (found.empty() || name < found))
+        found = name;
+    }
+    if (found.empty()) return {};
+    at /= found;
+  }
+  return at;
+}
+
+/// The folders in a folder, in the order of their names.
+std::vector<fs::path> folders_in(const fs::path& folder) {
+  std::vector<fs::path> found;
+  std::error_code error;
+  for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+    if (entry.is_directory(error)) found.push_back(entry.path());
+  }
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+/// The folders in which a texture may lie, the likeliest first.
+std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, const fs::path& path) {
+  std::vector<fs::path> places;
+  const auto add = [&](const fs::path& folder, const fs::path& relative) {
+    std::error_code error;
+    const fs::path found = find_any_below(folder, relative);
+    if (fs::is_directory(found, error)) places.push_back(found);
+  };
+  if (path.is_absolute()) add("/", path.parent_path().relative_path());
+  for (const fs::path& folder : folders) {
+    add(folder, path.parent_path().relative_path());
+    add(folder, {});
+    for (const char* beside : kTextureFolders) add(folder, beside);
+  }
+  for (const fs::path& folder : folders) {
+    const fs::path above = fs::absolute(folder).parent_path();
+    for (const char* beside : kTextureFolders) add(above, beside);
+  }
+  // Those that a folder of textures beside holds: Textures/Bark, say.
+  for (const fs::path& folder : folders) {
+    for (const fs::path& beside : folders_in(folder)) {
+      const std::string called = lower_case(beside.filename().string());
+      const bool holds = std::find(kTextureFolders.begin(), kTextureFolders.end(), called) !=
+                         kTextureFolders.end();
+      if (!holds) continue;
+      for (const fs::path& inner : folders_in(beside)) places.push_back(inner);
+    }
+  }
+  return places;
+}
+
+std::string plain_path(const fs::path& path) {
+  return fs::absolute(path).lexically_normal().string();
+}
+
+bool is_image(const fs::path& path) {
+  const std::string ending = lower_case(path.extension().string());
+  return std::find(kImages.begin(), kImages.end(), ending) != kImages.end();
+}
+
+}  // namespace
+
+fs::path find_below(const fs::path& folder, const fs::path& relative) {
+  std::error_code error;
+  const fs::path found = find_any_below(folder, relative);
+  return fs::is_regular_file(found, error) ? found : fs::path();
+}
+
+std::string find_texture(const std::vector<fs::path>& folders, const std::string& name) {
+  const fs::path path(name);
+  for (const fs::path& folder : texture_folders(folders, path)) {
+    const fs::path found = find_below(folder, path.filename());
+    if (!found.empty()) return plain_path(found);
+  }
+  return {};
+}
+
+std::string find_converted_texture(const std::vector<fs::path>& folders, const std::string& name) {
+  const fs::path path(name);
+  const std::string stem = lower_case(path.stem().string());
+  std::set<std::string> found;
+  for (const fs::path& folder : texture_folders(folders, path)) {
+    std::error_code error;
+    for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
+      const fs::path& file = entry.path();
+      if (entry.is_regular_file(error) && is_image(file) &&
+          lower_case(to_utf8(file.stem().string())) == stem) {
+        found.insert(plain_path(file));
+      }
+    }
+  }
+  return found.size() == 1 ? *found.begin() : std::string();
+}
+
+}  // namespace snowbough::tree
