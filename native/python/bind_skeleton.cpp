@@ -13,8 +13,6 @@
 #include "tree/read_tree.h"
 #include "tree/skeleton/skeleton.h"
 
-namespace py = pybind11;
-
 namespace snowbough::python {
 namespace {
 

@@ -89,7 +89,7 @@ class Viewport:
     def draw(self, view, light, options, flakes=None):
         """Draws the newest frame and asks for one of this records.View under a records.Light, with records.Flakes in
         the air; options: fields of RenderSettings."""
-        self._take()
+        self._fetch_frame()
         key = (view, light, flakes, self._generation, tuple(sorted(options.items())))
         now = time.monotonic()
         if key != self._key:
@@ -114,7 +114,7 @@ class Viewport:
         self._asked[ticket] = (self._key, quality)
         self._last_wish = quality
 
-    def _take(self):
+    def _fetch_frame(self):
         try:
             frame = self._renderer.take_frame()
         except (RuntimeError, ValueError) as error:
@@ -145,7 +145,7 @@ class Viewport:
         """Between draws: whether to look again soon."""
         if self._is_settled():
             return False
-        if self._take() or self.error is not None:
+        if self._fetch_frame() or self.error is not None:
             self._redraw()
         elif not self._renderer.is_busy and self._pacing.wanted(time.monotonic()) != self._last_wish:
             self._redraw()

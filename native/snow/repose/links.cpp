@@ -266,8 +266,8 @@ class LinkFinder {
       const int32_t count = links_on_map(ends[begin].texel) + static_cast<int32_t>(end - begin);
       for (size_t e = begin; e < end; ++e) ends[e].links = count;
     }
-    const auto blocks = static_cast<size_t>(links_.blocks_a_side * links_.blocks_a_side);
-    links_.end_begin.assign(blocks + 1, 0);
+    const auto side = static_cast<size_t>(links_.blocks_a_side);
+    links_.end_begin.assign(side * side + 1, 0);
     for (const auto& end : ends) ++links_.end_begin[static_cast<size_t>(block(end)) + 1];
     std::partial_sum(links_.end_begin.begin(), links_.end_begin.end(), links_.end_begin.begin());
   }

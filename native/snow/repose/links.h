@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <glm/vec2.hpp>
 #include <glm/vec3.hpp>
+#include <utility>
 #include <vector>
 
 #include "snow/texels/texel_table.h"
@@ -37,7 +38,9 @@ struct ReposeLinks {
     int32_t a = 0;
     int32_t b = 0;
     bool operator==(const Across&) const = default;
-    auto operator<=>(const Across&) const = default;
+    bool operator<(const Across& other) const {
+      return std::pair(a, b) < std::pair(other.a, other.b);
+    }
   };
   std::vector<Across> across;
   /// A texel at a rim, and where the rim is nearest: a point of a triangle, by the weights of its

@@ -130,7 +130,7 @@ void space_evenly(const Fork& fork, const LimbTubes& tubes, Rim& rim) {
     way[i + 1] = way[i] + glm::distance(rim[i].position, rim[(i + 1) % count].position);
   }
   const double around = way[count];
-  if (around <= 0.0) return;
+  if (rim.empty() || around <= 0.0) return;
   double offset = 0.0;
   for (size_t i = 0; i < count; ++i) offset += way[i] / around - 0.25 * rim[i].quarter;
   offset /= static_cast<double>(count);
