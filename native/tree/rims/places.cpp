@@ -17,8 +17,11 @@ namespace {
 /// Around a hole vertices lie on the limb's own edges, drawn there by this share, where there is
 /// room for it: no piece is narrower than this share of an even one. Elsewhere, the middle of a
 /// row's sides would lie inside them, and where a hole nearly fills its row they would make a step.
+/// Done where more than so many of the limb's sides lie beside the hole: what is nearer is the
+/// fillet's.
 constexpr double kDrawn = 0.9;
 constexpr double kNarrowest = 0.4;
+constexpr double kWideMargin = 1.5;
 /// A rim reaches at most this share of the limb's first row along it.
 constexpr double kSlant = 0.85;
 /// Within this share of a fork's reach a limb becomes round.
@@ -159,23 +162,27 @@ class Placer {
     constexpr std::array<glm::dvec2, 4> kCell = {glm::dvec2(0, 0), glm::dvec2(1, 0),
                                                  glm::dvec2(1, 1), glm::dvec2(0, 1)};
     const int k = origin.inset, after = (k + 1) % 4;
+    const glm::dvec2 low = kCell[k] * (1.0 - u) + kCell[after] * u;
+    glm::dvec2 p = low * (1.0 - v) + (hole.corners[k] * (1.0 - u) + hole.corners[after] * u) * v;
     const size_t section = tubes_.first_section(origin.branch, origin.row);
     const double sides = tubes_.sections(origin.branch)[section].sides / 4.0;
-    const auto corner = [&](int c) {
-      const glm::dvec2 p = kCell[c] * (1.0 - v) + hole.corners[c] * v;
-      const bool left = kCell[c].x < 0.5;
-      const double margin = left ? hole.corners[c].x : 1.0 - hole.corners[c].x;
-      const double x = towards_edges(margin * v * sides, margin * sides) / sides;
-      return glm::dvec2(left ? x : 1.0 - x, p.y);
-    };
-    const glm::dvec2 a = corner(k), b = corner(after);
-    glm::dvec2 p = a * (1.0 - u) + b * u;
-    if (k % 2 == 0) {
-      // Above the vertices of the row's own ring, as far as it may.
-      const double at = kCell[k].x * (1.0 - u) + kCell[after].x * u;
-      const glm::dvec2 low = k == 0 ? a : b, high = k == 0 ? b : a;
-      const double least = (high.x - low.x) * kNarrowest;
-      p.x = std::clamp(at, low.x + least * at, high.x - least * (1.0 - at));
+    const double left = std::min(hole.corners[0].x, hole.corners[3].x);
+    const double right = 1.0 - std::max(hole.corners[1].x, hole.corners[2].x);
+    if (std::max(left, right) * sides > kWideMargin) {
+      const auto corner_x = [&](int c) {
+        const bool at_left = kCell[c].x < 0.5;
+        const double margin = at_left ? hole.corners[c].x : 1.0 - hole.corners[c].x;
+        const double x = towards_edges(margin * v * sides, margin * sides) / sides;
+        return at_left ? x : 1.0 - x;
+      };
+      const double a = corner_x(k), b = corner_x(after);
+      p.x = a * (1.0 - u) + b * u;
+      if (k % 2 == 0) {
+        // Above the vertices of the row's own ring, as far as it may.
+        const double least = std::abs(b - a) * kNarrowest;
+        p.x = std::clamp(low.x, std::min(a, b) + least * low.x,
+                         std::max(a, b) - least * (1.0 - low.x));
+      }
     }
     return on_side(origin.branch, origin.row, origin.side, p);
   }
