@@ -17,11 +17,11 @@ namespace {
 /// Around a hole vertices lie on the limb's own edges, drawn there by this share, where there is
 /// room for it: no piece is narrower than this share of an even one. Elsewhere, the middle of a
 /// row's sides would lie inside them, and where a hole nearly fills its row they would make a step.
-/// Done where more than so many of the limb's sides lie beside the hole: what is nearer is the
+/// Done where more than this share of the row's side lies beside the hole: what is nearer is the
 /// fillet's.
 constexpr double kDrawn = 0.9;
 constexpr double kNarrowest = 0.4;
-constexpr double kWideMargin = 1.5;
+constexpr double kWideMargin = 0.375;
 /// A rim reaches at most this share of the limb's first row along it.
 constexpr double kSlant = 0.85;
 /// Within this share of a fork's reach a limb becomes round.
@@ -168,7 +168,7 @@ class Placer {
     const double sides = tubes_.sections(origin.branch)[section].sides / 4.0;
     const double left = std::min(hole.corners[0].x, hole.corners[3].x);
     const double right = 1.0 - std::max(hole.corners[1].x, hole.corners[2].x);
-    if (std::max(left, right) * sides > kWideMargin) {
+    if (std::max(left, right) > kWideMargin) {
       const auto corner_x = [&](int c) {
         const bool at_left = kCell[c].x < 0.5;
         const double margin = at_left ? hole.corners[c].x : 1.0 - hole.corners[c].x;
