@@ -17,8 +17,6 @@
 #include "tree/mesh/mesh_check.h"
 #include "tree/original/original_uvs.h"
 
-namespace py = pybind11;
-
 namespace snowbough::python {
 namespace {
 
@@ -46,9 +44,9 @@ py::dict check_dict(const MeshCheck& check) {
 
 void bind_mesh_class(py::module_& module) {
   using pybind11::object;
-  const auto view = [](auto get, auto scalar, std::vector<py::ssize_t> columns) {
+  const auto view = [](auto get, auto scalar, const std::vector<py::ssize_t>& columns) {
     using Scalar = decltype(scalar);
-    return [get, columns](object self) {
+    return [get, columns](const object& self) {
       const auto& values = get(self.cast<const BoundMesh&>());
       std::vector<py::ssize_t> shape{size(values.size())};
       shape.insert(shape.end(), columns.begin(), columns.end());
@@ -93,7 +91,7 @@ void bind_mesh_class(py::module_& module) {
       .def_property_readonly("bone_names", [](const BoundMesh& m) { return m.mesh.bones.names; })
       .def_property_readonly(
           "bone_map",
-          [](object self) -> object {
+          [](const object& self) -> object {
             const auto& map = self.cast<const BoundMesh&>().bone_map;
             if (map.empty()) {
               return py::none();

@@ -33,7 +33,7 @@ TEST(Projection, IsAnchoredAtTheWorldsOriginWhereverTheSceneLies) {
   // The same world point has the same global pixel for scenes with different middles.
   const FallSettings settings = falling({0.2, 0.3, -1.0}, 0.01);
   const glm::dvec3 point(1.234, -0.567, 0.25);
-  glm::dvec2 first;
+  glm::dvec2 first(0.0);
   for (const double shift : {0.0, 3.0, 700.0}) {
     Bounds bounds;
     bounds.include(point);
