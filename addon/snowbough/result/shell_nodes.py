@@ -49,7 +49,12 @@ HEIGHT_ATTRIBUTE = "snow_height"
 # Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
 SLIDERS = (
     (RELIEF_INPUT, "Bumps of the surface; fresh snow has 0.6", 1.0, 10.0),
-    (SHOULDERS_INPUT, "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 2.0),
+    (
+        SHOULDERS_INPUT,
+        "How upright snow stands at rims and ends on steep surfaces; 0 leaves it as its map has it",
+        1.0,
+        2.0,
+    ),
     (RAGGED_INPUT, "How uneven snow ends where shelter thins it out; 0 ends it where the map does", 1.0, 3.0),
     (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
 )

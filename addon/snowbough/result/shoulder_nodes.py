@@ -6,6 +6,8 @@ holds together and has a steep, round front. These nodes draw the slope out towa
 the rim, h the thickness and s the slope of the snow's own surface, s d / h is 1 on a slope that begins at the rim and
 0 on level snow; a bank that ends somewhere else is far from any rim for its thickness. Nothing is asked about the snow
 elsewhere, so a point moves as smoothly over the shot as its thickness does.
+
+A smooth surface has no rim: as it gets steeper, its snow thins out to nothing. There snow ends in a lip (add_lips).
 """
 
 from .. import compat_nodes
