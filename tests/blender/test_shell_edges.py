@@ -105,3 +105,36 @@ def test_what_is_narrow_keeps_its_thin_snow(shell):
 def test_what_is_thick_does_not(shell):
     thin = 0.06 * DEPTH
     assert Geometry(shell(level(thin), rod(DEPTH))).height.min() < 0.1 * thin
+
+
+def test_between_patches_lies_a_dusting(shell):
+    shown = inner(Geometry(shell(level(0.03 * DEPTH))))
+    assert 0.0 < shown.min() < 0.002
+
+
+def steep():
+    """A square that rises by 60 degrees along y."""
+    obj = s.square("Slope", 4.0)
+    obj.rotation_euler = (np.radians(60.0), 0.0, 0.0)
+    return obj
+
+
+def in_the_middle(geometry):
+    return geometry.height[(np.abs(geometry.points[:, :2]) < (1.5, 0.7)).all(axis=1)]
+
+
+@pytest.mark.parametrize(("thin", "least", "most"), [(0.1, 1.5, 3.0), (2.0, 0.99, 1.01)])
+def test_steep_snow_ends_in_a_lip_and_deep_snow_stays(shell, addon, thin, least, most):
+    made = shell(level(thin * DEPTH), steep())
+    set_slider(addon, made, "Ragged Edges", 0.0)
+    assert in_the_middle(Geometry(made)) == pytest.approx(thin * DEPTH, rel=1e-4)
+    set_slider(addon, made, "Shoulders", 1.0)
+    shown = in_the_middle(Geometry(made)) / (thin * DEPTH)
+    assert least < shown.min() <= shown.max() < most
+
+
+def test_thin_snow_on_a_slope_is_thin_for_being_steep(shell):
+    thin = 0.15 * DEPTH
+    on_level = inner(Geometry(shell(level(thin))))
+    on_slope = in_the_middle(Geometry(shell(level(thin), steep())))
+    assert on_slope.min() > 0.9 * thin > 2.0 * on_level.min()

@@ -42,14 +42,19 @@ from .shell_pieces import (
     subdivided,
     welded,
 )
-from .shoulder_nodes import SHOULDERS_INPUT, add_shoulders, near_rim, rims, way_to
+from .shoulder_nodes import SHOULDERS_INPUT, add_lips, add_shoulders, near_rim, rims, way_to
 
 HEIGHT_ATTRIBUTE = "snow_height"
 
 # Inputs of a shell's nodes besides the geometry: name, tooltip, default, most.
 SLIDERS = (
     (RELIEF_INPUT, "Bumps of the surface; fresh snow has 0.6", 1.0, 10.0),
-    (SHOULDERS_INPUT, "How upright snow stands at rims; 0 leaves it at its angle of repose", 1.0, 2.0),
+    (
+        SHOULDERS_INPUT,
+        "How upright snow stands at rims and ends on steep surfaces; 0 leaves it as its map has it",
+        1.0,
+        2.0,
+    ),
     (RAGGED_INPUT, "How uneven snow ends where shelter thins it out; 0 ends it where the map does", 1.0, 3.0),
     (CUSHIONS_INPUT, "Snow bridges the gaps between needles; 0 leaves every needle its own", 0.0, 4.0),
 )
@@ -64,6 +69,8 @@ THIN = 0.001
 DEEP = 0.02
 # What Phong tessellation adds at most, as a share of the thickness.
 MOST_CURVATURE = 0.5
+# Metres from a rim from which on steepness begins to mean anything, and means it fully.
+OFF_RIM = (0.005, 0.03)
 # Which way snow grows in the space of grains and relief: any that is no axis.
 GROWTH = (0.27, 0.21, 0.94)
 # What a wall's height counts at an edge, beside 1 for level ground.
@@ -129,7 +136,7 @@ def build_tree(name, source):
         normal_of_points = tree.node("GeometryNodeInputNormal").outputs[0]
         carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
         geometry, carried_by = capture(tree, geometry, carried_by, "POINT", "FLOAT")
-        ragged = (carried_by, open_depth, sliders[RAGGED_INPUT])
+        ragged = (carried_by, open_depth, sliders[RAGGED_INPUT], sliders[SHOULDERS_INPUT])
     rim_edges = rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
     pieces, curvature = phong(tree, apart(tree, pieces, source))
     pieces, geometry = (subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
@@ -235,12 +242,18 @@ def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
     if ragged is not None:
-        carried_by, open_depth, strength = ragged
+        carried_by, open_depth, strength, shoulders = ragged
         geometry, offset = capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
         place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
         thickness = tree.vector("LENGTH", offset)
-        room = tree.math("MINIMUM", carried_by, tree.vector("LENGTH", to_rim))
-        offset = tree.scale(offset, add_ragged_edges(tree, thickness, room, place, open_depth, strength))
+        distance = tree.vector("LENGTH", to_rim)
+        room = tree.math("MINIMUM", carried_by, distance)
+        # At a rim the normal is the mean of faces that have nothing in common.
+        steep = tree.subtract(1.0, tree.absolute(tree.components(tree.vector("NORMALIZE", normal))[2]))
+        upright = tree.subtract(1.0, tree.multiply(steep, tree.smoothstep(distance, *OFF_RIM)))
+        share = add_ragged_edges(tree, thickness, room, upright, place, open_depth, strength)
+        lips = add_lips(tree, thickness, upright, carried_by, open_depth, shoulders)
+        offset = tree.scale(offset, tree.multiply(share, lips))
     normal = tree.vector("NORMALIZE", normal)
     snow = []
     for value in (offset, normal, curvature):

@@ -6,6 +6,8 @@ holds together and has a steep, round front. These nodes draw the slope out towa
 the rim, h the thickness and s the slope of the snow's own surface, s d / h is 1 on a slope that begins at the rim and
 0 on level snow; a bank that ends somewhere else is far from any rim for its thickness. Nothing is asked about the snow
 elsewhere, so a point moves as smoothly over the shot as its thickness does.
+
+A smooth surface has no rim: as it gets steeper, its snow thins out to nothing. There snow ends in a lip (add_lips).
 """
 
 from .. import compat_nodes
@@ -22,6 +24,10 @@ FAR, FARTHER = 2.1, 2.7
 # What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
 SLOPES = (0.15, 0.45)
 FOOT = 0.5
+# What s d / h gains, at most, on a surface that falls towards its rim: at eaves snow at its angle of repose is less
+# steep beside the roof. And cosines of walls, which gain nothing, and of roofs.
+EAVES = 1.0
+ROOFS = (0.2, 0.5)
 # Cosine between the snow's own normal and the surface's from which it counts, and from which it counts fully.
 UNFOLDED = (0.1, 0.3)
 # Cosine between a slope's direction and the rim's from which it counts, and from which it counts fully; and the sine of
@@ -39,6 +45,16 @@ FARTHEST = 1e6
 REACH = 0.21
 VARIATION = 0.55
 WAVES = 6.0
+# Lips: how much thicker snow may end on steep smooth surfaces, in parts of the open ground's depth and of how thick
+# what carries it is; and the surface's cosine below which it begins to, and below which it does fully.
+LIP, LIP_OF_SUPPORT = 0.2, 0.16
+LIP_SLOPES = (0.96, 0.75)
+# Cosines of walls, which hold no snow for lips, and from which on there are lips.
+LIP_WALLS = (0.1, 0.3)
+# Snow as deep as the first of these lips counts less, and from the second on it is as thick as its map says.
+LIP_DEPTHS = (2.0, 7.0)
+# Thinner than this it is frost and ends thinly (metres).
+FROST = 0.005
 # The least cosine between the snow's own normal and the surface's that slopes are taken from.
 STEEPEST = 0.08
 
@@ -70,6 +86,29 @@ def way_to(builder, rim_edges, position):
     return builder.vector("ADD", way, builder.combine(0.0, 0.0, builder.multiply(none, FARTHEST)))
 
 
+def add_lips(builder, thickness, upright, support, open_depth, strength):
+    """What the thickness is to be multiplied by, a socket: on a smooth steep surface snow thins out to nothing by its
+    map, but what lies holds together and ends in a round lip, as a drop does: a thickness h is shown as
+    sqrt(h^2 + 2 l h), which begins upright, with l the lip's.
+
+    thickness, support (of what carries it), open_depth: metres, not negative. upright: cosine of the surface's
+    steepness. strength: 1 is fresh snow.
+    """
+    most = builder.math(
+        "MINIMUM", builder.multiply(open_depth, LIP), builder.multiply(support, LIP_OF_SUPPORT)
+    )
+    steep = builder.multiply(
+        builder.smoothstep(upright, *LIP_SLOPES), builder.smoothstep(upright, *LIP_WALLS)
+    )
+    lip = builder.math("MAXIMUM", builder.multiply(builder.multiply(most, strength), steep), 1e-6)
+    begun = builder.smoothstep(thickness, 0.0, FROST)
+    parts = builder.divide(thickness, lip)
+    ended = builder.smoothstep(parts, *LIP_DEPTHS, 1.0, 0.0)
+    inverse = builder.divide(1.0, builder.math("MAXIMUM", parts, 1e-4))
+    grown = builder.math("SQRT", builder.math("MULTIPLY_ADD", inverse, 2.0, 1.0))
+    return builder.math("MULTIPLY_ADD", builder.subtract(grown, 1.0), builder.multiply(begun, ended), 1.0)
+
+
 def near_rim(builder, to_rim, thickness):
     """Whether add_shoulders moves a point at all: 1 or 0."""
     reach = builder.multiply(builder.math("MAXIMUM", thickness, 1e-6), FARTHER)
@@ -90,9 +129,13 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
     outwards = builder.scale(tangent, builder.divide(1.0, builder.math("MAXIMUM", sine, 1e-6)))
     slope = builder.divide(sine, builder.math("MAXIMUM", along, STEEPEST))
     apart = builder.divide(distance, builder.math("MAXIMUM", thickness, 1e-6))
+    level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
+    falls = builder.math("MAXIMUM", builder.dot(normal, level_outwards), 0.0)
+    falls = builder.multiply(falls, builder.smoothstep(builder.components(normal)[2], *ROOFS))
+    steepness = builder.multiply(slope, builder.math("MULTIPLY_ADD", falls, EAVES, 1.0))
     begun = builder.multiply(builder.smoothstep(slope, *SLOPES), FOOT)
     share = builder.multiply(
-        builder.smoothstep(builder.add(builder.multiply(slope, apart), begun), BEGINS, COMPLETE),
+        builder.smoothstep(builder.add(builder.multiply(steepness, apart), begun), BEGINS, COMPLETE),
         builder.smoothstep(apart, FAR, FARTHER, 1.0, 0.0),
     )
     # Slopes that fall towards the rim, not from it; at the rim itself all do.
@@ -105,7 +148,6 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
     # Where deep snow folds over itself in a hollow its normals mean nothing.
     share = builder.multiply(share, builder.smoothstep(along, *UNFOLDED))
     # What fills a hollow is steep beside the surface, but level.
-    level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
     share = builder.multiply(share, builder.smoothstep(builder.dot(own_normal, level_outwards), *FALLS))
     # The wall of a hollow rises towards its rim, and holds what leans on it.
     share = builder.multiply(share, builder.smoothstep(builder.dot(normal, level_outwards), *RISES))
