@@ -114,6 +114,9 @@ void Smoother::for_each_beside(size_t number, int32_t i, const Visit& visit) con
   if (right[i - 1] != 0) visit_beside(i - 1);
   if (above[i] != 0) visit(i + size, kSteps);
   if (above[i - size] != 0) visit(i - size, kSteps);
+  // On level 0 links that run elsewhere take the place of those on the grid.
+  const bool is_inner = right[i] != 0 && right[i - 1] != 0 && above[i] != 0 && above[i - size] != 0;
+  if (number == 0 && is_inner) return;
   const auto cells = grid.link_cell.begin();
   const int32_t row = i / size;
   const auto end = cells + grid.link_row[row + 1];
