@@ -10,7 +10,7 @@ import bpy
 KINDS = ("diffuse_texture", "alpha_texture", "specular_texture", "bump_texture", "normal_texture")
 
 
-def uv_node(tree, uv_map):
+def _uv_node(tree, uv_map):
     node = tree.nodes.new("ShaderNodeUVMap")
     node.uv_map = uv_map
     node.location = (-1300, 0)
@@ -35,7 +35,7 @@ class Textures:
     def _new(self, texture, color_space, height):
         nodes, link = self._tree.nodes, self._tree.links.new
         if self._uv is None:
-            self._uv = uv_node(self._tree, self._uv_map)
+            self._uv = _uv_node(self._tree, self._uv_map)
         place = self._uv.outputs["UV"]
         if texture.scale != (1.0, 1.0) or texture.offset != (0.0, 0.0):
             mapping = nodes.new("ShaderNodeMapping")

@@ -27,8 +27,8 @@ std::vector<uint8_t> filled_tiles(const std::vector<float>& map, int32_t resolut
 }  // namespace
 
 CpuFilter::CpuFilter(const TexelTable& table, const SeamTable& seams,
-                     const SmoothingSettings& settings, int32_t threads,
-                     const std::vector<glm::vec3>& normals)
+                     const SmoothingSettings& settings, const std::vector<glm::vec3>& normals,
+                     int32_t threads)
     : table_(table),
       seams_(seams),
       threads_(std::max(1, threads)),

@@ -35,7 +35,7 @@ class CpuFilter {
   /// `table` and `seams` must outlive it. `normals`: see build_smoothing_grid. The result does not
   /// depend on `threads`.
   CpuFilter(const TexelTable& table, const SeamTable& seams, const SmoothingSettings& settings,
-            int32_t threads = 2, const std::vector<glm::vec3>& normals = {});
+            const std::vector<glm::vec3>& normals = {}, int32_t threads = 2);
 
   /// `map`: its resolution^2 heights as stored, in metres, row 0 = v 0, 0 where no chart owns the
   /// texel; handed back as the output's.

@@ -5,10 +5,7 @@
 #include <glm/geometric.hpp>
 
 namespace snowbough::snow {
-
 namespace {
-
-constexpr int32_t kThreads = 2;
 
 /// Of unit length; of triangles without area no number.
 std::vector<glm::vec3> triangle_normals(const MapTopology& topology,
@@ -36,7 +33,7 @@ void OutputFilter::build() {
                               {rest.begin(), rest.begin() + topology.vertex_count});
     cpu_filter_ = std::make_unique<CpuFilter>(receiver_->table, seams_,
                                               SmoothingSettings{static_cast<float>(blur_radius_)},
-                                              kThreads, triangle_normals(topology, rest));
+                                              triangle_normals(topology, rest));
   });
 }
 

@@ -91,8 +91,9 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
   // What is seen, drawn and copied; the depth test's own.
   estimate.tile =
       int64_t{tile_size} * tile_size * static_cast<int64_t>(2 * sizeof(shared::SeenPixel) + 4);
-  // Two works of seven arrays, a third more for the coarse levels; the map, a normal, tables.
-  estimate.output = largest_map * (2 * 28 + 4 + 12 + 12);
+  // Two works of seven arrays and the distances to a bank's foot, a third more for the coarse
+  // levels; the map, a normal, tables, where a texel's surface ends.
+  estimate.output = largest_map * (2 * (28 + 2) + 4 + 12 + 12 + 1);
   return estimate;
 }
 
