@@ -42,7 +42,7 @@ from .shell_pieces import (
     subdivided,
     welded,
 )
-from .shoulder_nodes import SHOULDERS_INPUT, add_lips, add_shoulders, near_rim, rims, way_to
+from .shoulder_nodes import SHOULDERS_INPUT, Inner, add_lips, add_shoulders, near_rim, rims, way_to
 
 HEIGHT_ATTRIBUTE = "snow_height"
 
@@ -137,10 +137,12 @@ def build_tree(name, source):
         carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
         geometry, carried_by = capture(tree, geometry, carried_by, "POINT", "FLOAT")
         ragged = (carried_by, open_depth, sliders[RAGGED_INPUT], sliders[SHOULDERS_INPUT])
-    rim_edges = rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
+    carrier, rim_edges = geometry, rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
     pieces, curvature = phong(tree, apart(tree, pieces, source))
     pieces, geometry = (subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
-    geometry, snow = _heights(tree, geometry, Pieces(tree, pieces, source), curvature, rim_edges, ragged)
+    geometry, snow = _heights(
+        tree, geometry, Pieces(tree, pieces, source), curvature, carrier, rim_edges, ragged
+    )
     geometry = _raised(tree, geometry, source, snow, sliders)
     if source.depths:
         geometry = add_cushions(tree, geometry, sliders[CUSHIONS_INPUT], open_depth,
@@ -180,16 +182,33 @@ class _Snow:
     """See phong; units of the scene."""
     to_rim: object
     """The way along the bare surface to the nearest rim (metres)."""
+    inner: Inner
+    """The snow farther in; None where nobody knows how deep it is on open ground."""
 
 
-def _sampled(tree, source, image, interpolation, frame=None):
+def _sampled(tree, image, interpolation, frame=None, uv=None):
     node = tree.node("GeometryNodeImageTexture", interpolation=interpolation, extension="EXTEND")
-    uv = tree.attribute(PLACE, "FLOAT_VECTOR")
+    uv = uv or tree.attribute(PLACE, "FLOAT_VECTOR")
     tree.feed(node, Image=image, Vector=uv, **({} if frame is None else {"Frame": frame}))
     return node.outputs["Color"]
 
 
-def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
+def _inner(tree, source, carrier, bare, frame, open_depth):
+    """What the map says of the snow behind a point. carrier: the mesh before it is subdivided; bare: a position on
+    it."""
+
+    def thickness(way):
+        place = tree.vector("ADD", bare, tree.scale(way, 1.0 / source.metres_per_unit))
+        node = tree.node("GeometryNodeSampleNearestSurface", data_type="FLOAT_VECTOR")
+        tree.feed(
+            node, Mesh=carrier, Value=tree.attribute(source.uv_map, "FLOAT_VECTOR"), Sample_Position=place
+        )
+        return tree.absolute(_sampled(tree, source.image, "Linear", frame, tree.output(node)))
+
+    return Inner(open_depth, thickness)
+
+
+def _heights(tree, geometry, pieces, curvature, carrier, rim_edges, ragged):
     """(geometry without bare faces, with HEIGHT_ATTRIBUTE and the place in the snow of every point; its _Snow).
 
     The place of a point in the snow gets the height that lies there in the end on top, so that grains and relief are
@@ -200,13 +219,11 @@ def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
     if frames is not None:  # held before the first file and after the last one
         now = tree.node("GeometryNodeInputSceneTime").outputs["Frame"]
         frame = tree.math("MINIMUM", tree.math("MAXIMUM", now, float(frames.first)), float(frames.last))
-    height = _sampled(tree, source, source.image, "Cubic", frame)
+    height = _sampled(tree, source.image, "Cubic", frame)
     if frames is not None:
         height = tree.multiply(height, tree.math("GREATER_THAN", now, frames.first - 0.5))
     height = pieces.capture(height, "FLOAT")
-    final = tree.absolute(
-        _sampled(tree, source, source.image, "Cubic", None if frames is None else frames.last)
-    )
+    final = tree.absolute(_sampled(tree, source.image, "Cubic", None if frames is None else frames.last))
     thickness = tree.absolute(height)
     normal = tree.attribute(NORMAL, "FLOAT_VECTOR")
     outside = tree.scale(tree.vector("NORMALIZE", normal), tree.math("SIGN", height))
@@ -219,7 +236,7 @@ def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
         curvature,
     )
     captured = [pieces.capture(value, "FLOAT_VECTOR") for value in values]
-    ever = source.covered and pieces.capture(_sampled(tree, source, source.covered, "Linear"), "FLOAT")
+    ever = source.covered and pieces.capture(_sampled(tree, source.covered, "Linear"), "FLOAT")
 
     offset, numbers, normal, curvature = (pieces.mean(value, "FLOAT_VECTOR") for value in captured)
     weight, mean, square = tree.components(numbers)
@@ -237,12 +254,15 @@ def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
     bare = tree.node("GeometryNodeInputPosition").outputs[0]
     to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
     geometry, to_rim = capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
+    inner = None
     # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
     if ragged is not None:
         carried_by, open_depth, strength, shoulders = ragged
+        geometry, bare = capture(tree, geometry, bare, "POINT", "FLOAT_VECTOR")
+        inner = _inner(tree, source, carrier, bare, frame, open_depth)
         geometry, offset = capture(tree, geometry, offset, "POINT", "FLOAT_VECTOR")
         place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
         thickness = tree.vector("LENGTH", offset)
@@ -260,7 +280,7 @@ def _heights(tree, geometry, pieces, curvature, rim_edges, ragged):
         geometry, known = capture(tree, geometry, value, "POINT", "FLOAT_VECTOR")
         snow.append(known)
     geometry = tree.store(geometry, HEIGHT_ATTRIBUTE, tree.vector("LENGTH", snow[0]), "POINT")
-    return compat_nodes.remove_attribute(tree.tree, geometry, PIECE), _Snow(*snow, to_rim)
+    return compat_nodes.remove_attribute(tree.tree, geometry, PIECE), _Snow(*snow, to_rim, inner)
 
 
 def _raised(tree, geometry, source, snow, sliders):
@@ -290,7 +310,9 @@ def _raised(tree, geometry, source, snow, sliders):
     geometry, own = capture(tree, geometry, own, "POINT", "FLOAT_VECTOR")
     outside = tree.scale(snow.normal, side)
     place = tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR")
-    way = add_shoulders(tree, snow.to_rim, height, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT])
+    way = add_shoulders(
+        tree, snow.to_rim, height, snow.inner, snow.offset, outside, own, place, sliders[SHOULDERS_INPUT]
+    )
     drawn = tree.node("GeometryNodeSetPosition")
     tree.feed(
         drawn, Geometry=geometry, Selection=near_rim(tree, snow.to_rim, height), Offset=tree.scale(way, units)

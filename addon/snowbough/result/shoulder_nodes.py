@@ -10,6 +10,10 @@ elsewhere, so a point moves as smoothly over the shot as its thickness does.
 A smooth surface has no rim: as it gets steeper, its snow thins out to nothing. There snow ends in a lip (add_lips).
 """
 
+import functools
+from collections.abc import Callable
+from dataclasses import dataclass
+
 from .. import compat_nodes
 
 # The slider of shells; 0 leaves slopes as the map has them.
@@ -18,33 +22,44 @@ SHOULDERS_INPUT = "Shoulders"
 # Edges with a larger angle between their faces are rims where the surface falls off beyond them (radians).
 RIM_ANGLE = 0.6
 # s d / h from which a point is drawn out, and from which on it is drawn all the way.
-BEGINS, COMPLETE = 0.45, 1.15
+BEGINS, COMPLETE = 0.4, 1.1
 # Distances to the rim, in parts of the thickness, from which on and beyond which it means less and nothing.
 FAR, FARTHER = 2.1, 2.7
 # What a slope from the first to the second of these adds to s d / h, since snow has some thickness at the rim itself.
-SLOPES = (0.15, 0.45)
+SLOPES = (0.2, 0.9)
 FOOT = 0.5
 # What s d / h gains, at most, on a surface that falls towards its rim: at eaves snow at its angle of repose is less
 # steep beside the roof. And cosines of walls, which gain nothing, and of roofs.
-EAVES = 1.0
+EAVES = 2.0
 ROOFS = (0.2, 0.5)
 # Cosine between the snow's own normal and the surface's from which it counts, and from which it counts fully.
 UNFOLDED = (0.1, 0.3)
 # Cosine between a slope's direction and the rim's from which it counts, and from which it counts fully; and the sine of
 # its fall in that direction.
-TOWARDS = (0.2, 0.7)
+TOWARDS = (0.35, 0.75)
 FALLS = (0.1, 0.35)
 # The same sine of the surface's own fall, negative where it rises.
 RISES = (-0.3, -0.1)
 # Nearer to the rim than this, in parts of the thickness, a slope's direction counts less.
 AT_RIM = 0.1
 # The farthest that a point is drawn, in parts of its thickness.
-MOST = 1.4
+MOST = 2.4
 FARTHEST = 1e6
 # How far snow reaches out over its rim, in parts of its thickness, by how much that varies along it, in waves a metre.
-REACH = 0.21
-VARIATION = 0.55
+REACH = 0.26
+VARIATION = 0.25
 WAVES = 6.0
+# How far behind a point the full thickness of its snow is looked for, in depths of the open ground, and what that gains
+# on a surface that falls towards its rim; and at which parts of this way.
+INNER, INNER_EAVES = 0.7, 3.0
+INNER_PARTS = (0.25, 0.5, 1.0)
+# The profile of a front, in parts of that thickness: up to where it is upright, how wide its round top is, and the part
+# of its reach that it has at its foot.
+BRIM, ROUND, BULGE = 0.35, 0.5, 0.4
+# From which part of that thickness on a front passes into what lies behind it, and what that gains at eaves.
+TOP, TOP_EAVES = 0.8, 0.3
+# How thick snow is, at most, behind a crest that stays, and behind a slope that is drawn out, in parts of its own.
+CREST = (0.6, 0.95)
 # Lips: how much thicker snow may end on steep smooth surfaces, in parts of the open ground's depth and of how thick
 # what carries it is; and the surface's cosine below which it begins to, and below which it does fully.
 LIP, LIP_OF_SUPPORT = 0.2, 0.16
@@ -57,6 +72,16 @@ LIP_DEPTHS = (2.0, 7.0)
 FROST = 0.005
 # The least cosine between the snow's own normal and the surface's that slopes are taken from.
 STEEPEST = 0.08
+
+
+@dataclass(frozen=True)
+class Inner:
+    """What a point asks about the snow behind it, farther from its rim."""
+
+    open_depth: object
+    """Of the snow on open ground, metres."""
+    thickness: Callable
+    """How thick snow lies (metres) where a way in metres leads to from a point's place on the bare surface."""
 
 
 def rims(builder, geometry, sharp):
@@ -115,12 +140,12 @@ def near_rim(builder, to_rim, thickness):
     return builder.math("LESS_THAN", builder.vector("LENGTH", to_rim), reach)
 
 
-def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, strength):
+def add_shoulders(builder, to_rim, thickness, inner, risen, normal, own_normal, place, strength):
     """The way by which a point of the snow's surface is drawn out over its rim, in metres; a vector.
 
-    to_rim: the way to the nearest rim, metres. thickness: metres, not negative. risen: the way from the bare surface,
-    metres. normal, own_normal: of what the snow lies on, and of the snow's surface. place: metres, fixed to the
-    object. strength: 1 draws slopes upright.
+    to_rim: the way to the nearest rim, metres. thickness: metres, not negative. inner: the Inner of the snow, or None,
+    with which fronts have sharp brims. risen: the way from the bare surface, metres. normal, own_normal: of what the
+    snow lies on, and of the snow's surface. place: metres, fixed to the object. strength: 1 draws slopes upright.
     """
     distance = builder.vector("LENGTH", to_rim)
     along = builder.dot(own_normal, normal)
@@ -132,17 +157,20 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
     level_outwards = builder.vector("MULTIPLY", outwards, (1.0, 1.0, 0.0))
     falls = builder.math("MAXIMUM", builder.dot(normal, level_outwards), 0.0)
     falls = builder.multiply(falls, builder.smoothstep(builder.components(normal)[2], *ROOFS))
-    steepness = builder.multiply(slope, builder.math("MULTIPLY_ADD", falls, EAVES, 1.0))
-    begun = builder.multiply(builder.smoothstep(slope, *SLOPES), FOOT)
-    share = builder.multiply(
-        builder.smoothstep(builder.add(builder.multiply(steepness, apart), begun), BEGINS, COMPLETE),
-        builder.smoothstep(apart, FAR, FARTHER, 1.0, 0.0),
-    )
-    # Slopes that fall towards the rim, not from it; at the rim itself all do.
+    # A bank may fall along the rim: what counts is how it falls towards the rim, at the rim itself in any direction.
     near = builder.multiply(thickness, AT_RIM)
     towards = builder.divide(
         builder.add(builder.dot(to_rim, outwards), near),
         builder.math("MAXIMUM", builder.add(distance, near), 1e-6),
+    )
+    slope = builder.multiply(slope, builder.math("MAXIMUM", towards, 0.0))
+    steepness = builder.multiply(slope, builder.math("MULTIPLY_ADD", falls, EAVES, 1.0))
+    begun = builder.multiply(builder.smoothstep(slope, *SLOPES), FOOT)
+    share = builder.multiply(
+        builder.smoothstep(builder.add(builder.multiply(steepness, apart), begun), BEGINS, COMPLETE),
+        builder.smoothstep(
+            builder.divide(apart, builder.math("MULTIPLY_ADD", falls, EAVES, 1.0)), FAR, FARTHER, 1.0, 0.0
+        ),
     )
     share = builder.multiply(share, builder.smoothstep(towards, *TOWARDS))
     # Where deep snow folds over itself in a hollow its normals mean nothing.
@@ -156,10 +184,38 @@ def add_shoulders(builder, to_rim, thickness, risen, normal, own_normal, place, 
     reach = builder.math(
         "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION * REACH, (1.0 - VARIATION) * REACH
     )
+    front = builder.multiply(reach, thickness)
+    if inner is not None:
+        depth = builder.multiply(inner.open_depth, builder.math("MULTIPLY_ADD", falls, INNER_EAVES, INNER))
+        behind = [
+            inner.thickness(builder.scale(outwards, builder.multiply(depth, -part))) for part in INNER_PARTS
+        ]
+        top = builder.math("MULTIPLY_ADD", falls, TOP_EAVES, TOP)
+        front, below_top = _rounded(builder, reach, thickness, behind, top)
+        share = builder.multiply(share, below_top)
     already = builder.dot(risen, level_outwards)
-    far = builder.subtract(
-        builder.add(distance, builder.multiply(reach, thickness)), builder.math("MAXIMUM", already, 0.0)
-    )
+    far = builder.subtract(builder.add(distance, front), builder.math("MAXIMUM", already, 0.0))
     most = builder.multiply(thickness, MOST)
     far = builder.math("MAXIMUM", builder.math("MINIMUM", far, most), 0.0)
     return builder.scale(outwards, builder.multiply(builder.multiply(share, far), strength))
+
+
+def _rounded(builder, reach, thickness, behind, top):
+    """(how far out over its rim a point belongs in metres, what its share is to be multiplied by).
+
+    behind: thicknesses of the snow at INNER_PARTS of the way inwards. With H the largest of them and of the point's
+    own, a front is upright up to BRIM H, and from there on a quarter of an ellipse that is ROUND H wide. Higher than
+    top H it passes into what lies behind it. Where snow is thinner behind a point than at it, the point is on the crest
+    of a bank, both of whose sides fall off, and stays.
+    """
+    thickness = builder.math("MAXIMUM", thickness, 1e-6)
+    behind = functools.reduce(lambda one, other: builder.math("MAXIMUM", one, other), behind)
+    full = builder.math("MAXIMUM", thickness, behind)
+    height = builder.divide(thickness, full)
+    bulge = builder.smoothstep(height, 0.0, BRIM, BULGE, 1.0)
+    above = builder.math("MULTIPLY", builder.subtract(height, BRIM), 1.0 / (1.0 - BRIM), clamp=True)
+    level = builder.math("SQRT", builder.math("MULTIPLY_ADD", builder.multiply(above, above), -1.0, 1.0))
+    out = builder.math("MULTIPLY_ADD", reach, bulge, builder.math("MULTIPLY_ADD", level, ROUND, -ROUND))
+    crest = builder.smoothstep(builder.divide(behind, thickness), *CREST)
+    below_top = builder.smoothstep(height, top, 1.0, 1.0, 0.0)
+    return builder.multiply(out, full), builder.multiply(crest, below_top)
