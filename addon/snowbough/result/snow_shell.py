@@ -20,12 +20,12 @@ from . import (
     look,
     original_state,
     rest_position,
+    shell_material,
     shell_nodes,
     shell_sliders,
     snow_material,
-    snow_nodes,
 )
-from .shell_nodes import HEIGHT_ATTRIBUTE, POSITION_ATTRIBUTE, ShellSource
+from .shell_nodes import ShellSource
 
 TREE_PREFIX = "Snowbough Shell"
 
@@ -41,10 +41,6 @@ MAX_FACES_RENDER = 1_000_000
 MAX_FACES_VIEWPORT = 120_000
 # Edges at which split normals that cannot be read are taken for sharp (radians).
 USUAL_SHARP_ANGLE = math.radians(30.0)
-
-
-# In the Solid view, where all else is greyer.
-SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
 
 
 @dataclass
@@ -157,35 +153,6 @@ def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
 # The objects
 
 
-def make_material(scene, name):
-    """Snow of the scene's kind that thins out to nothing: its depth and its place come with the shell as
-    attributes."""
-    material = bpy.data.materials.new(name)
-    compat.use_material_nodes(material)
-    material.diffuse_color = SOLID_COLOR
-    material.roughness = snow_nodes.ROUGH
-    nodes, links = material.node_tree.nodes, material.node_tree.links
-    nodes.clear()
-    output = nodes.new("ShaderNodeOutputMaterial")
-    group = nodes.new("ShaderNodeGroup")
-    group.node_tree = snow_nodes.ensure_group()
-    look.set_group_inputs(group, look.of(scene))
-    for attribute, socket, result in (
-        (HEIGHT_ATTRIBUTE, "Height", "Fac"),
-        (POSITION_ATTRIBUTE, "Position", "Vector"),
-    ):
-        node = nodes.new("ShaderNodeAttribute")
-        node.attribute_name = attribute
-        links.new(node.outputs[result], group.inputs[socket])
-    links.new(nodes.new("ShaderNodeBsdfTransparent").outputs[0], group.inputs["Shader"])
-    links.new(nodes.new("ShaderNodeNewGeometry").outputs["Normal"], group.inputs["Normal"])
-    links.new(group.outputs["Shader"], output.inputs["Surface"])
-    for column, node in enumerate(nodes):
-        node.location = (-260 * column, 0)
-    compat.set_alpha_clipping(material)
-    return material
-
-
 def make_object(scene, name, tree, material, collection):
     """An object with that node tree as its modifier, in that collection; bakes leave it out."""
     shell = bpy.data.objects.new(name, bpy.data.meshes.new(name))
@@ -263,7 +230,7 @@ def _make_one(scene, receiver, member, record, notes):
             f"{member.obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it"
         )
     name = f"{member.obj.name} snow"
-    material = make_material(scene, name)
+    material = shell_material.make_material(scene, name)
     source = source_of(
         scene, member.obj, uv_map, height.image, height.size, material,
         rest=rest_position.keep(member.obj, record), frames=height,
