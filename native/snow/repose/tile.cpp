@@ -70,6 +70,7 @@ void ReposeTile::begin_step(bool bare) {
   has_moved = has_fresh_bounds = false;
   flowing = waiting = 0;
   stirred = stirred_at_seams = kAllRows;
+  rows_to_pass = kAllWindowRows;
 }
 
 void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {

@@ -18,6 +18,8 @@ inline constexpr uint8_t kUnknown = 4;
 inline constexpr uint8_t kAtSeam = 16;
 /// All rows of a tile, a bit each.
 inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
+/// And those of its window (TileWindow), which has one more.
+inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
 static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
 
 /// How steep snow may be: tangent of the angle of repose; see shared::held_slope for the cohesion,
@@ -48,6 +50,9 @@ struct ReposeTile {
   /// Whether the bound of any cell is finite, and whether any was lowered since it was last asked.
   std::atomic<bool> has_bounds = false;
   std::atomic<bool> has_fresh_bounds = false;
+  /// Rows of the tile's window with bounds that may be lower than what was passed on of them when
+  /// they were looked at last: a bit each.
+  std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
   /// Rows with links that are to be looked at, since a surface beside them has changed, and rows
   /// with links along which snow flows: a bit each. In all others nothing would flow.
   std::atomic<uint32_t> stirred = 0;

@@ -46,8 +46,8 @@ inline constexpr int32_t kRunSquare = 16;
 /// Most fragments of a run. TexelTable has one of a triangle in a texel.
 inline constexpr size_t kMostInRun = size_t{kRunSquare} * kRunSquare;
 
-/// Loops over a run's fragments go on to the end of a vector of so many: what is left of a run would
-/// take one at a time as long as the rest.
+/// Loops over a run's fragments go on to the end of a vector of so many: what is left of a run
+/// would take one at a time as long as the rest.
 inline constexpr uint32_t kRunLanes = 8;
 static_assert(kMostInRun % kRunLanes == 0);
 
