@@ -351,7 +351,7 @@ SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Ti
 }  // namespace
 }  // namespace kernel
 
-void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
+cpu::GroupWork cpu::deposit_work(Scene& scene, const Tile& tile, bool is_first) {
   kernel::Gain gain{};
   gain.projection = scene.frame;
   gain.triangle_corners = scene.corners.data();
@@ -365,16 +365,22 @@ void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   gain.occlusion = kernel::rows<glm::uvec2>(scene.seen);
   gain.tile_origin = tile.with_margin().low;
   gain.tile_size = tile.with_margin().size();
+  return [&scene, tile, is_first, gain](Receiver& receiver, size_t group) {
+    const size_t first = receiver.first_texel(group);
+    evaluate_group(scene, receiver, group);
+    kernel::Gain own = gain;
+    own.resolution = static_cast<float>(receiver.resolution);
+    kernel::gather(own, receiver.fragments, tile, receiver.map_offset, group,
+                   receiver.first_texel(group + 1) - first, !is_first,
+                   receiver.steps.gain.data() + first);
+  };
+}
+
+void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
+  const GroupWork work = deposit_work(scene, tile, is_first);
   for (Receiver& receiver : scene.receivers) {
-    gain.resolution = static_cast<float>(receiver.resolution);
-    base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
-      const size_t group = receiver.active[i];
-      const size_t first = receiver.first_texel(group);
-      evaluate_group(scene, receiver, group);
-      kernel::gather(gain, receiver.fragments, tile, receiver.map_offset, group,
-                     receiver.first_texel(group + 1) - first, !is_first,
-                     receiver.steps.gain.data() + first);
-    });
+    base::for_each_item(receiver.active.size(), 4,
+                        [&](size_t i) { work(receiver, receiver.active[i]); });
   }
 }
 

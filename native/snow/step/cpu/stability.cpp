@@ -110,7 +110,7 @@ SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, 
 }  // namespace kernel
 
 void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float full_gain,
-                          float dt) {
+                          float dt, const GroupWork& before) {
   for (Receiver& receiver : scene.receivers) {
     kernel::Stability stability{};
     stability.places = receiver.places.data();
@@ -124,6 +124,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];
+      if (before) before(receiver, group);
       bool holds_snow = false;
       sums[i] = kernel::stabilise(stability, receiver.first_texel(group),
                                   receiver.first_texel(group + 1), holds_snow);
