@@ -45,16 +45,16 @@ inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t beg
   const bool two_sided = own.w != 0.0f;
   const float* __restrict share = all.share.data();
   const uint16_t* __restrict texel = all.texel.data();
-  for (uint32_t f = begin; f < end; ++f) part[f] = share[f] * own.y;
+  for (size_t f = begin; f < end; ++f) part[f] = share[f] * own.y;
   if (!surface.is_smooth(triangle)) {
     const base::Float4 front = front_of(own.z);
-    for (uint32_t f = begin; f < end; ++f) add(sums.front[texel[f]], front, part[f]);
+    for (size_t f = begin; f < end; ++f) add(sums.front[texel[f]], front, part[f]);
     const base::Float4 back = back_of(own.z);
-    for (uint32_t f = begin; two_sided && f < end; ++f) add(sums.back[texel[f]], back, part[f]);
+    for (size_t f = begin; two_sided && f < end; ++f) add(sums.back[texel[f]], back, part[f]);
     return;
   }
   const Surface::SmoothTriangle points = surface.smooth_triangle(triangle);
-  for (uint32_t f = begin; f < end; ++f) {
+  for (size_t f = begin; f < end; ++f) {
     const float up = surface.between(points.corner.z, points.edge_b.z, points.edge_c.z,
                                      all.weight_b[f], all.weight_c[f]);
     add(sums.front[texel[f]], front_of(up), part[f]);
@@ -62,31 +62,40 @@ inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t beg
   }
 }
 
+/// Areas to divide by, of texels that may have none: what is divided is 0 there, too. Not in one
+/// loop with the division, which would be done one at a time then.
+inline void find_divisors(const float* __restrict area, size_t count, float* __restrict divisor) {
+  for (size_t i = 0; i < count; ++i) divisor[i] = area[i] > 0.0f ? area[i] : 1.0f;
+}
+
 /// Upward parts of texels by their sums: Surface::surface_of_sums. `up` and `upper`: where they
 /// stand in the sums.
-inline void find_up(const std::array<float, 4>* __restrict sums, const float* __restrict area,
-                    size_t up, size_t upper, size_t count, float* __restrict found) {
+template <size_t up, size_t upper>
+inline void find_up(const std::array<float, 4>* __restrict sums, const float* __restrict divisor,
+                    size_t count, float* __restrict found) {
   for (size_t i = 0; i < count; ++i) {
-    const float sum = sums[i][upper] > 0.0f ? sums[i][upper] : sums[i][up];
-    found[i] = area[i] > 0.0f ? sum / area[i] : 0.0f;
+    const float all = sums[i][up];
+    const float facing_up = sums[i][upper];
+    found[i] = facing_up > 0.0f ? facing_up : all;
   }
+  for (size_t i = 0; i < count; ++i) found[i] /= divisor[i];
 }
 
 /// Turns fragments' areas into the parts that they are of their texels' ones.
 inline void find_parts(const cpu::FragmentRuns& all, uint32_t begin, uint32_t end,
-                       const float* __restrict area, float* __restrict part) {
+                       const float* __restrict divisor, float* __restrict part) {
   if (!all.opacity.empty()) {
     const float* __restrict opacity = all.opacity.data();
-    for (uint32_t f = begin; f < end; ++f) part[f] *= opacity[f];
+    for (size_t f = begin; f < end; ++f) part[f] *= opacity[f];
   }
-  constexpr uint32_t kBlock = 64;
+  constexpr size_t kBlock = 64;
   std::array<float, kBlock> whole;
-  const uint16_t* __restrict texel = all.texel.data();
-  for (uint32_t f = begin; f < end; f += kBlock) {
-    const uint32_t count = min(kBlock, end - f);
-    for (uint32_t k = 0; k < count; ++k) whole[k] = area[texel[f + k]];
-    for (uint32_t k = 0; k < count; ++k)
-      part[f + k] = part[f + k] > 0.0f ? part[f + k] / whole[k] : 0.0f;
+  for (size_t f = begin; f < end; f += kBlock) {
+    const size_t count = std::min(kBlock, end - f);
+    const uint16_t* __restrict texel = all.texel.data() + f;
+    float* __restrict own = part + f;
+    for (size_t k = 0; k < count; ++k) whole[k] = divisor[texel[k]];
+    for (size_t k = 0; k < count; ++k) own[k] /= whole[k];
   }
 }
 
@@ -105,14 +114,16 @@ SNOWBOUGH_KERNEL void evaluate(Surface surface, cpu::FragmentRuns& all, size_t g
   }
   float* const area = steps.area.data() + first_texel;
   for (size_t i = 0; i < texel_count; ++i) area[i] = sums.front[i][0];
-  find_up(sums.front.data(), area, 1, 2, texel_count, steps.up.data() + first_texel);
+  std::array<float, kTexelGroup> divisor;
+  find_divisors(area, texel_count, divisor.data());
+  find_up<1, 2>(sums.front.data(), divisor.data(), texel_count, steps.up.data() + first_texel);
   float* const back_up = steps.back_up.data() + first_texel;
   if (sums.has_back) {
-    find_up(sums.back.data(), area, 0, 1, texel_count, back_up);
+    find_up<0, 1>(sums.back.data(), divisor.data(), texel_count, back_up);
   } else {
     std::fill_n(back_up, texel_count, 0.0f);
   }
-  find_parts(all, begin->begin, end->begin, area, all.part.data());
+  find_parts(all, begin->begin, end->begin, divisor.data(), all.part.data());
 }
 
 }  // namespace
