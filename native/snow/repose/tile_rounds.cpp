@@ -256,6 +256,7 @@ class TileRun {
   }
 
   bool run_round(float momentum) {
+    tile_.flow_rows |= static_cast<uint32_t>(look_);
     const uint64_t links = want(momentum);
     const uint64_t rims = want_over_rims(momentum);
     wants_ = links | rims;
