@@ -16,10 +16,12 @@ from pathlib import Path
 
 import numpy as np
 
-sys.path.insert(0, str(Path(__file__).resolve().parent))
+HERE = Path(__file__).resolve().parent
+sys.path[:0] = [str(HERE), str(HERE.parent.parent / "addon")]
 from meshes import box, grid, native, rotated, sphere  # noqa: E402
 from rows import ROWS, row  # noqa: E402
 from snow_meshes import chart_of_box, cylinder  # noqa: E402
+from snowbough.bake import plan  # noqa: E402
 
 DOWN = (0.0, 0.0, -1.0)
 REPOSE = np.radians(65.0)
@@ -286,15 +288,18 @@ def both_sides():
 
 
 def steps():
-    """The edge of a shadow under a fluttering fall: how far 12 frames are from 250, in parts of the depth."""
+    """The edge of a shadow under a fluttering fall: how far few frames are from 250, in parts of the depth."""
     plate = grid(1.0, 1.0)
     plate[0][:, 2] = 1.0
     edges = {}
-    for frames in (1, 12, 250):
+    for frames in (1, 12, 48, 250):
         scene = Scene({"it": (grid(3.0, 3.0), 256)}, {"roof": plate}, flutter=np.radians(3.0), repose=NONE)
-        # As a bake divides few frames: bake/plan.py, frame_directions.
-        edges[frames] = scene.fall(0.1, frames * max(1, -(-64 // frames))).held("it")[20:-20, 20:-20]
-    for frames in (1, 12):
+        # As a bake divides few frames.
+        snowfall = plan.plan_snowfall(1, frames, 0.0, 0.1, [1] * frames)
+        for frame in range(1, frames + 1):
+            scene.fall(0.1 / frames, plan.frame_directions(snowfall, frame, 64))
+        edges[frames] = scene.held("it")[20:-20, 20:-20]
+    for frames in (1, 12, 48):
         off = np.abs(edges[frames] - edges[250]).max() / 0.1
         row(f"shadow's edge, {frames} frames against 250", "5 % of the depth", f"{off:.1%}", off < 0.05)
 

@@ -12,12 +12,14 @@ differences of a running total that ends at ``end_depth`` itself, so rounding ca
 
 **From how many directions.** Where flakes flutter, every step falls from another direction, and shadows are
 soft and even only where there are enough of them. A shot gets at least ``directions``, spread over its frames by
-how much falls on each: a still falls from all of them, a shot of 12 frames from a twelfth on each, and one of
-250 frames takes one step a frame, as without. Steps of one pose share its depth alike; its time, in which snow
-slides and comes to rest, goes to every RUN-th of them and the last, since that costs more than the fall. Each has
-its number in the simulation, which picks the direction: resumed and split bakes count them alike.
+how much falls on each: a still falls from all of them, a shot of 12 frames from 5 on each of the first 8 and 6 on
+each of the last 4 (64 together), and one of 250 frames takes one step a frame, as without. Steps of one pose share
+its depth alike; its time, in which snow slides and comes to rest, goes to every RUN-th of them and the last, since
+that costs more than the fall. Each has its number in the simulation, which picks the direction: resumed and split
+bakes count them alike.
 """
 
+import functools
 import math
 from dataclasses import dataclass
 
@@ -106,12 +108,25 @@ def plan_snowfall(frame_start, frame_end, start_depth, end_depth, rates):
 
 def frame_directions(snowfall, frame, directions):
     """The number of directions from which the snow of ``frame`` falls, where the shot has at least ``directions``:
-    its share of the depth, 1 at least."""
+    its share of the depth in whole numbers, 1 at least."""
+    return _shared_directions(snowfall, directions)[frame - snowfall.frame_start]
+
+
+@functools.lru_cache(maxsize=8)
+def _shared_directions(snowfall, directions):
+    """frame_directions of all frames. What rounding down leaves goes to the last frames, one to each: a round of
+    directions is even where those that weigh alike lie in a row, and not where heavy and light ones take turns."""
     falling = snowfall.totals[-1] - snowfall.preroll
     if falling <= 0:
-        return 1
-    share = snowfall.depths[frame - snowfall.frame_start] / falling
-    return max(1, math.ceil(directions * share - 1e-6))
+        return (1,) * len(snowfall.depths)
+    shares = [directions * depth / falling for depth in snowfall.depths]
+    counts = [max(1, math.floor(share + 1e-6)) for share in shares]
+    left = directions - sum(counts)
+    for index in reversed(range(len(counts))):
+        if left > 0 and counts[index] < math.ceil(shares[index] - 1e-6):
+            counts[index] += 1
+            left -= 1
+    return tuple(counts)
 
 
 def preroll_steps(snowfall, fps, slide_half_life, directions=1):

@@ -61,8 +61,10 @@ bool Repose::lower_across(Marks& awake) {
       const auto cell = static_cast<int32_t>(to.cell);
       const int32_t block_of_other = other / kTileCells;
       awake[static_cast<size_t>(block_of_other)] = 1;
-      mark_around(block_of_other, TileWindow::seen_by(cell % kReposeBlock, cell / kReposeBlock),
-                  awake);
+      const int32_t column = cell % kReposeBlock;
+      const int32_t row = cell / kReposeBlock;
+      mark_around(block_of_other, TileWindow::seen_by(column, row), awake);
+      note_bound(TilesAround(tiles_, links_.blocks_a_side, block_of_other), column, row);
       changes = true;
     });
   }

@@ -25,17 +25,13 @@ constexpr float kMostPatience = 8.0f;
 
 /// Rows of a tile in which snow has moved or sticks on walls, a bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
-  uint32_t rows = 0;
-  for (int32_t row = 0; row < kReposeBlock; ++row) {
+  uint32_t rows = tile.moved_rows.load(std::memory_order_relaxed);
+  for (int32_t row = 0; tile.any_wall && row < kReposeBlock; ++row) {
     const size_t first = static_cast<size_t>(row * kReposeBlock);
-    const double* const moved = tile.moved.data() + first;
     const float* const held = tile.held.data() + first;
     const uint8_t* const kind = tile.kind.data() + first;
     int32_t any = 0;
-    for (int32_t i = 0; i < kReposeBlock; ++i) any |= moved[i] != 0.0 ? 1 : 0;
-    for (int32_t i = 0; tile.any_wall && i < kReposeBlock; ++i) {
-      any |= (held[i] != 0.0f ? 1 : 0) & kind[i];
-    }
+    for (int32_t i = 0; i < kReposeBlock; ++i) any |= (held[i] != 0.0f ? 1 : 0) & kind[i];
     rows |= static_cast<uint32_t>(any & kWall) << static_cast<uint32_t>(row);
   }
   return rows;
@@ -197,7 +193,7 @@ Repose::Written Repose::write_block(int32_t block, float walls_keep,
                                     std::vector<float>& height) const {
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
   Written written;
-  if (!tile.has_moved && !tile.any_wall) return written;
+  if (!tile.has_moved() && !tile.any_wall) return written;
   const std::vector<int32_t>& places = object_->table.texel;
   links_.for_texels(block, rows_to_write(tile), places, [&](int32_t texel, size_t cell) {
     const bool wall = (tile.kind[cell] & kWall) != 0;

@@ -65,6 +65,10 @@ class Repose {
     float high = 0.0f;
     float step = 0.0f;
   };
+  struct BlockRect {
+    size_t place = 0;
+    glm::ivec2 size{0};
+  };
   /// A link across a seam.
   struct Flow {
     float limit = 0.0f;
@@ -102,8 +106,7 @@ class Repose {
   // setup.cpp
   void find_links();
   bool take_pose();
-  template <typename Visit>
-  void for_rows(int32_t block, const Visit& visit) const;
+  BlockRect rect_of(int32_t block) const;
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, float high, const std::vector<float>& height) const;
   Relief relief_of(int32_t block, const std::vector<float>& height) const;

@@ -13,13 +13,16 @@ namespace {
 
 constexpr float kNoLink = std::numeric_limits<float>::infinity();
 
-/// The largest of some heights, without their signs.
-SNOWBOUGH_WIDE float highest(const float* height, size_t count) {
+/// The largest of some heights, without their signs; rows are `pitch` numbers apart.
+SNOWBOUGH_WIDE float highest(const float* height, size_t pitch, glm::ivec2 size) {
   // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
   uint32_t high = 0;
-  for (size_t i = 0; i < count; ++i) {
-    const uint32_t bits = std::bit_cast<uint32_t>(height[i]) & 0x7FFFFFFFu;
-    high = bits > high ? bits : high;
+  for (int32_t row = 0; row < size.y; ++row) {
+    const float* const own = height + static_cast<size_t>(row) * pitch;
+    for (int32_t i = 0; i < size.x; ++i) {
+      const uint32_t bits = std::bit_cast<uint32_t>(own[i]) & 0x7FFFFFFFu;
+      high = bits > high ? bits : high;
+    }
   }
   return std::bit_cast<float>(high);
 }
@@ -68,27 +71,19 @@ bool Repose::take_pose() {
   return true;
 }
 
-/// Calls visit(row of the block, place of its first texel on the map, texels) for a block's rows.
-template <typename Visit>
-void Repose::for_rows(int32_t block, const Visit& visit) const {
+/// A block's texels on the map: the place of the first, and columns and rows.
+Repose::BlockRect Repose::rect_of(int32_t block) const {
   const int32_t size = links_.resolution;
   const int32_t left = block % links_.blocks_a_side * kReposeBlock;
   const int32_t first = block / links_.blocks_a_side * kReposeBlock;
-  const auto count = static_cast<size_t>(std::min(kReposeBlock, size - left));
-  for (int32_t row = 0; row < std::min(kReposeBlock, size - first); ++row) {
-    visit(static_cast<size_t>(row),
-          static_cast<size_t>(first + row) * static_cast<size_t>(size) + static_cast<size_t>(left),
-          count);
-  }
+  return {static_cast<size_t>(first) * static_cast<size_t>(size) + static_cast<size_t>(left),
+          {std::min(kReposeBlock, size - left), std::min(kReposeBlock, size - first)}};
 }
 
 /// The highest snow in a block.
 float Repose::highest_in(int32_t block, const std::vector<float>& height) const {
-  float high = 0.0f;
-  for_rows(block, [&](size_t, size_t place, size_t count) {
-    high = std::max(high, highest(&height[place], count));
-  });
-  return high;
+  const BlockRect rect = rect_of(block);
+  return highest(&height[rect.place], static_cast<size_t>(links_.resolution), rect.size);
 }
 
 /// The highest snow in a block and beside it, and the largest difference across a link that it
@@ -308,7 +303,7 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
   bool changes = !tile.has_pose;
   const bool bare = highest_in(block, height) == 0.0f;
   // What was covered bare, and stayed so, need not be covered again.
-  const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved;
+  const bool stays_bare = bare && !changes && tile.is_bare && !tile.has_moved();
   if (changes) {
     surface_.fill_block(links_, block, tile);
     const std::vector<int32_t>& places = object_->table.texel;
@@ -317,9 +312,9 @@ bool Repose::cover_tile(int32_t block, const std::vector<float>& height) {
       tile.cover(cell, height[place], surface_.unit());
     });
   } else if (!stays_bare) {
-    for_rows(block, [&](size_t row, size_t place, size_t count) {
-      changes |= tile.cover_row(row, &height[place], count, surface_.unit());
-    });
+    const BlockRect rect = rect_of(block);
+    changes = tile.cover_rows(&height[rect.place], static_cast<size_t>(links_.resolution),
+                              rect.size, surface_.unit());
   }
   tile.begin_step(bare);
   for (RimLink& rim : rims_[static_cast<size_t>(block)]) rim.flow = 0.0f;

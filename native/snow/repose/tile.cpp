@@ -1,28 +1,58 @@
 #include "snow/repose/tile.h"
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
 #include "snow/repose/window.h"
 
+#if defined(__GNUC__)
+#define SNOWBOUGH_TILE SNOWBOUGH_WIDE __attribute__((flatten))
+#else
+#define SNOWBOUGH_TILE SNOWBOUGH_WIDE
+#endif
+
 namespace snowbough::snow {
 namespace {
 
 /// Takes the snow of cells whose kinds stay; returns whether any of it lies on the back.
-SNOWBOUGH_WIDE bool hold_row(const float* __restrict height, size_t count,
-                             const float* __restrict area, float units, const float* __restrict z,
-                             const float* __restrict lift, float* __restrict held,
-                             float* __restrict top, float* __restrict gives) {
+inline bool hold_row(const float* __restrict height, int32_t count, const float* __restrict area,
+                     float units, const float* __restrict z, const float* __restrict lift,
+                     float* __restrict held, float* __restrict top, float* __restrict gives) {
   int32_t below = 0;
-  for (size_t i = 0; i < count; ++i) {
+  for (int32_t i = 0; i < count; ++i) {
     below |= height[i] < 0.0f ? 1 : 0;
     held[i] = std::abs(height[i]) * (area[i] * units);
     top[i] = z[i] + lift[i] * held[i];
     gives[i] = lift[i] > 0.0f ? held[i] : 0.0f;
   }
   return below != 0;
+}
+
+/// The same for rows of a tile.
+SNOWBOUGH_TILE bool hold_rows(const float* height, size_t pitch, glm::ivec2 size, float units,
+                              ReposeTile& tile) {
+  bool is_below = false;
+  for (int32_t row = 0; row < size.y; ++row) {
+    const auto first = static_cast<size_t>(row * kReposeBlock);
+    is_below |= hold_row(height + static_cast<size_t>(row) * pitch, size.x, &tile.area[first],
+                         units, &tile.z[first], &tile.lift[first], &tile.held[first],
+                         &tile.top[first], &tile.gives[first]);
+  }
+  return is_below;
+}
+
+/// Sets bounds as a step begins; returns whether there is a wall.
+SNOWBOUGH_TILE bool bound_walls(ReposeTile& tile) {
+  uint8_t walls = 0;
+  for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
+    walls |= tile.kind[cell] & kWall;
+    const float bare = tile.z[cell];
+    tile.bound[cell] = (tile.kind[cell] & kWall) != 0 ? bare : shared::kUnbounded;
+  }
+  return walls != 0;
 }
 
 /// Whether any of a row's snow lies over its bounds.
@@ -50,26 +80,22 @@ void ReposeTile::begin_pose() {
 
 void ReposeTile::begin_step(bool bare) {
   is_bare = bare;
-  if (has_moved) {
-    moved.fill(0.0);
-    if (flow != nullptr) {
-      for (Plane& plane : *flow) plane.fill(0.0f);
-    }
-  } else {
-    flow.reset();
+  // Only where it was written to: a tile's planes are many, and most of it rests.
+  for (uint32_t rows = moved_rows; rows != 0; rows &= rows - 1) {
+    std::fill_n(moved.begin() + std::countr_zero(rows) * kReposeBlock, kReposeBlock, 0.0);
   }
-  if (has_bounds) {
-    any_wall = false;
-    for (size_t cell = 0; cell < static_cast<size_t>(kTileCells); ++cell) {
-      const bool wall = (kind[cell] & kWall) != 0;
-      bound[cell] = wall ? z[cell] : shared::kUnbounded;
-      any_wall = any_wall || wall;
+  if (!has_moved()) flow.reset();
+  for (uint32_t rows = flow != nullptr ? flow_rows : 0; rows != 0; rows &= rows - 1) {
+    for (Plane& plane : *flow) {
+      std::fill_n(plane.begin() + std::countr_zero(rows) * kReposeBlock, kReposeBlock, 0.0f);
     }
-    has_bounds = any_wall;
   }
-  has_moved = has_fresh_bounds = false;
+  if (has_bounds) has_bounds = any_wall = bound_walls(*this);
+  has_fresh_bounds = false;
+  moved_rows = flow_rows = 0;
   flowing = waiting = 0;
   stirred = stirred_at_seams = kAllRows;
+  rows_to_pass = kAllWindowRows;
 }
 
 void ReposeTile::set_kind(size_t cell, uint8_t now, float unit) {
@@ -96,15 +122,16 @@ bool ReposeTile::cover(size_t cell, float height, float unit) {
   return changes;
 }
 
-bool ReposeTile::cover_row(size_t row, const float* height, size_t count, float unit) {
-  const size_t first = row * static_cast<size_t>(kReposeBlock);
-  const bool is_below =
-      hold_row(height, count, area.data() + first, 1.0f / unit, z.data() + first,
-               lift.data() + first, held.data() + first, top.data() + first, gives.data() + first);
+bool ReposeTile::cover_rows(const float* height, size_t pitch, glm::ivec2 size, float unit) {
+  const bool is_below = hold_rows(height, pitch, size, 1.0f / unit, *this);
   if (!(any_two_sided || any_back || is_below)) return false;
   bool changes = false;
-  for (size_t cell = first; cell < first + count; ++cell) {
-    if (kind[cell] != kUnknown) changes |= cover(cell, height[cell - first], unit);
+  for (int32_t row = 0; row < size.y; ++row) {
+    const float* const own = height + static_cast<size_t>(row) * pitch;
+    const auto first = static_cast<size_t>(row * kReposeBlock);
+    for (size_t i = 0; i < static_cast<size_t>(size.x); ++i) {
+      if (kind[first + i] != kUnknown) changes |= cover(first + i, own[i], unit);
+    }
   }
   return changes;
 }

@@ -3,6 +3,7 @@
 #include <array>
 #include <atomic>
 #include <cstdint>
+#include <glm/vec2.hpp>
 #include <memory>
 #include <vector>
 
@@ -18,6 +19,8 @@ inline constexpr uint8_t kUnknown = 4;
 inline constexpr uint8_t kAtSeam = 16;
 /// All rows of a tile, a bit each.
 inline constexpr uint32_t kAllRows = 0xFFFFFFFFu;
+/// And those of its window (TileWindow), which has one more.
+inline constexpr uint64_t kAllWindowRows = 0x1FFFFFFFFu;
 static_assert(kReposeBlock == 32, "rows of a tile are bits of a uint32_t");
 
 /// How steep snow may be: tangent of the angle of repose; see shared::held_slope for the cohesion,
@@ -48,6 +51,9 @@ struct ReposeTile {
   /// Whether the bound of any cell is finite, and whether any was lowered since it was last asked.
   std::atomic<bool> has_bounds = false;
   std::atomic<bool> has_fresh_bounds = false;
+  /// Rows of the tile's window with bounds that may be lower than what was passed on of them when
+  /// they were looked at last: a bit each.
+  std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
   /// Rows with links that are to be looked at, since a surface beside them has changed, and rows
   /// with links along which snow flows: a bit each. In all others nothing would flow.
   std::atomic<uint32_t> stirred = 0;
@@ -56,8 +62,10 @@ struct ReposeTile {
   uint32_t waiting = 0;
   /// Rows with surfaces at seams that have changed, a bit each.
   std::atomic<uint32_t> stirred_at_seams = 0;
-  /// Whether snow has moved since the step began.
-  std::atomic<bool> has_moved = false;
+  /// Rows in which snow has moved since the step began, and rows of `flow` that rounds have written
+  /// to: a bit each.
+  std::atomic<uint32_t> moved_rows = 0;
+  uint32_t flow_rows = 0;
 
   /// The bare surface: a point of it in metres, from the object's anchor, the upward part of its
   /// normal, the same for the capacity, covered area in m2; the links of ReposeLinks::forward with
@@ -89,11 +97,14 @@ struct ReposeTile {
   /// Takes a cell's snow, `height` (signed) metres on the current pose, as the step begins. `unit`:
   /// see ReposeSurface. Returns whether the cell is of another kind than it was.
   bool cover(size_t cell, float height, float unit);
-  /// The same for the cells of a row, the first `count` of them; `height` by cell.
-  bool cover_row(size_t row, const float* height, size_t count, float unit);
+  /// The same for the cells of the first `size` (columns, rows); `height`: of the first of them,
+  /// rows are `pitch` numbers apart.
+  bool cover_rows(const float* height, size_t pitch, glm::ivec2 size, float unit);
   /// Forgets what moved in the step before. `bare`: no snow lies in the tile.
   void begin_step(bool bare = false);
 
+  /// Whether snow has moved since the step began.
+  bool has_moved() const { return moved_rows.load(std::memory_order_relaxed) != 0; }
   /// Whether anything may flow.
   bool is_awake() const { return (stirred.load(std::memory_order_relaxed) | flowing) != 0; }
   /// Metres by which a unit lifts a cell's surface, times its links: see shared::link_rate.
@@ -106,9 +117,12 @@ struct ReposeTile {
     const float now = held[cell] + static_cast<float>(moved[cell]);
     top[cell] = z[cell] + lift[cell] * now;
     gives[cell] = now > 0.0f && lift[cell] > 0.0f ? now : 0.0f;
-    has_moved.store(true, std::memory_order_relaxed);
+    const uint32_t row = 1u << (cell / kReposeBlock);
+    if ((moved_rows.load(std::memory_order_relaxed) & row) == 0) {
+      moved_rows.fetch_or(row, std::memory_order_relaxed);
+    }
     if ((forward[cell] & kAtSeam) != 0) {
-      stirred_at_seams.fetch_or(1u << (cell / kReposeBlock), std::memory_order_relaxed);
+      stirred_at_seams.fetch_or(row, std::memory_order_relaxed);
     }
   }
   /// Takes away what lies over the bounds; returns whether there was any.

@@ -27,10 +27,9 @@ inline uint32_t bits_of(float value) {
 
 /// What would flow from a row of a block's cells to their neighbours, `step` cells away, from those
 /// that have a unit; adds what is wanted of either. Returns whether there is anything.
-SNOWBOUGH_ROW bool want_row(int32_t step, const float* __restrict top,
-                            const float* __restrict gives, const float* __restrict limit,
-                            const float* __restrict stiffness, float* __restrict flow,
-                            float momentum, float* wanted) {
+inline bool want_row(int32_t step, const float* __restrict top, const float* __restrict gives,
+                     const float* __restrict limit, const float* __restrict stiffness,
+                     float* __restrict flow, float momentum, float* wanted) {
   uint32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const float rate = shared::link_rate(stiffness[i], stiffness[i + step]);
@@ -47,8 +46,8 @@ SNOWBOUGH_ROW bool want_row(int32_t step, const float* __restrict top,
 }
 
 /// Which part of what is wanted of them cells can give.
-SNOWBOUGH_ROW void part_row(int32_t cells, const float* __restrict gives, float* __restrict wanted,
-                            float* __restrict part) {
+inline void part_row(int32_t cells, const float* __restrict gives, float* __restrict wanted,
+                     float* __restrict part) {
   for (int32_t i = 0; i < cells; ++i) {
     part[i] = shared::given_part(gives[i], wanted[i]);
     wanted[i] = 0.0f;
@@ -56,8 +55,8 @@ SNOWBOUGH_ROW void part_row(int32_t cells, const float* __restrict gives, float*
 }
 
 /// Lets it flow; returns whether anything does.
-SNOWBOUGH_ROW bool give_row(int32_t step, float* __restrict flow, const float* __restrict part,
-                            float* gain) {
+inline bool give_row(int32_t step, float* __restrict flow, const float* __restrict part,
+                     float* gain) {
   uint32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     flow[i] = shared::given_flow(flow[i], part[i], part[i + step]);
@@ -70,10 +69,9 @@ SNOWBOUGH_ROW bool give_row(int32_t step, float* __restrict flow, const float* _
 }
 
 /// Adds the gains to what has come, and lifts the tops.
-SNOWBOUGH_ROW void move_row(int32_t cells, float* __restrict gain, int32_t* __restrict come,
-                            const float* __restrict held, const float* __restrict z,
-                            const float* __restrict lift, float* __restrict top,
-                            float* __restrict gives) {
+inline void move_row(int32_t cells, float* __restrict gain, int32_t* __restrict come,
+                     const float* __restrict held, const float* __restrict z,
+                     const float* __restrict lift, float* __restrict top, float* __restrict gives) {
   for (int32_t i = 0; i < cells; ++i) {
     come[i] += static_cast<int32_t>(gain[i]);
     gain[i] = 0.0f;
@@ -84,8 +82,8 @@ SNOWBOUGH_ROW void move_row(int32_t cells, float* __restrict gain, int32_t* __re
 }
 
 /// Whether a fall from a row of cells to their neighbours is over its limit, with snow on it.
-SNOWBOUGH_ROW bool is_row_over(int32_t step, const float* __restrict top,
-                               const float* __restrict gives, const float* __restrict limit) {
+inline bool is_row_over(int32_t step, const float* __restrict top, const float* __restrict gives,
+                        const float* __restrict limit) {
   int32_t over = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const float fall = top[i] - top[i + step];
@@ -258,6 +256,7 @@ class TileRun {
   }
 
   bool run_round(float momentum) {
+    tile_.flow_rows |= static_cast<uint32_t>(look_);
     const uint64_t links = want(momentum);
     const uint64_t rims = want_over_rims(momentum);
     wants_ = links | rims;
@@ -312,11 +311,17 @@ class TileRun {
   std::array<int32_t, TileWindow::kRows * TileWindow::kStride> come_;
 };
 
+SNOWBOUGH_ROW TileRounds run_rounds_of(const ReposeTiles& tiles, int32_t block,
+                                       int32_t blocks_a_side, std::vector<RimLink>& rims,
+                                       int first_round, int rounds) {
+  return TileRun(tiles, block, blocks_a_side, rims).run(first_round, rounds);
+}
+
 }  // namespace
 
 TileRounds run_tile_rounds(const ReposeTiles& tiles, int32_t block, int32_t blocks_a_side,
                            std::vector<RimLink>& rims, int first_round, int rounds) {
-  return TileRun(tiles, block, blocks_a_side, rims).run(first_round, rounds);
+  return run_rounds_of(tiles, block, blocks_a_side, rims, first_round, rounds);
 }
 
 }  // namespace snowbough::snow

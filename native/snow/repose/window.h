@@ -34,6 +34,10 @@ struct TilesAround {
 /// the middle tile's first, from -1 to kReposeBlock.
 void stir_cell(const TilesAround& around, int32_t column, int32_t row);
 
+/// Takes note in all tiles in whose windows a cell lies that its bound is lower than it was: see
+/// ReposeTile::rows_to_pass. Counted as for stir_cell.
+void note_bound(const TilesAround& around, int32_t column, int32_t row);
+
 /// A block of a map with the cells that its links lead to: a column on either side and a row behind
 /// the last. What works on a block copies these cells to a window, and back.
 struct TileWindow {
@@ -53,6 +57,11 @@ struct TileWindow {
     return row == 0 || row >= kReposeBlock - 1 || column <= 0 || column >= kReposeBlock - 1;
   }
 
+  /// Whether a cell, counted from the block's first, lies in its window.
+  static constexpr bool has(int32_t column, int32_t row) {
+    return column >= -1 && column <= kReposeBlock && row >= 0 && row <= kReposeBlock;
+  }
+
   /// Which tiles around the block have a cell in their windows, itself left out: by row and column
   /// from -1 to 1, bit 3 * (row + 1) + column + 1.
   static constexpr uint32_t seen_by(int32_t column, int32_t row) {
@@ -61,8 +70,7 @@ struct TileWindow {
       for (int32_t dx = -1; dx <= 1; ++dx) {
         const int32_t x = column - dx * kReposeBlock;
         const int32_t y = row - dy * kReposeBlock;
-        const bool sees = x >= -1 && x <= kReposeBlock && y >= 0 && y <= kReposeBlock;
-        if (sees && (dx != 0 || dy != 0)) bits |= 1u << static_cast<uint32_t>(3 * dy + dx + 4);
+        if (has(x, y) && (dx != 0 || dy != 0)) bits |= 1u << static_cast<uint32_t>(3 * dy + dx + 4);
       }
     }
     return bits;

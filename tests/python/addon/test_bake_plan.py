@@ -66,10 +66,21 @@ def steps_of(count, directions, substeps=1, rates=None):
     return [plan.frame_steps(snowfall, frame, 24, substeps, directions) for frame in range(1, count + 1)]
 
 
-@pytest.mark.parametrize("count, on_frame", [(1, 64), (12, 6), (24, 3), (64, 1), (100, 1), (250, 1)])
-def test_few_frames_fall_from_as_many_directions_as_many(count, on_frame):
+@pytest.mark.parametrize(
+    "count, on_frames",
+    [
+        (1, [64]),
+        (12, [5] * 8 + [6] * 4),
+        (24, [2] * 8 + [3] * 16),
+        (48, [1] * 32 + [2] * 16),
+        (63, [1] * 62 + [2]),
+        (64, [1] * 64),
+        (250, [1] * 250),
+    ],
+)
+def test_few_frames_fall_from_as_many_directions_as_many(count, on_frames):
     frames = steps_of(count, 64)
-    assert [len(steps) for steps in frames] == [on_frame] * count
+    assert [len(steps) for steps in frames] == on_frames
     assert math.fsum(step.depth for steps in frames for step in steps) == pytest.approx(0.12, rel=1e-12)
     for steps in frames:
         assert math.fsum(step.dt for step in steps) == pytest.approx(1 / 24)
@@ -88,6 +99,11 @@ def test_every_sixth_step_of_a_pose_and_the_last_share_its_time(count, timed):
 
 def test_a_gust_has_the_directions_and_the_calm_frames_none():
     assert [len(steps) for steps in steps_of(4, 64, rates=[0, 3, 1, 0])] == [1, 48, 16, 1]
+
+
+def test_no_frame_has_more_directions_than_its_share_rounded_up():
+    counts = [len(steps) for steps in steps_of(6, 64, rates=[1, 2, 30, 2, 1, 0])]
+    assert counts == [1, 3, 53, 4, 2, 1]  # shares: 1.8, 3.6, 53.3, 3.6, 1.8 and 0
 
 
 def test_directions_are_shared_among_the_poses_of_substeps():

@@ -134,36 +134,52 @@ class GroupGather {
 
   /// What each of the fragments would gain under open sky.
   void find_most(const Run& run, uint32_t count, vec4 surface) {
-    const float* part = all_.part.data() + run.begin;
-    float* most = most_.data();
+    const float* __restrict part = all_.part.data() + run.begin;
+    float* __restrict most = most_.data();
+    const uint32_t end = cpu::whole_lanes(count);
     if (gain_.is_smooth(run.triangle)) {
       const Gain::SmoothTriangle points = gain_.smooth_triangle(run.triangle);
-      for (uint32_t k = 0; k < count; ++k) {
-        const float b = all_.weight_b[run.begin + k];
-        const float c = all_.weight_c[run.begin + k];
-        const float front = gain_.between(points.corner.x, points.edge_b.x, points.edge_c.x, b, c);
-        const float back = gain_.between(points.corner.y, points.edge_b.y, points.edge_c.y, b, c);
-        most[k] = gain_.smooth_facing(front, back, surface) * part[k];
+      const float* __restrict weight_b = all_.weight_b.data() + run.begin;
+      const float* __restrict weight_c = all_.weight_c.data() + run.begin;
+      Gain gain = gain_;
+      for (uint32_t k = 0; k < end; ++k) {
+        const float b = weight_b[k];
+        const float c = weight_c[k];
+        const float front = gain.between(points.corner.x, points.edge_b.x, points.edge_c.x, b, c);
+        const float back = gain.between(points.corner.y, points.edge_b.y, points.edge_c.y, b, c);
+        most[k] = gain.smooth_facing(front, back, surface) * part[k];
       }
     } else {
-      for (uint32_t k = 0; k < count; ++k) most[k] = surface.x * part[k];
+      for (uint32_t k = 0; k < end; ++k) most[k] = surface.x * part[k];
+    }
+    if (sums_.some != kBoth) {
+      for (uint32_t k = 0; k < end; ++k) most[k] *= gain_.gain_units(false);
+      return;
     }
     const uint16_t* texel = all_.texel.data() + run.begin;
-    const bool mixed = sums_.some == kBoth;
-    for (uint32_t k = 0; k < count; ++k) {
-      most[k] *= gain_.gain_units(mixed && sums_.is_mixed(texel[k]));
-    }
+    for (uint32_t k = 0; k < count; ++k) most[k] *= gain_.gain_units(sums_.is_mixed(texel[k]));
   }
 
   void add(size_t texel, uint gained) {
     sums_.gain[texel] += gained << gain_.gain_shift(sums_.is_mixed(texel), own_.side != 0);
   }
 
-  void add_open(const Run& run, uint32_t count) {
-    const uint16_t* texel = all_.texel.data() + run.begin;
-    for (uint32_t k = 0; k < count; ++k) {
-      add(texel[k], static_cast<uint>(static_cast<int>(most_[k] + 0.5f)));
+  /// Adds what each of the run's fragments gains.
+  void add_gained(const Run& run, uint32_t count) {
+    const uint16_t* const texel = all_.texel.data() + run.begin;
+    if (sums_.some == kBoth) {
+      for (uint32_t k = 0; k < count; ++k) add(texel[k], gained_[k]);
+      return;
     }
+    for (uint32_t k = 0; k < count; ++k) sums_.gain[texel[k]] += gained_[k];
+  }
+
+  void add_open(const Run& run, uint32_t count) {
+    const uint32_t end = cpu::whole_lanes(count);
+    for (uint32_t k = 0; k < end; ++k) {
+      gained_[k] = static_cast<uint>(static_cast<int>(most_[k] + 0.5f));
+    }
+    add_gained(run, count);
   }
 
   void add_open_cells(const Run& run, uint32_t count) {
@@ -190,35 +206,34 @@ class GroupGather {
 
   /// The same where each fragment is looked at once: many side by side.
   void add_seen_points(const Run& run, uint32_t count) {
-    find_windows(run, count);
-    for (uint32_t k = 0; k < count; ++k) {
-      open_[k] = gain_.clearance(pixel_[k], plane_depth_[k], own_.gradient) >= -own_.hair;
+    const uint32_t end = cpu::whole_lanes(count);
+    find_windows(run, end);
+    // Behind the run's end lie other triangles' fragments, maybe in other tiles.
+    std::fill(pixel_.begin() + count, pixel_.begin() + end, pixel_[0]);
+    find_clearance(end);
+    const float hair = own_.hair;
+    for (uint32_t k = 0; k < end; ++k) {
+      const auto all = static_cast<uint>(static_cast<int>(most_[k] + 0.5f));
+      gained_[k] = clearance_[k] >= -hair ? all : 0u;
     }
     uint32_t others = 0;
     for (uint32_t k = 0; k < count; ++k) {
-      if (open_[k] != 0) {
-        add(all_.texel[run.begin + k], static_cast<uint>(static_cast<int>(most_[k] + 0.5f)));
-      } else if (most_[k] > 0.0f) {
-        const uint32_t f = run.begin + k;
-        others_[others] = f;
-        other_b_[others] = all_.weight_b[f];
-        other_c_[others] = all_.weight_c[f];
-        other_share_[others] = all_.share[f];
-        most_[others++] = most_[k];
-      }
+      others_[others] = k;
+      others += !(clearance_[k] >= -hair) & (most_[k] > 0.0f) ? 1 : 0;
     }
-    if (others > 0) add_partly_seen(run.triangle, others);
+    if (others > 0) find_partly_seen(run, others);
+    add_gained(run, count);
   }
 
   /// Where the fragments' centroids lie among the pixels; all of them in the tile.
-  void find_windows(const Run& run, uint32_t count) {
+  void find_windows(const Run& run, uint32_t end) {
     const Gain::GainTriangle own = own_;
     const float* __restrict weight_b = all_.weight_b.data() + run.begin;
     const float* __restrict weight_c = all_.weight_c.data() + run.begin;
     float* __restrict plane_depth = plane_depth_.data();
     int* __restrict pixel = pixel_.data();
     Gain gain = gain_;
-    for (uint32_t k = 0; k < count; ++k) {
+    for (uint32_t k = 0; k < end; ++k) {
       const vec3 at = gain.point_on(own, vec2(weight_b[k], weight_c[k]));
       const Gain::PixelWindow window = gain.window_of(at, own.gradient);
       plane_depth[k] = window.plane_depth;
@@ -226,30 +241,74 @@ class GroupGather {
     }
   }
 
-  /// Adds what the fragments `others_` gain, which do not see all of the sky.
-  void add_partly_seen(uint32_t triangle, uint32_t count) {
-    std::fill_n(seen_.begin(), count, 0.0f);
-    for (int i = 0; i < 4; ++i) look_at_pixel(triangle, i & 1, i >> 1, count);
-    for (uint32_t k = 0; k < count; ++k) {
-      add(all_.texel[others_[k]], static_cast<uint>(static_cast<int>(most_[k] * seen_[k] + 0.5f)));
+  void find_clearance(uint32_t end) {
+    const int* __restrict pixel = pixel_.data();
+    const float* __restrict plane_depth = plane_depth_.data();
+    float* __restrict clearance = clearance_.data();
+    const vec2 gradient = own_.gradient;
+    Gain gain = gain_;
+    for (uint32_t k = 0; k < end; ++k) {
+      clearance[k] = gain.clearance(pixel[k], plane_depth[k], gradient);
     }
   }
 
-  /// Adds to what they see what one pixel of their windows shows.
-  void look_at_pixel(uint32_t triangle, int x, int y, uint32_t count) {
+  /// Finds what the run's fragments `others_` gain, which do not see all of the sky.
+  void find_partly_seen(const Run& run, uint32_t count) {
+    const uint32_t end = cpu::whole_lanes(count);
+    std::fill(others_.begin() + count, others_.begin() + end, others_[0]);
+    for (uint32_t k = 0; k < end; ++k) {
+      const uint32_t f = run.begin + others_[k];
+      other_b_[k] = all_.weight_b[f];
+      other_c_[k] = all_.weight_c[f];
+      other_share_[k] = all_.share[f];
+      seen_[k] = 0.0f;
+    }
+    find_points(end);
+    for (int i = 0; i < 4; ++i) look_at_pixel(run.triangle, i & 1, i >> 1, end);
+    for (uint32_t k = 0; k < count; ++k) {
+      gained_[others_[k]] =
+          static_cast<uint>(static_cast<int>(most_[others_[k]] * seen_[k] + 0.5f));
+    }
+  }
+
+  /// Where the others lie, and what their windows reach over.
+  void find_points(uint32_t end) {
     const Gain::GainTriangle own = own_;
-    float* __restrict seen = seen_.data();
     const float* __restrict weight_b = other_b_.data();
     const float* __restrict weight_c = other_c_.data();
     const float* __restrict share = other_share_.data();
+    Points& points = points_;
     Gain gain = gain_;
-    for (uint32_t k = 0; k < count; ++k) {
+    for (uint32_t k = 0; k < end; ++k) {
       const vec3 at = gain.point_on(own, vec2(weight_b[k], weight_c[k]));
       const Gain::PixelWindow window = gain.window_of(at, own.gradient);
       const float side = gain.fragment_side(own, share[k]);
       const vec2 windows = gain.windows_of(gain.extent_of(own, own.along_u * side),
                                            gain.extent_of(own, own.along_v * side));
-      const float part = gain.window_part(gain.reach_of(window.offset, windows), x, y);
+      const vec2 reach = gain.reach_of(window.offset, windows);
+      points.x[k] = at.x;
+      points.y[k] = at.y;
+      points.depth[k] = at.z;
+      points.pixel_x[k] = window.pixel.x;
+      points.pixel_y[k] = window.pixel.y;
+      points.plane_depth[k] = window.plane_depth;
+      points.reach_x[k] = reach.x;
+      points.reach_y[k] = reach.y;
+    }
+  }
+
+  /// Adds to what they see what one pixel of their windows shows.
+  void look_at_pixel(uint32_t triangle, int x, int y, uint32_t end) {
+    const Gain::GainTriangle own = own_;
+    float* __restrict seen = seen_.data();
+    const Points& points = points_;
+    Gain gain = gain_;
+    for (uint32_t k = 0; k < end; ++k) {
+      const vec3 at(points.x[k], points.y[k], points.depth[k]);
+      Gain::PixelWindow window;
+      window.pixel = ivec2(points.pixel_x[k], points.pixel_y[k]);
+      window.plane_depth = points.plane_depth[k];
+      const float part = gain.window_part(vec2(points.reach_x[k], points.reach_y[k]), x, y);
       const bool is_open = gain.is_open_in(window, x, y, gain.plane_point(triangle, own, at));
       seen[k] += part > 0.0f && is_open ? part : 0.0f;
     }
@@ -268,13 +327,19 @@ class GroupGather {
   RunFloats most_;
   RunFloats plane_depth_;
   std::array<int, kMostInRun> pixel_;
-  std::array<uint8_t, kMostInRun> open_;
+  RunFloats clearance_;
+  std::array<uint, kMostInRun> gained_;
   RunFloats seen_;
-  /// Fragments that may see a part of the sky only.
-  std::array<uint32_t, kMostInRun> others_;
+  /// Fragments of the run that may see a part of the sky only.
+  std::array<uint32_t, kMostInRun + 1> others_;
   RunFloats other_b_;
   RunFloats other_c_;
   RunFloats other_share_;
+  /// See find_points.
+  struct Points {
+    RunFloats x, y, depth, plane_depth, reach_x, reach_y;
+    std::array<int, kMostInRun> pixel_x, pixel_y;
+  } points_;
 };
 
 SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Tile& tile,
@@ -286,7 +351,7 @@ SNOWBOUGH_KERNEL void gather(const Gain& gain, const FragmentRuns& all, const Ti
 }  // namespace
 }  // namespace kernel
 
-void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
+cpu::GroupWork cpu::deposit_work(Scene& scene, const Tile& tile, bool is_first) {
   kernel::Gain gain{};
   gain.projection = scene.frame;
   gain.triangle_corners = scene.corners.data();
@@ -300,16 +365,22 @@ void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
   gain.occlusion = kernel::rows<glm::uvec2>(scene.seen);
   gain.tile_origin = tile.with_margin().low;
   gain.tile_size = tile.with_margin().size();
+  return [&scene, tile, is_first, gain](Receiver& receiver, size_t group) {
+    const size_t first = receiver.first_texel(group);
+    evaluate_group(scene, receiver, group);
+    kernel::Gain own = gain;
+    own.resolution = static_cast<float>(receiver.resolution);
+    kernel::gather(own, receiver.fragments, tile, receiver.map_offset, group,
+                   receiver.first_texel(group + 1) - first, !is_first,
+                   receiver.steps.gain.data() + first);
+  };
+}
+
+void cpu::gather_deposit(Scene& scene, const Tile& tile, bool is_first) {
+  const GroupWork work = deposit_work(scene, tile, is_first);
   for (Receiver& receiver : scene.receivers) {
-    gain.resolution = static_cast<float>(receiver.resolution);
-    base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
-      const size_t group = receiver.active[i];
-      const size_t first = receiver.first_texel(group);
-      evaluate_group(scene, receiver, group);
-      kernel::gather(gain, receiver.fragments, tile, receiver.map_offset, group,
-                     receiver.first_texel(group + 1) - first, !is_first,
-                     receiver.steps.gain.data() + first);
-    });
+    base::for_each_item(receiver.active.size(), 4,
+                        [&](size_t i) { work(receiver, receiver.active[i]); });
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <optional>
 
 #include "shaders/lib/object_sums.h"
 #include "snow/repose/pass.h"
@@ -31,6 +32,7 @@ class CpuEngine final : public Engine {
   void run(const std::function<void()>& work) override { work(); }
 
   void build_scene(const std::vector<const SceneObject*>& objects) override {
+    waiting_.reset();
     scene_ = Scene{};
     scene_ = cpu::build_scene(objects);
     repose_.lay_out(objects);
@@ -56,6 +58,7 @@ class CpuEngine final : public Engine {
   }
   void evaluate_texels() override { cpu::evaluate_texels(scene_); }
   void render_occlusion(const Tile& tile, const std::vector<TriangleRange>& ranges) override {
+    gather_waiting();
     const PixelRect pixels = tile.with_margin();
     const auto count = static_cast<size_t>(pixels.size().x) * static_cast<size_t>(pixels.size().y);
     if (scene_.seen.size() < count + kSeenSpare) scene_.seen.resize(count + kSeenSpare);
@@ -65,11 +68,12 @@ class CpuEngine final : public Engine {
         pixels, std::span(scene_.seen).first(count));
   }
   void count_back_faces(const Tile& tile) override { cpu::count_back_faces(scene_, tile); }
-  void gather_deposit(const Tile& tile, bool is_first) override {
-    cpu::gather_deposit(scene_, tile, is_first);
-  }
+  void gather_deposit(const Tile& tile, bool is_first) override { waiting_ = {tile, is_first}; }
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
-    cpu::apply_stability(scene_, settings, full_gain, dt);
+    const GroupWork last =
+        waiting_ ? deposit_work(scene_, waiting_->tile, waiting_->is_first) : GroupWork();
+    waiting_.reset();
+    cpu::apply_stability(scene_, settings, full_gain, dt, last);
   }
   void apply_repose(const ReposeSettings& settings, float dt) override {
     std::vector<ReposePass::Map> maps;
@@ -110,6 +114,18 @@ class CpuEngine final : public Engine {
     return scene_.receivers[static_cast<size_t>(scene_.layout.plan.slot[object])];
   }
 
+  void gather_waiting() {
+    if (waiting_) cpu::gather_deposit(scene_, waiting_->tile, waiting_->is_first);
+    waiting_.reset();
+  }
+
+  /// The tile whose deposit is still to be gathered: that of a step's last one, which is mostly the
+  /// only one, is together with its stability, group by group.
+  struct Waiting {
+    Tile tile;
+    bool is_first;
+  };
+  std::optional<Waiting> waiting_;
   Scene scene_;
   OcclusionPass occlusion_;
   ReposePass repose_;

@@ -183,7 +183,7 @@ FragmentRuns make_fragment_runs(const SceneObject& object, const std::vector<int
   const size_t count = first_fragment.back();
   all.texel.resize(count);
   for (std::vector<float>* values : {&all.share, &all.weight_b, &all.weight_c, &all.part}) {
-    values->resize(count);
+    values->resize(count + kRunLanes - 1);
   }
   if (!object.fragment_opacity.empty()) all.opacity.resize(count);
   std::vector<std::vector<FragmentRuns::Run>> runs(groups);

@@ -33,6 +33,7 @@ struct FragmentRuns {
   /// triangle's area; its centroid's weights; the part of it that is there for snow
   /// (snow/scene/fragment_opacity.h), empty: opaque.
   std::vector<uint16_t> texel;
+  /// These, and `part`, have kRunLanes - 1 elements more: see whole_lanes.
   std::vector<float> share;
   std::vector<float> weight_b;
   std::vector<float> weight_c;
@@ -44,6 +45,16 @@ struct FragmentRuns {
 inline constexpr int32_t kRunSquare = 16;
 /// Most fragments of a run. TexelTable has one of a triangle in a texel.
 inline constexpr size_t kMostInRun = size_t{kRunSquare} * kRunSquare;
+
+/// Loops over a run's fragments go on to the end of a vector of so many: what is left of a run
+/// would take one at a time as long as the rest.
+inline constexpr uint32_t kRunLanes = 8;
+static_assert(kMostInRun % kRunLanes == 0);
+
+/// Fragments that such a loop goes over.
+inline uint32_t whole_lanes(uint32_t count) {
+  return (count + kRunLanes - 1) / kRunLanes * kRunLanes;
+}
 
 /// `order`: the receiver's texels as texel_order gives them; its triangles begin at
 /// `first_triangle` of the scene. O(fragments), on all cores.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <glm/vec3.hpp>
 #include <glm/vec4.hpp>
 #include <span>
@@ -52,9 +53,17 @@ void count_back_faces(Scene& scene, const Tile& tile);
 /// pixels more. Fragment by fragment it would be the same to the bit.
 void gather_deposit(Scene& scene, const Tile& tile, bool is_first);
 
+/// Work on one group of a receiver's texels, for any thread.
+using GroupWork = std::function<void(Receiver& receiver, size_t group)>;
+
+/// gather_deposit of a single group; `scene` and what it holds must stay as they are meanwhile.
+GroupWork deposit_work(Scene& scene, const Tile& tile, bool is_first);
+
 /// Adds the chosen texels' deposit to their heights and lets slide what the slope cannot hold, in
 /// closed form over `dt` seconds (shaders/lib/texel_stability.h, where the method stands); adds up
-/// each receiver's volumes and visible area, in a fixed order.
-void apply_stability(Scene& scene, const StabilitySettings& settings, float full_gain, float dt);
+/// each receiver's volumes and visible area, in a fixed order. `before` is called for each group
+/// just before: what it leaves is still in the cache.
+void apply_stability(Scene& scene, const StabilitySettings& settings, float full_gain, float dt,
+                     const GroupWork& before = {});
 
 }  // namespace snowbough::snow::cpu

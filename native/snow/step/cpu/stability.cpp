@@ -57,21 +57,22 @@ inline bool keep_run(Stability stability, size_t begin, size_t count, RunTexels&
   return others == 0;
 }
 
-/// Stabilises texels [begin, end), at most kRun; returns their sums and sets `holds_snow` where
-/// some lies after the step.
-inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whole, size_t begin,
-                          size_t end, bool& holds_snow) {
-  // A row of the map lies in another page: it is asked for some texels before it is needed.
+/// A row of the map lies in another page: it is asked for some texels before it is needed.
+inline void fetch_ahead(const Stability& stability, size_t begin) {
   constexpr size_t kAhead = 64;
+  if (begin + kAhead + kRun > stability.texel_count) return;
+  const uint* const places = stability.places + begin + kAhead;
+  for (size_t k = 0; k < kRun; ++k) __builtin_prefetch(&stability.height_map[places[k]], 1);
+}
+
+/// Stabilises texels from `begin` on, `count` of them and at most kRun; returns their sums and sets
+/// `holds_snow` where some lies after the step.
+inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whole, size_t begin,
+                          size_t count, bool& holds_snow) {
   const uint* places = stability.places + begin;
-  const size_t count = end - begin;
   RunTexels run;
-  for (size_t k = 0; k < count; ++k) {
-    if (begin + k + kAhead < stability.texel_count) {
-      __builtin_prefetch(&stability.height_map[places[k + kAhead]], 1);
-    }
-    run.height[k] = stability.height_map[places[k]];
-  }
+  fetch_ahead(stability, begin);
+  for (size_t k = 0; k < count; ++k) run.height[k] = stability.height_map[places[k]];
   vec4 sums(0.0f);
   float highest = 0.0f;
   if (keep_run(stability, begin, count, run)) {
@@ -100,9 +101,12 @@ inline vec4 stabilise_run(Stability& stability, const Stability::WholeStep& whol
 SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, bool& holds_snow) {
   const Stability::WholeStep whole = stability.whole_step();
   dvec4 sums(0.0);
-  for (size_t run = begin; run < end; run += kRun) {
-    sums += dvec4(stabilise_run(stability, whole, run, std::min(run + kRun, end), holds_snow));
+  size_t run = begin;
+  // Whole runs by themselves, so that the compiler knows how long they are.
+  for (; run + kRun <= end; run += kRun) {
+    sums += dvec4(stabilise_run(stability, whole, run, kRun, holds_snow));
   }
+  if (run < end) sums += dvec4(stabilise_run(stability, whole, run, end - run, holds_snow));
   return sums;
 }
 
@@ -110,7 +114,7 @@ SNOWBOUGH_KERNEL dvec4 stabilise(Stability stability, size_t begin, size_t end, 
 }  // namespace kernel
 
 void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float full_gain,
-                          float dt) {
+                          float dt, const GroupWork& before) {
   for (Receiver& receiver : scene.receivers) {
     kernel::Stability stability{};
     stability.places = receiver.places.data();
@@ -124,6 +128,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];
+      if (before) before(receiver, group);
       bool holds_snow = false;
       sums[i] = kernel::stabilise(stability, receiver.first_texel(group),
                                   receiver.first_texel(group + 1), holds_snow);

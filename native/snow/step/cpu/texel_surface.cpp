@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cstring>
 
 #include "base/parallel_for.h"
 #include "snow/step/cpu/kernel.h"
@@ -14,60 +15,115 @@ struct Surface {
 #include "shaders/lib/texel_surface.h"
 };
 
-using Sums = std::array<Surface::SurfaceSums, kTexelGroup>;
+/// Surface::SurfaceSums of a group's texels: area, up and upper side by side, so that a fragment is
+/// added in one go; and back_up and back_upper, which are there where a triangle has two sides.
+struct GroupSums {
+  alignas(16) std::array<std::array<float, 4>, kTexelGroup> front;
+  alignas(16) std::array<std::array<float, 4>, kTexelGroup> back;
+  bool has_back = false;
+};
 
-/// Adds a run's fragments to their texels' sums.
+inline void add(std::array<float, 4>& sum, const base::Float4& part, float area) {
+  base::Float4 all;
+  std::memcpy(&all, sum.data(), sizeof all);
+  all += part * area;
+  std::memcpy(sum.data(), &all, sizeof all);
+}
+
+/// What a fragment of an area of 1 adds on the front and on the back: Surface::with_fragment.
+inline base::Float4 front_of(float up) {
+  return base::Float4{1.0f, up, max(up, 0.0f), 0.0f};
+}
+inline base::Float4 back_of(float up) {
+  return base::Float4{-up, max(-up, 0.0f), 0.0f, 0.0f};
+}
+
+/// Adds a run's fragments to their texels' sums; leaves their areas in `part`.
 inline void add_run(Surface& surface, const cpu::FragmentRuns& all, uint32_t begin, uint32_t end,
-                    uint32_t triangle, Sums& sums) {
+                    uint32_t triangle, float* __restrict part, GroupSums& sums) {
   const vec4 own = texelFetch(surface.triangle_surface, static_cast<int>(triangle));
   const bool two_sided = own.w != 0.0f;
+  const float* __restrict share = all.share.data();
+  const uint16_t* __restrict texel = all.texel.data();
+  for (size_t f = begin; f < end; ++f) part[f] = share[f] * own.y;
   if (!surface.is_smooth(triangle)) {
-    for (uint32_t f = begin; f < end; ++f) {
-      Surface::SurfaceSums& texel = sums[all.texel[f]];
-      texel = surface.with_fragment(texel, all.share[f] * own.y, own.z, two_sided);
-    }
+    const base::Float4 front = front_of(own.z);
+    for (size_t f = begin; f < end; ++f) add(sums.front[texel[f]], front, part[f]);
+    const base::Float4 back = back_of(own.z);
+    for (size_t f = begin; two_sided && f < end; ++f) add(sums.back[texel[f]], back, part[f]);
     return;
   }
   const Surface::SmoothTriangle points = surface.smooth_triangle(triangle);
-  for (uint32_t f = begin; f < end; ++f) {
-    Surface::SurfaceSums& texel = sums[all.texel[f]];
+  for (size_t f = begin; f < end; ++f) {
     const float up = surface.between(points.corner.z, points.edge_b.z, points.edge_c.z,
                                      all.weight_b[f], all.weight_c[f]);
-    texel = surface.with_fragment(texel, all.share[f] * own.y, up, two_sided);
+    add(sums.front[texel[f]], front_of(up), part[f]);
+    if (two_sided) add(sums.back[texel[f]], back_of(up), part[f]);
   }
 }
 
-/// Which part of its texel's area each of a run's fragments is.
-inline void find_parts(const cpu::FragmentRuns& all, uint32_t begin, uint32_t end, float triangle,
-                       const float* area, float* part) {
-  const bool has_opacity = !all.opacity.empty();
-  for (uint32_t f = begin; f < end; ++f) {
-    const float own = all.share[f] * triangle * (has_opacity ? all.opacity[f] : 1.0f);
-    part[f] = own > 0.0f ? own / area[all.texel[f]] : 0.0f;
+/// Areas to divide by, of texels that may have none: what is divided is 0 there, too. Not in one
+/// loop with the division, which would be done one at a time then.
+inline void find_divisors(const float* __restrict area, size_t count, float* __restrict divisor) {
+  for (size_t i = 0; i < count; ++i) divisor[i] = area[i] > 0.0f ? area[i] : 1.0f;
+}
+
+/// Upward parts of texels by their sums: Surface::surface_of_sums. `up` and `upper`: where they
+/// stand in the sums.
+template <size_t up, size_t upper>
+inline void find_up(const std::array<float, 4>* __restrict sums, const float* __restrict divisor,
+                    size_t count, float* __restrict found) {
+  for (size_t i = 0; i < count; ++i) {
+    const float all = sums[i][up];
+    const float facing_up = sums[i][upper];
+    found[i] = facing_up > 0.0f ? facing_up : all;
+  }
+  for (size_t i = 0; i < count; ++i) found[i] /= divisor[i];
+}
+
+/// Turns fragments' areas into the parts that they are of their texels' ones.
+inline void find_parts(const cpu::FragmentRuns& all, uint32_t begin, uint32_t end,
+                       const float* __restrict divisor, float* __restrict part) {
+  if (!all.opacity.empty()) {
+    const float* __restrict opacity = all.opacity.data();
+    for (size_t f = begin; f < end; ++f) part[f] *= opacity[f];
+  }
+  constexpr size_t kBlock = 64;
+  std::array<float, kBlock> whole;
+  for (size_t f = begin; f < end; f += kBlock) {
+    const size_t count = std::min(kBlock, end - f);
+    const uint16_t* __restrict texel = all.texel.data() + f;
+    float* __restrict own = part + f;
+    for (size_t k = 0; k < count; ++k) whole[k] = divisor[texel[k]];
+    for (size_t k = 0; k < count; ++k) own[k] /= whole[k];
   }
 }
 
 SNOWBOUGH_KERNEL void evaluate(Surface surface, cpu::FragmentRuns& all, size_t group,
                                size_t first_texel, size_t texel_count, cpu::TexelSteps& steps) {
-  Sums sums;
-  std::fill_n(sums.begin(), texel_count, Surface::SurfaceSums{});
   const cpu::FragmentRuns::Run* begin = all.runs.data() + all.group_begin[group];
   const cpu::FragmentRuns::Run* end = all.runs.data() + all.group_begin[group + 1];
+  GroupSums sums;
+  std::fill_n(sums.front.begin(), texel_count, std::array<float, 4>{});
   for (const cpu::FragmentRuns::Run* run = begin; run < end; ++run) {
-    add_run(surface, all, run->begin, run[1].begin, run->triangle, sums);
+    sums.has_back = sums.has_back || surface.triangle_surface[run->triangle].w != 0.0f;
   }
-  std::array<float, kTexelGroup> area;
-  for (size_t i = 0; i < texel_count; ++i) {
-    const Surface::TexelSurface texel = surface.surface_of_sums(sums[i]);
-    area[i] = texel.area;
-    steps.area[first_texel + i] = texel.area;
-    steps.up[first_texel + i] = texel.up;
-    steps.back_up[first_texel + i] = texel.back_up;
-  }
+  if (sums.has_back) std::fill_n(sums.back.begin(), texel_count, std::array<float, 4>{});
   for (const cpu::FragmentRuns::Run* run = begin; run < end; ++run) {
-    find_parts(all, run->begin, run[1].begin, surface.triangle_surface[run->triangle].y,
-               area.data(), all.part.data());
+    add_run(surface, all, run->begin, run[1].begin, run->triangle, all.part.data(), sums);
   }
+  float* const area = steps.area.data() + first_texel;
+  for (size_t i = 0; i < texel_count; ++i) area[i] = sums.front[i][0];
+  std::array<float, kTexelGroup> divisor;
+  find_divisors(area, texel_count, divisor.data());
+  find_up<1, 2>(sums.front.data(), divisor.data(), texel_count, steps.up.data() + first_texel);
+  float* const back_up = steps.back_up.data() + first_texel;
+  if (sums.has_back) {
+    find_up<0, 1>(sums.back.data(), divisor.data(), texel_count, back_up);
+  } else {
+    std::fill_n(back_up, texel_count, 0.0f);
+  }
+  find_parts(all, begin->begin, end->begin, divisor.data(), all.part.data());
 }
 
 }  // namespace

@@ -64,6 +64,43 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
   EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
 }
 
+TEST(ReposeOutlets, PassOnAgainWhatHasChangedOnly) {
+  ReposeTiles tiles(4);
+  for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
+  for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
+  tiles[0]->forward[31] = 1;
+  for (size_t t : {0, 1}) {
+    for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
+    tiles[t]->begin_step();
+    EXPECT_EQ(tiles[t]->rows_to_pass, kAllWindowRows);
+  }
+  for (const int32_t block : {0, 1})
+    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
+  tiles[1]->rows_to_pass = 0;
+  lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
+  EXPECT_EQ(tiles[0]->rows_to_pass, 0u);
+  EXPECT_EQ(tiles[1]->rows_to_pass, 1u);
+  lower_tile_bounds(tiles, 1, 2, {});
+  EXPECT_NEAR(tiles[1]->bound[31], 0.1f + shared::kCuts * 0.635f, 1e-5f);
+  EXPECT_EQ(tiles[1]->rows_to_pass, 0u);
+}
+
+TEST(ReposeTile, ForgetsWhatMovedInAStepAndItsFlows) {
+  ReposeTiles tiles = row_of(32);
+  std::vector<float> heights(32, 0.0f);
+  heights[20] = 0.8f;
+  cover(tiles, heights);
+  std::vector<RimLink> rims;
+  EXPECT_TRUE(run_tile_rounds(tiles, 0, 1, rims, 0, 2).has_changed);
+  EXPECT_EQ(tiles[0]->moved_rows, 1u);
+  EXPECT_LT(tiles[0]->moved[20], 0.0);
+  EXPECT_NE((*tiles[0]->flow)[0][20], 0.0f);
+  tiles[0]->begin_step();
+  EXPECT_FALSE(tiles[0]->has_moved());
+  EXPECT_EQ(tiles[0]->moved, decltype(tiles[0]->moved){});
+  EXPECT_EQ((*tiles[0]->flow)[0], ReposeTile::Plane{});
+}
+
 TEST(TileWindow, SaysWhichTilesSeeACell) {
   EXPECT_EQ(TileWindow::seen_by(5, 5), 0u);
   EXPECT_EQ(TileWindow::seen_by(31, 5), 1u << 5);
