@@ -9,6 +9,7 @@
 
 namespace snowbough::snow {
 
+struct ConductanceTerms;
 struct EdgeArrays;
 
 /// How far a map is smoothed: a standard deviation of the larger of `blur_radius` and a third of
@@ -78,12 +79,10 @@ class Smoother {
   /// The cells of a level that are near the foot of a bank.
   struct Bank {
     std::vector<int32_t> cells;
-    /// Per cell of the level, after its margin: eighths of a cell to the foot; 0: not in a bank.
-    base::ZeroedArray<uint8_t> distance;
-  };
-  struct NewHeight {
-    int32_t cell;
-    float height;
+    /// Per cell of the level, after its margin: how near the foot is, see cells_to_foot.
+    base::ZeroedArray<uint8_t> near;
+    /// Per eighth of a cell's distance, the cells that were found there first.
+    std::vector<std::vector<int32_t>> at_distance;
   };
   /// What a level works on. Arrays have a margin of kMargin cells and a row before the first cell.
   struct Level {
@@ -136,14 +135,14 @@ class Smoother {
   bool shape_edges();
   void find_banks(const EdgeArrays& edges);
   template <typename Visit>
-  void for_each_beside(size_t number, int32_t cell, const Visit& visit) const;
+  void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
   void spread_bank(size_t number);
+  static void note_near(Bank& bank, int32_t cell, int32_t near);
+  void approach_feet(size_t number);
+  void forget_ridges(size_t number);
   void restrict_bank(size_t number);
-  /// kBankCells beyond banks.
-  float cells_to_foot(size_t number, int32_t cell) const;
-  void limit_bank(size_t number);
+  void limit_run(size_t number, Run run, const ConductanceTerms& terms);
   float kept_of_block(size_t number, int32_t block) const;
-  std::vector<NewHeight> prolonged_bank(size_t number) const;
   void clear_banks();
   /// Heights to heights over profile.
   void divide_by_profile();

@@ -86,11 +86,13 @@ void lay_links(SmoothingLevel& level, std::vector<LooseLink>& links) {
   for (const LooseLink& link : links) ++count[link.a], ++count[link.b];
   std::vector<int32_t> next(cells, 0);
   level.link_row.assign(static_cast<size_t>(level.size) + 1, 0);
+  level.linked.assign(cells / 64 + 1, 0);
   int32_t total = 0;
   for (size_t i = 0; i < cells; ++i) {
     if (count[i] == 0) continue;
     level.link_cell.push_back(static_cast<int32_t>(i));
     level.link_begin.push_back(total);
+    level.linked[i / 64] |= uint64_t{1} << (i % 64);
     ++level.link_row[i / static_cast<size_t>(level.size) + 1];
     next[i] = total;
     total += count[i];

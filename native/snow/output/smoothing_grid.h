@@ -34,6 +34,11 @@ struct SmoothingLevel {
   std::vector<int32_t> link_cell;
   std::vector<int32_t> link_begin;
   std::vector<int32_t> link_row;
+  /// A bit a cell: whether it is in link_cell.
+  std::vector<uint64_t> linked;
+  bool is_linked(int32_t cell) const {
+    return (linked[static_cast<size_t>(cell) / 64] >> (cell % 64) & 1) != 0;
+  }
   std::vector<int32_t> link_other;
   /// Which part of a whole link it is, 0 to 1, and how close the ends are.
   std::vector<float> link_weight;

@@ -145,6 +145,31 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
   return std::bit_cast<float>(largest);
 }
 
+SNOWBOUGH_WIDE bool is_near_any(const uint8_t* near, int32_t count) {
+  uint8_t bits = 0;
+  for (int32_t i = 0; i < count; ++i) bits |= near[i];
+  return bits != 0;
+}
+
+SNOWBOUGH_WIDE void limit_bank_run(const uint8_t* __restrict near, const float* __restrict inverse,
+                                   const ClosenessView& closeness, float* __restrict right,
+                                   float* __restrict above, const ConductanceTerms& of,
+                                   int32_t begin, int32_t end) {
+  const ConductanceTerms terms = of;
+  const uint16_t* __restrict to_right = closeness.right;
+  const uint16_t* __restrict upwards = closeness.above;
+  const ptrdiff_t size = closeness.size;
+  for (int32_t i = begin; i < end; ++i) {
+    const float along = bank_conductance(near[i], near[i + 1], inverse[i], inverse[i + 1],
+                                         from_half(to_right[i]), terms);
+    const float across = bank_conductance(near[i], near[i + size], inverse[i], inverse[i + size],
+                                          from_half(upwards[i]), terms);
+    // Where both cells are bare `along` is no number.
+    right[i] = along < right[i] ? along : right[i];
+    above[i] = across < above[i] ? across : above[i];
+  }
+}
+
 namespace {
 
 inline float deepest(float a, float b) {
@@ -185,12 +210,14 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const BlockRows& rows, const float* __restrict before,
                                 const float* __restrict now, const KeptTerms& of, int32_t count) {
   const KeptTerms terms = of;
+  const uint8_t* __restrict near = of.near;
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
     const float closeness =
         from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
-    const float kept = kept_part(before[i], closeness, terms.least_variance, terms.done_below);
+    const float kept =
+        kept_part(before[i], closeness, near[i], terms.least_variance, terms.done_below);
     const float mean = before[i] != 0.0f ? before[i] : 1.0f;
     const float ratio = now[i] / mean;
     const float base = now[i] * (1.0f - kept);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 
 #include "base/simd.h"
 #include "snow/output/smoothing_grid.h"
@@ -26,6 +27,10 @@ inline constexpr float kShoulder = 1.0f;
 inline constexpr float kBankPart = 0.1f;
 /// How near a foot is that matters, in cells: a level's stages spread snow by less than a tenth.
 inline constexpr float kBankCells = 15.0f;
+/// How near a foot is, is noted in parts of a cell: from kMostNear, at the foot, to 1; 0: further
+/// away than kBankCells.
+inline constexpr int32_t kBankSteps = 8;
+inline constexpr int32_t kMostNear = static_cast<int32_t>(kBankCells) * kBankSteps + 1;
 /// What ends in slopes under 40 degrees is no bank.
 inline constexpr float kLeastBank = 0.84f;
 /// Snow that ends higher than so many cells (a bank of 80 degrees does not) ends in a cliff.
@@ -80,6 +85,24 @@ inline float bank_limit(float cells) {
   return 0.5f * kBankPart * kBankPart * cells * cells;
 }
 
+/// kBankCells beyond banks.
+inline float cells_to_foot(uint8_t near) {
+  const float cells =
+      static_cast<float>(kMostNear - near) * (1.0f / static_cast<float>(kBankSteps));
+  return cells < kBankCells ? cells : kBankCells;
+}
+
+/// What a bank lets through a link at most; beyond banks more than any link conducts.
+inline float bank_conductance(uint8_t near_a, uint8_t near_b, float inverse_a, float inverse_b,
+                              float closeness, const ConductanceTerms& terms) {
+  const float limit = bank_limit(0.5f * (cells_to_foot(near_a) + cells_to_foot(near_b)));
+  const float least = 0.5f * terms.least_variance * closeness;
+  const float own = (limit > least ? limit : least) - terms.done_below;
+  const float inverse = inverse_a > inverse_b ? inverse_a : inverse_b;
+  const float most = (own > 0.0f ? own : 0.0f) / (terms.stages * inverse);
+  return (near_a | near_b) != 0 ? most : std::numeric_limits<float>::infinity();
+}
+
 /// Closeness of the links of a level's grid.
 struct ClosenessView {
   const uint16_t* right;
@@ -122,6 +145,12 @@ void shape_run(const float* height, const ClosenessView& closeness, float least_
 float conduct_run(const float* height, const float* inverse, const ClosenessView& closeness,
                   float* right, float* above, const ConductanceTerms& terms, int32_t begin,
                   int32_t end);
+/// Whether one of the cells is near the foot of a bank.
+bool is_near_any(const uint8_t* near, int32_t count);
+/// Takes from conductances what banks do not let through.
+void limit_bank_run(const uint8_t* near, const float* inverse, const ClosenessView& closeness,
+                    float* right, float* above, const ConductanceTerms& terms, int32_t begin,
+                    int32_t end);
 /// Heights to heights over profile, and back.
 void divide_run(float* height, const float* inverse_area, const float* inverse_weight,
                 int32_t begin, int32_t end);
@@ -144,10 +173,12 @@ struct BlockRows {
   const uint8_t* joins[2];
 };
 
-/// What is left of differences within blocks. `closeness`: of the blocks; see ConductanceTerms.
+/// What is left of differences within blocks: closeness of the blocks and how near they are to the
+/// foot of a bank; see ConductanceTerms.
 struct KeptTerms {
   const uint16_t* right;
   const uint16_t* above;
+  const uint8_t* near;
   float least_variance;
   float done_below;
 };
@@ -165,10 +196,13 @@ inline float kept_part(float wanted, float done_below) {
   const float left = wanted > done_below ? wanted - done_below : 0.0f;
   return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
 }
-inline float kept_part(float before, float closeness, float least_variance, float done_below) {
-  const float third = third_squared(before);
-  const float variance = third > least_variance ? third : least_variance;
-  return kept_part(0.5f * variance * closeness, done_below);
+inline float kept_part(float before, float closeness, uint8_t near, float least_variance,
+                       float done_below) {
+  const float by_depth = 0.5f * third_squared(before) * closeness;
+  const float limit = near != 0 ? bank_limit(cells_to_foot(near)) : by_depth;
+  const float wanted = by_depth < limit ? by_depth : limit;
+  const float least = 0.5f * least_variance * closeness;
+  return kept_part(wanted > least ? wanted : least, done_below);
 }
 
 }  // namespace snowbough::snow
