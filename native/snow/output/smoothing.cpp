@@ -91,6 +91,7 @@ class Smoother::Works {
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
     level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
+    level.edge_cells.resize(level.loose.size());
     level.stray_joins.resize(grid_.levels[number].strays.size());
   };
   if (number < levels_.size()) {

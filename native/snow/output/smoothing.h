@@ -101,6 +101,8 @@ class Smoother {
     std::vector<OpenLinks> loose;
     /// Level 0 only: EdgeArrays, one after the other. 0 beyond the runs.
     base::ZeroedArray<uint8_t> edges;
+    /// Level 0 only, per band of rows: the cells at an edge.
+    std::vector<std::vector<int32_t>> edge_cells;
     std::vector<Run> runs;
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
@@ -122,18 +124,18 @@ class Smoother {
   void find_runs(const std::vector<float>& map);
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
-  /// Notes the open ones of the links across seams, and calls `on_closed(row, cell, link)` for the
+  /// Notes the open ones of the links across seams, and calls `on_closed(band, cell, link)` for the
   /// others of cells with snow.
   void open_loose_links(
       size_t number,
-      const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed = nullptr);
+      const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed = nullptr);
   bool open_links(const EdgeArrays& edges);
   float find_edges(const EdgeArrays& edges);
   void spread_distance(EdgeArrays& edges);
   /// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
   /// as many rounds as the widest shoulder has texels. Returns whether there is an edge.
   bool shape_edges();
-  void find_banks(const EdgeArrays& edges);
+  void find_banks();
   template <typename Visit>
   void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
   void spread_bank(size_t number);

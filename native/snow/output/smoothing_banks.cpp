@@ -72,7 +72,7 @@ uint64_t links_around(const SmoothingLevel& grid, int32_t i) {
 }  // namespace
 
 /// Finds the cells of level 0 in which a bank ends, and those near them.
-void Smoother::find_banks(const EdgeArrays& edges) {
+void Smoother::find_banks() {
   Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
   const float* const height = level.at(level.height);
@@ -91,26 +91,21 @@ void Smoother::find_banks(const EdgeArrays& edges) {
   };
   const auto is_foot = [&](int32_t i) {
     if (height[i] == 0.0f || grid_.end[i] == SurfaceEnd::kRim) return false;
-    if (edges.distance[i] != 0 && grid_.end[i] != SurfaceEnd::kOpen) return false;
     if (std::fabs(height[i]) * std::sqrt(closest_link(closeness, i)) > kHighestFoot) return false;
     const float along = rise(i, 1, closeness.right);
     const float across = rise(i, closeness.size, closeness.above);
     return along * along + across * across > kLeastBank * kLeastBank;
   };
-  std::vector<std::vector<int32_t>> feet(static_cast<size_t>(band_count(grid)));
-  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      for (int32_t i = level.runs[r].begin; i < level.runs[r].end; ++i) {
-        if (is_foot(i)) feet[band].push_back(i);
-      }
-    }
-  });
-  for (const std::vector<int32_t>& cells : feet) {
-    for (const int32_t cell : cells) {
-      level.bank.near.data()[level.margin + cell] = kMostNear - kStep / 2;
-      level.bank.cells.push_back(cell);
-    }
+  uint8_t* const near = level.bank.near.data() + level.margin;
+  const auto note_foot = [&](int32_t i) {
+    if (near[i] != 0 || !is_foot(i)) return;
+    near[i] = kMostNear - kStep / 2;
+    level.bank.cells.push_back(i);
+  };
+  for (const std::vector<int32_t>& cells : level.edge_cells) {
+    for (const int32_t cell : cells) note_foot(cell);
   }
+  for (const int32_t cell : grid_.open_ends) note_foot(cell);
   spread_bank(0);
 }
 

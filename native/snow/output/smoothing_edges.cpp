@@ -34,6 +34,16 @@ bool Smoother::open_links(const EdgeArrays& edges) {
     if (open_links_run(height, closeness, edges, run.begin, run.end)) {
       closed[static_cast<size_t>(y)] = 1;
     }
+    if (y == 0) return;
+    // Into the run from bare cells below it.
+    int32_t below = run.begin - grid.size;
+    for (int32_t r = level.run_row[y - 1]; r < level.run_row[y]; ++r) {
+      const auto [begin, end] = level.runs[r];
+      if (end <= below) continue;
+      open_upwards_run(height, closeness, edges.above, below, std::min(begin, run.end - grid.size));
+      below = end;
+    }
+    open_upwards_run(height, closeness, edges.above, below, run.end - grid.size);
   });
   return covered < int64_t{grid.size} * grid.size ||
          std::any_of(closed.begin(), closed.end(), [](uint8_t row) { return row != 0; });
@@ -46,27 +56,32 @@ float Smoother::find_edges(const EdgeArrays& edges) {
   const SmoothingLevel& grid = grid_.levels[0];
   const float* const height = level.at(level.height);
   const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
-  std::vector<float> widest(static_cast<size_t>(grid.size), 0.0f);
+  std::vector<float> widest(level.edge_cells.size(), 0.0f);
+  const auto note = [&](size_t band, int32_t cell, float closest) {
+    level.edge_cells[band].push_back(cell);
+    const float variance = std::max(least_variance_, third_squared(height[cell]));
+    widest[band] = std::max(widest[band], variance * closest);
+  };
   const bool may_have_edges = open_links(edges);
-  if (may_have_edges) {
-    for_each_run(0, [&](int32_t y, Run run) {
-      float& own = widest[static_cast<size_t>(y)];
-      own = std::max(own,
-                     find_edges_run(height, closeness, least_variance_, edges, run.begin, run.end));
-    });
-  } else {
-    for_each_run(0, [&](int32_t, Run run) {
-      std::memset(edges.distance + run.begin, kFarFromEdge,
-                  static_cast<size_t>(run.end - run.begin));
-      std::memset(edges.next + run.begin, kFarFromEdge, static_cast<size_t>(run.end - run.begin));
-    });
-  }
-  open_loose_links(0, [&](int32_t row, int32_t cell, int32_t link) {
+  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
+    level.edge_cells[band].clear();
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      const Run run = level.runs[r];
+      if (may_have_edges) {
+        mark_edges_run(edges, grid.size, run.begin, run.end);
+        for_each_edge(edges.distance, run.begin, run.end,
+                      [&](int32_t cell) { note(band, cell, closest_link(closeness, cell)); });
+      } else {
+        const auto count = static_cast<size_t>(run.end - run.begin);
+        std::memset(edges.distance + run.begin, kFarFromEdge, count);
+        std::memset(edges.next + run.begin, kFarFromEdge, count);
+      }
+    }
+  });
+  open_loose_links(0, [&](size_t band, int32_t cell, int32_t link) {
     if (std::fabs(height[cell]) < std::fabs(height[grid.link_other[link]])) return;
     edges.distance[cell] = 0;
-    const float variance = std::max(least_variance_, third_squared(height[cell]));
-    float& own = widest[static_cast<size_t>(row)];
-    own = std::max(own, variance * grid.link_closeness[link]);
+    note(band, cell, grid.link_closeness[link]);
   });
   return *std::max_element(widest.begin(), widest.end());
 }
@@ -96,7 +111,7 @@ bool Smoother::shape_edges() {
   const SmoothingLevel& grid = grid_.levels[0];
   EdgeArrays edges = edge_arrays(level);
   const float widest = find_edges(edges);
-  find_banks(edges);
+  find_banks();
   if (widest > 0.0f) {
     const int32_t rounds =
         std::min(kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));

@@ -318,6 +318,9 @@ SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& sea
   link_texels(table, seams, 1, first, cells.loose, grid.end);
   lay_links(first, cells.loose);
   if (!normals.empty()) find_rims(table, first, normals, grid.end);
+  for (size_t i = 0; i < texels; ++i) {
+    if (grid.end[i] == SurfaceEnd::kOpen) grid.open_ends.push_back(static_cast<int32_t>(i));
+  }
   while (grid.levels.size() < kMostLevels && grid.levels.back().size >= 2 * kSmallestLevel) {
     Cells blocks;
     SmoothingLevel next = coarsened(grid.levels.back(), cells, blocks);

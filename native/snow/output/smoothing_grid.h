@@ -72,6 +72,8 @@ struct SmoothingGrid {
   std::vector<float> inverse_area;
   /// Per texel of the map.
   std::vector<SurfaceEnd> end;
+  /// The texels whose end is kOpen, ascending.
+  std::vector<int32_t> open_ends;
   /// Level 0 has a cell a texel, each further one a cell for 2 x 2 of the one below that are of one
   /// chart.
   std::vector<SmoothingLevel> levels;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 #include "base/simd.h"
@@ -116,8 +117,14 @@ inline float closest_link(const ClosenessView& closeness, int32_t i) {
                              closeness.above[i - closeness.size]}));
 }
 
-/// Per cell: links to the nearest edge; the same after a round; 255 where the link to the right and
-/// above is open, else 0.
+/// What is noted of a link: that snow may cross it; or, where it is there but closed, which of its
+/// ends are an edge of snow, the deeper one or both.
+inline constexpr uint8_t kOpenLink = 128;
+inline constexpr uint8_t kOwnEdge = 1;
+inline constexpr uint8_t kOtherEdge = 2;
+
+/// Per cell: links to the nearest edge; the same after a round; what is noted of the link to the
+/// right and above.
 struct EdgeArrays {
   uint8_t* distance;
   uint8_t* next;
@@ -129,13 +136,30 @@ bool holds_anything(const float* values, int32_t count);
 /// Takes heights in where there is surface.
 void load_run(const float* map, const float* inverse_area, float* height, float* inverse_weight,
               int32_t begin, int32_t end);
-/// Returns whether a cell with snow has a link that is not open, but for links to cells before.
+/// Notes the links upwards alone.
+void open_upwards_run(const float* height, const ClosenessView& closeness, uint8_t* above,
+                      int32_t begin, int32_t end);
+/// Notes the links of a run and the one that leads into it from the left. Returns whether a cell
+/// with snow has one that is not open, but for links to cells before.
 bool open_links_run(const float* height, const ClosenessView& closeness, const EdgeArrays& edges,
                     int32_t begin, int32_t end);
-/// Sets the distance of cells at an edge to 0, of others to kFarFromEdge. Returns the largest
-/// variance over distance^2 of cells at an edge; 0 where there is none.
-float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
-                     const EdgeArrays& edges, int32_t begin, int32_t end);
+/// Sets the distance of cells at an edge to 0, of others to kFarFromEdge.
+void mark_edges_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin, int32_t end);
+/// Calls visit(cell) for the cells at an edge.
+template <typename Visit>
+void for_each_edge(const uint8_t* distance, int32_t begin, int32_t end, const Visit& visit) {
+  constexpr uint64_t kNone = kFarFromEdge * 0x0101010101010101u;
+  for (int32_t i = begin; i < end;) {
+    uint64_t eight;
+    if (i + 8 <= end && (std::memcpy(&eight, distance + i, 8), eight == kNone)) {
+      i += 8;
+      continue;
+    }
+    for (const int32_t last = std::min(i + 8, end); i < last; ++i) {
+      if (distance[i] == 0) visit(i);
+    }
+  }
+}
 void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin, int32_t end);
 /// Divides the weights by the shoulders' profile. `widest`: of a shoulder, in links.
 void shape_run(const float* height, const ClosenessView& closeness, float least_variance,

@@ -8,7 +8,7 @@
 namespace snowbough::snow {
 
 void Smoother::open_loose_links(
-    size_t number, const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed) {
+    size_t number, const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed) {
   Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
   const float* const height = level.at(level.height);
@@ -29,7 +29,7 @@ void Smoother::open_loose_links(
           if (is_open(height[cell], height[other])) {
             links.push_back({other, grid.link_weight[t], grid.link_closeness[t], 0.0f});
           } else if (on_closed) {
-            on_closed(y, cell, t);
+            on_closed(band, cell, t);
           }
         }
         if (links.size() > before) cells.push_back({cell, static_cast<int32_t>(links.size())});
