@@ -140,8 +140,8 @@ class Smoother {
   void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
   void spread_bank(size_t number);
   static void note_near(Bank& bank, int32_t cell, int32_t near);
-  void approach_feet(size_t number);
-  void forget_ridges(size_t number);
+  std::vector<int32_t> approach_feet(size_t number);
+  void forget_ridges(size_t number, const std::vector<int32_t>& crests);
   void restrict_bank(size_t number);
   void limit_run(size_t number, Run run, const ConductanceTerms& terms);
   float kept_of_block(size_t number, int32_t block) const;

@@ -69,6 +69,17 @@ uint64_t links_around(const SmoothingLevel& grid, int32_t i) {
   return links;
 }
 
+/// Calls visit(other) for the links of a cell that the grid does not have of itself.
+template <typename Visit>
+void for_each_link(const SmoothingLevel& grid, int32_t i, const Visit& visit) {
+  if (!grid.is_linked(i)) return;
+  const auto cells = grid.link_cell.begin();
+  const int32_t row = i / grid.size;
+  const auto at = std::lower_bound(cells + grid.link_row[row], cells + grid.link_row[row + 1], i);
+  const auto k = static_cast<size_t>(at - cells);
+  for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) visit(grid.link_other[t]);
+}
+
 }  // namespace
 
 /// Finds the cells of level 0 in which a bank ends, and those near them.
@@ -116,11 +127,7 @@ void Smoother::for_each_across(size_t number, int32_t i, const Visit& visit) con
   if (!grid.is_linked(i)) return;
   // On level 0 such links take the place of those on the grid.
   if (number == 0 && (~links_around(grid, i) & kStraight) == 0) return;
-  const auto cells = grid.link_cell.begin();
-  const int32_t row = i / grid.size;
-  const auto at = std::lower_bound(cells + grid.link_row[row], cells + grid.link_row[row + 1], i);
-  const auto k = static_cast<size_t>(at - cells);
-  for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) visit(grid.link_other[t]);
+  for_each_link(grid, i, visit);
 }
 
 /// Goes on from the feet of a level to all cells that are near enough, and forgets ridges again.
@@ -130,8 +137,7 @@ void Smoother::spread_bank(size_t number) {
   for (std::vector<int32_t>& cells : level.bank.at_distance) cells.clear();
   uint8_t* const near = level.bank.near.data() + level.margin;
   for (const int32_t cell : level.bank.cells) note_near(level.bank, cell, near[cell]);
-  approach_feet(number);
-  forget_ridges(number);
+  forget_ridges(number, approach_feet(number));
 }
 
 /// Puts a cell into its list.
@@ -139,54 +145,69 @@ void Smoother::note_near(Bank& bank, int32_t cell, int32_t near) {
   bank.at_distance[static_cast<size_t>(kMostNear - near)].push_back(cell);
 }
 
+/// Returns the cells that are farther from their feet than all beside them.
+///
 /// E. W. Dijkstra, A Note on Two Problems in Connexion with Graphs, 1959, with a list a distance:
 /// R. B. Dial, Algorithm 360, 1969.
-void Smoother::approach_feet(size_t number) {
+std::vector<int32_t> Smoother::approach_feet(size_t number) {
   Level& level = levels_[number];
   const float* const height = level.at(level.height);
   const SmoothingLevel& grid = grid_.levels[number];
   const std::array<int32_t, kAround> offsets = offsets_around(grid.size);
   uint8_t* const near = level.bank.near.data() + level.margin;
-  const auto reach = [&](int32_t i, int32_t j, int32_t to) {
-    if (height[i] * height[j] <= 0.0f) return;
-    if (near[j] == 0) level.bank.cells.push_back(j);
-    near[j] = static_cast<uint8_t>(to);
-    note_near(level.bank, j, to);
-  };
-  for (int32_t from = kMostNear; from > kStep; --from) {
-    const bool may_turn = from > kDiagonal;
-    const uint64_t steps = may_turn ? kSteps : kSteps & ~kDiagonals;
+  std::vector<int32_t> crests;
+  for (int32_t from = kMostNear; from > 0; --from) {
+    // No step leads on from the last few, and none round a corner from some before.
+    const uint64_t within = from > kDiagonal ? kEachTop : from > kStep ? kStraight : 0;
+    const uint64_t steps = kSteps & within / (kNearnessBits + 1) * kNearnessBits;
     const uint64_t to = static_cast<uint64_t>(from) * kEachByte - steps;
     std::vector<int32_t>& cells = level.bank.at_distance[static_cast<size_t>(kMostNear - from)];
     for (size_t c = 0; c < cells.size(); ++c) {
       const int32_t i = cells[c];
       if (near[i] != from) continue;  // reached on a shorter way since
-      const uint64_t nearer = at_least(to, word_around(near + i, offsets) + kEachByte);
-      if (nearer != 0) {
-        const uint64_t links = links_around(grid, i) & (may_turn ? kEachTop : ~kDiagonals);
-        for_each_byte(nearer & links, [&](size_t k) {
-          reach(i, i + offsets[k], static_cast<int32_t>(to >> (8 * k) & kNearnessBits));
+      bool is_crest = true;
+      const auto visit = [&](int32_t j, int32_t there, bool is_reached) {
+        if (height[i] * height[j] <= 0.0f) return;
+        is_crest = false;
+        if (!is_reached) return;
+        if (near[j] == 0) level.bank.cells.push_back(j);
+        near[j] = static_cast<uint8_t>(there);
+        note_near(level.bank, j, there);
+      };
+      const uint64_t around = word_around(near + i, offsets);
+      const uint64_t farther = at_least(static_cast<uint64_t>(from - 1) * kEachByte, around);
+      if (farther != 0) {
+        const uint64_t nearer = at_least(to, around + kEachByte) & within;
+        const uint64_t links = farther & links_around(grid, i);
+        for_each_byte(links & nearer, [&](size_t k) {
+          visit(i + offsets[k], static_cast<int32_t>(to >> (8 * k) & kNearnessBits), true);
         });
+        for (uint64_t left = is_crest ? links & ~nearer : 0; left != 0 && is_crest;
+             left &= left - 1) {
+          visit(i + offsets[static_cast<size_t>(std::countr_zero(left) / 8)], 0, false);
+        }
       }
       for_each_across(number, i, [&](int32_t j) {
-        if (near[j] < from - kStep) reach(i, j, from - kStep);
+        if (near[j] < from) visit(j, from - kStep, from > kStep && near[j] < from - kStep);
       });
+      if (is_crest) crests.push_back(i);
     }
   }
+  return crests;
 }
 
 /// A ridge is all bank: its crest is the farthest from its feet and still steeply above them. It is
 /// rounded as ever, or posts and twigs would wear tents.
-void Smoother::forget_ridges(size_t number) {
+void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) {
   Level& level = levels_[number];
   const float* const height = level.at(level.height);
   const SmoothingLevel& grid = grid_.levels[number];
   const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
   const std::array<int32_t, kAround> offsets = offsets_around(grid.size);
   uint8_t* const near = level.bank.near.data() + level.margin;
-  bool any = false;
+  // Of the cells beside one that are farther from the foot, the farthest says whether it is on a
+  // ridge.
   const auto is_on_ridge = [&](int32_t i, int32_t own) {
-    // Of the cells beside it that are farther from the foot, the farthest says.
     int32_t farthest = own;
     bool is_ridge = false;
     const auto look = [&](int32_t j) {
@@ -195,29 +216,38 @@ void Smoother::forget_ridges(size_t number) {
       farthest = there;
       is_ridge = (near[j] & kRidgeBit) != 0;
     };
-    const uint64_t around = word_around(near + i, offsets) & ~kEachTop;
-    const uint64_t farther = at_least(static_cast<uint64_t>(own - 1) * kEachByte, around);
-    if (farther != 0) {
-      for_each_byte(farther & links_around(grid, i), [&](size_t k) { look(i + offsets[k]); });
-    }
+    for_each_byte(links_around(grid, i), [&](size_t k) { look(i + offsets[k]); });
     for_each_across(number, i, look);
-    if (farthest < own) return is_ridge;
-    const float cells_high = std::fabs(height[i]) * std::sqrt(closest_link(closeness, i));
-    return cells_high * kBankSteps > kLeastBank * static_cast<float>(kMostNear - own);
+    return is_ridge;
   };
-  for (int32_t own = 1; own <= kMostNear; ++own) {
-    for (const int32_t i : level.bank.at_distance[static_cast<size_t>(kMostNear - own)]) {
-      if (near[i] != own || !is_on_ridge(i, own)) continue;
-      near[i] |= kRidgeBit;
-      any = true;
+  for (std::vector<int32_t>& cells : level.bank.at_distance) cells.clear();
+  std::vector<int32_t> ridge;
+  const auto note_ridge = [&](int32_t i, int32_t own) {
+    near[i] |= kRidgeBit;
+    ridge.push_back(i);
+    // Whoever may look at it, for links round corners need not lead back.
+    const auto ask = [&](int32_t j) {
+      const int32_t there = near[j] & kNearnessBits;
+      if (there > own) note_near(level.bank, j, there);
+    };
+    for (const int32_t offset : offsets) ask(i + offset);
+    for_each_link(grid, i, ask);
+  };
+  for (const int32_t i : crests) {
+    const float cells_high = std::fabs(height[i]) * std::sqrt(closest_link(closeness, i));
+    const int32_t own = near[i];
+    if (cells_high * kBankSteps > kLeastBank * static_cast<float>(kMostNear - own)) {
+      note_ridge(i, own);
     }
   }
-  if (!any) return;
-  std::erase_if(level.bank.cells, [&](int32_t cell) {
-    const bool is_ridge = (near[cell] & kRidgeBit) != 0;
-    if (is_ridge) near[cell] = 0;
-    return is_ridge;
-  });
+  for (int32_t own = 1; own <= kMostNear; ++own) {
+    for (const int32_t i : level.bank.at_distance[static_cast<size_t>(kMostNear - own)]) {
+      if (near[i] == own && is_on_ridge(i, own)) note_ridge(i, own);
+    }
+  }
+  if (ridge.empty()) return;
+  for (const int32_t cell : ridge) near[cell] = 0;
+  std::erase_if(level.bank.cells, [&](int32_t cell) { return near[cell] == 0; });
 }
 
 /// Fills a level's bank from the one below: a block is half as many cells away as the nearest of
