@@ -110,7 +110,7 @@ void Smoother::make_level(size_t number) {
   level.bank.near = base::ZeroedArray<uint8_t>(count);
   level.bank.at_distance.resize(kMostNear);
   if (number > 0) level.before = base::ZeroedArray<float>(count);
-  if (number == 0) level.edges = base::ZeroedArray<uint8_t>(4 * count);
+  if (number == 0) level.edges = base::ZeroedArray<uint8_t>(3 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
 }
 
@@ -150,7 +150,7 @@ void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) 
       std::fill(level.at(*values) + begin, level.at(*values) + end, 0.0f);
     }
     if (number > 0) return;
-    for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
+    for (uint8_t* values : {edges.distance, edges.right, edges.above}) {
       std::fill(values + begin, values + end, uint8_t{0});
     }
   };

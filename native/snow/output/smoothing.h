@@ -131,9 +131,9 @@ class Smoother {
       const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed = nullptr);
   bool open_links(const EdgeArrays& edges);
   float find_edges(const EdgeArrays& edges);
-  void spread_distance(EdgeArrays& edges);
-  /// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
-  /// as many rounds as the widest shoulder has texels. Returns whether there is an edge.
+  std::vector<int32_t> spread_distance(const EdgeArrays& edges, int32_t rounds) const;
+  /// Takes the profile of shoulders into the weights, in so many links from the edge as the widest
+  /// shoulder has texels. Returns whether there is an edge.
   bool shape_edges();
   void find_banks();
   template <typename Visit>

@@ -69,17 +69,6 @@ uint64_t links_around(const SmoothingLevel& grid, int32_t i) {
   return links;
 }
 
-/// Calls visit(other) for the links of a cell that the grid does not have of itself.
-template <typename Visit>
-void for_each_link(const SmoothingLevel& grid, int32_t i, const Visit& visit) {
-  if (!grid.is_linked(i)) return;
-  const auto cells = grid.link_cell.begin();
-  const int32_t row = i / grid.size;
-  const auto at = std::lower_bound(cells + grid.link_row[row], cells + grid.link_row[row + 1], i);
-  const auto k = static_cast<size_t>(at - cells);
-  for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) visit(grid.link_other[t]);
-}
-
 }  // namespace
 
 /// Finds the cells of level 0 in which a bank ends, and those near them.
@@ -127,7 +116,7 @@ void Smoother::for_each_across(size_t number, int32_t i, const Visit& visit) con
   if (!grid.is_linked(i)) return;
   // On level 0 such links take the place of those on the grid.
   if (number == 0 && (~links_around(grid, i) & kStraight) == 0) return;
-  for_each_link(grid, i, visit);
+  grid.for_each_link(i, visit);
 }
 
 /// Goes on from the feet of a level to all cells that are near enough, and forgets ridges again.
@@ -231,7 +220,7 @@ void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) 
       if (there > own) note_near(level.bank, j, there);
     };
     for (const int32_t offset : offsets) ask(i + offset);
-    for_each_link(grid, i, ask);
+    grid.for_each_link(i, ask);
   };
   for (const int32_t i : crests) {
     const float cells_high = std::fabs(height[i]) * std::sqrt(closest_link(closeness, i));

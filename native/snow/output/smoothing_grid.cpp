@@ -273,12 +273,7 @@ void for_each_linked(const SmoothingLevel& level, int32_t cell, const Visit& vis
   if (right[-1] != 0) visit(cell - 1);
   if (above[0] != 0) visit(cell + level.size);
   if (above[-level.size] != 0) visit(cell - level.size);
-  if (!level.is_linked(cell)) return;
-  const auto at = std::lower_bound(level.link_cell.begin(), level.link_cell.end(), cell);
-  const auto k = static_cast<size_t>(at - level.link_cell.begin());
-  for (int32_t t = level.link_begin[k]; t < level.link_begin[k + 1]; ++t) {
-    visit(level.link_other[t]);
-  }
+  level.for_each_link(cell, visit);
 }
 
 /// Texels whose neighbours' surface faces elsewhere, and those beside them.

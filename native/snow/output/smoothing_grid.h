@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -38,6 +39,16 @@ struct SmoothingLevel {
   std::vector<uint64_t> linked;
   bool is_linked(int32_t cell) const {
     return (linked[static_cast<size_t>(cell) / 64] >> (cell % 64) & 1) != 0;
+  }
+  /// Calls visit(other) for a cell's links that run elsewhere.
+  template <typename Visit>
+  void for_each_link(int32_t cell, const Visit& visit) const {
+    if (!is_linked(cell)) return;
+    const auto cells = link_cell.begin();
+    const int32_t row = cell / size;
+    const auto at = std::lower_bound(cells + link_row[row], cells + link_row[row + 1], cell);
+    const auto k = static_cast<size_t>(at - cells);
+    for (int32_t t = link_begin[k]; t < link_begin[k + 1]; ++t) visit(link_other[t]);
   }
   std::vector<int32_t> link_other;
   /// Which part of a whole link it is, 0 to 1, and how close the ends are.

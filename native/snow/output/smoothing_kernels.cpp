@@ -64,45 +64,19 @@ SNOWBOUGH_WIDE void mark_edges_run(const EdgeArrays& edges, ptrdiff_t size, int3
   const uint8_t* __restrict right = edges.right;
   const uint8_t* __restrict above = edges.above;
   uint8_t* __restrict distance = edges.distance;
-  uint8_t* __restrict next = edges.next;
   for (int32_t i = begin; i < end; ++i) {
     const int32_t after = (right[i] | above[i]) & kOwnEdge;
     const int32_t before = (right[i - 1] | above[i - size]) & kOtherEdge;
     distance[i] = (after | before) != 0 ? 0 : kFarFromEdge;
-    next[i] = kFarFromEdge;
   }
 }
 
-SNOWBOUGH_WIDE void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin,
-                                        int32_t end) {
-  const uint8_t* __restrict from = edges.distance;
-  uint8_t* __restrict to = edges.next;
-  const uint8_t* __restrict right = edges.right;
-  const uint8_t* __restrict above = edges.above;
-  const auto via = [](uint8_t distance, uint8_t link) {
-    const auto closed = static_cast<uint8_t>(link == kOpenLink ? 0 : 255);
-    return static_cast<uint8_t>(static_cast<uint8_t>(distance + 1) | closed);
-  };
-  const auto least = [](uint8_t a, uint8_t b) { return a < b ? a : b; };
-  for (int32_t i = begin; i < end; ++i) {
-    const uint8_t along = least(via(from[i + 1], right[i]), via(from[i - 1], right[i - 1]));
-    const uint8_t across =
-        least(via(from[i + size], above[i]), via(from[i - size], above[i - size]));
-    to[i] = least(from[i], least(along, across));
-  }
-}
-
-void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
-               float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
-               int32_t end) {
-  for (int32_t i = begin; i < end; ++i) {
-    if (distance[i] >= widest || height[i] == 0.0f) continue;
-    const float variance = std::max(least_variance, third_squared(height[i]));
-    const float width = std::max(
-        1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest_link(closeness, i))));
-    const float part = (static_cast<float>(distance[i]) + 0.5f) / width;
-    if (part < 1.0f) inverse_weight[i] /= part * (2.0f - part);
-  }
+float shoulder_profile(uint8_t distance, float height, float closest, float least_variance,
+                       float widest) {
+  const float variance = std::max(least_variance, third_squared(height));
+  const float width = std::max(1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest)));
+  const float part = (static_cast<float>(distance) + 0.5f) / width;
+  return part < 1.0f ? part * (2.0f - part) : 1.0f;
 }
 
 SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __restrict inverse,

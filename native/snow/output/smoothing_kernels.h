@@ -123,11 +123,9 @@ inline constexpr uint8_t kOpenLink = 128;
 inline constexpr uint8_t kOwnEdge = 1;
 inline constexpr uint8_t kOtherEdge = 2;
 
-/// Per cell: links to the nearest edge; the same after a round; what is noted of the link to the
-/// right and above.
+/// Per cell: links to the nearest edge; what is noted of the link to the right and above.
 struct EdgeArrays {
   uint8_t* distance;
-  uint8_t* next;
   uint8_t* right;
   uint8_t* above;
 };
@@ -160,11 +158,10 @@ void for_each_edge(const uint8_t* distance, int32_t begin, int32_t end, const Vi
     }
   }
 }
-void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin, int32_t end);
-/// Divides the weights by the shoulders' profile. `widest`: of a shoulder, in links.
-void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
-               float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
-               int32_t end);
+/// The profile of a shoulder so many links from its edge, in cells that carry `height`. `widest`:
+/// of a shoulder, in links.
+float shoulder_profile(uint8_t distance, float height, float closest, float least_variance,
+                       float widest);
 /// Of the links to the right and above. Returns the largest LinkConductance::wanted.
 float conduct_run(const float* height, const float* inverse, const ClosenessView& closeness,
                   float* right, float* above, const ConductanceTerms& terms, int32_t begin,
