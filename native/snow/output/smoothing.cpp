@@ -91,6 +91,7 @@ class Smoother::Works {
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
     level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
+    level.edge_cells.resize(level.loose.size());
     level.stray_joins.resize(grid_.levels[number].strays.size());
   };
   if (number < levels_.size()) {
@@ -106,9 +107,10 @@ void Smoother::make_level(size_t number) {
        {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
     *values = base::ZeroedArray<float>(count);
   }
-  level.bank.distance = base::ZeroedArray<uint8_t>(count);
+  level.bank.near = base::ZeroedArray<uint8_t>(count);
+  level.bank.at_distance.resize(kMostNear);
   if (number > 0) level.before = base::ZeroedArray<float>(count);
-  if (number == 0) level.edges = base::ZeroedArray<uint8_t>(4 * count);
+  if (number == 0) level.edges = base::ZeroedArray<uint8_t>(3 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
 }
 
@@ -148,7 +150,7 @@ void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) 
       std::fill(level.at(*values) + begin, level.at(*values) + end, 0.0f);
     }
     if (number > 0) return;
-    for (uint8_t* values : {edges.distance, edges.next, edges.right, edges.above}) {
+    for (uint8_t* values : {edges.distance, edges.right, edges.above}) {
       std::fill(values + begin, values + end, uint8_t{0});
     }
   };
@@ -273,7 +275,7 @@ void Smoother::prolong_from(size_t number) {
   float* const height = fine.at(fine.height);
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
-  const std::vector<NewHeight> bank = prolonged_bank(number);
+  const uint8_t* const near = level.bank.near.data() + level.margin;
   for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       const Run run = level.runs[r];
@@ -281,12 +283,11 @@ void Smoother::prolong_from(size_t number) {
       prolong_run(height + child, height + child + fine_grid.size,
                   block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
                   now + run.begin,
-                  {grid.to_right() + run.begin, grid.upwards() + run.begin, least_variance_,
-                   done_below_[number]},
+                  {grid.to_right() + run.begin, grid.upwards() + run.begin, near + run.begin,
+                   least_variance_, done_below_[number]},
                   run.end - run.begin);
     }
   });
-  for (const auto& [cell, value] : bank) height[cell] = value;
   for (size_t s = 0; s < fine_grid.strays.size(); ++s) {
     if (fine.stray_joins[s] == 0) continue;
     const auto [cell, parent] = fine_grid.strays[s];

@@ -9,6 +9,7 @@
 
 namespace snowbough::snow {
 
+struct ConductanceTerms;
 struct EdgeArrays;
 
 /// How far a map is smoothed: a standard deviation of the larger of `blur_radius` and a third of
@@ -78,12 +79,10 @@ class Smoother {
   /// The cells of a level that are near the foot of a bank.
   struct Bank {
     std::vector<int32_t> cells;
-    /// Per cell of the level, after its margin: eighths of a cell to the foot; 0: not in a bank.
-    base::ZeroedArray<uint8_t> distance;
-  };
-  struct NewHeight {
-    int32_t cell;
-    float height;
+    /// Per cell of the level, after its margin: how near the foot is, see cells_to_foot.
+    base::ZeroedArray<uint8_t> near;
+    /// Per eighth of a cell's distance, the cells that were found there first.
+    std::vector<std::vector<int32_t>> at_distance;
   };
   /// What a level works on. Arrays have a margin of kMargin cells and a row before the first cell.
   struct Level {
@@ -102,6 +101,8 @@ class Smoother {
     std::vector<OpenLinks> loose;
     /// Level 0 only: EdgeArrays, one after the other. 0 beyond the runs.
     base::ZeroedArray<uint8_t> edges;
+    /// Level 0 only, per band of rows: the cells at an edge.
+    std::vector<std::vector<int32_t>> edge_cells;
     std::vector<Run> runs;
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
@@ -123,27 +124,27 @@ class Smoother {
   void find_runs(const std::vector<float>& map);
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
-  /// Notes the open ones of the links across seams, and calls `on_closed(row, cell, link)` for the
+  /// Notes the open ones of the links across seams, and calls `on_closed(band, cell, link)` for the
   /// others of cells with snow.
   void open_loose_links(
       size_t number,
-      const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed = nullptr);
+      const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed = nullptr);
   bool open_links(const EdgeArrays& edges);
   float find_edges(const EdgeArrays& edges);
-  void spread_distance(EdgeArrays& edges);
-  /// Takes the profile of shoulders into the weights: the distance from the edge in links, found by
-  /// as many rounds as the widest shoulder has texels. Returns whether there is an edge.
+  std::vector<int32_t> spread_distance(const EdgeArrays& edges, int32_t rounds) const;
+  /// Takes the profile of shoulders into the weights, in so many links from the edge as the widest
+  /// shoulder has texels. Returns whether there is an edge.
   bool shape_edges();
-  void find_banks(const EdgeArrays& edges);
+  void find_banks();
   template <typename Visit>
-  void for_each_beside(size_t number, int32_t cell, const Visit& visit) const;
+  void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
   void spread_bank(size_t number);
+  static void note_near(Bank& bank, int32_t cell, int32_t near);
+  std::vector<int32_t> approach_feet(size_t number);
+  void forget_ridges(size_t number, const std::vector<int32_t>& crests);
   void restrict_bank(size_t number);
-  /// kBankCells beyond banks.
-  float cells_to_foot(size_t number, int32_t cell) const;
-  void limit_bank(size_t number);
+  void limit_run(size_t number, Run run, const ConductanceTerms& terms);
   float kept_of_block(size_t number, int32_t block) const;
-  std::vector<NewHeight> prolonged_bank(size_t number) const;
   void clear_banks();
   /// Heights to heights over profile.
   void divide_by_profile();

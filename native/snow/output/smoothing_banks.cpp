@@ -2,6 +2,7 @@
 // nearer the foot of the slope is.
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 #include "snow/output/smoothing.h"
@@ -10,53 +11,68 @@
 namespace snowbough::snow {
 namespace {
 
-/// Distances are noted in parts of a cell; a diagonal step is 1.4 cells long.
-constexpr int32_t kSteps = 8;
+/// Eighths of a cell from one cell to the next, and to the next but one round a corner.
+constexpr int32_t kStep = kBankSteps;
 constexpr int32_t kDiagonal = 11;
-constexpr auto kFarthest = static_cast<int32_t>(kBankCells * kSteps);
-
 constexpr uint8_t kRidgeBit = 128;
-constexpr uint8_t kDistanceBits = 127;
-static_assert(kFarthest <= kDistanceBits);
+constexpr uint8_t kNearnessBits = 127;
+static_assert(kMostNear <= kNearnessBits);
 
-/// Cells by their distance; visit() calls with the nearest first, those that it adds included, and
-/// visit_back() with the farthest first.
-class Buckets {
- public:
-  void add(int32_t cell, int32_t distance) {
-    cells_[static_cast<size_t>(distance)].push_back(cell);
+/// The eight cells around one on the grid: right, above and below it, left, above and below it,
+/// above, below. Eight bytes in a word are handled side by side: none exceeds 127, so that the
+/// eighth bit of each is free for what a comparison says.
+constexpr int32_t kAround = 8;
+constexpr uint64_t kEachByte = 0x0101010101010101;
+constexpr uint64_t kEachTop = kEachByte << 7;
+constexpr uint64_t kSteps = 0x08080b0b080b0b08;
+/// The same where no diagonal step is left.
+constexpr uint64_t kDiagonals = 0x0000ffff00ffff00;
+
+/// The top bits of those that are not round a corner.
+constexpr uint64_t kStraight = kEachTop & ~kDiagonals;
+
+constexpr std::array<int32_t, kAround> offsets_around(int32_t size) {
+  return {1, 1 + size, 1 - size, -1, size - 1, -1 - size, size, -size};
+}
+
+/// The top bit of a byte of `a` that is at least that of `b`.
+constexpr uint64_t at_least(uint64_t a, uint64_t b) {
+  return ((a | kEachTop) - b) & kEachTop;
+}
+
+uint64_t word_around(const uint8_t* near, const std::array<int32_t, kAround>& offsets) {
+  uint64_t word = 0;
+  for (int32_t k = 0; k < kAround; ++k) {
+    word |= static_cast<uint64_t>(near[offsets[static_cast<size_t>(k)]]) << (8 * k);
   }
+  return word;
+}
 
-  template <typename Visit>
-  void visit(const Visit& visit) {
-    for (size_t distance = 0; distance < cells_.size(); ++distance) {
-      for (size_t i = 0; i < cells_[distance].size(); ++i) {
-        visit(cells_[distance][i], static_cast<int32_t>(distance));
-      }
-    }
-  }
+/// Calls visit(k) for the bytes whose top bit is set.
+template <typename Visit>
+void for_each_byte(uint64_t tops, const Visit& visit) {
+  for (; tops != 0; tops &= tops - 1) visit(static_cast<size_t>(std::countr_zero(tops) / 8));
+}
 
-  template <typename Visit>
-  void visit_back(const Visit& visit) const {
-    for (size_t distance = cells_.size(); distance-- > 0;) {
-      for (const int32_t cell : cells_[distance]) visit(cell, static_cast<int32_t>(distance));
-    }
-  }
-
- private:
-  std::array<std::vector<int32_t>, static_cast<size_t>(kFarthest) + 1> cells_;
-};
-
-/// A block's first cell on the level below, and the three beside and above it.
-std::array<int32_t, 4> cells_of_block(int32_t block, int32_t size, int32_t fine_size) {
-  const int32_t first = block / size * 2 * fine_size + block % size * 2;
-  return {first, first + 1, first + fine_size, first + fine_size + 1};
+/// Which of the cells around one snow of its level reaches: the top bits of their bytes. Round a
+/// corner it goes by the cell beside it.
+uint64_t links_around(const SmoothingLevel& grid, int32_t i) {
+  const uint16_t* const right = grid.to_right() + i;
+  const uint16_t* const above = grid.upwards() + i;
+  const int32_t size = grid.size;
+  const auto bit = [](uint16_t link, int32_t byte) {
+    return uint64_t{link != 0} << (8 * byte + 7);
+  };
+  uint64_t links = bit(above[0], 6) | bit(above[-size], 7);
+  if (right[0] != 0) links |= bit(1, 0) | bit(above[1], 1) | bit(above[1 - size], 2);
+  if (right[-1] != 0) links |= bit(1, 3) | bit(above[-1], 4) | bit(above[-1 - size], 5);
+  return links;
 }
 
 }  // namespace
 
 /// Finds the cells of level 0 in which a bank ends, and those near them.
-void Smoother::find_banks(const EdgeArrays& edges) {
+void Smoother::find_banks() {
   Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
   const float* const height = level.at(level.height);
@@ -75,100 +91,152 @@ void Smoother::find_banks(const EdgeArrays& edges) {
   };
   const auto is_foot = [&](int32_t i) {
     if (height[i] == 0.0f || grid_.end[i] == SurfaceEnd::kRim) return false;
-    if (edges.distance[i] != 0 && grid_.end[i] != SurfaceEnd::kOpen) return false;
     if (std::fabs(height[i]) * std::sqrt(closest_link(closeness, i)) > kHighestFoot) return false;
     const float along = rise(i, 1, closeness.right);
     const float across = rise(i, closeness.size, closeness.above);
     return along * along + across * across > kLeastBank * kLeastBank;
   };
-  std::vector<std::vector<int32_t>> feet(static_cast<size_t>(band_count(grid)));
-  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      for (int32_t i = level.runs[r].begin; i < level.runs[r].end; ++i) {
-        if (is_foot(i)) feet[band].push_back(i);
-      }
-    }
-  });
-  for (const std::vector<int32_t>& cells : feet) {
-    for (const int32_t cell : cells) {
-      level.bank.distance.data()[level.margin + cell] = kSteps / 2;
-      level.bank.cells.push_back(cell);
-    }
+  uint8_t* const near = level.bank.near.data() + level.margin;
+  const auto note_foot = [&](int32_t i) {
+    if (near[i] != 0 || !is_foot(i)) return;
+    near[i] = kMostNear - kStep / 2;
+    level.bank.cells.push_back(i);
+  };
+  for (const std::vector<int32_t>& cells : level.edge_cells) {
+    for (const int32_t cell : cells) note_foot(cell);
   }
+  for (const int32_t cell : grid_.open_ends) note_foot(cell);
   spread_bank(0);
 }
 
-/// Calls visit(neighbour, step) for the cells around one to which snow of a level reaches.
+/// Calls visit(other) for the cells to which a cell's links across seams lead.
 template <typename Visit>
-void Smoother::for_each_beside(size_t number, int32_t i, const Visit& visit) const {
+void Smoother::for_each_across(size_t number, int32_t i, const Visit& visit) const {
   const SmoothingLevel& grid = grid_.levels[number];
-  const uint16_t* const right = grid.to_right();
-  const uint16_t* const above = grid.upwards();
-  const int32_t size = grid.size;
-  const auto visit_beside = [&](int32_t j) {
-    visit(j, kSteps);
-    if (above[j] != 0) visit(j + size, kDiagonal);
-    if (above[j - size] != 0) visit(j - size, kDiagonal);
-  };
-  if (right[i] != 0) visit_beside(i + 1);
-  if (right[i - 1] != 0) visit_beside(i - 1);
-  if (above[i] != 0) visit(i + size, kSteps);
-  if (above[i - size] != 0) visit(i - size, kSteps);
-  // On level 0 links that run elsewhere take the place of those on the grid.
-  const bool is_inner = right[i] != 0 && right[i - 1] != 0 && above[i] != 0 && above[i - size] != 0;
-  if (number == 0 && is_inner) return;
-  const auto cells = grid.link_cell.begin();
-  const int32_t row = i / size;
-  const auto end = cells + grid.link_row[row + 1];
-  const auto at = std::lower_bound(cells + grid.link_row[row], end, i);
-  if (at == end || *at != i) return;
-  const auto k = static_cast<size_t>(at - cells);
-  for (int32_t t = grid.link_begin[k]; t < grid.link_begin[k + 1]; ++t) {
-    visit(grid.link_other[t], kSteps);
-  }
+  if (!grid.is_linked(i)) return;
+  // On level 0 such links take the place of those on the grid.
+  if (number == 0 && (~links_around(grid, i) & kStraight) == 0) return;
+  grid.for_each_link(i, visit);
 }
 
 /// Goes on from the feet of a level to all cells that are near enough, and forgets ridges again.
 void Smoother::spread_bank(size_t number) {
   Level& level = levels_[number];
+  if (level.bank.cells.empty()) return;
+  for (std::vector<int32_t>& cells : level.bank.at_distance) cells.clear();
+  uint8_t* const near = level.bank.near.data() + level.margin;
+  for (const int32_t cell : level.bank.cells) note_near(level.bank, cell, near[cell]);
+  forget_ridges(number, approach_feet(number));
+}
+
+/// Puts a cell into its list.
+void Smoother::note_near(Bank& bank, int32_t cell, int32_t near) {
+  bank.at_distance[static_cast<size_t>(kMostNear - near)].push_back(cell);
+}
+
+/// Returns the cells that are farther from their feet than all beside them.
+///
+/// E. W. Dijkstra, A Note on Two Problems in Connexion with Graphs, 1959, with a list a distance:
+/// R. B. Dial, Algorithm 360, 1969.
+std::vector<int32_t> Smoother::approach_feet(size_t number) {
+  Level& level = levels_[number];
+  const float* const height = level.at(level.height);
+  const SmoothingLevel& grid = grid_.levels[number];
+  const std::array<int32_t, kAround> offsets = offsets_around(grid.size);
+  uint8_t* const near = level.bank.near.data() + level.margin;
+  std::vector<int32_t> crests;
+  for (int32_t from = kMostNear; from > 0; --from) {
+    // No step leads on from the last few, and none round a corner from some before.
+    const uint64_t within = from > kDiagonal ? kEachTop : from > kStep ? kStraight : 0;
+    const uint64_t steps = kSteps & within / (kNearnessBits + 1) * kNearnessBits;
+    const uint64_t to = static_cast<uint64_t>(from) * kEachByte - steps;
+    std::vector<int32_t>& cells = level.bank.at_distance[static_cast<size_t>(kMostNear - from)];
+    for (size_t c = 0; c < cells.size(); ++c) {
+      const int32_t i = cells[c];
+      if (near[i] != from) continue;  // reached on a shorter way since
+      bool is_crest = true;
+      const auto visit = [&](int32_t j, int32_t there, bool is_reached) {
+        if (height[i] * height[j] <= 0.0f) return;
+        is_crest = false;
+        if (!is_reached) return;
+        if (near[j] == 0) level.bank.cells.push_back(j);
+        near[j] = static_cast<uint8_t>(there);
+        note_near(level.bank, j, there);
+      };
+      const uint64_t around = word_around(near + i, offsets);
+      const uint64_t farther = at_least(static_cast<uint64_t>(from - 1) * kEachByte, around);
+      if (farther != 0) {
+        const uint64_t nearer = at_least(to, around + kEachByte) & within;
+        const uint64_t links = farther & links_around(grid, i);
+        for_each_byte(links & nearer, [&](size_t k) {
+          visit(i + offsets[k], static_cast<int32_t>(to >> (8 * k) & kNearnessBits), true);
+        });
+        for (uint64_t left = is_crest ? links & ~nearer : 0; left != 0 && is_crest;
+             left &= left - 1) {
+          visit(i + offsets[static_cast<size_t>(std::countr_zero(left) / 8)], 0, false);
+        }
+      }
+      for_each_across(number, i, [&](int32_t j) {
+        if (near[j] < from) visit(j, from - kStep, from > kStep && near[j] < from - kStep);
+      });
+      if (is_crest) crests.push_back(i);
+    }
+  }
+  return crests;
+}
+
+/// A ridge is all bank: its crest is the farthest from its feet and still steeply above them. It is
+/// rounded as ever, or posts and twigs would wear tents.
+void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) {
+  Level& level = levels_[number];
   const float* const height = level.at(level.height);
   const SmoothingLevel& grid = grid_.levels[number];
   const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
-  uint8_t* const distance = level.bank.distance.data() + level.margin;
-  Buckets buckets;
-  for (const int32_t cell : level.bank.cells) buckets.add(cell, distance[cell]);
-  buckets.visit([&](int32_t i, int32_t from) {
-    if (distance[i] != from) return;  // reached on a shorter way since
-    for_each_beside(number, i, [&](int32_t j, int32_t step) {
-      const int32_t to = from + step;
-      if (to > kFarthest || height[i] * height[j] <= 0.0f) return;
-      if (distance[j] != 0 && distance[j] <= to) return;
-      if (distance[j] == 0) level.bank.cells.push_back(j);
-      distance[j] = static_cast<uint8_t>(to);
-      buckets.add(j, to);
-    });
-  });
-  // A ridge is all bank: its crest is the farthest from its feet and still steeply above them. It
-  // is rounded as ever, or posts and twigs would wear tents.
-  buckets.visit_back([&](int32_t i, int32_t at) {
-    if (distance[i] != at) return;
-    int32_t farthest = at;
-    const float cells_high = std::fabs(height[i]) * std::sqrt(closest_link(closeness, i));
-    bool is_ridge = cells_high * kSteps > kLeastBank * static_cast<float>(at);
-    for_each_beside(number, i, [&](int32_t j, int32_t) {
-      if (height[i] * height[j] <= 0.0f) return;
-      const int32_t there = distance[j] == 0 ? kFarthest + 1 : distance[j] & kDistanceBits;
-      if (there <= farthest) return;
+  const std::array<int32_t, kAround> offsets = offsets_around(grid.size);
+  uint8_t* const near = level.bank.near.data() + level.margin;
+  // Of the cells beside one that are farther from the foot, the farthest says whether it is on a
+  // ridge.
+  const auto is_on_ridge = [&](int32_t i, int32_t own) {
+    int32_t farthest = own;
+    bool is_ridge = false;
+    const auto look = [&](int32_t j) {
+      const int32_t there = near[j] & kNearnessBits;
+      if (there >= farthest || height[i] * height[j] <= 0.0f) return;
       farthest = there;
-      is_ridge = (distance[j] & kRidgeBit) != 0;
-    });
-    if (is_ridge) distance[i] |= kRidgeBit;
-  });
-  std::erase_if(level.bank.cells, [&](int32_t cell) {
-    const bool is_ridge = (distance[cell] & kRidgeBit) != 0;
-    if (is_ridge) distance[cell] = 0;
+      is_ridge = (near[j] & kRidgeBit) != 0;
+    };
+    for_each_byte(links_around(grid, i), [&](size_t k) { look(i + offsets[k]); });
+    for_each_across(number, i, look);
     return is_ridge;
-  });
+  };
+  for (std::vector<int32_t>& cells : level.bank.at_distance) cells.clear();
+  std::vector<int32_t> ridge;
+  const auto note_ridge = [&](int32_t i, int32_t own) {
+    near[i] |= kRidgeBit;
+    ridge.push_back(i);
+    // Whoever may look at it, for links round corners need not lead back.
+    const auto ask = [&](int32_t j) {
+      const int32_t there = near[j] & kNearnessBits;
+      if (there > own) note_near(level.bank, j, there);
+    };
+    for (const int32_t offset : offsets) ask(i + offset);
+    grid.for_each_link(i, ask);
+  };
+  for (const int32_t i : crests) {
+    const float cells_high = std::fabs(height[i]) * std::sqrt(closest_link(closeness, i));
+    const int32_t own = near[i];
+    if (cells_high * kBankSteps > kLeastBank * static_cast<float>(kMostNear - own)) {
+      note_ridge(i, own);
+    }
+  }
+  for (int32_t own = 1; own <= kMostNear; ++own) {
+    for (const int32_t i : level.bank.at_distance[static_cast<size_t>(kMostNear - own)]) {
+      if (near[i] == own && is_on_ridge(i, own)) note_ridge(i, own);
+    }
+  }
+  if (ridge.empty()) return;
+  for (const int32_t cell : ridge) near[cell] = 0;
+  std::erase_if(level.bank.cells, [&](int32_t cell) { return near[cell] == 0; });
 }
 
 /// Fills a level's bank from the one below: a block is half as many cells away as the nearest of
@@ -178,59 +246,32 @@ void Smoother::restrict_bank(size_t number) {
   Level& level = levels_[number];
   const SmoothingLevel& fine_grid = grid_.levels[number - 1];
   const int32_t size = grid_.levels[number].size;
-  const uint8_t* const from = fine.bank.distance.data() + fine.margin;
-  uint8_t* const to = level.bank.distance.data() + level.margin;
+  const uint8_t* const from = fine.bank.near.data() + fine.margin;
+  uint8_t* const to = level.bank.near.data() + level.margin;
   for (const int32_t cell : fine.bank.cells) {
     if (fine_grid.joins[cell] == 0) continue;
     const int32_t block = cell / fine_grid.size / 2 * size + cell % fine_grid.size / 2;
-    const auto distance = static_cast<uint8_t>(from[cell] / 2 + kSteps / 4);
+    const int32_t distance = (kMostNear - from[cell]) / 2 + kBankSteps / 4;
     if (to[block] == 0) level.bank.cells.push_back(block);
-    if (to[block] == 0 || distance < to[block]) to[block] = distance;
+    to[block] = std::max(to[block], static_cast<uint8_t>(kMostNear - distance));
   }
   spread_bank(number);
 }
 
-float Smoother::cells_to_foot(size_t number, int32_t cell) const {
-  const Level& level = levels_[number];
-  const uint8_t distance = level.bank.distance.data()[level.margin + cell];
-  return distance == 0 ? kBankCells : static_cast<float>(distance) / kSteps;
-}
-
-/// Takes from a level's conductances what banks do not let through.
-void Smoother::limit_bank(size_t number) {
+/// Takes from the conductances of a run what banks do not let through.
+void Smoother::limit_run(size_t number, Run run, const ConductanceTerms& terms) {
   Level& level = levels_[number];
   if (level.bank.cells.empty()) return;
+  constexpr int32_t kTogether = 64;
   const SmoothingLevel& grid = grid_.levels[number];
-  const float* const inverse = level.at(level.inverse_weight);
-  const auto limited = [&](int32_t i, int32_t j, float closeness, float conductance) {
-    const float cells = 0.5f * (cells_to_foot(number, i) + cells_to_foot(number, j));
-    const float most = std::max(bank_limit(cells), 0.5f * least_variance_ * closeness);
-    const float own = std::max(most - done_below_[number], 0.0f);
-    return std::min(conductance, own / (kStages * std::max(inverse[i], inverse[j])));
-  };
-  float* const right = level.at(level.right);
-  float* const above = level.at(level.above);
-  const uint8_t* const distance = level.bank.distance.data() + level.margin;
-  for_each_run(number, [&](int32_t, Run run) {
-    for (int32_t i = run.begin; i < run.end; ++i) {
-      if ((distance[i] | distance[i + 1]) != 0 && right[i] != 0.0f) {
-        right[i] = limited(i, i + 1, from_half(grid.to_right()[i]), right[i]);
-      }
-      if ((distance[i] | distance[i + grid.size]) != 0 && above[i] != 0.0f) {
-        above[i] = limited(i, i + grid.size, from_half(grid.upwards()[i]), above[i]);
-      }
-    }
-  });
-  for (OpenLinks& loose : level.loose) {
-    size_t t = 0;
-    for (const OpenLinks::Cell& at : loose.cells) {
-      for (; t < static_cast<size_t>(at.end); ++t) {
-        OpenLink& link = loose.links[t];
-        if (link.conductance == 0.0f) continue;
-        link.conductance = link.weight * limited(at.cell, link.other, link.closeness,
-                                                 link.conductance / link.weight);
-      }
-    }
+  const uint8_t* const near = level.bank.near.data() + level.margin;
+  for (int32_t i = run.begin; i < run.end; i += kTogether) {
+    const int32_t end = std::min(i + kTogether, run.end);
+    if (!is_near_any(near + i, end - i + 1) && !is_near_any(near + i + grid.size, end - i))
+      continue;
+    limit_bank_run(near, level.at(level.inverse_weight),
+                   {grid.to_right(), grid.upwards(), grid.size}, level.at(level.right),
+                   level.at(level.above), terms, i, end);
   }
 }
 
@@ -239,48 +280,16 @@ float Smoother::kept_of_block(size_t number, int32_t block) const {
   const Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
   const float closeness = from_half(std::max(grid.to_right()[block], grid.upwards()[block]));
-  const float least = 0.5f * least_variance_ * closeness;
-  const float by_depth = 0.5f * third_squared(level.at(level.before)[block]) * closeness;
-  const float most = bank_limit(cells_to_foot(number, block));
-  const bool in_bank = level.bank.distance.data()[level.margin + block] != 0;
-  return kept_part(std::max(least, in_bank ? std::min(by_depth, most) : by_depth),
+  return kept_part(level.at(level.before)[block], closeness,
+                   level.bank.near.data()[level.margin + block], least_variance_,
                    done_below_[number]);
-}
-
-/// The heights that prolong_from() is to leave in blocks of a bank, as it finds them: the loops
-/// over runs do not know banks.
-std::vector<Smoother::NewHeight> Smoother::prolonged_bank(size_t number) const {
-  const Level& level = levels_[number];
-  const Level& fine = levels_[number - 1];
-  const SmoothingLevel& fine_grid = grid_.levels[number - 1];
-  const float* const height = fine.at(fine.height);
-  const auto joined = [&](int32_t cell) {
-    return fine_grid.joins[cell] != 0 ? height[cell] : 0.0f;
-  };
-  std::vector<NewHeight> heights;
-  for (const int32_t block : level.bank.cells) {
-    const float before = level.at(level.before)[block];
-    if (before == 0.0f) continue;
-    const float now = level.at(level.height)[block];
-    const float kept = kept_of_block(number, block);
-    const auto cells = cells_of_block(block, grid_.levels[number].size, fine_grid.size);
-    float most = 0.0f;
-    for (const int32_t cell : cells) {
-      if (std::fabs(most) < std::fabs(joined(cell))) most = joined(cell);
-    }
-    for (const int32_t cell : cells) {
-      if (!is_open(joined(cell), most)) continue;
-      heights.push_back({cell, changed(height[cell], before, now, kept)});
-    }
-  }
-  return heights;
 }
 
 /// Leaves no bank for the next map.
 void Smoother::clear_banks() {
   for (Level& level : levels_) {
     for (const int32_t cell : level.bank.cells) {
-      level.bank.distance.data()[level.margin + cell] = 0;
+      level.bank.near.data()[level.margin + cell] = 0;
     }
     level.bank.cells.clear();
   }

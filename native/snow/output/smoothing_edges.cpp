@@ -16,9 +16,9 @@ constexpr int32_t kWidestShoulder = 12;
 }  // namespace
 
 EdgeArrays Smoother::edge_arrays(Level& level) const {
-  const auto count = static_cast<ptrdiff_t>(level.edges.size()) / 4;
+  const auto count = static_cast<ptrdiff_t>(level.edges.size()) / 3;
   uint8_t* const first = level.edges.data() + level.margin;
-  return {first, first + count, first + 2 * count, first + 3 * count};
+  return {first, first + count, first + 2 * count};
 }
 
 /// Says which links are open; returns false where every cell that is linked to snow holds some.
@@ -34,6 +34,16 @@ bool Smoother::open_links(const EdgeArrays& edges) {
     if (open_links_run(height, closeness, edges, run.begin, run.end)) {
       closed[static_cast<size_t>(y)] = 1;
     }
+    if (y == 0) return;
+    // Into the run from bare cells below it.
+    int32_t below = run.begin - grid.size;
+    for (int32_t r = level.run_row[y - 1]; r < level.run_row[y]; ++r) {
+      const auto [begin, end] = level.runs[r];
+      if (end <= below) continue;
+      open_upwards_run(height, closeness, edges.above, below, std::min(begin, run.end - grid.size));
+      below = end;
+    }
+    open_upwards_run(height, closeness, edges.above, below, run.end - grid.size);
   });
   return covered < int64_t{grid.size} * grid.size ||
          std::any_of(closed.begin(), closed.end(), [](uint8_t row) { return row != 0; });
@@ -46,68 +56,84 @@ float Smoother::find_edges(const EdgeArrays& edges) {
   const SmoothingLevel& grid = grid_.levels[0];
   const float* const height = level.at(level.height);
   const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
-  std::vector<float> widest(static_cast<size_t>(grid.size), 0.0f);
-  const bool may_have_edges = open_links(edges);
-  if (may_have_edges) {
-    for_each_run(0, [&](int32_t y, Run run) {
-      float& own = widest[static_cast<size_t>(y)];
-      own = std::max(own,
-                     find_edges_run(height, closeness, least_variance_, edges, run.begin, run.end));
-    });
-  } else {
-    for_each_run(0, [&](int32_t, Run run) {
-      std::memset(edges.distance + run.begin, kFarFromEdge,
-                  static_cast<size_t>(run.end - run.begin));
-      std::memset(edges.next + run.begin, kFarFromEdge, static_cast<size_t>(run.end - run.begin));
-    });
-  }
-  open_loose_links(0, [&](int32_t row, int32_t cell, int32_t link) {
-    if (std::fabs(height[cell]) < std::fabs(height[grid.link_other[link]])) return;
-    edges.distance[cell] = 0;
+  std::vector<float> widest(level.edge_cells.size(), 0.0f);
+  const auto note = [&](size_t band, int32_t cell, float closest) {
     const float variance = std::max(least_variance_, third_squared(height[cell]));
-    float& own = widest[static_cast<size_t>(row)];
-    own = std::max(own, variance * grid.link_closeness[link]);
+    widest[band] = std::max(widest[band], variance * closest);
+  };
+  const bool may_have_edges = open_links(edges);
+  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
+    level.edge_cells[band].clear();
+    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
+      const Run run = level.runs[r];
+      if (may_have_edges) {
+        mark_edges_run(edges, grid.size, run.begin, run.end);
+        for_each_edge(edges.distance, run.begin, run.end, [&](int32_t cell) {
+          level.edge_cells[band].push_back(cell);
+          note(band, cell, closest_link(closeness, cell));
+        });
+      } else {
+        const auto count = static_cast<size_t>(run.end - run.begin);
+        std::memset(edges.distance + run.begin, kFarFromEdge, count);
+      }
+    }
+  });
+  open_loose_links(0, [&](size_t band, int32_t cell, int32_t link) {
+    if (std::fabs(height[cell]) < std::fabs(height[grid.link_other[link]])) return;
+    if (std::exchange(edges.distance[cell], 0) != 0) level.edge_cells[band].push_back(cell);
+    note(band, cell, grid.link_closeness[link]);
   });
   return *std::max_element(widest.begin(), widest.end());
 }
 
-/// One more link away from the edge.
-void Smoother::spread_distance(EdgeArrays& edges) {
+/// Goes on from the cells at an edge to all that are less than `rounds` links away, by links that
+/// snow may cross, and returns them.
+std::vector<int32_t> Smoother::spread_distance(const EdgeArrays& edges, int32_t rounds) const {
   const Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
-  for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
-    for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
-      spread_distance_run(edges, grid.size, level.runs[r].begin, level.runs[r].end);
+  const float* const height = level.at(level.height);
+  const int32_t size = grid.size;
+  std::vector<int32_t> cells;
+  for (const std::vector<int32_t>& own : level.edge_cells) {
+    cells.insert(cells.end(), own.begin(), own.end());
+  }
+  size_t begun = 0;
+  for (int32_t links = 1; links < rounds; ++links) {
+    const auto reach = [&](int32_t cell) {
+      if (edges.distance[cell] <= links) return;
+      edges.distance[cell] = static_cast<uint8_t>(links);
+      cells.push_back(cell);
+    };
+    for (const size_t last = cells.size(); begun < last; ++begun) {
+      const int32_t i = cells[begun];
+      if (edges.right[i] == kOpenLink) reach(i + 1);
+      if (edges.right[i - 1] == kOpenLink) reach(i - 1);
+      if (edges.above[i] == kOpenLink) reach(i + size);
+      if (edges.above[i - size] == kOpenLink) reach(i - size);
+      grid.for_each_link(i, [&](int32_t other) {
+        if (is_open(height[i], height[other])) reach(other);
+      });
     }
-    const OpenLinks& loose = level.loose[band];
-    const OpenLink* link = loose.links.data();
-    for (const OpenLinks::Cell& at : loose.cells) {
-      uint8_t& own = edges.next[at.cell];
-      for (const OpenLink* const end = loose.links.data() + at.end; link < end; ++link) {
-        own = std::min(own, static_cast<uint8_t>(edges.distance[link->other] + 1));
-      }
-    }
-  });
-  std::swap(edges.distance, edges.next);
+  }
+  return cells;
 }
 
 bool Smoother::shape_edges() {
   Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
-  EdgeArrays edges = edge_arrays(level);
+  const EdgeArrays edges = edge_arrays(level);
   const float widest = find_edges(edges);
-  find_banks(edges);
-  if (widest > 0.0f) {
-    const int32_t rounds =
-        std::min(kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));
-    for (int32_t round = 0; round < rounds; ++round) spread_distance(edges);
-    for_each_run(0, [&](int32_t, Run run) {
-      shape_run(level.at(level.height), {grid.to_right(), grid.upwards(), grid.size},
-                least_variance_, static_cast<float>(rounds), edges.distance,
-                level.at(level.inverse_weight), run.begin, run.end);
-    });
+  find_banks();
+  if (widest <= 0.0f) return false;
+  const int32_t rounds =
+      std::min(kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));
+  const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
+  for (const int32_t i : spread_distance(edges, rounds)) {
+    level.at(level.inverse_weight)[i] /=
+        shoulder_profile(edges.distance[i], level.at(level.height)[i], closest_link(closeness, i),
+                         least_variance_, static_cast<float>(rounds));
   }
-  return widest > 0.0f;
+  return true;
 }
 
 void Smoother::divide_by_profile() {

@@ -5,6 +5,8 @@
 #include <cmath>
 #include <glm/geometric.hpp>
 
+#include "base/zeroed_array.h"
+
 namespace snowbough::snow {
 namespace {
 
@@ -48,27 +50,25 @@ void merge(std::vector<LooseLink>& links) {
   links.resize(count);
 }
 
-/// How many links each cell has on the grid.
-std::vector<float> grid_links(const SmoothingLevel& level) {
-  const auto size = static_cast<size_t>(level.size);
-  std::vector<float> count(size * size, 0.0f);
-  for (size_t i = 0; i < count.size(); ++i) {
-    if (level.to_right()[i] != 0) count[i] += 1.0f, count[i + 1] += 1.0f;
-    if (level.upwards()[i] != 0) count[i] += 1.0f, count[i + size] += 1.0f;
-  }
-  return count;
+/// How many links a cell has on the grid.
+float grid_links(const SmoothingLevel& level, int32_t cell) {
+  const uint16_t* const right = level.to_right() + cell;
+  const uint16_t* const above = level.upwards() + cell;
+  return static_cast<float>((right[0] != 0) + (right[-1] != 0) + (above[0] != 0) +
+                            (above[-level.size] != 0));
 }
 
 /// Takes so much of the weights that no cell has more than kMostLinks.
 void limit_weights(const SmoothingLevel& level, std::vector<LooseLink>& links) {
-  const std::vector<float> on_grid = grid_links(level);
-  std::vector<float> loose(on_grid.size(), 0.0f);
+  const auto size = static_cast<size_t>(level.size);
+  const base::ZeroedArray<float> sums(size * size);
+  float* const loose = sums.data();
   for (const LooseLink& link : links) {
     loose[link.a] += link.weight;
     loose[link.b] += link.weight;
   }
   const auto room = [&](int32_t cell) {
-    return std::min(1.0f, (kMostLinks - on_grid[cell]) / std::max(loose[cell], 1e-6f));
+    return std::min(1.0f, (kMostLinks - grid_links(level, cell)) / std::max(loose[cell], 1e-6f));
   };
   for (LooseLink& link : links) {
     const float part = std::min(room(link.a), room(link.b));
@@ -86,11 +86,13 @@ void lay_links(SmoothingLevel& level, std::vector<LooseLink>& links) {
   for (const LooseLink& link : links) ++count[link.a], ++count[link.b];
   std::vector<int32_t> next(cells, 0);
   level.link_row.assign(static_cast<size_t>(level.size) + 1, 0);
+  level.linked.assign(cells / 64 + 1, 0);
   int32_t total = 0;
   for (size_t i = 0; i < cells; ++i) {
     if (count[i] == 0) continue;
     level.link_cell.push_back(static_cast<int32_t>(i));
     level.link_begin.push_back(total);
+    level.linked[i / 64] |= uint64_t{1} << (i % 64);
     ++level.link_row[i / static_cast<size_t>(level.size) + 1];
     next[i] = total;
     total += count[i];
@@ -156,6 +158,10 @@ struct Cells {
 
 /// The chart with most area in a block; -1 where there is none.
 int32_t chart_of_block(const std::array<int32_t, 4>& children, const Cells& cells) {
+  const auto is_first = [&](int32_t child) {
+    return cells.chart[child] == cells.chart[children[0]];
+  };
+  if (std::all_of(children.begin() + 1, children.end(), is_first)) return cells.chart[children[0]];
   int32_t best = -1;
   float most = 0.0f;
   for (const int32_t child : children) {
@@ -258,37 +264,53 @@ SmoothingLevel coarsened(SmoothingLevel& level, const Cells& cells, Cells& block
   return next;
 }
 
-/// Calls visit(cell, other) for every link of a level, grid links once and loose ones twice.
+/// Calls visit(other) for the cells that a cell is linked to.
 template <typename Visit>
-void for_each_link(const SmoothingLevel& level, const Visit& visit) {
-  for (int32_t i = 0; i < level.size * level.size; ++i) {
-    if (level.to_right()[i] != 0) visit(i, i + 1);
-    if (level.upwards()[i] != 0) visit(i, i + level.size);
-  }
-  for (size_t k = 0; k < level.link_cell.size(); ++k) {
-    for (int32_t t = level.link_begin[k]; t < level.link_begin[k + 1]; ++t) {
-      visit(level.link_cell[k], level.link_other[t]);
-    }
-  }
+void for_each_linked(const SmoothingLevel& level, int32_t cell, const Visit& visit) {
+  const uint16_t* const right = level.to_right() + cell;
+  const uint16_t* const above = level.upwards() + cell;
+  if (right[0] != 0) visit(cell + 1);
+  if (right[-1] != 0) visit(cell - 1);
+  if (above[0] != 0) visit(cell + level.size);
+  if (above[-level.size] != 0) visit(cell - level.size);
+  level.for_each_link(cell, visit);
 }
 
 /// Texels whose neighbours' surface faces elsewhere, and those beside them.
 void find_rims(const TexelTable& table, const SmoothingLevel& level,
                const std::vector<glm::vec3>& normals, std::vector<SurfaceEnd>& end) {
   const auto count = static_cast<size_t>(level.size) * static_cast<size_t>(level.size);
-  std::vector<glm::vec3> normal(count, glm::vec3(0.0f));
+  const base::ZeroedArray<int32_t> triangle(count);
   for (size_t i = 0; i < table.texel.size(); ++i) {
-    normal[table.texel[i]] = normals[table.triangle[i]];
+    triangle.data()[table.texel[i]] = table.triangle[i];
   }
-  for_each_link(level, [&](int32_t i, int32_t j) {
-    if (glm::dot(normal[i], normal[j]) < kRimCosine) end[i] = end[j] = SurfaceEnd::kRim;
-  });
+  std::vector<int32_t> rim;
+  const auto mark = [&](int32_t cell) {
+    if (end[cell] == SurfaceEnd::kRim) return;
+    end[cell] = SurfaceEnd::kRim;
+    rim.push_back(cell);
+  };
+  const auto compare = [&](int32_t i, int32_t j) {
+    const int32_t one = triangle.data()[i];
+    const int32_t other = triangle.data()[j];
+    if (one == other || !(glm::dot(normals[one], normals[other]) < kRimCosine)) return;
+    mark(i);
+    mark(j);
+  };
+  for (const int32_t i : table.texel) {
+    if (level.to_right()[i] != 0) compare(i, i + 1);
+    if (level.upwards()[i] != 0) compare(i, i + level.size);
+  }
+  for (size_t k = 0; k < level.link_cell.size(); ++k) {
+    for (int32_t t = level.link_begin[k]; t < level.link_begin[k + 1]; ++t) {
+      compare(level.link_cell[k], level.link_other[t]);
+    }
+  }
+  size_t begun = 0;
   for (int32_t round = 0; round < kRimReach; ++round) {
-    const std::vector<SurfaceEnd> before = end;
-    for_each_link(level, [&](int32_t i, int32_t j) {
-      if (before[i] == SurfaceEnd::kRim) end[j] = SurfaceEnd::kRim;
-      if (before[j] == SurfaceEnd::kRim) end[i] = SurfaceEnd::kRim;
-    });
+    for (const size_t last = rim.size(); begun < last; ++begun) {
+      for_each_linked(level, rim[begun], mark);
+    }
   }
 }
 
@@ -316,6 +338,9 @@ SmoothingGrid build_smoothing_grid(const TexelTable& table, const SeamTable& sea
   link_texels(table, seams, 1, first, cells.loose, grid.end);
   lay_links(first, cells.loose);
   if (!normals.empty()) find_rims(table, first, normals, grid.end);
+  for (size_t i = 0; i < texels; ++i) {
+    if (grid.end[i] == SurfaceEnd::kOpen) grid.open_ends.push_back(static_cast<int32_t>(i));
+  }
   while (grid.levels.size() < kMostLevels && grid.levels.back().size >= 2 * kSmallestLevel) {
     Cells blocks;
     SmoothingLevel next = coarsened(grid.levels.back(), cells, blocks);

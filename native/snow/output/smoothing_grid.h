@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cstdint>
 #include <glm/vec3.hpp>
@@ -34,6 +35,21 @@ struct SmoothingLevel {
   std::vector<int32_t> link_cell;
   std::vector<int32_t> link_begin;
   std::vector<int32_t> link_row;
+  /// A bit a cell: whether it is in link_cell.
+  std::vector<uint64_t> linked;
+  bool is_linked(int32_t cell) const {
+    return (linked[static_cast<size_t>(cell) / 64] >> (cell % 64) & 1) != 0;
+  }
+  /// Calls visit(other) for a cell's links that run elsewhere.
+  template <typename Visit>
+  void for_each_link(int32_t cell, const Visit& visit) const {
+    if (!is_linked(cell)) return;
+    const auto cells = link_cell.begin();
+    const int32_t row = cell / size;
+    const auto at = std::lower_bound(cells + link_row[row], cells + link_row[row + 1], cell);
+    const auto k = static_cast<size_t>(at - cells);
+    for (int32_t t = link_begin[k]; t < link_begin[k + 1]; ++t) visit(link_other[t]);
+  }
   std::vector<int32_t> link_other;
   /// Which part of a whole link it is, 0 to 1, and how close the ends are.
   std::vector<float> link_weight;
@@ -67,6 +83,8 @@ struct SmoothingGrid {
   std::vector<float> inverse_area;
   /// Per texel of the map.
   std::vector<SurfaceEnd> end;
+  /// The texels whose end is kOpen, ascending.
+  std::vector<int32_t> open_ends;
   /// Level 0 has a cell a texel, each further one a cell for 2 x 2 of the one below that are of one
   /// chart.
   std::vector<SmoothingLevel> levels;

@@ -19,107 +19,64 @@ SNOWBOUGH_WIDE void load_run(const float* __restrict map, const float* __restric
   }
 }
 
+namespace {
+
+/// What EdgeArrays note of a link between these heights.
+inline uint8_t noted_link(uint16_t link, float own, float beside) {
+  const bool linked = link != 0;
+  const float other = linked ? beside : 0.0f;
+  const float one = linked ? std::fabs(own) : 0.0f;
+  const float two = std::fabs(other);
+  const int32_t own_edge = (one >= two) & (one > 0.0f) ? kOwnEdge : 0;
+  const int32_t other_edge = (two >= one) & (two > 0.0f) ? kOtherEdge : 0;
+  const int32_t edges = own_edge | other_edge;
+  return static_cast<uint8_t>(is_open(own, other) ? kOpenLink : edges);
+}
+
+}  // namespace
+
+SNOWBOUGH_WIDE void open_upwards_run(const float* __restrict height, const ClosenessView& closeness,
+                                     uint8_t* __restrict above, int32_t begin, int32_t end) {
+  const uint16_t* __restrict upwards = closeness.above;
+  const ptrdiff_t size = closeness.size;
+  for (int32_t i = begin; i < end; ++i) {
+    above[i] = noted_link(upwards[i], height[i], height[i + size]);
+  }
+}
+
 SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const ClosenessView& closeness,
                                    const EdgeArrays& edges, int32_t begin, int32_t end) {
   uint8_t* __restrict right = edges.right;
   uint8_t* __restrict above = edges.above;
   const uint16_t* __restrict to_right = closeness.right;
-  const uint16_t* __restrict upwards = closeness.above;
-  const ptrdiff_t size = closeness.size;
-  int32_t closed = 0;
-  for (int32_t i = begin; i < end; ++i) {
-    const float linked = from_half(to_right[i]);
-    const float there = linked > 0.0f ? height[i + 1] : 0.0f;
-    const int32_t open = is_open(height[i], there) ? 255 : 0;
-    const float deep = linked > 0.0f ? std::fabs(height[i]) + std::fabs(there) : 0.0f;
-    closed |= deep > 0.0f ? ~open : 0;
-    right[i] = static_cast<uint8_t>(open);
+  // The cell before the run is bare, its link may lead into the run.
+  for (int32_t i = begin - 1; i < end; ++i) {
+    right[i] = noted_link(to_right[i], height[i], height[i + 1]);
   }
-  for (int32_t i = begin; i < end; ++i) {
-    const float linked = from_half(upwards[i]);
-    const float there = linked > 0.0f ? height[i + size] : 0.0f;
-    const int32_t open = is_open(height[i], there) ? 255 : 0;
-    const float deep = linked > 0.0f ? std::fabs(height[i]) + std::fabs(there) : 0.0f;
-    closed |= deep > 0.0f ? ~open : 0;
-    above[i] = static_cast<uint8_t>(open);
-  }
-  return (closed & 255) != 0;
+  open_upwards_run(height, closeness, above, begin, end);
+  uint8_t noted = 0;
+  for (int32_t i = begin; i < end; ++i) noted |= right[i] | above[i];
+  return (noted & ~kOpenLink) != 0;
 }
 
-/// Finds the cells that are the deeper end of a link that is there and not open; returns whether
-/// there are any.
-SNOWBOUGH_WIDE bool mark_edges(const float* __restrict height, const ClosenessView& closeness,
-                               const EdgeArrays& edges, int32_t begin, int32_t end) {
-  const uint16_t* __restrict right = closeness.right;
-  const uint16_t* __restrict above = closeness.above;
-  const uint8_t* __restrict open_right = edges.right;
-  const uint8_t* __restrict open_above = edges.above;
-  uint8_t* __restrict distance = edges.distance;
-  uint8_t* __restrict next = edges.next;
-  const ptrdiff_t size = closeness.size;
-  // Over 0 where a link is there, closed, and the neighbour not deeper.
-  const auto ends = [](uint16_t link, uint8_t open, float own, float other) {
-    const float there = from_half(link) > 0.0f ? 1.0f : 0.0f;
-    const float closed = open == 0 ? there : 0.0f;
-    return std::fabs(own) >= std::fabs(other) ? closed : 0.0f;
-  };
-  int32_t any = 0;
-  for (int32_t i = begin; i < end; ++i) {
-    const float own = height[i];
-    const float along = ends(right[i], open_right[i], own, height[i + 1]) +
-                        ends(right[i - 1], open_right[i - 1], own, height[i - 1]);
-    const float across = ends(above[i], open_above[i], own, height[i + size]) +
-                         ends(above[i - size], open_above[i - size], own, height[i - size]);
-    const float edge = std::fabs(own) > 0.0f ? along + across : 0.0f;
-    const int32_t links = edge > 0.0f ? 0 : kFarFromEdge;
-    distance[i] = static_cast<uint8_t>(links);
-    next[i] = kFarFromEdge;
-    any |= links ^ kFarFromEdge;
-  }
-  return any != 0;
-}
-
-float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
-                     const EdgeArrays& edges, int32_t begin, int32_t end) {
-  float widest = 0.0f;
-  if (!mark_edges(height, closeness, edges, begin, end)) return widest;
-  for (int32_t i = begin; i < end; ++i) {
-    if (edges.distance[i] != 0) continue;
-    const float variance = std::max(least_variance, third_squared(height[i]));
-    widest = std::max(widest, variance * closest_link(closeness, i));
-  }
-  return widest;
-}
-
-SNOWBOUGH_WIDE void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin,
-                                        int32_t end) {
-  const uint8_t* __restrict from = edges.distance;
-  uint8_t* __restrict to = edges.next;
+SNOWBOUGH_WIDE void mark_edges_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin,
+                                   int32_t end) {
   const uint8_t* __restrict right = edges.right;
   const uint8_t* __restrict above = edges.above;
-  const auto via = [](uint8_t distance, uint8_t open) {
-    return static_cast<uint8_t>(static_cast<uint8_t>(distance + 1) | static_cast<uint8_t>(~open));
-  };
-  const auto least = [](uint8_t a, uint8_t b) { return a < b ? a : b; };
+  uint8_t* __restrict distance = edges.distance;
   for (int32_t i = begin; i < end; ++i) {
-    const uint8_t along = least(via(from[i + 1], right[i]), via(from[i - 1], right[i - 1]));
-    const uint8_t across =
-        least(via(from[i + size], above[i]), via(from[i - size], above[i - size]));
-    to[i] = least(from[i], least(along, across));
+    const int32_t after = (right[i] | above[i]) & kOwnEdge;
+    const int32_t before = (right[i - 1] | above[i - size]) & kOtherEdge;
+    distance[i] = (after | before) != 0 ? 0 : kFarFromEdge;
   }
 }
 
-void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
-               float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
-               int32_t end) {
-  for (int32_t i = begin; i < end; ++i) {
-    if (distance[i] >= widest || height[i] == 0.0f) continue;
-    const float variance = std::max(least_variance, third_squared(height[i]));
-    const float width = std::max(
-        1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest_link(closeness, i))));
-    const float part = (static_cast<float>(distance[i]) + 0.5f) / width;
-    if (part < 1.0f) inverse_weight[i] /= part * (2.0f - part);
-  }
+float shoulder_profile(uint8_t distance, float height, float closest, float least_variance,
+                       float widest) {
+  const float variance = std::max(least_variance, third_squared(height));
+  const float width = std::max(1.0f, std::min(widest, kShoulder * std::sqrt(variance * closest)));
+  const float part = (static_cast<float>(distance) + 0.5f) / width;
+  return part < 1.0f ? part * (2.0f - part) : 1.0f;
 }
 
 SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __restrict inverse,
@@ -143,6 +100,31 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
     largest = std::max(largest, std::bit_cast<int32_t>(across.wanted));
   }
   return std::bit_cast<float>(largest);
+}
+
+SNOWBOUGH_WIDE bool is_near_any(const uint8_t* near, int32_t count) {
+  uint8_t bits = 0;
+  for (int32_t i = 0; i < count; ++i) bits |= near[i];
+  return bits != 0;
+}
+
+SNOWBOUGH_WIDE void limit_bank_run(const uint8_t* __restrict near, const float* __restrict inverse,
+                                   const ClosenessView& closeness, float* __restrict right,
+                                   float* __restrict above, const ConductanceTerms& of,
+                                   int32_t begin, int32_t end) {
+  const ConductanceTerms terms = of;
+  const uint16_t* __restrict to_right = closeness.right;
+  const uint16_t* __restrict upwards = closeness.above;
+  const ptrdiff_t size = closeness.size;
+  for (int32_t i = begin; i < end; ++i) {
+    const float along = bank_conductance(near[i], near[i + 1], inverse[i], inverse[i + 1],
+                                         from_half(to_right[i]), terms);
+    const float across = bank_conductance(near[i], near[i + size], inverse[i], inverse[i + size],
+                                          from_half(upwards[i]), terms);
+    // Where both cells are bare `along` is no number.
+    right[i] = along < right[i] ? along : right[i];
+    above[i] = across < above[i] ? across : above[i];
+  }
 }
 
 namespace {
@@ -185,12 +167,14 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const BlockRows& rows, const float* __restrict before,
                                 const float* __restrict now, const KeptTerms& of, int32_t count) {
   const KeptTerms terms = of;
+  const uint8_t* __restrict near = of.near;
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
     const float closeness =
         from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
-    const float kept = kept_part(before[i], closeness, terms.least_variance, terms.done_below);
+    const float kept =
+        kept_part(before[i], closeness, near[i], terms.least_variance, terms.done_below);
     const float mean = before[i] != 0.0f ? before[i] : 1.0f;
     const float ratio = now[i] / mean;
     const float base = now[i] * (1.0f - kept);

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
+#include <limits>
 
 #include "base/simd.h"
 #include "snow/output/smoothing_grid.h"
@@ -26,6 +28,10 @@ inline constexpr float kShoulder = 1.0f;
 inline constexpr float kBankPart = 0.1f;
 /// How near a foot is that matters, in cells: a level's stages spread snow by less than a tenth.
 inline constexpr float kBankCells = 15.0f;
+/// How near a foot is, is noted in parts of a cell: from kMostNear, at the foot, to 1; 0: further
+/// away than kBankCells.
+inline constexpr int32_t kBankSteps = 8;
+inline constexpr int32_t kMostNear = static_cast<int32_t>(kBankCells) * kBankSteps + 1;
 /// What ends in slopes under 40 degrees is no bank.
 inline constexpr float kLeastBank = 0.84f;
 /// Snow that ends higher than so many cells (a bank of 80 degrees does not) ends in a cliff.
@@ -80,6 +86,24 @@ inline float bank_limit(float cells) {
   return 0.5f * kBankPart * kBankPart * cells * cells;
 }
 
+/// kBankCells beyond banks.
+inline float cells_to_foot(uint8_t near) {
+  const float cells =
+      static_cast<float>(kMostNear - near) * (1.0f / static_cast<float>(kBankSteps));
+  return cells < kBankCells ? cells : kBankCells;
+}
+
+/// What a bank lets through a link at most; beyond banks more than any link conducts.
+inline float bank_conductance(uint8_t near_a, uint8_t near_b, float inverse_a, float inverse_b,
+                              float closeness, const ConductanceTerms& terms) {
+  const float limit = bank_limit(0.5f * (cells_to_foot(near_a) + cells_to_foot(near_b)));
+  const float least = 0.5f * terms.least_variance * closeness;
+  const float own = (limit > least ? limit : least) - terms.done_below;
+  const float inverse = inverse_a > inverse_b ? inverse_a : inverse_b;
+  const float most = (own > 0.0f ? own : 0.0f) / (terms.stages * inverse);
+  return (near_a | near_b) != 0 ? most : std::numeric_limits<float>::infinity();
+}
+
 /// Closeness of the links of a level's grid.
 struct ClosenessView {
   const uint16_t* right;
@@ -93,11 +117,15 @@ inline float closest_link(const ClosenessView& closeness, int32_t i) {
                              closeness.above[i - closeness.size]}));
 }
 
-/// Per cell: links to the nearest edge; the same after a round; 255 where the link to the right and
-/// above is open, else 0.
+/// What is noted of a link: that snow may cross it; or, where it is there but closed, which of its
+/// ends are an edge of snow, the deeper one or both.
+inline constexpr uint8_t kOpenLink = 128;
+inline constexpr uint8_t kOwnEdge = 1;
+inline constexpr uint8_t kOtherEdge = 2;
+
+/// Per cell: links to the nearest edge; what is noted of the link to the right and above.
 struct EdgeArrays {
   uint8_t* distance;
-  uint8_t* next;
   uint8_t* right;
   uint8_t* above;
 };
@@ -106,22 +134,44 @@ bool holds_anything(const float* values, int32_t count);
 /// Takes heights in where there is surface.
 void load_run(const float* map, const float* inverse_area, float* height, float* inverse_weight,
               int32_t begin, int32_t end);
-/// Returns whether a cell with snow has a link that is not open, but for links to cells before.
+/// Notes the links upwards alone.
+void open_upwards_run(const float* height, const ClosenessView& closeness, uint8_t* above,
+                      int32_t begin, int32_t end);
+/// Notes the links of a run and the one that leads into it from the left. Returns whether a cell
+/// with snow has one that is not open, but for links to cells before.
 bool open_links_run(const float* height, const ClosenessView& closeness, const EdgeArrays& edges,
                     int32_t begin, int32_t end);
-/// Sets the distance of cells at an edge to 0, of others to kFarFromEdge. Returns the largest
-/// variance over distance^2 of cells at an edge; 0 where there is none.
-float find_edges_run(const float* height, const ClosenessView& closeness, float least_variance,
-                     const EdgeArrays& edges, int32_t begin, int32_t end);
-void spread_distance_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin, int32_t end);
-/// Divides the weights by the shoulders' profile. `widest`: of a shoulder, in links.
-void shape_run(const float* height, const ClosenessView& closeness, float least_variance,
-               float widest, const uint8_t* distance, float* inverse_weight, int32_t begin,
-               int32_t end);
+/// Sets the distance of cells at an edge to 0, of others to kFarFromEdge.
+void mark_edges_run(const EdgeArrays& edges, ptrdiff_t size, int32_t begin, int32_t end);
+/// Calls visit(cell) for the cells at an edge.
+template <typename Visit>
+void for_each_edge(const uint8_t* distance, int32_t begin, int32_t end, const Visit& visit) {
+  constexpr uint64_t kNone = kFarFromEdge * 0x0101010101010101u;
+  for (int32_t i = begin; i < end;) {
+    uint64_t eight;
+    if (i + 8 <= end && (std::memcpy(&eight, distance + i, 8), eight == kNone)) {
+      i += 8;
+      continue;
+    }
+    for (const int32_t last = std::min(i + 8, end); i < last; ++i) {
+      if (distance[i] == 0) visit(i);
+    }
+  }
+}
+/// The profile of a shoulder so many links from its edge, in cells that carry `height`. `widest`:
+/// of a shoulder, in links.
+float shoulder_profile(uint8_t distance, float height, float closest, float least_variance,
+                       float widest);
 /// Of the links to the right and above. Returns the largest LinkConductance::wanted.
 float conduct_run(const float* height, const float* inverse, const ClosenessView& closeness,
                   float* right, float* above, const ConductanceTerms& terms, int32_t begin,
                   int32_t end);
+/// Whether one of the cells is near the foot of a bank.
+bool is_near_any(const uint8_t* near, int32_t count);
+/// Takes from conductances what banks do not let through.
+void limit_bank_run(const uint8_t* near, const float* inverse, const ClosenessView& closeness,
+                    float* right, float* above, const ConductanceTerms& terms, int32_t begin,
+                    int32_t end);
 /// Heights to heights over profile, and back.
 void divide_run(float* height, const float* inverse_area, const float* inverse_weight,
                 int32_t begin, int32_t end);
@@ -144,10 +194,12 @@ struct BlockRows {
   const uint8_t* joins[2];
 };
 
-/// What is left of differences within blocks. `closeness`: of the blocks; see ConductanceTerms.
+/// What is left of differences within blocks: closeness of the blocks and how near they are to the
+/// foot of a bank; see ConductanceTerms.
 struct KeptTerms {
   const uint16_t* right;
   const uint16_t* above;
+  const uint8_t* near;
   float least_variance;
   float done_below;
 };
@@ -165,10 +217,13 @@ inline float kept_part(float wanted, float done_below) {
   const float left = wanted > done_below ? wanted - done_below : 0.0f;
   return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
 }
-inline float kept_part(float before, float closeness, float least_variance, float done_below) {
-  const float third = third_squared(before);
-  const float variance = third > least_variance ? third : least_variance;
-  return kept_part(0.5f * variance * closeness, done_below);
+inline float kept_part(float before, float closeness, uint8_t near, float least_variance,
+                       float done_below) {
+  const float by_depth = 0.5f * third_squared(before) * closeness;
+  const float limit = near != 0 ? bank_limit(cells_to_foot(near)) : by_depth;
+  const float wanted = by_depth < limit ? by_depth : limit;
+  const float least = 0.5f * least_variance * closeness;
+  return kept_part(wanted > least ? wanted : least, done_below);
 }
 
 }  // namespace snowbough::snow

@@ -8,7 +8,7 @@
 namespace snowbough::snow {
 
 void Smoother::open_loose_links(
-    size_t number, const std::function<void(int32_t row, int32_t cell, int32_t link)>& on_closed) {
+    size_t number, const std::function<void(size_t band, int32_t cell, int32_t link)>& on_closed) {
   Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
   const float* const height = level.at(level.height);
@@ -29,7 +29,7 @@ void Smoother::open_loose_links(
           if (is_open(height[cell], height[other])) {
             links.push_back({other, grid.link_weight[t], grid.link_closeness[t], 0.0f});
           } else if (on_closed) {
-            on_closed(y, cell, t);
+            on_closed(band, cell, t);
           }
         }
         if (links.size() > before) cells.push_back({cell, static_cast<int32_t>(links.size())});
@@ -44,6 +44,7 @@ float Smoother::conduct(size_t number) {
   const ConductanceTerms terms{least_variance_, done_below_[number], kStages};
   const float* const height = level.at(level.height);
   const float* const inverse = level.at(level.inverse_weight);
+  const uint8_t* const near = level.bank.near.data() + level.margin;
   std::vector<float> largest(static_cast<size_t>(grid.size), 0.0f);
   std::vector<float> loose_largest(level.loose.size(), 0.0f);
   for_each_row_band(grid, [&](size_t band, int32_t first, int32_t last) {
@@ -54,6 +55,7 @@ float Smoother::conduct(size_t number) {
             largest[y],
             conduct_run(height, inverse, {grid.to_right(), grid.upwards(), grid.size},
                         level.at(level.right), level.at(level.above), terms, run.begin, run.end));
+        limit_run(number, run, terms);
       }
     }
     OpenLinks& loose = level.loose[band];
@@ -64,12 +66,13 @@ float Smoother::conduct(size_t number) {
         const LinkConductance crosses =
             conductance(height[at.cell], height[link.other], inverse[at.cell], inverse[link.other],
                         link.closeness, terms);
-        link.conductance = link.weight * crosses.conductance;
+        const float most = bank_conductance(near[at.cell], near[link.other], inverse[at.cell],
+                                            inverse[link.other], link.closeness, terms);
+        link.conductance = link.weight * std::min(crosses.conductance, most);
         loose_largest[band] = std::max(loose_largest[band], crosses.wanted);
       }
     }
   });
-  limit_bank(number);
   return std::max(*std::max_element(largest.begin(), largest.end()),
                   *std::max_element(loose_largest.begin(), loose_largest.end()));
 }

@@ -2,303 +2,266 @@
 
 #include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
-#include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
+#include <limits>
 #include <utility>
 
 namespace snowbough::snow {
-namespace {
-
-/// A sparse matrix column by column: the entries of column j are [begin[j], begin[j + 1]).
-struct Columns {
-  std::vector<int32_t> begin;
-  std::vector<int32_t> row;
-  std::vector<float> value;
-
-  int32_t count() const { return static_cast<int32_t>(begin.size()) - 1; }
-};
-
-/// Makes the upper half of normal matrices. Keeps its memory from one to the next.
-class NormalMatrix {
- public:
-  void make(const std::vector<SeamRow>& rows, int32_t unknowns, float damping) {
-    const size_t most = find_terms(rows, unknowns);
-    place_.assign(static_cast<size_t>(unknowns), -1);
-    if (upper_.row.size() < most) {
-      upper_.row.resize(most);
-      upper_.value.resize(most);
-    }
-    upper_.begin.assign(1, 0);
-    next_ = 0;
-    for (int32_t column = 0; column < unknowns; ++column) {
-      const int32_t first = next_;
-      open(column, damping);
-      place_[column] = first;
-      for (int32_t k = term_begin_[column]; k < term_begin_[column + 1]; ++k) {
-        add(rows[static_cast<size_t>(term_[k] / kSeamTerms)], term_[k] % kSeamTerms, first);
-      }
-      upper_.begin.push_back(next_);
-    }
-  }
-
-  /// Leaves the unknowns `kept` only, ascending.
-  void keep(const std::vector<int32_t>& kept) {
-    place_.assign(static_cast<size_t>(upper_.count()), -1);
-    for (size_t k = 0; k < kept.size(); ++k) place_[kept[k]] = static_cast<int32_t>(k);
-    next_ = 0;
-    for (size_t k = 0; k < kept.size(); ++k) {
-      const int32_t begin = upper_.begin[kept[k]];
-      const int32_t end = upper_.begin[kept[k] + 1];
-      upper_.begin[k] = next_;
-      for (int32_t e = begin; e < end; ++e) {
-        const int32_t row = place_[upper_.row[e]];
-        if (row >= 0) open(row, upper_.value[e]);
-      }
-    }
-    upper_.begin[kept.size()] = next_;
-    upper_.begin.resize(kept.size() + 1);
-  }
-
-  /// The diagonal and what lies above it; rows of a column in no order. Room may be left behind the
-  /// last entry.
-  const Columns& upper() const { return upper_; }
-
- private:
-  /// Lists each unknown's terms, row * kSeamTerms + number. Returns how many entries the matrix has
-  /// at most.
-  size_t find_terms(const std::vector<SeamRow>& rows, int32_t unknowns) {
-    const auto for_each_term = [&](const auto& work) {
-      for (size_t r = 0; r < rows.size(); ++r) {
-        for (int32_t t = 0; t < kSeamTerms && rows[r].source[t] < unknowns; ++t) {
-          work(rows[r].source[t], static_cast<int32_t>(r) * kSeamTerms + t);
-        }
-      }
-    };
-    size_t most = static_cast<size_t>(unknowns);
-    // Shifted by one place, so that the second walk leaves the beginnings where they belong.
-    term_begin_.assign(static_cast<size_t>(unknowns) + 2, 0);
-    for_each_term([&](int32_t unknown, int32_t term) {
-      ++term_begin_[unknown + 2];
-      most += static_cast<size_t>(term % kSeamTerms);
-    });
-    std::partial_sum(term_begin_.begin(), term_begin_.end(), term_begin_.begin());
-    term_.resize(static_cast<size_t>(term_begin_.back()));
-    for_each_term([&](int32_t unknown, int32_t term) { term_[term_begin_[unknown + 1]++] = term; });
-    return most;
-  }
-
-  /// A new entry of the column in hand.
-  void open(int32_t row, float value) {
-    upper_.row[next_] = row;
-    upper_.value[next_++] = value;
-  }
-
-  /// Adds what the row's terms up to `term`, which is the column's, give. The column's entries
-  /// begin at `first`.
-  void add(const SeamRow& row, int32_t term, int32_t first) {
-    for (int32_t t = 0; t <= term; ++t) {
-      const int32_t other = row.source[t];
-      const float part = row.weight[term] * row.weight[t];
-      if (place_[other] >= first) {
-        upper_.value[place_[other]] += part;
-      } else {
-        place_[other] = next_;
-        open(other, part);
-      }
-    }
-  }
-
-  std::vector<int32_t> term_begin_;
-  std::vector<int32_t> term_;
-  /// Per unknown: its entry in the last column that has it.
-  std::vector<int32_t> place_;
-  int32_t next_ = 0;
-  Columns upper_;
-};
-
 /// The factors L D L^T of a matrix, row by row of L: T. A. Davis, Algorithm 849: A Concise Sparse
-/// Cholesky Factorization Package, 2005. L without its diagonal of ones.
-class Cholesky {
- public:
-  /// Finds where L has entries; returns how many multiplications its entries take.
-  int64_t analyse(const Columns& upper) {
-    const int32_t size = upper.count();
-    parent_.assign(static_cast<size_t>(size), -1);
-    seen_in_.resize(static_cast<size_t>(size));
-    entries_.assign(static_cast<size_t>(size), 0);
-    for (int32_t k = 0; k < size; ++k) {
-      seen_in_[k] = k;
-      for (int32_t e = upper.begin[k]; e < upper.begin[k + 1]; ++e) {
-        for (int32_t i = upper.row[e]; seen_in_[i] != k; i = parent_[i]) {
-          if (parent_[i] < 0) parent_[i] = k;
-          ++entries_[i];
-          seen_in_[i] = k;
-        }
-      }
-    }
-    lower_.begin.assign(1, 0);
-    int64_t work = 0;
-    int64_t end = 0;
-    for (const int32_t count : entries_) {
-      work += int64_t{count} * count;
-      end += count;
-      lower_.begin.push_back(static_cast<int32_t>(std::min<int64_t>(end, INT32_MAX)));
-    }
-    return work;
-  }
-
-  /// Returns false where the matrix has no factors.
-  bool factorise(const Columns& upper) {
-    const int32_t size = upper.count();
-    lower_.row.resize(static_cast<size_t>(lower_.begin.back()));
-    lower_.value.resize(lower_.row.size());
-    diagonal_.resize(static_cast<size_t>(size));
-    sums_.assign(static_cast<size_t>(size), 0.0f);
-    path_.resize(static_cast<size_t>(size));
-    entries_.assign(static_cast<size_t>(size), 0);
-    for (int32_t k = 0; k < size; ++k) {
-      const int32_t first = find_row(upper, k);
-      float d = std::exchange(sums_[k], 0.0f);
-      for (int32_t at = first; at < size; ++at) {
-        const int32_t i = path_[at];
-        const float sum = std::exchange(sums_[i], 0.0f);
-        const float entry = sum / diagonal_[i];
-        const int32_t end = lower_.begin[i] + entries_[i];
-        for (int32_t e = lower_.begin[i]; e < end; ++e) {
-          sums_[lower_.row[e]] -= lower_.value[e] * sum;
-        }
-        d -= entry * sum;
-        lower_.row[end] = k;
-        lower_.value[end] = entry;
-        ++entries_[i];
-      }
-      diagonal_[k] = d;
-      if (d == 0.0f) return false;
-    }
-    return true;
-  }
-
-  /// Rows of a column ascend.
-  const Columns& lower() const { return lower_; }
-  const std::vector<float>& diagonal() const { return diagonal_; }
-
- private:
-  /// Takes the matrix's column k into sums_, and lists which entries row k of L has, in an order in
-  /// which they can be found: path_ from the number returned on.
-  int32_t find_row(const Columns& upper, int32_t k) {
-    const int32_t size = upper.count();
-    int32_t first = size;
-    seen_in_[k] = k;
-    sums_[k] = 0.0f;
-    for (int32_t e = upper.begin[k]; e < upper.begin[k + 1]; ++e) {
-      int32_t i = upper.row[e];
-      sums_[i] += upper.value[e];
-      int32_t length = 0;
-      for (; seen_in_[i] != k; i = parent_[i]) {
-        path_[length++] = i;
-        seen_in_[i] = k;
-      }
-      while (length > 0) path_[--first] = path_[--length];
-    }
-    return first;
-  }
-
-  Columns lower_;
-  std::vector<float> diagonal_;
-  /// Of the elimination tree.
-  std::vector<int32_t> parent_;
-  /// Per column: the row in which it was last seen; the entries that it has so far.
-  std::vector<int32_t> seen_in_;
-  std::vector<int32_t> entries_;
-  std::vector<float> sums_;
-  std::vector<int32_t> path_;
-};
-
-}  // namespace
-
+/// Cholesky Factorization Package, 2005. L without its diagonal of ones. Arrays are per unknown of
+/// the pattern; what they hold for those that are not in the problem is stale.
 struct SeamFactor::State {
-  NormalMatrix normal;
-  Cholesky cholesky;
+  explicit State(std::shared_ptr<const SeamPattern> shared)
+      : pattern(std::move(shared)),
+        size(pattern->unknowns()),
+        is_in(static_cast<size_t>(size), 0),
+        is_stale(static_cast<size_t>(size), 0) {}
+
+  /// Finds where L has entries; returns false where these take too much work.
+  bool analyse(int64_t most_work);
+  /// Computes the rows of L that are stale, and which stale ones make so; returns false where there
+  /// are no factors.
+  bool factorise();
+
+  std::shared_ptr<const SeamPattern> pattern;
+  int32_t size;
+  std::vector<int32_t> unknowns;
+  std::vector<uint8_t> is_in;
+  /// What unknowns were when L's entries were found: from those that have left since it has entries
+  /// still, 0.
+  std::vector<int32_t> analysed;
+  /// Whether an unknown's row of L must be computed.
+  std::vector<uint8_t> is_stale;
+  /// Of the matrix: per entry of the pattern, and the diagonal.
+  std::vector<float> value;
+  std::vector<float> own;
+
+  /// Column j of L: count[j] entries from begin[j] on, rows ascending.
+  std::vector<int32_t> begin;
+  std::vector<int32_t> count;
+  std::vector<int32_t> row;
+  std::vector<float> lower;
+  std::vector<float> diagonal;
+
+  /// Which entries the problem's rows of L have, in an order in which they can be found; where each
+  /// row's end.
+  std::vector<int32_t> path;
+  std::vector<int32_t> path_end;
+  /// Of the elimination tree.
+  std::vector<int32_t> parent;
+  /// Per column: the row in which it was last seen.
+  std::vector<int32_t> seen_in;
+  std::vector<int32_t> scratch;
+  /// All 0 between two rows.
+  std::vector<float> sums;
 };
 
-SeamFactor::SeamFactor() : state_(std::make_unique<State>()) {}
+bool SeamFactor::State::analyse(int64_t most_work) {
+  const auto all = static_cast<size_t>(size);
+  parent.resize(all);
+  seen_in.resize(all);
+  count.resize(all);
+  scratch.resize(all);
+  path.clear();
+  path_end.clear();
+  analysed = unknowns;
+  int64_t work = 0;
+  for (const int32_t k : unknowns) {
+    is_stale[k] = 1;
+    int32_t first = size;
+    parent[k] = -1;
+    count[k] = 0;
+    seen_in[k] = k;
+    for (int32_t e = pattern->begin(k); e < pattern->begin(k + 1); ++e) {
+      int32_t i = pattern->row(e);
+      if (is_in[i] == 0) continue;
+      int32_t length = 0;
+      for (; seen_in[i] != k; i = parent[i]) {
+        if (parent[i] < 0) parent[i] = k;
+        work += 2 * ++count[i] - 1;  // what the square of the count grows by
+        scratch[length++] = i;
+        seen_in[i] = k;
+      }
+      while (length > 0) scratch[--first] = scratch[--length];
+    }
+    if (work > most_work) return false;
+    path.insert(path.end(), scratch.begin() + first, scratch.end());
+    path_end.push_back(static_cast<int32_t>(path.size()));
+  }
+  begin.resize(all);
+  int32_t end = 0;
+  for (const int32_t k : unknowns) {
+    begin[k] = end;
+    end += count[k];
+  }
+  row.resize(static_cast<size_t>(end));
+  lower.resize(static_cast<size_t>(end));
+  return true;
+}
+
+bool SeamFactor::State::factorise() {
+  diagonal.resize(static_cast<size_t>(size));
+  sums.resize(static_cast<size_t>(size), 0.0f);
+  for (const int32_t k : analysed) count[k] = 0;
+  int32_t at = 0;
+  for (size_t u = 0; u < analysed.size(); ++u) {
+    const int32_t k = analysed[u];
+    if (std::exchange(is_stale[k], 0) == 0) {
+      for (; at < path_end[u]; ++at) ++count[path[at]];
+      continue;
+    }
+    if (parent[k] >= 0) is_stale[parent[k]] = 1;
+    if (is_in[k] == 0) {
+      for (; at < path_end[u]; ++at) lower[begin[path[at]] + count[path[at]]++] = 0.0f;
+      continue;
+    }
+    for (int32_t e = pattern->begin(k); e < pattern->begin(k + 1); ++e) {
+      const int32_t i = pattern->row(e);
+      if (is_in[i] != 0) sums[i] = value[e];
+    }
+    float d = own[k];
+    for (; at < path_end[u]; ++at) {
+      const int32_t i = path[at];
+      const float sum = std::exchange(sums[i], 0.0f);
+      const int32_t end = begin[i] + count[i]++;
+      row[end] = k;
+      if (is_in[i] == 0) continue;
+      const float entry = sum / diagonal[i];
+      lower[end] = entry;
+      d -= entry * sum;
+      for (int32_t e = begin[i]; e < end; ++e) sums[row[e]] -= lower[e] * sum;
+    }
+    diagonal[k] = d;
+    if (d == 0.0f) return false;
+  }
+  return true;
+}
+
+SeamFactor::SeamFactor(std::shared_ptr<const SeamPattern> pattern)
+    : state_(std::make_unique<State>(std::move(pattern))) {}
 SeamFactor::~SeamFactor() = default;
 SeamFactor::SeamFactor(SeamFactor&& other) noexcept = default;
 SeamFactor& SeamFactor::operator=(SeamFactor&& other) noexcept = default;
 
 std::vector<int32_t> SeamFactor::elimination_order(const std::vector<SeamRow>& rows,
                                                    int32_t unknowns) {
-  NormalMatrix normal;
-  normal.make(rows, unknowns, 0.0f);
-  const Columns& upper = normal.upper();
-  const Eigen::Map<const Eigen::SparseMatrix<float>> matrix(unknowns, unknowns, upper.begin.back(),
-                                                            upper.begin.data(), upper.row.data(),
-                                                            upper.value.data());
+  const SeamPattern pattern(rows, unknowns);
+  std::vector<int32_t> begin{0};
+  std::vector<int32_t> row;
+  for (int32_t column = 0; column < unknowns; ++column) {
+    row.push_back(column);
+    for (int32_t e = pattern.begin(column); e < pattern.begin(column + 1); ++e) {
+      row.push_back(pattern.row(e));
+    }
+    begin.push_back(static_cast<int32_t>(row.size()));
+  }
+  const std::vector<float> value(row.size(), 1.0f);
+  const Eigen::Map<const Eigen::SparseMatrix<float>> matrix(unknowns, unknowns, begin.back(),
+                                                            begin.data(), row.data(), value.data());
   Eigen::AMDOrdering<int>::PermutationType order;
   Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Upper>(), order);
   return {order.indices().begin(), order.indices().end()};
 }
 
-bool SeamFactor::compute(const std::vector<SeamRow>& rows, int32_t unknowns, float damping,
-                         int64_t most_work) {
-  state_->normal.make(rows, unknowns, damping);
-  if (state_->cholesky.analyse(state_->normal.upper()) > most_work) {
-    state_ = std::make_unique<State>();
-    return false;
+void SeamFactor::begin(const std::vector<int32_t>& unknowns, float damping) {
+  State& s = *state_;
+  s.value.resize(static_cast<size_t>(s.pattern->entries()));
+  s.own.resize(static_cast<size_t>(s.size));
+  for (const int32_t k : s.unknowns) s.is_in[k] = 0;
+  s.unknowns = unknowns;
+  for (const int32_t k : s.unknowns) {
+    s.is_in[k] = 1;
+    s.own[k] = damping;
+    std::fill(s.value.begin() + s.pattern->begin(k), s.value.begin() + s.pattern->begin(k + 1),
+              0.0f);
   }
-  return state_->cholesky.factorise(state_->normal.upper());
+}
+
+void SeamFactor::add(int32_t number, const SeamRow& row) {
+  State& s = *state_;
+  const uint16_t* offset = s.pattern->offsets(number);
+  for (int32_t b = 0; b < kSeamTerms && row.source[b] < s.size; offset += b++) {
+    const float weight = row.weight[b];
+    if (weight == 0.0f) continue;
+    s.own[row.source[b]] += weight * weight;
+    float* const column = s.value.data() + s.pattern->begin(row.source[b]);
+    for (int32_t a = 0; a < b; ++a) column[offset[a]] += weight * row.weight[a];
+  }
+}
+
+bool SeamFactor::factorise(int64_t most_work) {
+  return state_->pattern->is_complete() && state_->analyse(most_work) && state_->factorise();
 }
 
 bool SeamFactor::keep(const std::vector<int32_t>& kept) {
-  state_->normal.keep(kept);
-  state_->cholesky.analyse(state_->normal.upper());
-  return state_->cholesky.factorise(state_->normal.upper());
+  State& s = *state_;
+  for (const int32_t k : s.unknowns) s.is_in[k] = 0;
+  for (const int32_t k : kept) s.is_in[k] = 1;
+  for (const int32_t k : s.unknowns) s.is_stale[k] = s.is_in[k] == 0 ? 1 : 0;
+  s.unknowns = kept;
+  return s.factorise();
 }
 
 void SeamFactor::solve(std::vector<float>& values, float negligible) const {
   // Goes through few columns where snow lies on little of the surface.
-  const Columns& lower = state_->cholesky.lower();
-  const auto size = static_cast<int32_t>(values.size());
-  for (int32_t j = 0; j < size; ++j) {
+  const State& s = *state_;
+  for (const int32_t j : s.unknowns) {
     const float x = values[j];
     if (std::fabs(x) < negligible) {
       values[j] = 0.0f;
       continue;
     }
-    for (int32_t e = lower.begin[j]; e < lower.begin[j + 1]; ++e) {
-      values[lower.row[e]] -= lower.value[e] * x;
-    }
+    const int32_t end = s.begin[j] + s.count[j];
+    for (int32_t e = s.begin[j]; e < end; ++e) values[s.row[e]] -= s.lower[e] * x;
   }
-  const std::vector<float>& diagonal = state_->cholesky.diagonal();
-  for (int32_t j = size - 1; j >= 0; --j) {
+  for (size_t u = s.unknowns.size(); u-- > 0;) {
+    const int32_t j = s.unknowns[u];
     if (values[j] == 0.0f) continue;
-    float x = values[j] / diagonal[j];
-    for (int32_t e = lower.begin[j]; e < lower.begin[j + 1]; ++e) {
-      x -= lower.value[e] * values[lower.row[e]];
-    }
+    float x = values[j] / s.diagonal[j];
+    const int32_t end = s.begin[j] + s.count[j];
+    for (int32_t e = s.begin[j]; e < end; ++e) x -= s.lower[e] * values[s.row[e]];
     values[j] = x;
   }
 }
 
 std::vector<int32_t> SeamFactor::components() const {
-  // A column's first row is its parent in the elimination tree.
-  const Columns& lower = state_->cholesky.lower();
-  std::vector<int32_t> last(static_cast<size_t>(lower.count()));
-  for (int32_t j = lower.count() - 1; j >= 0; --j) {
-    const int32_t first = lower.begin[j];
-    last[j] = first == lower.begin[j + 1] ? j : last[lower.row[first]];
+  const State& s = *state_;
+  std::vector<int32_t>& last = state_->scratch;
+  std::vector<int32_t> components(s.unknowns.size());
+  for (size_t u = s.unknowns.size(); u-- > 0;) {
+    const int32_t j = s.unknowns[u];
+    // A column's first row is its parent in the elimination tree.
+    int32_t e = s.begin[j];
+    const int32_t end = e + s.count[j];
+    while (e < end && s.lower[e] == 0.0f) ++e;
+    last[j] = e == end ? j : last[s.row[e]];
+    components[u] = last[j];
   }
-  return last;
+  return components;
 }
 
 void SeamFactor::shrink() {
-  state_->normal = {};
+  for (std::vector<float>* values : {&state_->value, &state_->own, &state_->sums}) *values = {};
+  for (std::vector<int32_t>* values :
+       {&state_->path, &state_->path_end, &state_->seen_in, &state_->scratch, &state_->parent}) {
+    *values = {};
+  }
+  state_->row.shrink_to_fit();
+  state_->lower.shrink_to_fit();
 }
 
-int64_t SeamFactor::entries() const {
-  return static_cast<int64_t>(state_->cholesky.lower().row.size());
+int64_t SeamFactor::bytes() const {
+  const State& s = *state_;
+  int64_t sum = static_cast<int64_t>(s.is_in.capacity());
+  for (const std::vector<float>* values : {&s.value, &s.own, &s.lower, &s.diagonal, &s.sums}) {
+    sum += static_cast<int64_t>(values->capacity() * sizeof(float));
+  }
+  for (const std::vector<int32_t>* values : {&s.unknowns, &s.begin, &s.count, &s.row, &s.path,
+                                             &s.path_end, &s.parent, &s.seen_in, &s.scratch}) {
+    sum += static_cast<int64_t>(values->capacity() * sizeof(int32_t));
+  }
+  return sum;
 }
 
 }  // namespace snowbough::snow

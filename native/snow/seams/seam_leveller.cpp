@@ -63,8 +63,10 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
       heights_(texel_.size() + 1, 0.0f),
       limits_(texel_.size() + 1, 0.0f),
       lower_limits_(texel_.size() + 1, 0.0f),
+      values_(texel_.size() + 1, 0.0f),
       marks_(texel_.size() + 1, 0.0f),
-      fine_number_(texel_.size(), -1) {
+      reach_(texel_.size() + 1, 0.0f),
+      is_seen_(texel_.size() + 1, 0) {
   std::vector<int32_t> number(texel_.size() + 1);
   std::iota(number.begin(), number.end(), 0);
   renumber(points_, number);
@@ -94,13 +96,22 @@ SeamLeveller::SeamLeveller(const SeamLevelling& levelling)
   samples_.resize(static_cast<size_t>(sample_begin_.back()));
   for_each_sample([&](int32_t texel, int32_t p) { samples_[sample_begin_[texel + 1]++] = p; });
   residual_of_.assign(points_.size(), -1);
-  factorised_ = factor_.compute(points_, unknowns_, kDamping, kMostWork);
-  factor_.shrink();
+  marked_bits_.resize(static_cast<size_t>(unknowns_));
+  active_bits_.resize(points_.size());
+  pattern_ = std::make_shared<const SeamPattern>(points_, unknowns_);
+  factor_.emplace(pattern_);
+  fine_factor_.emplace(pattern_);
+  std::iota(number.begin(), number.end(), 0);
+  number.resize(static_cast<size_t>(unknowns_));
+  factor_->begin(number, kDamping);
+  for (size_t p = 0; p < points_.size(); ++p) factor_->add(static_cast<int32_t>(p), points_[p]);
+  factorised_ = factor_->factorise(kMostWork);
+  factor_->shrink();
 }
 
 inline SeamLeveller::SeamResidual SeamLeveller::residual_at(int32_t point) const {
   const SeamRow& row = points_[point];
-  SeamResidual residual{point, true, false, 0.0f, 0.0f};
+  SeamResidual residual{point, true, 0.0f, 0.0f};
   for (int32_t t = 0; t < kSeamTerms; ++t) {
     const float part = row.weight[t] * heights_[row.source[t]];
     residual.gap += part;
@@ -110,25 +121,25 @@ inline SeamLeveller::SeamResidual SeamLeveller::residual_at(int32_t point) const
 }
 
 void SeamLeveller::level_all() {
-  values_.assign(heights_.size(), 0.0f);
   std::fill(limits_.begin(), limits_.end(), 0.0f);
   std::fill(lower_limits_.begin(), lower_limits_.end(), 0.0f);
+  std::fill(values_.begin(), values_.end(), 0.0f);
   for (const SeamResidual& residual : residuals_) residual_of_[residual.point] = -1;
   residuals_.clear();
   foreign_residuals_.clear();
+  bare_.clear();
   for (size_t p = 0; p < points_.size(); ++p) {
     const SeamResidual residual = residual_at(static_cast<int32_t>(p));
     if (residual.height == 0.0f) continue;
-    const auto at = static_cast<int32_t>(residuals_.size());
     const SeamRow& point = points_[p];
-    residuals_.push_back(residual);
-    residual_of_[p] = at;
-    if (reads_foreign(point)) foreign_residuals_.push_back(at);
+    note(static_cast<int32_t>(p), residual);
     float limit = 0.0f;
     float lower_limit = 0.0f;
     for (const int32_t texel : point.source) {
       limit = std::max(limit, heights_[texel]);
       lower_limit = std::min(lower_limit, heights_[texel]);
+      if (heights_[texel] != 0.0f || texel >= unknowns_) continue;
+      if (std::exchange(is_seen_[texel], 1) == 0) bare_.push_back(texel);
     }
     for (int32_t t = 0; t < kSeamTerms; ++t) {
       values_[point.source[t]] += point.weight[t] * residual.gap;
@@ -137,33 +148,40 @@ void SeamLeveller::level_all() {
     }
   }
   note_bare_neighbours();
-  values_.resize(static_cast<size_t>(unknowns_));
   if (factorised_) {
-    factor_.solve(values_, kNegligible * least_height_);
+    factor_->solve(values_, kNegligible * least_height_);
   } else {
-    solve_by_gradients(points_, static_cast<int32_t>(heights_.size()), kDamping, kRounds, values_);
+    solve_by_rounds(points_, kDamping, kRounds);
   }
   for (int32_t i = 0; i < unknowns_; ++i) {
     heights_[i] = std::clamp(heights_[i] - values_[i], lower_limits_[i], limits_[i]);
   }
+  std::fill(values_.begin(), values_.end(), 0.0f);
+}
+
+/// In place of a factor.
+void SeamLeveller::solve_by_rounds(const std::vector<SeamRow>& rows, float damping,
+                                   int32_t rounds) {
+  values_.resize(static_cast<size_t>(unknowns_));
+  solve_by_gradients(rows, static_cast<int32_t>(heights_.size()), damping, rounds, values_);
+  values_.resize(heights_.size(), 0.0f);
+}
+
+void SeamLeveller::note(int32_t point, const SeamResidual& residual) {
+  const auto at = static_cast<int32_t>(residuals_.size());
+  residuals_.push_back(residual);
+  residual_of_[point] = at;
+  if (reads_foreign(points_[point])) foreign_residuals_.push_back(at);
 }
 
 /// Takes the points with no snow beside them that read a texel which changes for others: what that
-/// rises to, their other side must show too.
+/// rises to, their other side must show too. Whoever reads a texel with snow has snow beside it.
 void SeamLeveller::note_bare_neighbours() {
-  const size_t with_snow = residuals_.size();
-  for (size_t r = 0; r < with_snow; ++r) {
-    for (const int32_t texel : points_[residuals_[r].point].source) {
-      // Whoever reads a texel with snow has snow beside it.
-      if (texel >= unknowns_ || heights_[texel] != 0.0f) continue;
-      for (int32_t k = sample_begin_[texel]; k < sample_begin_[texel + 1]; ++k) {
-        const int32_t point = samples_[k];
-        if (residual_of_[point] >= 0) continue;
-        const auto at = static_cast<int32_t>(residuals_.size());
-        residuals_.push_back({point, true, false, 0.0f, 0.0f});
-        residual_of_[point] = at;
-        if (reads_foreign(points_[point])) foreign_residuals_.push_back(at);
-      }
+  for (const int32_t texel : bare_) {
+    is_seen_[texel] = 0;
+    for (int32_t k = sample_begin_[texel]; k < sample_begin_[texel + 1]; ++k) {
+      const int32_t point = samples_[k];
+      if (residual_of_[point] < 0) note(point, {point, true, 0.0f, 0.0f});
     }
   }
 }
@@ -185,7 +203,7 @@ void SeamLeveller::mark() {
     for (SeamResidual& residual : residuals_) mark_for(residual);
   }
   has_marks_ = true;
-  std::sort(marked_.begin(), marked_.end());
+  marked_bits_.take(marked_);
   activate_points();
 }
 
@@ -199,37 +217,34 @@ void SeamLeveller::mark_for(SeamResidual& residual) {
   if (mark <= 0.0f) return;
   for (const int32_t texel : points_[residual.point].source) {
     if (texel >= unknowns_) continue;
-    if (marks_[texel] == 0.0f) marked_.push_back(texel);
+    marked_bits_.add(texel);
     marks_[texel] = std::max(marks_[texel], mark);
   }
 }
 
 void SeamLeveller::activate_points() {
-  active_.clear();
   for (const int32_t texel : marked_) {
     for (int32_t k = sample_begin_[texel]; k < sample_begin_[texel + 1]; ++k) {
       const int32_t at = residual_of_[samples_[k]];
-      if (at < 0 || std::exchange(residuals_[at].is_noted, true)) continue;
-      active_.push_back(at);
+      if (at >= 0) active_bits_.add(at);
     }
   }
-  std::sort(active_.begin(), active_.end());
   for (const int32_t at : changed_) residuals_[at].may_differ = false;
+  active_bits_.take(changed_);
   fine_points_.clear();
-  for (const int32_t at : active_) {
-    SeamResidual& residual = residuals_[at];
+  for (const int32_t at : changed_) {
+    const SeamResidual& residual = residuals_[at];
     float share = 0.0f;
-    for (const int32_t texel : points_[residual.point].source)
+    for (const int32_t texel : points_[residual.point].source) {
       share = std::max(share, marks_[texel]);
+    }
     fine_points_.push_back({residual.point, share / residual.height});
-    residual.is_noted = false;
   }
-  changed_ = active_;
   changed_.insert(changed_.end(), foreign_residuals_.begin(), foreign_residuals_.end());
   for (const int32_t at : changed_) residuals_[at].may_differ = true;
 }
 
-inline bool SeamLeveller::reads_foreign(const SeamRow& point) const {
+bool SeamLeveller::reads_foreign(const SeamRow& point) const {
   const auto none = static_cast<int32_t>(texel_.size());
   return std::any_of(point.source.begin(), point.source.end(),
                      [&](int32_t texel) { return texel >= unknowns_ && texel < none; });
@@ -240,91 +255,95 @@ inline float SeamLeveller::fine_reach(int32_t texel) const {
   return marks_[texel] * (std::fabs(heights_[texel]) + least_height_);
 }
 
-/// Writes down the second problem for the texels that have a mark.
-void SeamLeveller::assemble() {
+/// Takes the texels that have a mark for those of the second problem.
+void SeamLeveller::open_fine() {
+  for (const int32_t i : fine_texels_) reach_[i] = values_[i] = 0.0f;
   fine_texels_.clear();
   for (const int32_t i : marked_) {
     if (marks_[i] == 0.0f) continue;
-    fine_number_[i] = static_cast<int32_t>(fine_texels_.size());
     fine_texels_.push_back(i);
+    reach_[i] = fine_reach(i);
   }
-  values_.assign(fine_texels_.size(), 0.0f);
-  fine_rows_.clear();
+}
+
+/// Calls visit(point, row) for the rows of the second problem, and sums up what they want.
+template <typename Visit>
+void SeamLeveller::ask_fine(const Visit& visit) {
+  SeamRow row;
   for (const FinePoint& fine : fine_points_) {
     const SeamRow& point = points_[fine.point];
-    const float gap = fine.share * residual_at(fine.point).gap;
-    SeamRow row;
-    row.source.fill(static_cast<int32_t>(fine_texels_.size()));
-    int32_t count = 0;
+    row.source = point.source;
+    float gap = 0.0f;
+    float reach = 0.0f;
     for (int32_t t = 0; t < kSeamTerms; ++t) {
-      const int32_t i = point.source[t];
-      if (marks_[i] == 0.0f) continue;
-      const float weight = fine.share * point.weight[t] * fine_reach(i);
-      row.source[count] = fine_number_[i];
-      row.weight[count++] = weight;
-      values_[fine_number_[i]] += weight * gap;
+      row.weight[t] = fine.share * point.weight[t] * reach_[point.source[t]];
+      gap += point.weight[t] * heights_[point.source[t]];
+      reach += reach_[point.source[t]];
     }
-    if (count > 0) fine_rows_.push_back(row);
+    if (reach == 0.0f) continue;
+    for (int32_t t = 0; t < kSeamTerms; ++t) {
+      values_[row.source[t]] += row.weight[t] * (fine.share * gap);
+    }
+    visit(fine.point, row);
   }
 }
 
 /// Returns whether the solution is exact.
 bool SeamLeveller::solve_fine() {
-  const auto count = static_cast<int32_t>(fine_texels_.size());
-  if (fine_factor_.compute(fine_rows_, count, kFineDamping, kMostFineWork)) {
-    fine_factor_.solve(values_, 0.0f);
+  fine_factor_->begin(fine_texels_, kFineDamping);
+  ask_fine([&](int32_t point, const SeamRow& row) { fine_factor_->add(point, row); });
+  if (fine_factor_->factorise(kMostFineWork)) {
+    fine_factor_->solve(values_, 0.0f);
     return true;
   }
-  solve_by_gradients(fine_rows_, count + 1, kFineDamping, kFineRounds, values_);
+  std::fill(values_.begin(), values_.end(), 0.0f);
+  std::vector<SeamRow> rows;
+  ask_fine([&](int32_t, const SeamRow& row) { rows.push_back(row); });
+  solve_by_rounds(rows, kFineDamping, kFineRounds);
   return false;
 }
 
 /// Solves the second problem once more for those of its texels that still have a mark: the matrix
 /// is a part of the last one, since their heights have not changed.
 void SeamLeveller::solve_waiting() {
-  std::vector<int32_t> waiting;
-  for (size_t k = 0; k < fine_texels_.size(); ++k) {
-    if (marks_[fine_texels_[k]] != 0.0f) waiting.push_back(static_cast<int32_t>(k));
-  }
-  assemble();
-  if (waiting.empty()) return;
-  if (fine_factor_.keep(waiting)) {
-    fine_factor_.solve(values_, 0.0f);
-  } else {
-    solve_fine();
-  }
+  open_fine();
+  if (fine_texels_.empty()) return;
+  ask_fine([](int32_t, const SeamRow&) {});
+  fine_factor_->keep(fine_texels_);
+  fine_factor_->solve(values_, 0.0f);
 }
 
-/// The height that the second problem's solution gives its texel k, and that within limits.
-inline std::pair<float, float> SeamLeveller::fine_height(size_t k) const {
-  const int32_t i = fine_texels_[k];
-  const float height = heights_[i] - fine_reach(i) * values_[k];
-  return {height, std::clamp(height, lower_limits_[i], limits_[i])};
+/// The height that the second problem's solution gives a texel, and that within limits.
+inline std::pair<float, float> SeamLeveller::fine_height(int32_t texel) const {
+  const float height = heights_[texel] - reach_[texel] * values_[texel];
+  return {height, std::clamp(height, lower_limits_[texel], limits_[texel])};
 }
 
 /// Takes over the heights that hang together with none beyond its limits; those that are beyond
 /// stay at their limits, and the others wait. What is done loses its mark. Returns whether any
 /// waits.
 bool SeamLeveller::accept_within_limits() {
-  const std::vector<int32_t> component = fine_factor_.components();
-  std::vector<bool> waits(fine_texels_.size(), false);
-  bool any = false;
+  const std::vector<int32_t> component = fine_factor_->components();
+  std::vector<int32_t> waiting;
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
-    const auto [height, limited] = fine_height(k);
-    if (height != limited) any = waits[component[k]] = true;
+    const auto [height, limited] = fine_height(fine_texels_[k]);
+    if (height == limited || std::exchange(is_seen_[component[k]], 1) != 0) continue;
+    waiting.push_back(component[k]);
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
-    const auto [height, limited] = fine_height(k);
-    if (waits[component[k]] && height == limited) continue;
-    heights_[fine_texels_[k]] = limited;
-    marks_[fine_texels_[k]] = 0.0f;
+    const int32_t texel = fine_texels_[k];
+    const auto [height, limited] = fine_height(texel);
+    if (is_seen_[component[k]] != 0 && height == limited) continue;
+    heights_[texel] = limited;
+    marks_[texel] = 0.0f;
   }
-  return any;
+  for (const int32_t texel : waiting) is_seen_[texel] = 0;
+  return !waiting.empty();
 }
 
 size_t SeamLeveller::level_fine() {
   mark();
-  assemble();
+  open_fine();
   const size_t count = fine_texels_.size();
   if (count == 0) return 0;
   if (solve_fine()) {
@@ -334,9 +353,7 @@ size_t SeamLeveller::level_fine() {
       if (fine_texels_.empty()) return count;
     }
   }
-  for (size_t k = 0; k < fine_texels_.size(); ++k) {
-    heights_[fine_texels_[k]] = fine_height(k).second;
-  }
+  for (const int32_t texel : fine_texels_) heights_[texel] = fine_height(texel).second;
   return count;
 }
 
@@ -360,10 +377,10 @@ int64_t SeamLeveller::bytes() const {
     return static_cast<int64_t>(values.capacity() * sizeof(values[0]));
   };
   return of(texel_) + of(points_) + of(heights_) + of(values_) + of(residuals_) + of(marks_) +
-         of(fine_number_) + of(marked_) + of(sample_begin_) + of(samples_) + of(residual_of_) +
-         of(foreign_residuals_) + of(changed_) + of(active_) + of(foreign_) + of(fine_texels_) +
-         of(fine_points_) + of(fine_rows_) + of(limits_) + of(lower_limits_) +
-         8 * (factor_.entries() + fine_factor_.entries());
+         of(reach_) + of(is_seen_) + of(bare_) + of(marked_) + of(sample_begin_) + of(samples_) +
+         of(residual_of_) + of(foreign_residuals_) + of(changed_) + of(foreign_) +
+         of(fine_texels_) + of(fine_points_) + of(limits_) + of(lower_limits_) + pattern_->bytes() +
+         factor_->bytes() + fine_factor_->bytes();
 }
 
 }  // namespace snowbough::snow

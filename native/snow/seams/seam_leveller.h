@@ -1,10 +1,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <utility>
 #include <vector>
 
 #include "snow/seams/least_squares.h"
+#include "snow/seams/number_set.h"
 #include "snow/seams/seam_samples.h"
 
 namespace snowbough::snow {
@@ -47,8 +50,6 @@ class SeamLeveller {
     int32_t point;
     /// Whether it may have changed since it was evaluated.
     bool may_differ;
-    /// Whether it is among active_.
-    bool is_noted;
     float gap;
     float height;
   };
@@ -60,6 +61,7 @@ class SeamLeveller {
 
   SeamResidual residual_at(int32_t point) const;
   void level_all();
+  void note(int32_t point, const SeamResidual& residual);
   void note_bare_neighbours();
   void refresh_foreign();
   /// Returns how many texels had points further apart than they may be.
@@ -68,12 +70,15 @@ class SeamLeveller {
   void mark_for(SeamResidual& residual);
   void activate_points();
   bool reads_foreign(const SeamRow& point) const;
-  void assemble();
+  void open_fine();
+  template <typename Visit>
+  void ask_fine(const Visit& visit);
   bool solve_fine();
+  void solve_by_rounds(const std::vector<SeamRow>& rows, float damping, int32_t rounds);
   bool accept_within_limits();
   void solve_waiting();
   float fine_reach(int32_t texel) const;
-  std::pair<float, float> fine_height(size_t k) const;
+  std::pair<float, float> fine_height(int32_t texel) const;
 
   /// The map's texels in the order of elimination; those from unknowns_ on are only read. Arrays of
   /// a value a texel have one more at the end, 0, for points that look at fewer than kSeamTerms.
@@ -86,35 +91,42 @@ class SeamLeveller {
   std::vector<int32_t> samples_;
   /// Texels that are only read because they are another chart's, and what they are there.
   std::vector<std::pair<int32_t, int32_t>> foreign_;
+  std::shared_ptr<const SeamPattern> pattern_;
   bool factorised_ = false;
-  SeamFactor factor_;
+  std::optional<SeamFactor> factor_;
 
   std::vector<float> heights_;
   /// What a texel may rise and fall to: the highest and the lowest that the points that look at it
   /// see, or bare ground.
   std::vector<float> limits_;
   std::vector<float> lower_limits_;
-  /// What a solution is asked for, then what it is.
+  /// What a solution is asked for, then what it is; 0 for texels that are not in the problem.
   std::vector<float> values_;
   std::vector<SeamResidual> residuals_;
   /// Per point: its index in residuals_; -1 = no snow lies beside it.
   std::vector<int32_t> residual_of_;
-  /// Indices into residuals_: of points that read other charts' texels; that may have changed; that
-  /// read a marked texel.
+  /// Indices into residuals_: of points that read other charts' texels; that may have changed, of
+  /// which those of the second problem come first.
   std::vector<int32_t> foreign_residuals_;
   std::vector<int32_t> changed_;
-  std::vector<int32_t> active_;
+  /// Of indices into residuals_.
+  NumberSet active_bits_;
+  /// The bare unknowns beside snow.
+  std::vector<int32_t> bare_;
   /// Whether marks have been made in this map.
   bool has_marks_ = false;
-  /// The second problem. Per texel: how much it takes part, 0 to 1, and its number there.
+  /// The second problem. Per texel: how much it takes part, 0 to 1, and by how much one unit of the
+  /// problem changes its height.
   std::vector<float> marks_;
+  std::vector<float> reach_;
   /// The unknowns that have a mark, and maybe some that have lost it, ascending.
   std::vector<int32_t> marked_;
-  std::vector<int32_t> fine_number_;
+  NumberSet marked_bits_;
+  /// Per unknown: used for a while, all 0 then.
+  std::vector<uint8_t> is_seen_;
   std::vector<int32_t> fine_texels_;
   std::vector<FinePoint> fine_points_;
-  std::vector<SeamRow> fine_rows_;
-  SeamFactor fine_factor_;
+  std::optional<SeamFactor> fine_factor_;
 };
 
 }  // namespace snowbough::snow

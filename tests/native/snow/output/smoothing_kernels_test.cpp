@@ -39,6 +39,17 @@ TEST(SmoothingKernels, WhatTheBlocksBelowSeeToIsLeftOut) {
   EXPECT_FLOAT_EQ(conductance(0.1f, 0.1f, 1.0f, 1.0f, 1.0f, terms).conductance * kStages, 0.006f);
 }
 
+TEST(SmoothingKernels, ABankLetsMoreThroughTheFurtherItsFootIs) {
+  const ConductanceTerms terms{0.0f, 0.0f, kStages};
+  // Half a cell and ten cells away: sigma is a tenth of that.
+  const uint8_t foot = kMostNear - kBankSteps / 2;
+  const uint8_t inner = kMostNear - 10 * kBankSteps;
+  EXPECT_FLOAT_EQ(bank_conductance(foot, foot, 1.0f, 1.0f, 1.0f, terms) * kStages,
+                  0.5f * 0.05f * 0.05f);
+  EXPECT_FLOAT_EQ(bank_conductance(inner, inner, 1.0f, 1.0f, 1.0f, terms) * kStages, 0.5f);
+  EXPECT_GT(bank_conductance(0, 0, 1.0f, 1.0f, 1.0f, terms), 1e30f);
+}
+
 TEST(SmoothingKernels, AStageMovesWhatOneCellLosesToItsNeighbour) {
   // Rows of four cells: the middle one's, one above and one below that hold nothing.
   constexpr ptrdiff_t kSize = 4;
@@ -57,8 +68,9 @@ TEST(SmoothingKernels, AStageMovesWhatOneCellLosesToItsNeighbour) {
 TEST(SmoothingKernels, ACellFollowsItsBlocksMeanAndKeepsAPartOfWhatSetsItApart) {
   EXPECT_FLOAT_EQ(changed(0.3f, 0.2f, 0.1f, 1.0f), 0.15f);
   EXPECT_FLOAT_EQ(changed(0.3f, 0.2f, 0.1f, 0.0f), 0.1f);
-  EXPECT_EQ(kept_part(0.3f, 0.0f, 0.0f, 0.0f), 1.0f);
-  EXPECT_LT(kept_part(0.3f, 1e4f, 0.0f, 0.0f), 0.01f);
+  EXPECT_EQ(kept_part(0.3f, 0.0f, 0, 0.0f, 0.0f), 1.0f);
+  EXPECT_LT(kept_part(0.3f, 1e4f, 0, 0.0f, 0.0f), 0.01f);
+  EXPECT_GT(kept_part(0.3f, 1e4f, kMostNear - kBankSteps, 0.0f, 0.0f), 0.9f);
 }
 
 }  // namespace

@@ -4,8 +4,12 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <memory>
+#include <numeric>
 
 #include "native/snow/seams/problems.h"
+#include "snow/seams/number_set.h"
+#include "snow/seams/seam_pattern.h"
 
 namespace snowbough::snow {
 namespace {
@@ -14,11 +18,32 @@ using ::testing::ElementsAre;
 using ::testing::FloatNear;
 using ::testing::Pointwise;
 
+/// A factor for these rows, in which all of them and the unknowns `in` are.
+SeamFactor begun(const std::vector<SeamRow>& rows, int32_t unknowns, const std::vector<int32_t>& in,
+                 float damping) {
+  SeamFactor factor(std::make_shared<const SeamPattern>(rows, unknowns));
+  factor.begin(in, damping);
+  for (size_t r = 0; r < rows.size(); ++r) {
+    SeamRow part = rows[r];
+    for (size_t t = 0; t < kSeamTerms; ++t) {
+      if (std::find(in.begin(), in.end(), part.source[t]) == in.end()) part.weight[t] = 0.0f;
+    }
+    factor.add(static_cast<int32_t>(r), part);
+  }
+  return factor;
+}
+
+SeamFactor begun(const std::vector<SeamRow>& rows, int32_t unknowns, float damping) {
+  std::vector<int32_t> all(static_cast<size_t>(unknowns));
+  std::iota(all.begin(), all.end(), 0);
+  return begun(rows, unknowns, all, damping);
+}
+
 TEST(SeamFactor, findsWhatEliminationFinds) {
   for (uint32_t seed = 1; seed <= 5; ++seed) {
     const Problem problem = random_problem(seed);
-    SeamFactor factor;
-    ASSERT_TRUE(factor.compute(problem.rows, problem.unknowns, 0.1f, kAnyWork));
+    SeamFactor factor = begun(problem.rows, problem.unknowns, 0.1f);
+    ASSERT_TRUE(factor.factorise(kAnyWork));
     std::vector<float> values = problem.values();
     factor.solve(values, 0.0f);
     EXPECT_THAT(values, Pointwise(FloatNear(1e-4f), dense_solution(problem, 0.1f)))
@@ -26,39 +51,59 @@ TEST(SeamFactor, findsWhatEliminationFinds) {
   }
 }
 
-TEST(SeamFactor, keepsAPartOfTheProblemToTheBit) {
-  const Problem problem = random_problem(3);
-  const std::vector<int32_t> kept{1, 2, 5, 6, 7, 10};
-  std::vector<int32_t> number(static_cast<size_t>(problem.unknowns) + 1, -1);
-  for (size_t k = 0; k < kept.size(); ++k) number[kept[k]] = static_cast<int32_t>(k);
-  std::vector<SeamRow> rows;
-  for (const SeamRow& whole : problem.rows) {
-    SeamRow part;
-    part.source.fill(static_cast<int32_t>(kept.size()));
-    size_t count = 0;
-    for (size_t t = 0; t < kSeamTerms && whole.source[t] < problem.unknowns; ++t) {
-      if (number[whole.source[t]] < 0) continue;
-      part.source[count] = number[whole.source[t]];
-      part.weight[count++] = whole.weight[t];
-    }
-    if (count > 0) rows.push_back(part);
+TEST(SeamFactor, findsTheSameWhenItIsUsedAgain) {
+  const Problem problem = random_problem(4);
+  SeamFactor factor = begun(problem.rows, problem.unknowns, {0, 3, 4, 9}, 0.1f);
+  ASSERT_TRUE(factor.factorise(kAnyWork));
+  factor.begin({0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11}, 0.1f);
+  for (size_t r = 0; r < problem.rows.size(); ++r) {
+    factor.add(static_cast<int32_t>(r), problem.rows[r]);
   }
-  SeamFactor part;
-  SeamFactor whole;
-  const auto size = static_cast<int32_t>(kept.size());
-  ASSERT_TRUE(part.compute(rows, size, 0.1f, kAnyWork));
-  ASSERT_TRUE(whole.compute(problem.rows, problem.unknowns, 0.1f, kAnyWork));
-  ASSERT_TRUE(whole.keep(kept));
-  std::vector<float> expected{1.0f, -2.0f, 0.5f, 3.0f, 0.25f, -1.0f};
+  ASSERT_TRUE(factor.factorise(kAnyWork));
+  SeamFactor fresh = begun(problem.rows, problem.unknowns, 0.1f);
+  ASSERT_TRUE(fresh.factorise(kAnyWork));
+  std::vector<float> expected = problem.values();
   std::vector<float> values = expected;
-  part.solve(expected, 0.0f);
-  whole.solve(values, 0.0f);
+  fresh.solve(expected, 0.0f);
+  factor.solve(values, 0.0f);
   EXPECT_EQ(values, expected);
 }
 
+TEST(SeamFactor, keepsAPartOfTheProblem) {
+  for (uint32_t seed = 1; seed <= 5; ++seed) {
+    const Problem problem = random_problem(seed);
+    const std::vector<int32_t> kept{1, 5, 6, 10};
+    SeamFactor part = begun(problem.rows, problem.unknowns, kept, 0.1f);
+    SeamFactor whole = begun(problem.rows, problem.unknowns, 0.1f);
+    ASSERT_TRUE(part.factorise(kAnyWork));
+    ASSERT_TRUE(whole.factorise(kAnyWork));
+    // In two steps: what the first has left alone must do for the second.
+    ASSERT_TRUE(whole.keep({1, 2, 5, 6, 7, 10}));
+    ASSERT_TRUE(whole.keep(kept));
+    std::vector<float> expected(static_cast<size_t>(problem.unknowns), 0.0f);
+    for (const int32_t k : kept) expected[static_cast<size_t>(k)] = static_cast<float>(k) - 4.0f;
+    std::vector<float> values = expected;
+    part.solve(expected, 0.0f);
+    whole.solve(values, 0.0f);
+    EXPECT_THAT(values, Pointwise(FloatNear(1e-4f), expected)) << "seed " << seed;
+  }
+}
+
+TEST(SeamFactor, leavesOthersAlone) {
+  const Problem problem = random_problem(2);
+  SeamFactor factor = begun(problem.rows, problem.unknowns, {2, 3, 7}, 0.1f);
+  ASSERT_TRUE(factor.factorise(kAnyWork));
+  std::vector<float> values(static_cast<size_t>(problem.unknowns), 0.0f);
+  values[2] = values[3] = values[7] = 1.0f;
+  values[5] = 42.0f;
+  factor.solve(values, 0.0f);
+  EXPECT_EQ(values[5], 42.0f);
+  EXPECT_EQ(values[0], 0.0f);
+}
+
 TEST(SeamFactor, dampingPullsTowardsZero) {
-  SeamFactor factor;
-  ASSERT_TRUE(factor.compute({row({{0, 1.0f}}, 1)}, 1, 0.5f, kAnyWork));
+  SeamFactor factor = begun({row({{0, 1.0f}}, 1)}, 1, 0.5f);
+  ASSERT_TRUE(factor.factorise(kAnyWork));
   std::vector<float> values{3.0f};
   factor.solve(values, 0.0f);
   EXPECT_FLOAT_EQ(values[0], 2.0f);
@@ -66,15 +111,15 @@ TEST(SeamFactor, dampingPullsTowardsZero) {
 
 TEST(SeamFactor, refusesWhatTakesTooMuchWork) {
   const Problem problem = random_problem(1);
-  SeamFactor factor;
-  EXPECT_FALSE(factor.compute(problem.rows, problem.unknowns, 0.1f, 12));
-  EXPECT_TRUE(factor.compute(problem.rows, problem.unknowns, 0.1f, 12 * 12 * 12));
+  SeamFactor factor = begun(problem.rows, problem.unknowns, 0.1f);
+  EXPECT_FALSE(factor.factorise(12));
+  EXPECT_TRUE(factor.factorise(12 * 12 * 12));
 }
 
 TEST(SeamFactor, leavesOutWhatIsNegligible) {
   const std::vector<SeamRow> rows{row({{0, 1.0f}, {1, -1.0f}}, 4), row({{2, 1.0f}, {3, -1.0f}}, 4)};
-  SeamFactor factor;
-  ASSERT_TRUE(factor.compute(rows, 4, 1.0f, kAnyWork));
+  SeamFactor factor = begun(rows, 4, 1.0f);
+  ASSERT_TRUE(factor.factorise(kAnyWork));
   std::vector<float> values{1e-3f, -1e-3f, 1.0f, -1.0f};
   factor.solve(values, 1e-2f);
   EXPECT_EQ(values[0], 0.0f);
@@ -85,10 +130,44 @@ TEST(SeamFactor, leavesOutWhatIsNegligible) {
 
 TEST(SeamFactor, knowsWhatHangsTogether) {
   const std::vector<SeamRow> rows{row({{0, 1.0f}, {2, 1.0f}}, 5), row({{1, 1.0f}, {4, 1.0f}}, 5),
-                                  row({{3, 1.0f}}, 5), row({{0, 1.0f}, {2, -1.0f}}, 5)};
-  SeamFactor factor;
-  ASSERT_TRUE(factor.compute(rows, 5, 1.0f, kAnyWork));
+                                  row({{3, 1.0f}}, 5), row({{0, 1.0f}, {2, 0.5f}}, 5)};
+  SeamFactor factor = begun(rows, 5, 1.0f);
+  ASSERT_TRUE(factor.factorise(kAnyWork));
   EXPECT_THAT(factor.components(), ElementsAre(2, 4, 2, 3, 4));
+}
+
+TEST(SeamFactor, knowsWhatHangsTogetherNoMore) {
+  const std::vector<SeamRow> rows{row({{0, 1.0f}, {1, 1.0f}}, 4), row({{1, 1.0f}, {2, 1.0f}}, 4),
+                                  row({{2, 1.0f}, {3, 1.0f}}, 4)};
+  SeamFactor factor = begun(rows, 4, 1.0f);
+  ASSERT_TRUE(factor.factorise(kAnyWork));
+  EXPECT_THAT(factor.components(), ElementsAre(3, 3, 3, 3));
+  ASSERT_TRUE(factor.keep({0, 2, 3}));
+  EXPECT_THAT(factor.components(), ElementsAre(0, 3, 3));
+}
+
+TEST(SeamPattern, hasAnEntryForTwoUnknownsOfOneRow) {
+  const std::vector<SeamRow> rows{row({{0, 1.0f}, {2, 1.0f}, {3, 1.0f}}, 3),
+                                  row({{0, 1.0f}, {1, 1.0f}, {2, 1.0f}}, 3)};
+  const SeamPattern pattern(rows, 3);
+  ASSERT_EQ(pattern.entries(), 3);
+  EXPECT_EQ(pattern.begin(1), 0);
+  EXPECT_EQ(pattern.row(pattern.begin(1)), 0);
+  // Of the first row's second term and the second one's third and first.
+  EXPECT_EQ(pattern.row(pattern.begin(2) + pattern.offsets(0)[0]), 0);
+  EXPECT_EQ(pattern.row(pattern.begin(2) + pattern.offsets(1)[1]), 0);
+  EXPECT_EQ(pattern.row(pattern.begin(2) + pattern.offsets(1)[2]), 1);
+}
+
+TEST(NumberSet, givesNumbersInOrderOnce) {
+  NumberSet set;
+  set.resize(200);
+  for (const int32_t number : {130, 3, 63, 64, 3, 199}) set.add(number);
+  std::vector<int32_t> numbers{7};
+  set.take(numbers);
+  EXPECT_THAT(numbers, ElementsAre(3, 63, 64, 130, 199));
+  set.take(numbers);
+  EXPECT_THAT(numbers, ElementsAre());
 }
 
 TEST(SeamFactor, eliminatesAHubLast) {
