@@ -35,8 +35,6 @@ struct ThreadPool::Job {
   size_t parts;
   size_t next = 0;
   size_t done = 0;
-  /// Whether the caller sleeps until the others are done.
-  bool is_awaited = false;
   /// What the first part that failed threw, and which one that was.
   std::exception_ptr error = nullptr;
   size_t failed = 0;
@@ -49,20 +47,11 @@ int32_t default_threads() {
 ThreadPool::ThreadPool(int32_t threads) {
   for (int32_t i = 1; i < threads; ++i) {
     try {
-      threads_.emplace_back([this] { help(); });
+      threads_.emplace_back([this](const std::stop_token& stop) { help(stop); });
     } catch (const std::system_error&) {
       return;  // no more threads to be had: callers do without
     }
   }
-}
-
-ThreadPool::~ThreadPool() {
-  {
-    const std::scoped_lock lock(mutex_);
-    is_ending_ = true;
-  }
-  opened_.notify_all();
-  for (std::thread& thread : threads_) thread.join();
 }
 
 ThreadPool& ThreadPool::shared() {
@@ -76,30 +65,20 @@ ThreadPool& ThreadPool::shared() {
 }
 
 void ThreadPool::run(size_t parts, const std::function<void(size_t)>& work) {
-  if (parts == 0) return;
-  if (parts == 1) {
-    work(0);
-    return;
-  }
   Job job{work, parts};
   std::unique_lock lock(mutex_);
-  open_.push_back(&job);
-  job.next = 1;
-  lock.unlock();
-  // Who is woken needs the lock, and would go to sleep again if it were held here.
-  for (size_t helper = 1; helper < parts; ++helper) opened_.notify_one();
-  run_part(job, 0, lock);
+  if (parts > 1) {
+    open_.push_back(&job);
+    for (size_t helper = 1; helper < parts; ++helper) opened_.notify_one();
+  }
   while (job.next < job.parts) run_next(job, lock);
-  job.is_awaited = job.done < job.parts;
   done_.wait(lock, [&] { return job.done == job.parts; });
   if (job.error) std::rethrow_exception(job.error);
 }
 
-void ThreadPool::help() {
+void ThreadPool::help(const std::stop_token& stop) {
   std::unique_lock lock(mutex_);
-  while (true) {
-    opened_.wait(lock, [&] { return is_ending_ || !open_.empty(); });
-    if (is_ending_) return;
+  while (opened_.wait(lock, stop, [&] { return !open_.empty(); })) {
     run_next(*open_.front(), lock);
   }
 }
@@ -108,10 +87,6 @@ void ThreadPool::run_next(Job& job, std::unique_lock<std::mutex>& lock) {
   const size_t part = job.next++;
   if (job.next == job.parts) std::erase(open_, &job);
   lock.unlock();
-  run_part(job, part, lock);
-}
-
-void ThreadPool::run_part(Job& job, size_t part, std::unique_lock<std::mutex>& lock) {
   std::exception_ptr error;
   try {
     job.work(part);
@@ -128,11 +103,7 @@ void ThreadPool::run_part(Job& job, size_t part, std::unique_lock<std::mutex>& l
     job.parts = job.next;
     std::erase(open_, &job);
   }
-  if (++job.done < job.parts || !job.is_awaited) return;
-  // The job is gone as soon as its caller has the lock.
-  lock.unlock();
-  done_.notify_all();
-  lock.lock();
+  if (++job.done == job.parts) done_.notify_all();
 }
 
 void start_thread_pool() {

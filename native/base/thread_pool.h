@@ -22,8 +22,6 @@ class ThreadPool {
   /// @param threads  that are to work at once, the calling one included: one less is made, or as
   ///   many as the system grants.
   explicit ThreadPool(int32_t threads);
-  /// No run() may be going on.
-  ~ThreadPool();
   ThreadPool(const ThreadPool&) = delete;
   ThreadPool& operator=(const ThreadPool&) = delete;
 
@@ -44,19 +42,16 @@ class ThreadPool {
  private:
   struct Job;
 
-  void help();
-  /// Begins the next part of a job that has one, with the lock held before and behind.
+  void help(const std::stop_token& stop);
   void run_next(Job& job, std::unique_lock<std::mutex>& lock);
-  /// Does a part that was begun; the lock is held behind, not before.
-  void run_part(Job& job, size_t part, std::unique_lock<std::mutex>& lock);
 
   std::mutex mutex_;
-  std::condition_variable opened_;
+  std::condition_variable_any opened_;
   std::condition_variable done_;
   /// Those that have parts left which nobody has begun.
   std::vector<Job*> open_;
-  bool is_ending_ = false;
-  std::vector<std::thread> threads_;
+  /// Last, so that they end before what they use.
+  std::vector<std::jthread> threads_;
 };
 
 /// Makes the threads of ThreadPool::shared(), if they are not there yet. To be called before
