@@ -53,9 +53,9 @@ WAVES = 6.0
 # on a surface that falls towards its rim; and at which parts of this way.
 INNER, INNER_EAVES = 0.7, 3.0
 INNER_PARTS = (0.25, 0.5, 1.0)
-# The profile of a front, in parts of that thickness: up to where it is upright, how wide its round top is, and the part
-# of its reach that it has at its foot.
-BRIM, ROUND, BULGE = 0.35, 0.5, 0.4
+# The profile of a front, in parts of that thickness: up to where it is upright, how wide its round top is, and how far
+# its foot leans out on its way up.
+BRIM, ROUND, FLARE = 0.35, 0.5, 0.35
 # From which part of that thickness on a front passes into what lies behind it, and what that gains at eaves.
 TOP, TOP_EAVES = 0.8, 0.3
 # How thick snow is, at most, behind a crest that stays, and behind a slope that is drawn out, in parts of its own.
@@ -204,18 +204,18 @@ def _rounded(builder, reach, thickness, behind, top):
     """(how far out over its rim a point belongs in metres, what its share is to be multiplied by).
 
     behind: thicknesses of the snow at INNER_PARTS of the way inwards. With H the largest of them and of the point's
-    own, a front is upright up to BRIM H, and from there on a quarter of an ellipse that is ROUND H wide. Higher than
-    top H it passes into what lies behind it. Where snow is thinner behind a point than at it, the point is on the crest
-    of a bank, both of whose sides fall off, and stays.
+    own, a front leans out at its foot, is upright up to BRIM H, and from there on a quarter of an ellipse that is
+    ROUND H wide. Higher than top H it passes into what lies behind it. Where snow is thinner behind a point than at
+    it, the point is on the crest of a bank, both of whose sides fall off, and stays.
     """
     thickness = builder.math("MAXIMUM", thickness, 1e-6)
     behind = functools.reduce(lambda one, other: builder.math("MAXIMUM", one, other), behind)
     full = builder.math("MAXIMUM", thickness, behind)
     height = builder.divide(thickness, full)
-    bulge = builder.smoothstep(height, 0.0, BRIM, BULGE, 1.0)
+    foot = builder.math("MINIMUM", reach, builder.multiply(height, FLARE))
     above = builder.math("MULTIPLY", builder.subtract(height, BRIM), 1.0 / (1.0 - BRIM), clamp=True)
     level = builder.math("SQRT", builder.math("MULTIPLY_ADD", builder.multiply(above, above), -1.0, 1.0))
-    out = builder.math("MULTIPLY_ADD", reach, bulge, builder.math("MULTIPLY_ADD", level, ROUND, -ROUND))
+    out = builder.add(foot, builder.math("MULTIPLY_ADD", level, ROUND, -ROUND))
     crest = builder.smoothstep(builder.divide(behind, thickness), *CREST)
     below_top = builder.smoothstep(height, top, 1.0, 1.0, 0.0)
     return builder.multiply(out, full), builder.multiply(crest, below_top)
