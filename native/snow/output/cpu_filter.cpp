@@ -53,12 +53,15 @@ CpuFilter::Parts CpuFilter::build_parts(const TexelTable& table, const SeamTable
 }
 
 MapOutput CpuFilter::run(std::vector<float> map, const OutputSurface& surface) {
+  std::vector<uint8_t> filled;
   if (is_smoothed_) {
     const std::scoped_lock lock(smoothing_);
-    smoother_.run(map);
+    filled = smoother_.run(map);
+  } else {
+    filled = filled_tiles(map, table_.resolution);
   }
   if (surface.layers != nullptr) show_layers(table_, *surface.layers, map, threads_);
-  parts_.continuation.run(map, filled_tiles(map, table_.resolution));
+  parts_.continuation.run(map, filled);
   if (is_smoothed_) {
     const std::scoped_lock lock(levelling_);
     parts_.leveller.run(map);

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/parallel_for.h"
+#include "snow/output/map_tiles.h"
 #include "snow/output/smoothing_kernels.h"
 
 namespace snowbough::snow {
@@ -16,7 +17,7 @@ constexpr ptrdiff_t kMargin = 32;
 /// Cells of a row that are passed over together where they are bare.
 constexpr int32_t kBlock = 16;
 /// Levels of at most this size are not worth a second thread.
-constexpr int32_t kSmallLevel = 256;
+constexpr int32_t kSmallLevel = 512;
 
 /// Half the variance that it adds to take a block's cells for one, in cells^2.
 constexpr float kBlockSpread = 0.25f;
@@ -193,6 +194,17 @@ void Smoother::find_runs(const std::vector<float>& map) {
   clear_beyond_runs(0, before);
 }
 
+std::vector<uint8_t> Smoother::tiles_of_runs() const {
+  const MapTiles tiles(grid_.levels[0].size);
+  std::vector<uint8_t> filled(static_cast<size_t>(tiles.count()), 0);
+  for (const Run& run : levels_[0].runs) {
+    for (int32_t tile = tiles.of(run.begin); tile <= tiles.of(run.end - 1); ++tile) {
+      filled[static_cast<size_t>(tile)] = 1;
+    }
+  }
+  return filled;
+}
+
 void Smoother::load(const std::vector<float>& map) {
   Level& level = levels_[0];
   for_each_run(0, [&](int32_t, Run run) {
@@ -322,13 +334,13 @@ void Smoother::store(std::vector<float>& map) {
   });
 }
 
-void Smoother::run(std::vector<float>& map) {
-  if (least_variance_ == 0.0f) return;
+std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
   levels_ = Works::shared().take(size);
   make_level(0);
   find_runs(map);
-  if (!levels_[0].runs.empty()) {
+  std::vector<uint8_t> filled = tiles_of_runs();
+  if (!levels_[0].runs.empty() && least_variance_ > 0.0f) {
     load(map);
     const bool has_edges = shape_edges();
     const float variance = conduct(0);
@@ -339,6 +351,7 @@ void Smoother::run(std::vector<float>& map) {
   }
   Works::shared().give(size, std::move(levels_));
   levels_.clear();
+  return filled;
 }
 
 }  // namespace snowbough::snow

@@ -51,7 +51,8 @@ class Smoother {
   Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings, int32_t threads);
 
   /// `map`: a grid's heights in metres; changed in place. One call at a time.
-  void run(std::vector<float>& map);
+  /// @return per tile of the map (see MapTiles) whether it may hold snow: it has lain there before.
+  std::vector<uint8_t> run(std::vector<float>& map);
 
  private:
   /// Half-open range of cells of one row that may hold snow.
@@ -122,6 +123,7 @@ class Smoother {
       const std::function<void(size_t band, int32_t first, int32_t last)>& work) const;
   void for_each_run(size_t number, const std::function<void(int32_t row, Run run)>& work) const;
   void find_runs(const std::vector<float>& map);
+  std::vector<uint8_t> tiles_of_runs() const;
   void clear_beyond_runs(size_t number, const std::vector<Run>& before);
   void load(const std::vector<float>& map);
   /// Notes the open ones of the links across seams, and calls `on_closed(band, cell, link)` for the

@@ -242,10 +242,12 @@ std::vector<int32_t> SeamFactor::components() const {
 }
 
 void SeamFactor::shrink() {
-  for (std::vector<float>* values : {&state_->value, &state_->own, &state_->sums}) *values = {};
-  for (std::vector<int32_t>* values :
-       {&state_->path, &state_->path_end, &state_->seen_in, &state_->scratch, &state_->parent}) {
-    *values = {};
+  for (std::vector<float>* values : {&state_->value, &state_->own, &state_->sums}) {
+    *values = std::vector<float>();
+  }
+  for (std::vector<int32_t>* values : {&state_->analysed, &state_->path, &state_->path_end,
+                                       &state_->seen_in, &state_->scratch, &state_->parent}) {
+    *values = std::vector<int32_t>();
   }
   state_->row.shrink_to_fit();
   state_->lower.shrink_to_fit();
@@ -253,12 +255,13 @@ void SeamFactor::shrink() {
 
 int64_t SeamFactor::bytes() const {
   const State& s = *state_;
-  int64_t sum = static_cast<int64_t>(s.is_in.capacity());
+  auto sum = static_cast<int64_t>(s.is_in.capacity() + s.is_stale.capacity());
   for (const std::vector<float>* values : {&s.value, &s.own, &s.lower, &s.diagonal, &s.sums}) {
     sum += static_cast<int64_t>(values->capacity() * sizeof(float));
   }
-  for (const std::vector<int32_t>* values : {&s.unknowns, &s.begin, &s.count, &s.row, &s.path,
-                                             &s.path_end, &s.parent, &s.seen_in, &s.scratch}) {
+  for (const std::vector<int32_t>* values :
+       {&s.unknowns, &s.analysed, &s.begin, &s.count, &s.row, &s.path, &s.path_end, &s.parent,
+        &s.seen_in, &s.scratch}) {
     sum += static_cast<int64_t>(values->capacity() * sizeof(int32_t));
   }
   return sum;
