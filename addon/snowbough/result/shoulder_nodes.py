@@ -55,7 +55,7 @@ INNER, INNER_EAVES = 0.7, 3.0
 INNER_PARTS = (0.25, 0.5, 1.0)
 # The profile of a front, in parts of that thickness: up to where it is upright, how wide its round top is, and how far
 # its foot leans out on its way up.
-BRIM, ROUND, FLARE = 0.35, 0.5, 0.35
+BRIM, ROUND, FLARE = 0.35, 0.5, 0.5
 # From which part of that thickness on a front passes into what lies behind it, and what that gains at eaves.
 TOP, TOP_EAVES = 0.8, 0.3
 # How thick snow is, at most, behind a crest that stays, and behind a slope that is drawn out, in parts of its own.
