@@ -17,15 +17,15 @@ LIT_THROUGH = (0.006, 0.014)
 BELOW = 0.03
 
 
-def _light_through(builder, height, metres_per_unit):
+def _light_through(builder, height, unit):
     """The share of light that gets through snow of this height (a socket, metres) to what it lies on, besides what
-    falls between its grains.
+    falls between its grains. unit: of the scene, metres.
 
     A dusting lies on what it covers, but a shell lies a little above it: what shows between the grains would be in
     their shadow, and a dark line would run along the border of all snow.
     """
     path = builder.node("ShaderNodeLightPath").outputs
-    near = builder.math("LESS_THAN", path["Ray Length"], BELOW / metres_per_unit)
+    near = builder.math("LESS_THAN", path["Ray Length"], BELOW / unit)
     from_below = builder.multiply(near, path["Is Diffuse Ray"])
     light = builder.math("MAXIMUM", path["Is Shadow Ray"], from_below)
     return builder.multiply(light, builder.smoothstep(height, *LIT_THROUGH, 1.0, 0.0))

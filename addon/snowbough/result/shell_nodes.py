@@ -254,11 +254,11 @@ def _heights(tree, geometry, pieces, curvature, carrier, rim_edges, ragged):
     bare = tree.node("GeometryNodeInputPosition").outputs[0]
     to_rim = tree.scale(way_to(tree, rim_edges, bare), source.metres_per_unit)
     geometry, to_rim = capture(tree, geometry, to_rim, "POINT", "FLOAT_VECTOR")
-    inner = None
     # As high as a point will lie, which at an edge is nearer to its higher corners than their mean.
     grown = tree.scale(GROWTH, tree.divide(square, tree.math("MAXIMUM", mean, BARE)))
     place = tree.vector("ADD", tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), grown)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, place, "POINT", "FLOAT_VECTOR")
+    inner = None
     if ragged is not None:
         carried_by, open_depth, strength, shoulders = ragged
         geometry, bare = capture(tree, geometry, bare, "POINT", "FLOAT_VECTOR")

@@ -4,8 +4,9 @@
 A map holds one thickness a place, so snow that ends at a rim ends there as a slope at its angle of repose. Lying snow
 holds together and has a steep, round front. These nodes draw the slope out towards its rim. With d the distance from
 the rim, h the thickness and s the slope of the snow's own surface, s d / h is 1 on a slope that begins at the rim and
-0 on level snow; a bank that ends somewhere else is far from any rim for its thickness. Nothing is asked about the snow
-elsewhere, so a point moves as smoothly over the shot as its thickness does.
+0 on level snow; a bank that ends somewhere else is far from any rim for its thickness. Of the snow elsewhere only this
+is asked: how thick the map has it at three places behind a point, farther from its rim. The point's own part of that
+says where on the front's round profile it belongs, and both change as smoothly over the shot as the map does.
 
 A smooth surface has no rim: as it gets steeper, its snow thins out to nothing. There snow ends in a lip (add_lips).
 """

@@ -45,7 +45,8 @@ TEST(ReposeOutlets, TakeAWallForOne) {
   EXPECT_NEAR(tiles[0]->top[5], 0.1f + shared::kCuts * 0.01f, 1e-5f);
 }
 
-TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
+/// Two rows of 32 texels in tiles beside each other, covered by 0.6 m, whose step has begun.
+ReposeTiles two_beside() {
   ReposeTiles tiles(4);
   for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
   for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
@@ -56,6 +57,11 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
   }
   for (const int32_t block : {0, 1})
     set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
+  return tiles;
+}
+
+TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
+  ReposeTiles tiles = two_beside();
   const TileBounds done = lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
   EXPECT_TRUE(done.has_changed);
   EXPECT_EQ(done.seen_by & TileWindow::seen_by(kReposeBlock, 1), 1u << 5);
@@ -65,17 +71,8 @@ TEST(ReposeOutlets, BoundTheSnowOfTilesBeside) {
 }
 
 TEST(ReposeOutlets, PassOnAgainWhatHasChangedOnly) {
-  ReposeTiles tiles(4);
-  for (size_t t : {0, 1}) tiles[t] = std::move(row_of(32)[0]);
-  for (size_t i = 0; i < 32; ++i) tiles[1]->x[i] += 0.32f;
-  tiles[0]->forward[31] = 1;
-  for (size_t t : {0, 1}) {
-    for (size_t i = 0; i < 32; ++i) tiles[t]->cover(i, 0.6f, kUnit);
-    tiles[t]->begin_step();
-    EXPECT_EQ(tiles[t]->rows_to_pass, kAllWindowRows);
-  }
-  for (const int32_t block : {0, 1})
-    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
+  ReposeTiles tiles = two_beside();
+  for (size_t t : {0, 1}) EXPECT_EQ(tiles[t]->rows_to_pass, kAllWindowRows);
   tiles[1]->rows_to_pass = 0;
   lower_tile_bounds(tiles, 0, 2, rim_of(tiles));
   EXPECT_EQ(tiles[0]->rows_to_pass, 0u);
