@@ -21,7 +21,7 @@ def test_the_view_is_drawn_and_can_be_turned_while_a_bake_runs(window, tmp_path)
     assert ImageStat.Stat(after.convert("L")).mean[0] > 30
     assert ImageStat.Stat(ImageChops.difference(before, after).convert("L")).mean[0] > 1
     window.key("Escape")
-    window.wait_until("not bpy.app.is_job_running('RENDER')")
+    window.wait_for_bake()
 
 
 def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(window, tmp_path):
@@ -40,9 +40,8 @@ def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(win
     assert window.run(state) == before
     assert window.run("result = bpy.app.is_job_running('RENDER')")
     window.press_button("snowbough.stop_bake")
-    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=60)
-    # The add-on looks for the end of Blender's job ten times a second.
-    window.wait_until("bpy.context.scene.render.engine == 'BLENDER_EEVEE'", timeout=10)
+    window.wait_for_bake()
+    assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
     assert_resumable(window, tmp_path)
     # The lock has gone with the bake.
     window.move(500, 500)
@@ -54,7 +53,7 @@ def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(win
 def test_undo_after_a_bake_does_not_harm_its_files(window, tmp_path):
     bake_in_the_background(window, tmp_path)
     window.key("Escape")
-    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    window.wait_for_bake(timeout=30)
     window.move(500, 500)
     window.key("ctrl+z")
     time.sleep(1.0)
@@ -92,8 +91,7 @@ except RuntimeError as error:
     time.sleep(1.0)
     if window.run("result = bpy.app.is_job_running('RENDER')"):
         window.key("Escape")
-    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=60)
-    time.sleep(1.0)
+    window.wait_for_bake()
     assert window.run("result = bpy.context.scene.render.engine") == "BLENDER_EEVEE"
     window.run(
         "addon in bpy.context.preferences.addons or bpy.ops.preferences.addon_enable(module=addon)\nresult = 1"
@@ -175,7 +173,7 @@ def begin_with_keys(window, folder):
 
 def stop(window):
     window.key("Escape")
-    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    window.wait_for_bake(timeout=30)
     window.wait_until("'Snowbough Bake Camera' not in bpy.data.cameras")
     time.sleep(0.5)
     assert window.run(LEFT) == [[], [], [], False]

@@ -67,7 +67,7 @@ def test_a_bake_from_the_button_ends_with_its_files(window, tmp_path):
     end = time.monotonic() + 90
     while len(heights(tmp_path)) < 8 and time.monotonic() < end:
         time.sleep(0.2)
-    window.wait_until("not bpy.app.is_job_running('RENDER')")
+    window.wait_for_bake()
     assert [path.name for path in heights(tmp_path)] == [
         f"height_{frame:04d}.exr" for frame in (1, 2, 3, 4)
     ] * 2
@@ -95,7 +95,7 @@ def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
 
     pressed = time.monotonic()
     window.key("Escape")
-    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=30)
+    window.wait_for_bake(timeout=30)
     assert time.monotonic() - pressed < 15.0
     written = len(heights(tmp_path))
     assert written < 2 * frames
@@ -111,7 +111,7 @@ def test_a_bake_in_the_window_prints_nothing(window, tmp_path):
     window.properties_panels("SCENE")
     since = len(window.printed(0))
     window.run(START)
-    window.wait_until("not bpy.app.is_job_running('RENDER')", timeout=60)
+    window.wait_for_bake()
     time.sleep(1.0)
     assert len(heights(tmp_path)) == 8
     assert window.printed(since) == ""

@@ -120,6 +120,16 @@ class BlenderWindow:
                 raise AssertionError(f"not within {timeout} s: {expression}")
             time.sleep(0.1)
 
+    def wait_for_bake(self, timeout=60):
+        """Waits until no bake runs any more and the scene is as it was before it.
+
+        Blender's job is over first: the add-on looks for its end ten times a second, and then puts all back.
+        """
+        self.wait_until(
+            "not bpy.app.is_job_running('RENDER') and bpy.context.scene.render.engine != 'SNOWBOUGH_BAKE'",
+            timeout,
+        )
+
     def xdotool(self, *arguments):
         return subprocess.run(
             ["xdotool", *arguments],
