@@ -26,6 +26,7 @@ from pathlib import Path
 
 import window as ui
 from PIL import Image, ImageDraw, ImageFont
+from snow_shot import wait_for_heights
 from window import ROOT
 
 GAP = 10
@@ -180,20 +181,8 @@ def overview(taken, a_row):
     return sheet
 
 
-def heights_in(folder):
-    return len(list(Path(folder).rglob("height_*.exr")))
-
-
-def wait_for_heights(folder, count, timeout=180):
-    end = time.monotonic() + timeout
-    while heights_in(folder) < count:
-        if time.monotonic() > end:
-            raise SystemExit(f"no {count} maps in {folder} within {timeout} s")
-        time.sleep(0.1)
-
-
 def wait_for_the_end(window):
-    window.wait_until("__import__('sys').modules[addon + '.session'].bake is None", timeout=180)
+    window.wait_for_bake()
     time.sleep(1.0)
 
 

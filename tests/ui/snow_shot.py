@@ -36,14 +36,21 @@ def heights(folder):
     return sorted(folder.rglob("height_*.exr"))
 
 
+def wait_for_heights(folder, count, timeout=180):
+    """Waits until that many maps are written, of all receivers together."""
+    end = time.monotonic() + timeout
+    while len(heights(folder)) < count:
+        assert time.monotonic() < end, (
+            f"{len(heights(folder))} of {count} maps in {folder} within {timeout} s"
+        )
+        time.sleep(0.05)
+
+
 def bake_in_the_background(window, folder):
     """Starts a bake as its button does and comes back when the first frames are written."""
     window.run(SNOW_SCENE.format(frames=LONG_SHOT, resolution=512, path=str(folder / "shot.blend")))
     window.run(START)
-    end = time.monotonic() + 60
-    while len(heights(folder)) < 6:
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    wait_for_heights(folder, 6)
     assert window.run("result = bpy.app.is_job_running('RENDER')")
 
 

@@ -5,7 +5,14 @@ import time
 
 import pytest
 from PIL import ImageChops, ImageStat
-from snow_shot import LONG_SHOT, SNOW_SCENE, START, assert_resumable, bake_in_the_background, heights
+from snow_shot import (
+    LONG_SHOT,
+    SNOW_SCENE,
+    START,
+    assert_resumable,
+    bake_in_the_background,
+    wait_for_heights,
+)
 from window import BlenderWindow
 
 
@@ -46,14 +53,14 @@ def test_keys_that_edit_do_nothing_while_a_bake_runs_and_the_button_stops_it(win
     # The lock has gone with the bake.
     window.move(500, 500)
     window.key("Tab")
-    window.wait_until("bpy.context.mode == 'EDIT_MESH'", timeout=10)
+    window.wait_until("bpy.context.mode == 'EDIT_MESH'")
     window.key("Tab")
 
 
 def test_undo_after_a_bake_does_not_harm_its_files(window, tmp_path):
     bake_in_the_background(window, tmp_path)
     window.key("Escape")
-    window.wait_for_bake(timeout=30)
+    window.wait_for_bake()
     window.move(500, 500)
     window.key("ctrl+z")
     time.sleep(1.0)
@@ -164,16 +171,13 @@ def begin_with_keys(window, folder):
         "bpy.ops.ed.undo_push(message='Move')\nresult = True"
     )
     window.run(START)
-    end = time.monotonic() + 60
-    while len(heights(folder)) < 6:
-        assert time.monotonic() < end
-        time.sleep(0.05)
+    wait_for_heights(folder, 6)
     window.move(500, 500)
 
 
 def stop(window):
     window.key("Escape")
-    window.wait_for_bake(timeout=30)
+    window.wait_for_bake()
     window.wait_until("'Snowbough Bake Camera' not in bpy.data.cameras")
     time.sleep(0.5)
     assert window.run(LEFT) == [[], [], [], False]
@@ -196,11 +200,9 @@ def test_reload_delete_undo_and_switching_off_wait_for_the_end_of_the_bake(windo
     # The same keys work now, one after the other.
     window.move(500, 500)
     window.key("Delete")
-    window.wait_until(
-        "'Cube' not in bpy.data.objects or not bpy.data.objects['Cube'].users_scene", timeout=10
-    )
+    window.wait_until("'Cube' not in bpy.data.objects or not bpy.data.objects['Cube'].users_scene")
     window.key("ctrl+z")
-    window.wait_until("'Cube' in bpy.context.scene.objects", timeout=10)
+    window.wait_until("'Cube' in bpy.context.scene.objects")
     for _ in range(4):  # the bake, what the test resumed, and the move
         if window.run("result = bpy.data.objects['Cube'].location.x") == 0.0:
             break
@@ -212,9 +214,9 @@ def test_reload_delete_undo_and_switching_off_wait_for_the_end_of_the_bake(windo
     time.sleep(0.7)
     window.screenshot("revert")
     window.key("Return")
-    window.wait_until("bpy.data.objects['Cube'].location.x == 0.0", timeout=20)
+    window.wait_until("bpy.data.objects['Cube'].location.x == 0.0")
     window.move(500, 500)
     window.key("F9")
-    window.wait_until("addon not in bpy.context.preferences.addons", timeout=10)
+    window.wait_until("addon not in bpy.context.preferences.addons")
     window.run("bpy.ops.preferences.addon_enable(module=addon)\nresult = True")
     assert window.run("result = len(bpy.context.scene.snowbough.receivers)") == 2

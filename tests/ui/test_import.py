@@ -101,7 +101,7 @@ def test_an_import_can_be_adjusted_afterwards_and_is_one_step_to_undo(browser):
     assert browser.run(LOOK)[:2] == [["small_maple"], faces]
     browser.move(500, 500)
     browser.key("ctrl+z")
-    browser.wait_until("not [c for c in bpy.data.collections if c.name != 'Collection']", timeout=10)
+    browser.wait_until("not [c for c in bpy.data.collections if c.name != 'Collection']")
     assert browser.run("result = sorted(obj.name for obj in bpy.data.objects)") == ["Camera", "Cube", "Light"]
 
 

@@ -36,9 +36,9 @@ result = look()
 def assert_undone_and_redone(window, before, after):
     window.move(500, 500)
     window.key("ctrl+z")
-    window.wait_until(f"look() == {before!r}", timeout=10)
+    window.wait_until(f"look() == {before!r}")
     window.key("ctrl+shift+z")
-    window.wait_until(f"look() == {after!r}", timeout=10)
+    window.wait_until(f"look() == {after!r}")
 
 
 def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
@@ -46,7 +46,7 @@ def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
     before = window.run(LOOK)
     window.open_sidebar_tab()
     window.press_button("snowbough.add_receivers")
-    window.wait_until("len(bpy.context.scene.snowbough.receivers) == 2", timeout=20)
+    window.wait_until("len(bpy.context.scene.snowbough.receivers) == 2")
     snowy = window.run(LOOK)
     meshes = {name: (layers, modifiers, slots) for name, layers, modifiers, slots in snowy[1]}
     # The shell, which is the default, comes with the first bake.
@@ -78,10 +78,8 @@ def test_the_sidebar_lets_a_selected_tree_sway_and_undo_stops_it(window):
     )
     window.open_sidebar_tab()
     window.press_button("snowbough.add_sway")
-    window.wait_until("len(bpy.data.actions) == 1", timeout=20)
+    window.wait_until("len(bpy.data.actions) == 1")
     window.screenshot("sway")
     window.move(500, 500)
     window.key("ctrl+z")
-    window.wait_until(
-        "len(bpy.data.actions) == 0 and 'ARMATURE' in {obj.type for obj in bpy.data.objects}", timeout=10
-    )
+    window.wait_until("len(bpy.data.actions) == 0 and 'ARMATURE' in {obj.type for obj in bpy.data.objects}")

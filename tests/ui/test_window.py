@@ -4,7 +4,7 @@
 import os
 import time
 
-from snow_shot import SNOW_SCENE, START, heights
+from snow_shot import SNOW_SCENE, START, heights, wait_for_heights
 
 RECORD_OPERATORS = """
 class Recorder:
@@ -64,9 +64,7 @@ def test_a_bake_from_the_button_ends_with_its_files(window, tmp_path):
     assert window.run(SNOW_SCENE.format(frames=4, resolution=256, path=str(tmp_path / "shot.blend"))) == 2
     window.open_sidebar_tab()
     window.press_button("snowbough.bake")
-    end = time.monotonic() + 90
-    while len(heights(tmp_path)) < 8 and time.monotonic() < end:
-        time.sleep(0.2)
+    wait_for_heights(tmp_path, 8)
     window.wait_for_bake()
     assert [path.name for path in heights(tmp_path)] == [
         f"height_{frame:04d}.exr" for frame in (1, 2, 3, 4)
@@ -81,7 +79,7 @@ def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
     window.open_sidebar_tab()
     window.press_button("snowbough.bake")
     # The first seconds go into laying out the maps and, with OpenGL, compiling shaders.
-    window.wait_until("len(list(__import__('pathlib').Path(%r).rglob('height_*.exr'))) >= 4" % str(tmp_path))
+    wait_for_heights(tmp_path, 4)
     window.run("heartbeat.start()\nresult = True")
     time.sleep(5.0)
     # Still in the middle of it, and the event loop came by all the time.
@@ -95,7 +93,7 @@ def test_esc_stops_a_bake_and_the_window_stays_alive(window, tmp_path):
 
     pressed = time.monotonic()
     window.key("Escape")
-    window.wait_for_bake(timeout=30)
+    window.wait_for_bake()
     assert time.monotonic() - pressed < 15.0
     written = len(heights(tmp_path))
     assert written < 2 * frames

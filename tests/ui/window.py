@@ -112,7 +112,7 @@ class BlenderWindow:
             raise AssertionError(said["error"])
         return said["result"]
 
-    def wait_until(self, expression, timeout=60):
+    def wait_until(self, expression, timeout=180):
         """Waits until a Python expression is true inside Blender."""
         end = time.monotonic() + timeout
         while not self.run(f"result = bool({expression})"):
@@ -120,7 +120,7 @@ class BlenderWindow:
                 raise AssertionError(f"not within {timeout} s: {expression}")
             time.sleep(0.1)
 
-    def wait_for_bake(self, timeout=60):
+    def wait_for_bake(self, timeout=180):
         """Waits until no bake runs any more and the scene is as it was before it.
 
         Blender's job is over first: the add-on looks for its end ten times a second, and then puts all back.
