@@ -6,6 +6,8 @@ Values are numbers, tuples or output sockets; a socket is linked and anything el
 
 import bpy
 
+from . import compat
+
 COLUMN = 190
 ROW = 180
 
@@ -74,6 +76,19 @@ class NodeBuilder:
         """From `start` at low to `end` at high, without a corner at either."""
         node = self.node("ShaderNodeMapRange", interpolation_type="SMOOTHSTEP")
         self.feed(node, Value=value, From_Min=low, From_Max=high, To_Min=start, To_Max=end)
+        return node.outputs[0]
+
+    def keyed(self, values):
+        """A number that has those values, (frame, value), with straight lines between them."""
+        node = self.node("ShaderNodeValue")
+        for frame, value in values:
+            node.outputs[0].default_value = value
+            node.outputs[0].keyframe_insert("default_value", frame=frame)
+        path = node.outputs[0].path_from_id("default_value")
+        for curve in compat.curves_of(self.tree):
+            if curve.data_path == path:
+                for key in curve.keyframe_points:
+                    key.interpolation = "LINEAR"
         return node.outputs[0]
 
     # -- vectors ---------------------------------------------------------------------------------------

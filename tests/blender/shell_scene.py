@@ -55,3 +55,13 @@ class Geometry:
     def border(self):
         """The points of open edges (N, 3)."""
         return self.points[np.unique(self._edges[self._edge_faces == 1])]
+
+    def contour(self, height):
+        """Where edges pass that height (N, 3)."""
+        low, high = np.sort(self.height[self._edges], axis=1).T
+        order = np.argsort(self.height[self._edges], axis=1)
+        ends = np.take_along_axis(self._edges, order, axis=1)
+        passing = (low < height) & (high > height)
+        part = ((height - low) / np.maximum(high - low, 1e-12))[passing, None]
+        first, second = self.points[ends[passing]].transpose(1, 0, 2)
+        return first + part * (second - first)

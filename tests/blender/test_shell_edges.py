@@ -86,7 +86,9 @@ def rod(radius):
 
 def test_what_is_thin_keeps_its_thin_snow(shell):
     thin = 0.06 * DEPTH
-    assert Geometry(shell(level(thin), rod(0.2 * thin))).height.min() == pytest.approx(thin, abs=1e-6)
+    geometry = Geometry(shell(level(thin), rod(0.2 * thin)))
+    # Below its middle the rod is an overhang, whose thin snow does not show.
+    assert geometry.height[geometry.points[:, 2] > 0.5 * thin].min() == pytest.approx(thin, abs=1e-6)
 
 
 def test_what_is_narrow_keeps_its_thin_snow(shell):

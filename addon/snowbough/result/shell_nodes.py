@@ -13,7 +13,7 @@
   a corner is done on *pieces*, a copy of the mesh whose faces are split apart before it is subdivided: they have a
   point where the mesh has up to four corners, and their corners are in the mesh's order.
 - **The border**: where no snow lies, and along the rim of an open mesh, the shell dips just below the surface, so it
-  ends on it. Faces beyond the first ring of bare ones are cut where snow never lies, the same in every frame, so
+  ends on it. Faces beyond the second ring of bare ones are cut where snow never lies, the same in every frame, so
   that motion blur and caches work.
 """
 
@@ -21,9 +21,10 @@ from dataclasses import dataclass
 
 import bpy
 
-from .. import compat, compat_nodes
+from .. import compat_nodes
 from ..node_builder import NodeBuilder
 from .cushion_nodes import CUSHIONS_INPUT, add_cushions
+from .fairing_nodes import add_fairing
 from .ragged_nodes import RAGGED_INPUT, add_ragged_edges, support
 from .relief_nodes import RELIEF_INPUT, add_relief, octaves_for
 from .shell_pieces import (
@@ -75,6 +76,10 @@ OFF_RIM = (0.005, 0.03)
 GROWTH = (0.27, 0.21, 0.94)
 # What a wall's height counts at an edge, beside 1 for level ground.
 WALL_SHARE = 0.05
+# Walls and overhangs, of such cosines, show no thin snow (metres): what has just slid over a rim, or what comes through
+# a map's narrow gutter from the chart beside it.
+OVERHANGS = (0.0, 0.1)
+FROST = (0.003, 0.012)
 # Snow on slopes leans upwards: so much, at most, for a slope of 45 degrees.
 LEAN = 0.5
 
@@ -132,7 +137,7 @@ def build_tree(name, source):
         geometry, pieces = welded(tree, geometry, source), welded(tree, pieces, source)
     ragged = None
     if source.depths:
-        open_depth = _keyed(tree, source.depths)
+        open_depth = tree.keyed(source.depths)
         normal_of_points = tree.node("GeometryNodeInputNormal").outputs[0]
         carried_by = support(tree, geometry, normal_of_points, source.metres_per_unit)
         geometry, carried_by = capture(tree, geometry, carried_by, "POINT", "FLOAT")
@@ -154,20 +159,6 @@ def build_tree(name, source):
     output = tree.node("NodeGroupOutput")
     tree.set(output.inputs["Geometry"], painted.outputs["Geometry"])
     return tree.tree
-
-
-def _keyed(tree, values):
-    """A number that has those values, (frame, value), with straight lines between them."""
-    node = tree.node("ShaderNodeValue")
-    for frame, value in values:
-        node.outputs[0].default_value = value
-        node.outputs[0].keyframe_insert("default_value", frame=frame)
-    path = node.outputs[0].path_from_id("default_value")
-    for curve in compat.curves_of(tree.tree):
-        if curve.data_path == path:
-            for key in curve.keyframe_points:
-                key.interpolation = "LINEAR"
-    return node.outputs[0]
 
 
 @dataclass(frozen=True)
@@ -227,10 +218,13 @@ def _heights(tree, geometry, pieces, curvature, carrier, rim_edges, ragged):
     thickness = tree.absolute(height)
     normal = tree.attribute(NORMAL, "FLOAT_VECTOR")
     outside = tree.scale(tree.vector("NORMALIZE", normal), tree.math("SIGN", height))
+    up = tree.components(outside)[2]
     # At an edge the side that faces the sky says where snow goes.
-    weight = tree.multiply(thickness, tree.math("MAXIMUM", tree.components(outside)[2], WALL_SHARE))
+    weight = tree.multiply(thickness, tree.math("MAXIMUM", up, WALL_SHARE))
+    lasting = tree.math("MAXIMUM", tree.smoothstep(up, *OVERHANGS), tree.smoothstep(thickness, *FROST))
+    lasting = tree.multiply(thickness, lasting)
     values = (
-        tree.scale(_leaning(tree, outside), tree.multiply(weight, thickness)),
+        tree.scale(_leaning(tree, outside), tree.multiply(weight, lasting)),
         tree.combine(weight, final, tree.multiply(final, final)),
         normal,
         curvature,
@@ -317,12 +311,18 @@ def _raised(tree, geometry, source, snow, sliders):
     tree.feed(
         drawn, Geometry=geometry, Selection=near_rim(tree, snow.to_rim, height), Offset=tree.scale(way, units)
     )
+    normal = tree.on_domain(tree.node("GeometryNodeInputNormal").outputs[0], "POINT", "FLOAT_VECTOR")
+    normals, to_rim = (normal, snow.normal), tree.vector("LENGTH", snow.to_rim)
+    viewport, render = source.levels
+    sizes = (source.face_size * 2.0 ** (render - viewport), source.face_size)
+    geometry = drawn.outputs["Geometry"]
+    geometry = add_fairing(tree, geometry, HEIGHT_ATTRIBUTE, normals, to_rim, sizes, sliders[SHOULDERS_INPUT])
     relief = add_relief(tree, place, height, sliders[RELIEF_INPUT], octaves_for(source.face_size))
     if relief is None:
-        return drawn.outputs["Geometry"]
+        return geometry
     moved = tree.node("GeometryNodeSetPosition")
     way = tree.scale(own, tree.multiply(relief, units))
-    return tree.feed(moved, Geometry=drawn.outputs["Geometry"], Offset=way).outputs["Geometry"]
+    return tree.feed(moved, Geometry=geometry, Offset=way).outputs["Geometry"]
 
 
 def _leaning(tree, outside):
@@ -334,8 +334,10 @@ def _leaning(tree, outside):
 
 
 def _cut(tree, geometry, ever):
-    """Without the faces that never carry snow (over 0: `ever`), but for one ring around those that do."""
+    """Without the faces that never carry snow (over 0: `ever`), but for two rings around those that do: one that
+    fairing may move, and one that stays."""
     on_face = tree.on_domain(tree.on_domain(ever, "POINT"), "FACE")
+    on_face = tree.on_domain(tree.on_domain(on_face, "POINT"), "FACE")
     node = tree.node("GeometryNodeDeleteGeometry", domain="FACE")
     tree.feed(node, Geometry=geometry, Selection=tree.math("LESS_THAN", on_face, 1e-6))
     return node.outputs["Geometry"]

@@ -46,7 +46,8 @@ AT_RIM = 0.1
 # The farthest that a point is drawn, in parts of its thickness.
 MOST = 2.4
 FARTHEST = 1e6
-# How far snow reaches out over its rim, in parts of its thickness, by how much that varies along it, in waves a metre.
+# How far snow reaches out over its rim and by how much that varies along it, in parts of its thickness, and how many
+# waves a metre that has.
 REACH = 0.26
 VARIATION = 0.25
 WAVES = 6.0
@@ -182,17 +183,15 @@ def add_shoulders(builder, to_rim, thickness, inner, risen, normal, own_normal, 
     share = builder.multiply(share, builder.smoothstep(builder.dot(normal, level_outwards), *RISES))
     noise = builder.node("ShaderNodeTexNoise")
     builder.feed(noise, Vector=place, Scale=WAVES, Detail=1.0)
-    reach = builder.math(
-        "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION * REACH, (1.0 - VARIATION) * REACH
-    )
-    front = builder.multiply(reach, thickness)
+    wave = builder.math("MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * VARIATION, -VARIATION)
+    front = builder.multiply(builder.add(wave, REACH), thickness)
     if inner is not None:
         depth = builder.multiply(inner.open_depth, builder.math("MULTIPLY_ADD", falls, INNER_EAVES, INNER))
         behind = [
             inner.thickness(builder.scale(outwards, builder.multiply(depth, -part))) for part in INNER_PARTS
         ]
         top = builder.math("MULTIPLY_ADD", falls, TOP_EAVES, TOP)
-        front, below_top = _rounded(builder, reach, thickness, behind, top)
+        front, below_top = _rounded(builder, wave, thickness, behind, top)
         share = builder.multiply(share, below_top)
     already = builder.dot(risen, level_outwards)
     far = builder.subtract(builder.add(distance, front), builder.math("MAXIMUM", already, 0.0))
@@ -201,7 +200,7 @@ def add_shoulders(builder, to_rim, thickness, inner, risen, normal, own_normal, 
     return builder.scale(outwards, builder.multiply(builder.multiply(share, far), strength))
 
 
-def _rounded(builder, reach, thickness, behind, top):
+def _rounded(builder, wave, thickness, behind, top):
     """(how far out over its rim a point belongs in metres, what its share is to be multiplied by).
 
     behind: thicknesses of the snow at INNER_PARTS of the way inwards. With H the largest of them and of the point's
@@ -213,7 +212,9 @@ def _rounded(builder, reach, thickness, behind, top):
     behind = functools.reduce(lambda one, other: builder.math("MAXIMUM", one, other), behind)
     full = builder.math("MAXIMUM", thickness, behind)
     height = builder.divide(thickness, full)
-    foot = builder.math("MINIMUM", reach, builder.multiply(height, FLARE))
+    foot = builder.math("MINIMUM", REACH, builder.multiply(height, FLARE))
+    begun = builder.math("MULTIPLY", height, 1.0 / BRIM, clamp=True)
+    foot = builder.math("MULTIPLY_ADD", wave, begun, foot)
     above = builder.math("MULTIPLY", builder.subtract(height, BRIM), 1.0 / (1.0 - BRIM), clamp=True)
     level = builder.math("SQRT", builder.math("MULTIPLY_ADD", builder.multiply(above, above), -1.0, 1.0))
     out = builder.add(foot, builder.math("MULTIPLY_ADD", level, ROUND, -ROUND))
