@@ -12,10 +12,12 @@ NORMAL = "snow_normal"
 PLACE = "snow_map_place"
 PIECE = "snow_piece"
 
-# Texels by which corners keep off the rim of their face on the map, since what lies beyond it may be another chart's;
-# at most so far towards the face's middle.
+# Texels by which corners keep off the rim of their chart on the map, since what lies beyond it may be another's; at
+# most so far towards the face's middle.
 INSET = 1.0
 MOST_INSET = 0.5
+# Texels by which two faces may differ in where their edge lies on the map.
+TOGETHER = 0.01
 
 
 def _object(tree, obj, space):
@@ -103,19 +105,54 @@ def welded(tree, geometry, source):
     return tree.feed(merge, Geometry=geometry, Distance=2e-5 / source.metres_per_unit).outputs[0]
 
 
+def _insets(tree, geometry, uv, texel):
+    """The way on the map (a vector on corners) by which a corner keeps off those of its two edges at which its chart
+    ends; along other edges nothing may move, or snow would step there."""
+    index = tree.node("GeometryNodeInputIndex").outputs[0]
+
+    def beside(value, offset):
+        other = tree.node("GeometryNodeOffsetCornerInFace")
+        tree.feed(other, Corner_Index=index, Offset=offset)
+        sample = tree.node("GeometryNodeSampleIndex", data_type="FLOAT_VECTOR", domain="CORNER")
+        tree.feed(sample, Geometry=geometry, Value=value, Index=other.outputs[0])
+        return tree.output(sample)
+
+    def of_edge(value, data_type):
+        total = tree.node("GeometryNodeAccumulateField", data_type=data_type, domain="CORNER")
+        edge = tree.node("GeometryNodeEdgesOfCorner").outputs[0]
+        tree.feed(total, Value=value, Group_Index=edge)
+        return tree.output(total, "Total")
+
+    # Of the edge to the next corner: where its middle lies, by this face and by all.
+    side = tree.vector("SUBTRACT", beside(uv, 1), uv)
+    own = tree.vector("ADD", uv, tree.scale(side, 0.5))
+    faces = of_edge(1.0, "FLOAT")
+    mean = tree.scale(of_edge(own, "FLOAT_VECTOR"), tree.divide(1.0, faces))
+    off = tree.vector("LENGTH", tree.vector("SUBTRACT", own, mean))
+    ends = tree.math(
+        "MAXIMUM", tree.math("GREATER_THAN", off, TOGETHER * texel), tree.math("LESS_THAN", faces, 1.5)
+    )
+    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
+    inwards = tree.vector("SUBTRACT", middle, uv)
+    along = tree.divide(tree.dot(inwards, side), tree.math("MAXIMUM", tree.dot(side, side), 1e-20))
+    inwards = tree.vector("SUBTRACT", inwards, tree.scale(side, along))
+    reach = tree.math("MAXIMUM", tree.vector("LENGTH", inwards), 1e-10)
+    part = tree.math("MINIMUM", tree.divide(INSET * texel, reach), MOST_INSET)
+    way = tree.scale(inwards, tree.multiply(part, ends))
+    return tree.vector("ADD", way, beside(way, -1))
+
+
 def apart(tree, geometry, source):
     """The mesh's faces split apart, whose points carry what their one corner has: the normal, and as PLACE where on
-    the map it is looked up: on its UVs, along both axes a little towards the middle of its face, which may be
+    the map it is looked up: on its UVs, where a chart ends a little towards the middle of its face, which may be
     narrow."""
+    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    place = tree.vector("ADD", uv, _insets(tree, geometry, uv, source.texel))
+    geometry = tree.store(geometry, PLACE, place, "CORNER", "FLOAT_VECTOR")
     split = tree.node("GeometryNodeSplitEdges")
     geometry = tree.feed(split, Mesh=geometry).outputs["Mesh"]
-    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
-    middle = tree.on_domain(tree.on_domain(uv, "CORNER", "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
-    most = INSET * source.texel
-    way = tree.scale(tree.vector("SUBTRACT", middle, uv), MOST_INSET)
-    way = tree.vector("MAXIMUM", tree.vector("MINIMUM", way, (most,) * 3), (-most,) * 3)
-    geometry = tree.store(geometry, PLACE, tree.vector("ADD", uv, way), "POINT", "FLOAT_VECTOR")
-    geometry = tree.store(geometry, NORMAL, tree.attribute(NORMAL, "FLOAT_VECTOR"), "POINT", "FLOAT_VECTOR")
+    for name in (PLACE, NORMAL):
+        geometry = tree.store(geometry, name, tree.attribute(name, "FLOAT_VECTOR"), "POINT", "FLOAT_VECTOR")
     for name in (source.uv_map, POSITION_ATTRIBUTE):  # nobody asks for them here, and each is subdivided
         geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
     return geometry

@@ -16,9 +16,10 @@ namespace {
 
 /// Sums of the principal curvatures of triangles: twice the mean curvature at their corners.
 std::vector<float> curvatures_of(const ObjectDescription& description,
+                                 const std::vector<glm::vec3>& normals,
                                  const std::vector<glm::vec3>& positions) {
   const std::vector<LayerTerms> terms =
-      layer_terms(description.topology.triangles, description.shading, positions);
+      layer_terms(description.topology.triangles, description.shading, normals, positions);
   std::vector<float> curvatures(terms.size() / 3);
   for (size_t t = 0; t < curvatures.size(); ++t) {
     curvatures[t] = 2.0f / 3.0f * (terms[3 * t].y + terms[3 * t + 1].y + terms[3 * t + 2].y);
@@ -33,7 +34,10 @@ void ReposeSurface::set_pose(const SceneObject& object, const std::vector<glm::v
   constexpr size_t kRun = 1024;
   object_ = &object;
   positions_ = &positions;
-  curvatures_ = curved ? curvatures_of(object.description, positions) : std::vector<float>();
+  normals_ =
+      shading_normals(object.description.topology.triangles, object.description.shading, positions);
+  curvatures_ =
+      curved ? curvatures_of(object.description, normals_, positions) : std::vector<float>();
   Bounds bounds;
   for (const glm::vec3& position : positions) bounds.include(glm::dvec3(position));
   anchor_ = glm::vec3(0.5 * (bounds.low + bounds.high));
@@ -71,6 +75,21 @@ glm::vec3 ReposeSurface::point(int32_t triangle, glm::vec2 weights) const {
   return a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
 }
 
+/// The normal that a point of a triangle is shaded with, by the weights of its second and third
+/// corner. Snow that lies on faces by their own normals would lie in terraces.
+glm::vec3 ReposeSurface::shading_normal(size_t triangle, glm::vec2 weights) const {
+  const glm::vec3 own(triangles_[triangle]);
+  if (normals_.empty()) return own;
+  const int32_t* numbers = &object_->description.shading[3 * triangle];
+  const auto corner = [&](int k) {
+    return numbers[k] < 0 ? own : normals_[static_cast<size_t>(numbers[k])];
+  };
+  const glm::vec3 a = corner(0);
+  const glm::vec3 mean = a + weights.x * (corner(1) - a) + weights.y * (corner(2) - a);
+  const float length = glm::length(mean);
+  return length > 0.0f && glm::dot(mean, own) > 0.0f ? mean / length : own;
+}
+
 ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
   const TexelTable& table = object_->table;
   const auto begin = static_cast<size_t>(table.fragment_begin[static_cast<size_t>(index)]);
@@ -100,11 +119,10 @@ ReposeSurface::Texel ReposeSurface::texel(int32_t index) const {
     const glm::vec4& triangle = triangles_[static_cast<size_t>(table.fragment_triangle[f])];
     if (upper > 0.0f && triangle.z <= 0.0f) continue;
     const float part = table.fragment_share[f] * triangle.w / all;
+    const auto number = static_cast<size_t>(table.fragment_triangle[f]);
     texel.point += part * point(table.fragment_triangle[f], table.fragment_barycentric[f]);
-    texel.normal += part * glm::vec3(triangle);
-    if (!curvatures_.empty()) {
-      texel.curvature += part * curvatures_[static_cast<size_t>(table.fragment_triangle[f])];
-    }
+    texel.normal += part * shading_normal(number, table.fragment_barycentric[f]);
+    if (!curvatures_.empty()) texel.curvature += part * curvatures_[number];
   }
   const float length = glm::length(texel.normal);
   if (length > 0.0f) texel.normal /= length;

@@ -29,6 +29,7 @@ class ReposeSurface {
  private:
   struct Texel {
     glm::vec3 point{0.0f};
+    /// That it is shaded with.
     glm::vec3 normal{0.0f};
     float area = 0.0f;
     /// Sum of the principal curvatures in 1/m.
@@ -38,11 +39,14 @@ class ReposeSurface {
     bool two_sided = false;
   };
   Texel texel(int32_t index) const;
+  glm::vec3 shading_normal(size_t triangle, glm::vec2 weights) const;
 
   const SceneObject* object_ = nullptr;
   const std::vector<glm::vec3>* positions_ = nullptr;
   /// xyz: normal, w: area in m2.
   std::vector<glm::vec4> triangles_;
+  /// By number of the object's shading, see shading_normals.
+  std::vector<glm::vec3> normals_;
   /// Of triangles, as in Texel; empty where nothing is shaded smooth, or they are not wanted.
   std::vector<float> curvatures_;
   glm::vec3 anchor_{0.0f};

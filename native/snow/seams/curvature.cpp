@@ -38,25 +38,6 @@ Face face_of(const std::vector<int32_t>& triangles, const std::vector<glm::vec3>
   return face;
 }
 
-/// Sums, per number of `shading`, of normals weighted by their corners' angles.
-std::vector<glm::vec3> shared_normals(const std::vector<int32_t>& triangles,
-                                      const std::vector<int32_t>& shading, int32_t numbers,
-                                      const std::vector<glm::vec3>& positions) {
-  std::vector<glm::vec3> normals(static_cast<size_t>(numbers), glm::vec3(0.0f));
-  for (size_t t = 0; t < shading.size() / 3; ++t) {
-    const Face face = face_of(triangles, positions, t);
-    const glm::vec3 normal = unit(face.normal);
-    for (size_t k = 0; k < 3; ++k) {
-      const int32_t number = shading[3 * t + k];
-      if (number < 0) continue;
-      normals[static_cast<size_t>(number)] +=
-          normal * angle_between(face.p[(k + 1) % 3] - face.p[k], face.p[(k + 2) % 3] - face.p[k]);
-    }
-  }
-  for (glm::vec3& normal : normals) normal = unit(normal);
-  return normals;
-}
-
 /// At one point of a triangle, for unit normals N: the parts of ((P_u + t N_u) x (P_v + t N_v)) . N
 /// by the powers of the height t, integrated over it.
 LayerTerms terms_at(const glm::vec3& p_u, const glm::vec3& p_v, const glm::vec3 (&normal)[3],
@@ -92,21 +73,39 @@ LayerTerms prism_terms(const Face& face, const glm::vec3 (&normal)[3]) {
 
 }  // namespace
 
-std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles,
-                                    const std::vector<int32_t>& shading,
-                                    const std::vector<glm::vec3>& positions) {
+std::vector<glm::vec3> shading_normals(const std::vector<int32_t>& triangles,
+                                       const std::vector<int32_t>& shading,
+                                       const std::vector<glm::vec3>& positions) {
   const int32_t numbers =
       shading.empty() ? 0 : *std::max_element(shading.begin(), shading.end()) + 1;
-  if (numbers <= 0) return {};
-  const std::vector<glm::vec3> shared = shared_normals(triangles, shading, numbers, positions);
-  std::vector<LayerTerms> sum(shared.size(), LayerTerms(0.0f));
-  std::vector<float> area(shared.size(), 0.0f);
+  std::vector<glm::vec3> normals(static_cast<size_t>(std::max(numbers, 0)), glm::vec3(0.0f));
+  for (size_t t = 0; t < shading.size() / 3; ++t) {
+    const Face face = face_of(triangles, positions, t);
+    const glm::vec3 normal = unit(face.normal);
+    for (size_t k = 0; k < 3; ++k) {
+      const int32_t number = shading[3 * t + k];
+      if (number < 0) continue;
+      normals[static_cast<size_t>(number)] +=
+          normal * angle_between(face.p[(k + 1) % 3] - face.p[k], face.p[(k + 2) % 3] - face.p[k]);
+    }
+  }
+  for (glm::vec3& normal : normals) normal = unit(normal);
+  return normals;
+}
+
+std::vector<LayerTerms> layer_terms(const std::vector<int32_t>& triangles,
+                                    const std::vector<int32_t>& shading,
+                                    const std::vector<glm::vec3>& normals,
+                                    const std::vector<glm::vec3>& positions) {
+  if (normals.empty()) return {};
+  std::vector<LayerTerms> sum(normals.size(), LayerTerms(0.0f));
+  std::vector<float> area(normals.size(), 0.0f);
   for (size_t t = 0; t < shading.size() / 3; ++t) {
     const Face face = face_of(triangles, positions, t);
     glm::vec3 normal[3];
     for (size_t k = 0; k < 3; ++k) {
       const int32_t number = shading[3 * t + k];
-      normal[k] = number < 0 ? unit(face.normal) : shared[static_cast<size_t>(number)];
+      normal[k] = number < 0 ? unit(face.normal) : normals[static_cast<size_t>(number)];
     }
     const LayerTerms terms = prism_terms(face, normal);
     const float weight = glm::length(face.normal);
