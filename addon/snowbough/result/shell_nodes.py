@@ -32,9 +32,11 @@ from .shell_pieces import (
     PIECE,
     PLACE,
     POSITION_ATTRIBUTE,
+    UV,
     Pieces,
     apart,
     capture,
+    collared,
     corner_normals,
     outside_out,
     phong,
@@ -131,7 +133,7 @@ def build_tree(name, source):
     compat_nodes.add_group_socket(tree.tree, "OUTPUT", "NodeSocketGeometry", "Geometry")
     sliders = tree.node("NodeGroupInput").outputs
 
-    geometry = outside_out(tree, receiver(tree, source), source)
+    geometry = collared(tree, outside_out(tree, receiver(tree, source), source))
     pieces = corner_normals(tree, geometry, source.sharp_angle)
     if source.weld:
         geometry, pieces = welded(tree, geometry, source), welded(tree, pieces, source)
@@ -143,6 +145,7 @@ def build_tree(name, source):
         geometry, carried_by = capture(tree, geometry, carried_by, "POINT", "FLOAT")
         ragged = (carried_by, open_depth, sliders[RAGGED_INPUT], sliders[SHOULDERS_INPUT])
     carrier, rim_edges = geometry, rims(tree, geometry, sharp_edges(tree, source.sharp_angle))
+    geometry = compat_nodes.remove_attribute(tree.tree, geometry, UV)
     pieces, curvature = phong(tree, apart(tree, pieces, source))
     pieces, geometry = (subdivided(tree, mesh, source.levels) for mesh in (pieces, geometry))
     geometry, snow = _heights(
@@ -191,9 +194,7 @@ def _inner(tree, source, carrier, bare, frame, open_depth):
     def thickness(way):
         place = tree.vector("ADD", bare, tree.scale(way, 1.0 / source.metres_per_unit))
         node = tree.node("GeometryNodeSampleNearestSurface", data_type="FLOAT_VECTOR")
-        tree.feed(
-            node, Mesh=carrier, Value=tree.attribute(source.uv_map, "FLOAT_VECTOR"), Sample_Position=place
-        )
+        tree.feed(node, Mesh=carrier, Value=tree.attribute(UV, "FLOAT_VECTOR"), Sample_Position=place)
         return tree.absolute(_sampled(tree, source.image, "Linear", frame, tree.output(node)))
 
     return Inner(open_depth, thickness)

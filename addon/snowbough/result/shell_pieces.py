@@ -9,6 +9,7 @@ from ..names import REST_ATTRIBUTE
 POSITION_ATTRIBUTE = "snow_position"
 
 NORMAL = "snow_normal"
+UV = "snow_uv"
 PLACE = "snow_map_place"
 PIECE = "snow_piece"
 
@@ -16,6 +17,9 @@ PIECE = "snow_piece"
 # most so far towards the face's middle.
 INSET = 1.0
 MOST_INSET = 0.5
+# Faces of more corners than this get a collar, whose inner side is so large beside the outer.
+MOST_CORNERS = 4
+COLLAR = 0.5
 # Texels by which two faces may differ in where their edge lies on the map.
 TOGETHER = 0.01
 
@@ -49,6 +53,8 @@ def receiver(tree, source):
         local = tree.output(sample)
     metres = tree.scale(tree.vector("MULTIPLY", local, info.outputs["Scale"]), source.metres_per_unit)
     geometry = tree.store(geometry, POSITION_ATTRIBUTE, metres, "POINT", "FLOAT_VECTOR")
+    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    geometry = tree.store(geometry, UV, uv, "CORNER", "FLOAT_VECTOR")
     if source.instancer is None:
         return geometry
     offset = source.instancer.instance_collection.instance_offset
@@ -69,6 +75,40 @@ def outside_out(tree, geometry, source):
     if not mirrored:
         return geometry
     return tree.feed(tree.node("GeometryNodeFlipFaces"), Mesh=geometry).outputs["Mesh"]
+
+
+def collared(tree, geometry):
+    """The geometry with its UVs as UV, and faces of many corners with a collar of quads along their rim. Subdivision
+    cuts such a face into kites that meet in its middle, fine at the corners and coarse between them, so that snow's
+    slope at the rim would lie in flutes."""
+    position = tree.node("GeometryNodeInputPosition").outputs[0]
+    values = {
+        UV: (tree.attribute(UV, "FLOAT_VECTOR"), "CORNER"),
+        POSITION_ATTRIBUTE: (tree.attribute(POSITION_ATTRIBUTE, "FLOAT_VECTOR"), "POINT"),
+        None: (position, "POINT"),
+    }
+    middles = {}
+    for name, (value, domain) in values.items():
+        on_face = tree.on_domain(tree.on_domain(value, domain, "FLOAT_VECTOR"), "FACE", "FLOAT_VECTOR")
+        geometry, middles[name] = capture(tree, geometry, on_face, "FACE", "FLOAT_VECTOR")
+    extruded = tree.node("GeometryNodeExtrudeMesh", mode="FACES")
+    corners = tree.node("GeometryNodeInputMeshFaceNeighbors").outputs["Vertex Count"]
+    many = tree.math("GREATER_THAN", corners, MOST_CORNERS + 0.5)
+    tree.feed(extruded, Mesh=geometry, Selection=many, Offset_Scale=0.0, Individual=True)
+    geometry = extruded.outputs["Mesh"]
+    top = tree.on_domain(extruded.outputs["Top"], "FACE")
+    geometry, inner = capture(
+        tree, geometry, tree.math("GREATER_THAN", tree.on_domain(top, "POINT"), 0.0), "POINT", "FLOAT"
+    )
+    ways = {}
+    for name, (value, domain) in values.items():
+        way = tree.scale(tree.vector("SUBTRACT", middles[name], value), tree.multiply(inner, 1.0 - COLLAR))
+        geometry, ways[name] = capture(tree, geometry, way, domain, "FLOAT_VECTOR")
+    for name in (UV, POSITION_ATTRIBUTE):
+        value, domain = values[name]
+        geometry = tree.store(geometry, name, tree.vector("ADD", value, ways[name]), domain, "FLOAT_VECTOR")
+    moved = tree.node("GeometryNodeSetPosition")
+    return tree.feed(moved, Geometry=geometry, Offset=ways[None]).outputs["Geometry"]
 
 
 def sharp_edges(tree, sharp_angle):
@@ -146,14 +186,14 @@ def apart(tree, geometry, source):
     """The mesh's faces split apart, whose points carry what their one corner has: the normal, and as PLACE where on
     the map it is looked up: on its UVs, where a chart ends a little towards the middle of its face, which may be
     narrow."""
-    uv = tree.attribute(source.uv_map, "FLOAT_VECTOR")
+    uv = tree.attribute(UV, "FLOAT_VECTOR")
     place = tree.vector("ADD", uv, _insets(tree, geometry, uv, source.texel))
     geometry = tree.store(geometry, PLACE, place, "CORNER", "FLOAT_VECTOR")
     split = tree.node("GeometryNodeSplitEdges")
     geometry = tree.feed(split, Mesh=geometry).outputs["Mesh"]
     for name in (PLACE, NORMAL):
         geometry = tree.store(geometry, name, tree.attribute(name, "FLOAT_VECTOR"), "POINT", "FLOAT_VECTOR")
-    for name in (source.uv_map, POSITION_ATTRIBUTE):  # nobody asks for them here, and each is subdivided
+    for name in (UV, source.uv_map, POSITION_ATTRIBUTE):  # nobody asks for them here, and each is subdivided
         geometry = compat_nodes.remove_attribute(tree.tree, geometry, name)
     return geometry
 

@@ -26,6 +26,7 @@ from . import (
     snow_material,
 )
 from .shell_nodes import ShellSource
+from .shell_pieces import MOST_CORNERS
 
 TREE_PREFIX = "Snowbough Shell"
 
@@ -83,6 +84,13 @@ def _long_side(mesh, scale):
     return float(np.average(longest, weights=areas + 1e-20)) * scale
 
 
+def _corners(mesh):
+    """How many corners the mesh's faces have with their collars."""
+    sides = np.empty(len(mesh.polygons), dtype=np.int32)
+    mesh.polygons.foreach_get("loop_total", sides)
+    return int(sides.sum() + 4 * sides[sides > MOST_CORNERS].sum())
+
+
 def face_levels(corners, area, long_side, wanted):
     """((levels in the viewport, in renders), size of a face in renders in metres) of a mesh.
 
@@ -133,7 +141,7 @@ def source_of(scene, obj, uv_map, image, size, material, relief=True, **more):
     area = _area(mesh, average * scale)
     texel = math.sqrt(area / FILLED_SHARE) / size if size else FINEST_RELIEF
     wanted = min(TEXELS_PER_FACE * texel, FINEST_RELIEF) if relief else texel
-    levels, face_size = face_levels(len(mesh.loops), area, _long_side(mesh, average * scale), wanted)
+    levels, face_size = face_levels(_corners(mesh), area, _long_side(mesh, average * scale), wanted)
     return ShellSource(
         obj=obj,
         uv_map=uv_map,
@@ -205,7 +213,7 @@ def _wants_cushions(source, notes):
     know."""
     mesh = _evaluated_mesh(source.obj)
     metres = source.metres_per_unit * abs(source.obj.matrix_world.determinant()) ** (1.0 / 3.0)
-    points = len(mesh.loops) * 4.0 ** (source.levels[1] - 1)
+    points = _corners(mesh) * 4.0 ** (source.levels[1] - 1)
     deepest = max(depth for _, depth in source.depths)
     if not _are_needles(mesh, metres, deepest):
         return False
