@@ -1,6 +1,20 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """What compat is for nodes and node groups: their sockets and their names in the Blender versions 3.4 to 5.x."""
 
+from . import compat
+
+
+def key_value(tree, socket, values, interpolation):
+    """Animates a socket of one of the tree's nodes: values (frame, value), interpolation as F-curves' keys have it."""
+    for frame, value in values:
+        socket.default_value = value
+        socket.keyframe_insert("default_value", frame=frame)
+    path = socket.path_from_id("default_value")
+    for curve in compat.curves_of(tree):
+        if curve.data_path == path:
+            for key in curve.keyframe_points:
+                key.interpolation = interpolation
+
 
 def add_group_socket(tree, in_out, kind, name, description="", default=None, least=None, most=None):
     """Adds an input or output socket to a node group (`tree.interface` from 4.0 on)."""

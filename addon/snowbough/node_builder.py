@@ -6,7 +6,7 @@ Values are numbers, tuples or output sockets; a socket is linked and anything el
 
 import bpy
 
-from . import compat
+from . import compat_nodes
 
 COLUMN = 190
 ROW = 180
@@ -80,16 +80,9 @@ class NodeBuilder:
 
     def keyed(self, values):
         """A number that has those values, (frame, value), with straight lines between them."""
-        node = self.node("ShaderNodeValue")
-        for frame, value in values:
-            node.outputs[0].default_value = value
-            node.outputs[0].keyframe_insert("default_value", frame=frame)
-        path = node.outputs[0].path_from_id("default_value")
-        for curve in compat.curves_of(self.tree):
-            if curve.data_path == path:
-                for key in curve.keyframe_points:
-                    key.interpolation = "LINEAR"
-        return node.outputs[0]
+        value = self.node("ShaderNodeValue").outputs[0]
+        compat_nodes.key_value(self.tree, value, values, "LINEAR")
+        return value
 
     # -- vectors ---------------------------------------------------------------------------------------
 

@@ -15,6 +15,14 @@ def write_maps(native, folder, heights, covered=None, first=1):
     return folder
 
 
+def write_depth(addon, folder, depth):
+    """The manifest of a bake of frame 1 under snow that is `depth` metres deep on open ground."""
+    settings = {"receiver": {"uv_map": "snow"}}
+    addon("cache.manifest").write_manifest(
+        folder, {"settings": settings, "frames": [{"frame": 1, "depth": depth}]}
+    )
+
+
 def shell_of(obj, folder):
     """Puts obj on the list with those files and gives it a shell, which is returned."""
     entry = bpy.context.scene.snowbough.receivers.add()

@@ -22,10 +22,7 @@ def shell(addon, tmp_path):
         folder = shell_scene.write_maps(
             addon("native").load(), tmp_path / obj.name, [height], covered=level(1.0)
         )
-        addon("cache.manifest").write_manifest(
-            folder,
-            {"settings": {"receiver": {"uv_map": "snow"}}, "frames": [{"frame": 1, "depth": DEPTH}]},
-        )
+        shell_scene.write_depth(addon, folder, DEPTH)
         made = shell_of(obj, folder)
         for name in ("Relief", "Shoulders"):
             set_slider(addon, made, name, 0.0)

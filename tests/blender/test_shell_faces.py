@@ -24,8 +24,7 @@ def snow(addon, tmp_path):
 
     def make(obj, height):
         folder = shell_scene.write_maps(addon("native").load(), tmp_path / obj.name, [height])
-        manifest = {"settings": {"receiver": {"uv_map": "snow"}}, "frames": [{"frame": 1, "depth": DEPTH}]}
-        addon("cache.manifest").write_manifest(folder, manifest)
+        shell_scene.write_depth(addon, folder, DEPTH)
         shell = shell_of(obj, folder)
         for name in ("Relief", "Ragged Edges"):
             set_slider(addon, shell, name, 0.0)

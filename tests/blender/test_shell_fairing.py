@@ -47,11 +47,7 @@ def border(addon, tmp_path, monkeypatch):
     def of(rounds):
         monkeypatch.setattr(fairing, "MOST_ROUNDS", rounds)
         folder = shell_scene.write_maps(addon("native").load(), tmp_path / f"rounds {rounds}", [cap()])
-        manifest = {
-            "settings": {"receiver": {"uv_map": "snow"}},
-            "frames": [{"frame": 1, "depth": DEPTH}],
-        }
-        addon("cache.manifest").write_manifest(folder, manifest)
+        shell_scene.write_depth(addon, folder, DEPTH)
         shell = shell_of(ball(), folder)
         for name in ("Relief", "Ragged Edges"):
             set_slider(addon, shell, name, 0.0)

@@ -21,10 +21,7 @@ def snow(addon, tmp_path):
     def make(obj, height, depth=None):
         folder = shell_scene.write_maps(addon("native").load(), tmp_path / obj.name, [height])
         if depth is not None:
-            settings = {"receiver": {"uv_map": "snow"}}
-            addon("cache.manifest").write_manifest(
-                folder, {"settings": settings, "frames": [{"frame": 1, "depth": depth}]}
-            )
+            shell_scene.write_depth(addon, folder, depth)
         shell = shell_of(obj, folder)
         set_slider(addon, shell, "Relief", 0.0)
         bpy.context.scene.frame_set(1)

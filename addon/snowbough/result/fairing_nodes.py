@@ -7,7 +7,7 @@ neighbours, a few times (the umbrella operator: G. Taubin, A Signal Processing A
 SIGGRAPH 1995). Level and sloped snow stays where it is, and so does what is farther from a front than a few faces.
 """
 
-from .shell_pieces import capture
+from .shell_pieces import capture, off_border
 
 # As far as this (metres) points are drawn together; and the most rounds for that, which is less far on fine faces.
 RADIUS = 0.012
@@ -54,11 +54,8 @@ def _shares(builder, geometry, thickness, normals, to_rim, strength):
         builder.multiply(builder.smoothstep(thickness, *FROST), builder.math("GREATER_THAN", to_rim, RIM)),
         builder.smoothstep(to_rim, *OFF_RIM),
     )
-    faces = builder.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
-    on_border = builder.on_domain(builder.on_domain(builder.math("LESS_THAN", faces, 1.5), "EDGE"), "POINT")
-    inside = builder.math("LESS_THAN", on_border, 1e-3)
     strength = builder.math("MINIMUM", strength, 1.0)
-    share = builder.multiply(builder.multiply(front, free), builder.multiply(inside, strength))
+    share = builder.multiply(builder.multiply(front, free), builder.multiply(off_border(builder), strength))
     return capture(builder, geometry, share, "POINT", "FLOAT")
 
 

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node tree of a snow shell: receiver -> normals -> subdivide -> heights -> cut -> raise -> material.
+"""The node tree of a snow shell: receiver -> collars -> normals -> subdivide -> heights -> cut -> raise
+-> fair -> material.
 
 - **Normals** are those of the mesh before it is subdivided, interpolated over its faces (as Phong tessellation has
   them); afterwards every small face would have the normal of the large one that it lies in, and snow would lie in
@@ -38,6 +39,7 @@ from .shell_pieces import (
     capture,
     collared,
     corner_normals,
+    off_border,
     outside_out,
     phong,
     receiver,
@@ -235,11 +237,7 @@ def _heights(tree, geometry, pieces, curvature, carrier, rim_edges, ragged):
 
     offset, numbers, normal, curvature = (pieces.mean(value, "FLOAT_VECTOR") for value in captured)
     weight, mean, square = tree.components(numbers)
-    edge = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
-    rim = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", edge, 1.5), "EDGE"), "POINT")
-    geometry, inside = capture(
-        tree, pieces.number(geometry), tree.math("LESS_THAN", rim, 1e-3), "POINT", "FLOAT"
-    )
+    geometry, inside = capture(tree, pieces.number(geometry), off_border(tree), "POINT", "FLOAT")
     offset = tree.scale(offset, tree.divide(inside, tree.math("MAXIMUM", weight, BARE * WALL_SHARE)))
     if ever is None:
         ever = tree.math("GREATER_THAN", tree.vector("LENGTH", offset), 10.0 * BARE)

@@ -66,6 +66,13 @@ def receiver(tree, source):
                      Rotation=place["Rotation"], Scale=place["Scale"]).outputs[0]  # fmt: skip
 
 
+def off_border(tree):
+    """1 on points, a field, through which no edge of a single face goes; else 0."""
+    faces = tree.node("GeometryNodeInputMeshEdgeNeighbors").outputs[0]
+    border = tree.on_domain(tree.on_domain(tree.math("LESS_THAN", faces, 1.5), "EDGE"), "POINT")
+    return tree.math("LESS_THAN", border, 1e-3)
+
+
 def outside_out(tree, geometry, source):
     """The geometry with its faces turned where a negative scale has turned it inside out: nodes leave the corners in
     their order, with which normals change sides."""

@@ -8,7 +8,7 @@ original material nor the mesh's own slots are changed, and other users of both 
 
 import bpy
 
-from .. import compat
+from .. import compat, compat_nodes
 from ..names import REST_ATTRIBUTE, SNOW_UV
 from ..scene.pose import metres_per_unit
 from . import baked_images, look, original_state, rest_position, snow_nodes
@@ -81,14 +81,8 @@ def _height(builder, sequence, uv_map):
     begun = builder.node("ShaderNodeMath", (-420, 0))
     begun.operation = "MULTIPLY"
     begun.label = "From the first baked frame on"
-    for frame, value in ((sequence.first - 1, 0.0), (sequence.first, 1.0)):
-        begun.inputs[1].default_value = value
-        begun.inputs[1].keyframe_insert("default_value", frame=frame)
-    path = begun.inputs[1].path_from_id("default_value")
-    for curve in compat.curves_of(builder.tree):
-        if curve.data_path == path:
-            for key in curve.keyframe_points:
-                key.interpolation = "CONSTANT"
+    step = ((sequence.first - 1, 0.0), (sequence.first, 1.0))
+    compat_nodes.key_value(builder.tree, begun.inputs[1], step, "CONSTANT")
     builder.link(_sampled(builder, sequence, uv_map, (-700, 0)), begun.inputs[0])
     return begun.outputs[0]
 

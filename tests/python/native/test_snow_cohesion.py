@@ -53,6 +53,14 @@ def test_flat_faces_and_rims_are_as_without():
     assert np.array_equal(*maps)
 
 
+def test_a_bank_on_smooth_faces_shows_none_of_their_edges():
+    """By the faces' own normals 24 of them would step by 8 mm where they meet."""
+    row = lying(tube(0.13), 0.1, 256, 0.0, smooth(0.13))[128]
+    flank = (row[2:] > 0.025) & (row[2:] < 0.07)
+    assert flank.sum() > 20
+    assert np.abs(np.diff(row, 2))[flank].max() < 0.002
+
+
 def test_both_engines_hold_the_same():
     cpu, gl = (lying(tube(0.01), 0.05, 64, 0.005, smooth(), engine) for engine in ("CPU", "GL"))
     assert np.abs(cpu - gl).max() < 2e-4
