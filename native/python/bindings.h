@@ -39,6 +39,8 @@ void bind_engine(pybind11::module_& module);
 void bind_snow(pybind11::module_& module);
 /// simulation_state, set_simulation_state: checkpoints as plain arrays.
 void bind_snow_state(pybind11::module_& module);
+/// SnowSurface.
+void bind_surface(pybind11::module_& module);
 /// Renderer, Camera, RenderSettings.
 void bind_render(pybind11::module_& module);
 /// read_exr, write_exr, write_png.

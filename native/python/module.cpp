@@ -18,6 +18,7 @@ PYBIND11_MODULE(snowbough_native, module) {
   snowbough::python::bind_engine(module);
   snowbough::python::bind_snow(module);
   snowbough::python::bind_snow_state(module);
+  snowbough::python::bind_surface(module);
   snowbough::python::bind_render(module);
   snowbough::python::bind_image(module);
   snowbough::python::bind_maps(module);

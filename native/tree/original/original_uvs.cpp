@@ -4,7 +4,7 @@
 #include <array>
 #include <glm/geometric.hpp>
 
-#include "tree/original/triangle_tree.h"
+#include "base/triangle_tree.h"
 #include "tree/original/unrolled.h"
 
 namespace snowbough::tree {
@@ -30,7 +30,7 @@ class Polylines {
     }
   }
 
-  TriangleTree tree() const { return {points_, segments_, begin_}; }
+  base::TriangleTree tree() const { return {points_, segments_, begin_}; }
   glm::dvec3 from(int32_t segment) const { return points_[segments_[segment][0]]; }
   glm::dvec3 to(int32_t segment) const { return points_[segments_[segment][1]]; }
 
@@ -55,7 +55,7 @@ class Axes {
 
   AxisPlace place(int32_t branch, const glm::dvec3& p) const {
     const glm::dvec3 on_ours = near_ours_.nearest(branch, p).point;
-    const TriangleTree::Nearest on_original = near_original_.nearest(branch, on_ours);
+    const base::TriangleTree::Nearest on_original = near_original_.nearest(branch, on_ours);
     AxisPlace place;
     place.axis = on_original.point;
     const glm::dvec3 segment =
@@ -70,7 +70,7 @@ class Axes {
 
  private:
   Polylines ours_, original_;
-  TriangleTree near_ours_, near_original_;
+  base::TriangleTree near_ours_, near_original_;
 };
 
 /// Looks up the faces of a mesh, one at a time.
@@ -106,7 +106,7 @@ class FaceLookup {
   const TreeMesh& mesh_;
   const OriginalWood& wood_;
   Axes axes_;
-  TriangleTree triangles_;
+  base::TriangleTree triangles_;
   Unrolled unrolled_;
 };
 

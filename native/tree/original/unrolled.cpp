@@ -7,7 +7,7 @@
 #include <numbers>
 #include <tuple>
 
-#include "tree/original/triangle_tree.h"
+#include "base/triangle_tree.h"
 
 namespace snowbough::tree {
 namespace {
@@ -69,7 +69,7 @@ std::array<double, 3> shares_at_origin(const Flat& flat) {
 std::array<double, 3> nearest_shares(const Flat& flat) {
   const auto flat3 = [](const glm::dvec2& p) { return glm::dvec3(p, 0.0); };
   const glm::dvec3 near =
-      nearest_on_triangle(glm::dvec3(0.0), {flat3(flat[0]), flat3(flat[1]), flat3(flat[2])});
+      base::nearest_on_triangle(glm::dvec3(0.0), {flat3(flat[0]), flat3(flat[1]), flat3(flat[2])});
   Flat moved = flat;
   for (glm::dvec2& corner : moved) corner -= glm::dvec2(near);
   return shares_at_origin(moved);

@@ -6,7 +6,7 @@
 #include <limits>
 #include <vector>
 
-namespace snowbough::tree {
+namespace snowbough::base {
 
 /// The point of a triangle that is nearest to another. The triangle may be a segment or a point.
 ///
@@ -33,6 +33,13 @@ class TriangleTree {
   /// Of equally near ones the triangle with the smallest index.
   Nearest nearest(int32_t group, const glm::dvec3& p) const;
 
+  /// The distance from `from` along the unit vector `way` to the first triangle of the group that is farther than
+  /// `least`, from either side; infinity where there is none.
+  ///
+  /// Method: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
+  double distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& way,
+                        double least) const;
+
  private:
   struct Box {
     glm::vec3 low, high;
@@ -54,4 +61,4 @@ class TriangleTree {
   std::vector<int32_t> roots_;
 };
 
-}  // namespace snowbough::tree
+}  // namespace snowbough::base

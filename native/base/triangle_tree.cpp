@@ -1,4 +1,4 @@
-#include "tree/original/triangle_tree.h"
+#include "base/triangle_tree.h"
 
 #include <algorithm>
 #include <glm/common.hpp>
@@ -6,7 +6,7 @@
 #include <numeric>
 #include <utility>
 
-namespace snowbough::tree {
+namespace snowbough::base {
 namespace {
 
 constexpr int32_t kLeafSize = 4;
@@ -17,6 +17,33 @@ double squared(const glm::dvec3& v) {
 
 double squared_distance(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& p) {
   return squared(p - glm::clamp(p, glm::dvec3(low), glm::dvec3(high)));
+}
+
+/// Whether a ray meets a box nearer than `nearest`. `inverse`: 1 / direction.
+bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
+           const glm::dvec3& inverse, double nearest) {
+  const glm::dvec3 a = (glm::dvec3(low) - from) * inverse, b = (glm::dvec3(high) - from) * inverse;
+  const glm::dvec3 enters = glm::min(a, b), leaves = glm::max(a, b);
+  const double enter = std::max({enters.x, enters.y, enters.z, 0.0});
+  const double leave = std::min({leaves.x, leaves.y, leaves.z, nearest});
+  return enter <= leave;
+}
+
+/// The distance along a ray to a triangle, or infinity.
+double meets_triangle(const glm::dvec3& from, const glm::dvec3& way,
+                      const std::array<glm::vec3, 3>& corners) {
+  constexpr double kMisses = std::numeric_limits<double>::infinity();
+  const glm::dvec3 a(corners[0]), ab = glm::dvec3(corners[1]) - a, ac = glm::dvec3(corners[2]) - a;
+  const glm::dvec3 across = glm::cross(way, ac);
+  const double determinant = glm::dot(ab, across);
+  if (determinant == 0.0) return kMisses;
+  const glm::dvec3 to_ray = from - a;
+  const double u = glm::dot(to_ray, across) / determinant;
+  if (!(u >= 0.0 && u <= 1.0)) return kMisses;
+  const glm::dvec3 normal = glm::cross(to_ray, ab);
+  const double v = glm::dot(way, normal) / determinant;
+  if (!(v >= 0.0 && u + v <= 1.0)) return kMisses;
+  return glm::dot(ac, normal) / determinant;
 }
 
 }  // namespace
@@ -121,4 +148,33 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
   return best;
 }
 
-}  // namespace snowbough::tree
+double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& way,
+                                    double least) const {
+  double nearest = std::numeric_limits<double>::infinity();
+  if (roots_[group] < 0) return nearest;
+  // A direction of 0 meets the planes of its axis at infinity, never at 0 / 0.
+  glm::dvec3 inverse;
+  for (int axis = 0; axis < 3; ++axis) {
+    inverse[axis] = 1.0 / (way[axis] == 0.0 ? 1e-300 : way[axis]);
+  }
+  std::array<int32_t, 64> stack{};
+  int32_t waiting = 0;
+  stack[waiting++] = roots_[group];
+  while (waiting > 0) {
+    const int32_t number = stack[--waiting];
+    const Node& node = nodes_[number];
+    if (!meets(node.box.low, node.box.high, from, inverse, nearest)) continue;
+    if (node.second < 0) {
+      for (int32_t i = node.begin; i < node.end; ++i) {
+        const double at = meets_triangle(from, way, corners_[order_[i]]);
+        if (at > least && at < nearest) nearest = at;
+      }
+      continue;
+    }
+    stack[waiting++] = node.second;
+    stack[waiting++] = number + 1;
+  }
+  return nearest;
+}
+
+}  // namespace snowbough::base

@@ -1,0 +1,88 @@
+#include <pybind11/stl.h>
+
+#include <glm/gtc/type_ptr.hpp>
+
+#include "map_topology.h"
+#include "python/bindings.h"
+#include "python/numpy_arrays.h"
+#include "snow/surface/snow_surface.h"
+
+namespace py = pybind11;
+
+namespace snowbough::python {
+namespace {
+
+std::vector<float> map_of(const InputArray<float>& height, const char* name) {
+  if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
+    throw std::invalid_argument(std::string(name) + " must have shape (resolution, resolution)");
+  }
+  return {height.data(), height.data() + height.size()};
+}
+
+std::unique_ptr<snow::SnowSurface> make_surface(
+    const InputArray<int32_t>& triangles, const InputArray<float>& uv,
+    const InputArray<float>& positions, const InputArray<float>& last,
+    const InputArray<float>& highest, float depth, const std::optional<InputArray<int32_t>>& shading,
+    float scale, int32_t most_points, uint32_t seed, const std::array<float, 2>& wind) {
+  snow::SurfaceSource source;
+  const std::vector<float> heights = map_of(last, "last");
+  source.topology = map_topology(triangles, uv, static_cast<int32_t>(last.shape(0)));
+  source.positions = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
+  source.topology.vertex_count = static_cast<int32_t>(source.positions.size());
+  if (shading) source.shading.assign(shading->data(), shading->data() + shading->size());
+  const std::vector<float> most = map_of(highest, "highest");
+  const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
+  return without_gil([&] { return std::make_unique<snow::SnowSurface>(source, heights, most, plan); });
+}
+
+py::tuple faces(const snow::SnowSurface& surface) {
+  const snow::SurfaceFaces& faces = surface.faces();
+  std::vector<int32_t> begin = faces.begin, corner = faces.corner;
+  std::vector<glm::vec2> uv = faces.uv;
+  const auto count = static_cast<py::ssize_t>(begin.size());
+  const auto corners = static_cast<py::ssize_t>(corner.size());
+  return py::make_tuple(to_numpy<int32_t>(std::move(begin), {count}),
+                        to_numpy<int32_t>(std::move(corner), {corners}),
+                        to_numpy<float>(std::move(uv), {corners, 2}));
+}
+
+py::array_t<float> points(const snow::SnowSurface& surface, const InputArray<float>& height,
+                          float open_depth, const std::optional<InputArray<float>>& positions,
+                          const std::array<float, 3>& up,
+                          const std::optional<InputArray<float>>& to_result) {
+  const std::vector<float> heights = map_of(height, "height");
+  std::vector<glm::vec3> places;
+  snow::SurfaceFrame frame{heights.data(), open_depth, nullptr, {up[0], up[1], up[2]}, glm::mat4(1.0f)};
+  if (positions) {
+    places = rows_from_numpy<glm::vec3, float, 3>(*positions, "positions");
+    frame.positions = places.data();
+  }
+  if (to_result) frame.to_result = glm::transpose(glm::make_mat4(to_result->data()));
+  std::vector<glm::vec3> result = without_gil([&] { return surface.points(frame); });
+  const auto count = static_cast<py::ssize_t>(result.size());
+  return to_numpy<float>(std::move(result), {count, 3});
+}
+
+}  // namespace
+
+void bind_surface(py::module_& module) {
+  py::class_<snow::SnowSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
+      .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
+           py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),
+           py::arg("scale") = 1.0f, py::arg("most_points") = 200000, py::arg("seed") = 0,
+           py::arg("wind") = std::array<float, 2>{0.0f, 0.0f})
+      .def("faces", &faces)
+      .def("set_style",
+           [](snow::SnowSurface& self, float overhang, float hem, float bridging, float relief) {
+             self.set_style({overhang, hem, bridging, relief});
+           },
+           py::arg("overhang") = 1.0f, py::arg("hem_variation") = 1.0f, py::arg("bridging") = 1.0f,
+           py::arg("relief") = 1.0f)
+      .def_property_readonly("point_count", &snow::SnowSurface::point_count)
+      .def("points", &points, py::arg("height"), py::arg("open_depth"),
+           py::arg("positions") = py::none(),
+           py::arg("up") = std::array<float, 3>{0.0f, 0.0f, 1.0f},
+           py::arg("to_result") = py::none());
+}
+
+}  // namespace snowbough::python

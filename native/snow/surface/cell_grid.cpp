@@ -1,0 +1,47 @@
+#include "snow/surface/cell_grid.h"
+
+namespace snowbough::snow {
+
+size_t CellGrid::slot_of(const glm::ivec3& cell) const {
+  const auto part = [](int32_t x) { return static_cast<uint64_t>(static_cast<uint32_t>(x)); };
+  uint64_t hash = part(cell.x) * 0x9e3779b97f4a7c15u;
+  hash = (hash ^ (hash >> 29) ^ part(cell.y)) * 0xbf58476d1ce4e5b9u;
+  hash = (hash ^ (hash >> 32) ^ part(cell.z)) * 0x94d049bb133111ebu;
+  return static_cast<size_t>((hash ^ (hash >> 31)) & (begin_.size() - 2));
+}
+
+CellGrid::CellGrid(const std::vector<Box>& boxes, float size) : size_(size) {
+  if (boxes.empty()) return;
+  low_ = boxes.front().low;
+  high_ = boxes.front().high;
+  for (const Box& box : boxes) {
+    low_ = glm::min(low_, box.low);
+    high_ = glm::max(high_, box.high);
+  }
+  const auto for_cells = [&](const auto& visit) {
+    for (size_t b = 0; b < boxes.size(); ++b) {
+      const glm::ivec3 first = cell(boxes[b].low);
+      const glm::ivec3 last = cell(boxes[b].high);
+      for (int32_t z = first.z; z <= last.z; ++z) {
+        for (int32_t y = first.y; y <= last.y; ++y) {
+          for (int32_t x = first.x; x <= last.x; ++x) visit(glm::ivec3(x, y, z), b);
+        }
+      }
+    }
+  };
+  size_t count = 0;
+  for_cells([&](const glm::ivec3&, size_t) { ++count; });
+  size_t slots = 1;
+  while (slots < count) slots *= 2;
+  // The number of slots is a power of two; one more entry ends the last.
+  begin_.assign(slots + 1, 0);
+  for_cells([&](const glm::ivec3& at, size_t) { ++begin_[slot_of(at) + 1]; });
+  for (size_t s = 0; s < slots; ++s) begin_[s + 1] += begin_[s];
+  entries_.resize(count);
+  std::vector<uint32_t> next(begin_.begin(), begin_.end() - 1);
+  for_cells([&](const glm::ivec3& at, size_t b) {
+    entries_[next[slot_of(at)]++] = {at, static_cast<int32_t>(b)};
+  });
+}
+
+}  // namespace snowbough::snow

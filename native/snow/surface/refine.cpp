@@ -1,0 +1,401 @@
+#include "snow/surface/refine.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "base/parallel_for.h"
+#include "snow/surface/map_sampler.h"
+
+namespace snowbough::snow {
+namespace {
+
+// Lengths are parts of the depth on open ground.
+constexpr float kRimZone = 1.25f;
+constexpr float kFarZone = 0.34f;
+/// Edges of level snow, of smooth deep snow, of bare faces, of snow that ends on steep or curved places.
+constexpr float kLevelEdge = 0.45f;
+constexpr float kCurvedEdge = 0.17f;
+constexpr float kBareEdge = 4.0f;
+constexpr float kEndingEdge = 0.1f;
+/// Snow thinner than that counts as ending.
+constexpr float kEnding = 0.45f;
+/// No edge is cut to less than that.
+constexpr float kLeastEdge = 0.07f;
+/// Edges near rims before the cuts along them, and along them afterwards.
+constexpr float kRimEdge = 0.5f;
+constexpr float kAlongRim = 0.26f;
+/// How much longer edges may be for each metre away from a rim's zone.
+constexpr float kGrowth = 0.35f;
+/// By how much the height in the middle of an edge may differ from the mean of its ends, for deep and thin snow.
+constexpr float kOffDeep = 0.025f;
+constexpr float kOffThin = 0.01f;
+constexpr float kThin = 0.3f;
+/// Snow over this height in metres, at any frame, is shown.
+constexpr float kShown = 0.0022f;
+/// Rings of faces that are kept beyond.
+constexpr int kRings = 2;
+/// What is kept of the far face below rims.
+constexpr float kKeptFar = 0.5f;
+/// Normals at an edge's ends that differ by more (as a distance) lie on a curved surface.
+constexpr float kBends = 0.12f;
+
+/// Parts of a zone at which the cuts along rims lie: dense where the front turns.
+constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
+                                            0.5f,  0.63f, 0.8f, 1.0f};
+constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
+/// A cut nearer to an end of an edge than this part of it is left to that end.
+constexpr float kSnap = 0.15f;
+
+/// Refining one receiver at one density.
+class Refiner {
+ public:
+  Refiner(const Rims& rims, const RimZones& zones, const SurfaceHeights& heights,
+          const SurfaceDensity& density, const SurfaceMesh& receiver)
+      : rims_(rims),
+        zones_(zones),
+        heights_(heights),
+        unit_(density.depth * density.scale),
+        depth_(density.depth),
+        most_(static_cast<size_t>(density.most_points) * 3),
+        mesh_(receiver) {}
+
+  SurfaceMesh run() {
+    constexpr int kRounds = 26;
+    for (int round = 0; round < kRounds && halve(); ++round) {
+    }
+    if (!rims_.all().empty()) {
+      constexpr int kCutRounds = 6;
+      for (int round = 0; round < kCutRounds && cut_parallel(); ++round) {
+      }
+      for (int round = 0; round < kCutRounds && cut_along(); ++round) {
+      }
+    }
+    return kept();
+  }
+
+ private:
+  bool is_full() const { return mesh_.position.size() > most_; }
+
+  float height_at(const float* map, const glm::vec2& uv) const {
+    return std::abs(map_value(map, heights_.resolution, map_place(uv, heights_.resolution)));
+  }
+
+  /// Mean heights at points, over their corners.
+  std::vector<float> point_heights() const {
+    std::vector<float> sum(mesh_.position.size(), 0.0f);
+    std::vector<float> count(mesh_.position.size(), 0.0f);
+    for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        sum[mesh_.triangle[t][k]] += height_at(heights_.last, mesh_.uv[t][k]);
+        count[mesh_.triangle[t][k]] += 1.0f;
+      }
+    }
+    for (size_t p = 0; p < sum.size(); ++p) sum[p] /= std::max(count[p], 1.0f);
+    return sum;
+  }
+
+  /// The length that the edge from corner k of a triangle on may have.
+  float wanted_length(size_t triangle, int k, float length,
+                      const std::vector<float>& heights) const {
+    const int next = (k + 1) % 3;
+    const std::array<int32_t, 2> ends{mesh_.triangle[triangle][k], mesh_.triangle[triangle][next]};
+    const glm::vec2 uv = (mesh_.uv[triangle][k] + mesh_.uv[triangle][next]) * 0.5f;
+    const glm::vec3& a = mesh_.normal[triangle][k];
+    const glm::vec3& b = mesh_.normal[triangle][next];
+    const float height = height_at(heights_.last, uv);
+    const float mean = (heights[ends[0]] + heights[ends[1]]) * 0.5f;
+    const bool covered = std::max(height, mean) > kShown || height_at(heights_.highest, uv) > kShown;
+    const bool bends = glm::distance(a, b) > kBends;
+    const float up = std::min(a.z, b.z);
+    float wanted = covered ? kLevelEdge * unit_ : kBareEdge * unit_;
+    if (bends) wanted = std::min(wanted, (covered ? kCurvedEdge : 0.5f) * unit_);
+    if (covered && up < 0.93f && std::min(height, mean) < kEnding * depth_) {
+      wanted = std::min(wanted, kEndingEdge * unit_);
+    }
+    const float off = std::abs(height - mean);
+    if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
+      wanted = std::min(wanted, std::max(0.6f * length, kLeastEdge * unit_));
+    }
+    if (!rims_.all().empty()) {
+      const float distance = 0.5f * (rim_distance_[ends[0]] + rim_distance_[ends[1]]);
+      const float off_zone = distance - rim_zone(depth_) * 0.8f;
+      // In the zone the front decides about the shape, not the map.
+      if (off_zone < 0.0f) return kRimEdge * unit_;
+      wanted = std::min(wanted, kRimEdge * unit_ + kGrowth * off_zone);
+    }
+    return wanted;
+  }
+
+  /// Of points that are new, the distance to the nearest rim.
+  void find_rim_distances() {
+    const size_t known = rim_distance_.size();
+    rim_distance_.resize(mesh_.position.size(), rim_zone(depth_) * 1.15f);
+    if (rims_.all().empty()) return;
+    std::vector<int32_t> corner(mesh_.position.size() - known, -1);
+    for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        const auto p = static_cast<size_t>(mesh_.triangle[t][k]);
+        if (p >= known) corner[p - known] = static_cast<int32_t>(t * 3) + k;
+      }
+    }
+    base::for_each_item(corner.size(), 256, [&](size_t i) {
+      if (corner[i] < 0) return;
+      const auto t = static_cast<size_t>(corner[i]) / 3;
+      rim_distance_[known + i] =
+          rims_.distance(mesh_.position[known + i], mesh_.normal[t][corner[i] % 3],
+                         zones_.part(mesh_.base[t]), true);
+    });
+  }
+
+  /// One round of halving the edges that are too long. Whether any was.
+  bool halve() {
+    if (is_full()) return false;
+    const SurfaceEdges edges = surface_edges(mesh_.triangle);
+    const std::vector<float> heights = point_heights();
+    find_rim_distances();
+    std::vector<uint8_t> marked(edges.ends.size(), 0);
+    std::vector<int32_t> seen_from(edges.ends.size(), -1);
+    for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+      for (int k = 0; k < 3; ++k) seen_from[edges.of_triangle[t][k]] = static_cast<int32_t>(t * 3 + k);
+    }
+    base::for_each_item(edges.ends.size(), 1024, [&](size_t e) {
+      const auto& ends = edges.ends[e];
+      const float length = glm::distance(mesh_.position[ends[0]], mesh_.position[ends[1]]);
+      if (length < kLeastEdge * unit_) return;
+      const auto t = static_cast<size_t>(seen_from[e]) / 3;
+      marked[e] = length > wanted_length(t, seen_from[e] % 3, length, heights) ? 1 : 0;
+    });
+    if (std::find(marked.begin(), marked.end(), 1) == marked.end()) return false;
+    mark_longest(mesh_, edges, marked);
+    std::vector<float> share(marked.size());
+    for (size_t e = 0; e < marked.size(); ++e) share[e] = marked[e] != 0 ? 0.5f : 0.0f;
+    split_edges(mesh_, edges, share);
+    return true;
+  }
+
+  /// Splits every edge where it crosses a line parallel to a rim. Whether any was.
+  bool cut_parallel() {
+    const SurfaceEdges edges = surface_edges(mesh_.triangle);
+    zones_.find(mesh_, zone_);
+    const std::vector<RimZones::Zone>& zones = zone_;
+    std::vector<float> share(edges.ends.size(), 0.0f);
+    bool any = false;
+    for (size_t e = 0; e < edges.ends.size(); ++e) {
+      share[e] = cut_of(zones[edges.ends[e][0]], zones[edges.ends[e][1]]);
+      any = any || share[e] > 0.0f;
+    }
+    if (any) split_edges(mesh_, edges, share);
+    return any;
+  }
+
+  static float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) {
+    if (a.place.is_far_off && b.place.is_far_off) return 0.0f;
+    constexpr float kBeyond = 1.2f;
+    float from = a.share;
+    float to = b.share;
+    if (a.place.is_far_off) from = b.share < 0.0f ? -kBeyond : kBeyond;
+    if (b.place.is_far_off) to = a.share < 0.0f ? -kBeyond : kBeyond;
+    if (from == to) return 0.0f;
+    float best = 0.0f;
+    const auto look_at = [&](float level) {
+      const float at = (level - from) / (to - from);
+      if (at > kSnap && at < 1.0f - kSnap && std::abs(at - 0.5f) < std::abs(best - 0.5f)) best = at;
+    };
+    for (const float level : kSupportCuts) look_at(level);
+    for (const float level : kFarCuts) look_at(level);
+    return best;
+  }
+
+  /// Halves what is long along the rims in their zones.
+  bool cut_along() {
+    if (is_full()) return false;
+    const SurfaceEdges edges = surface_edges(mesh_.triangle);
+    zones_.find(mesh_, zone_);
+    const std::vector<RimZones::Zone>& zones = zone_;
+    std::vector<float> share(edges.ends.size(), 0.0f);
+    bool any = false;
+    for (size_t e = 0; e < edges.ends.size(); ++e) {
+      const auto [p, q] = edges.ends[e];
+      const RimZones::Zone& a = zones[p];
+      const RimZones::Zone& b = zones[q];
+      if (a.place.is_far_off || b.place.is_far_off) continue;
+      if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) continue;
+      const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
+      const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
+      if (along > kAlongRim * unit_) {
+        share[e] = 0.5f;
+        any = true;
+      }
+    }
+    if (any) split_edges(mesh_, edges, share);
+    return any;
+  }
+
+  /// What ever has snow, the fronts at rims, and a few rings beyond.
+  SurfaceMesh kept() {
+    std::vector<uint8_t> keep(mesh_.position.size(), 0);
+    for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+      for (int k = 0; k < 3; ++k) {
+        const glm::vec2 between = (mesh_.uv[t][k] + mesh_.uv[t][(k + 1) % 3]) * 0.5f;
+        if (height_at(heights_.highest, mesh_.uv[t][k]) > kShown ||
+            height_at(heights_.highest, between) > kShown) {
+          for (const int32_t p : mesh_.triangle[t]) keep[p] = 1;
+        }
+      }
+    }
+    std::vector<uint8_t> stays(mesh_.triangle.size(), 0);
+    const auto spread = [&](int rings) {
+      for (int ring = 0; ring < rings; ++ring) {
+        for (size_t t = 0; t < stays.size(); ++t) {
+          const auto& [a, b, c] = mesh_.triangle[t];
+          stays[t] = keep[a] != 0 || keep[b] != 0 || keep[c] != 0 ? 1 : 0;
+        }
+        for (size_t t = 0; t < stays.size(); ++t) {
+          if (stays[t] == 0) continue;
+          for (const int32_t p : mesh_.triangle[t]) keep[p] = 1;
+        }
+      }
+    };
+    spread(kRings);
+    if (!rims_.all().empty()) {
+      // The far face below rims that have snow.
+      zones_.find(mesh_, zone_);
+      const std::vector<RimZones::Zone>& zones = zone_;
+      std::vector<CellGrid::Box> snowy;
+      for (size_t p = 0; p < zones.size(); ++p) {
+        if (keep[p] != 0 && !zones[p].place.is_far_off && zones[p].share >= 0.0f) {
+          snowy.push_back({mesh_.position[p], mesh_.position[p]});
+        }
+      }
+      const float near = kKeptFar * depth_;
+      const CellGrid grid(snowy, std::max(near, 1e-4f));
+      for (size_t p = 0; p < zones.size(); ++p) {
+        const RimZones::Zone& zone = zones[p];
+        if (zone.place.is_far_off || zone.share >= 0.0f || -zone.place.distance > near) continue;
+        bool found = false;
+        grid.visit(zone.place.foot - near, zone.place.foot + near, [&](int32_t) { found = true; });
+        if (found) keep[p] = 1;
+      }
+      spread(1);
+    }
+    return kept_part(mesh_, stays);
+  }
+
+  const Rims& rims_;
+  const RimZones& zones_;
+  const SurfaceHeights& heights_;
+  float unit_;
+  float depth_;
+  size_t most_;
+  SurfaceMesh mesh_;
+  /// Of the points so far.
+  std::vector<RimZones::Zone> zone_;
+  std::vector<float> rim_distance_;
+};
+
+/// Area of what carries snow, weighted by how level it is.
+double carrying_area(const SurfaceMesh& mesh) {
+  double area = 0.0;
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    area += 0.5 * std::max(0.0, static_cast<double>(triangle_cross(mesh, t).z));
+  }
+  return area;
+}
+
+}  // namespace
+
+float rim_zone(float depth) {
+  return kRimZone * depth;
+}
+
+float far_zone(float depth) {
+  return kFarZone * depth;
+}
+
+RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth)
+    : rims_(rims), depth_(depth) {
+  for (size_t t = 0; t < receiver.base.size(); ++t) {
+    const auto base = static_cast<size_t>(receiver.base[t]);
+    if (part_of_base_.size() <= base) part_of_base_.resize(base + 1, -1);
+    part_of_base_[base] = rims.parts()[t];
+  }
+}
+
+void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
+  const size_t known = zones.size();
+  zones.resize(mesh.position.size());
+  // Of each new point one face of each plane that it lies in.
+  constexpr size_t kPlanes = 4;
+  struct Planes {
+    std::array<int32_t, kPlanes> face;
+    size_t count = 0;
+  };
+  const std::vector<glm::vec3> normals = triangle_normals(mesh);
+  std::vector<Planes> planes(zones.size() - known);
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    for (const int32_t p : mesh.triangle[t]) {
+      if (static_cast<size_t>(p) < known) continue;
+      Planes& own = planes[static_cast<size_t>(p) - known];
+      bool is_new = own.count < kPlanes;
+      for (size_t i = 0; i < own.count; ++i) {
+        is_new = is_new && glm::distance(normals[t], normals[own.face[i]]) > 0.05f;
+      }
+      if (is_new) own.face[own.count++] = static_cast<int32_t>(t);
+    }
+  }
+  base::for_each_item(planes.size(), 256, [&](size_t i) {
+    constexpr float kOnRim = 1e-4f;
+    Zone& best = zones[known + i];
+    for (size_t k = 0; k < planes[i].count; ++k) {
+      const int32_t t = planes[i].face[k];
+      const Zone zone = at(mesh.position[known + i], normals[t], part(mesh.base[t]));
+      if (zone.place.is_far_off) continue;
+      const float nearer = std::abs(best.share) - std::abs(zone.share);
+      if (best.place.is_far_off || nearer > kOnRim ||
+          (nearer > -kOnRim && zone.share >= 0.0f && best.share < 0.0f)) {
+        best = zone;
+      }
+    }
+  });
+}
+
+RimZones::Zone RimZones::at(const glm::vec3& point, const glm::vec3& normal, int32_t part) const {
+  Zone zone;
+  zone.place = rims_.place(point, normal, part, 0.25f * depth_);
+  if (zone.place.is_far_off) return zone;
+  const float most = rim_zone(depth_);
+  zone.support = std::clamp(0.95f * rims_.room(zone.place, part, most), 0.1f * depth_, most);
+  zone.far = std::max(std::min(far_zone(depth_), zone.place.far_extent), 0.02f * depth_);
+  zone.share = zone.place.distance / (zone.place.distance < 0.0f ? zone.far : zone.support);
+  return zone;
+}
+
+SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
+                            const SurfaceHeights& heights, const SurfaceDensity& density) {
+  SurfaceDensity tried = density;
+  const double wanted = wanted_points(receiver, rims, density.depth) / (tried.scale * tried.scale);
+  if (wanted > density.most_points) {
+    tried.scale *= static_cast<float>(std::sqrt(wanted / density.most_points));
+  }
+  constexpr int kTries = 4;
+  for (int attempt = 1;; ++attempt) {
+    Refiner refiner(rims, zones, heights, tried, receiver);
+    SurfaceMesh mesh = refiner.run();
+    const double ratio = static_cast<double>(mesh.position.size()) / density.most_points;
+    if (ratio <= 1.1 || attempt == kTries) return mesh;
+    tried.scale *= static_cast<float>(std::sqrt(ratio) * 1.1);
+  }
+}
+
+double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth) {
+  double rim_length = 0.0;
+  for (const Rim& rim : rims.all()) rim_length += glm::distance(rim.from, rim.to);
+  const double level = kLevelEdge * depth;
+  const double rows = static_cast<double>(kSupportCuts.size() + kFarCuts.size());
+  return carrying_area(receiver) / (0.5 * level * level) +
+         rim_length / (kAlongRim * depth) * rows + 16.0;
+}
+
+}  // namespace snowbough::snow

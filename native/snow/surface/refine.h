@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "snow/surface/rims.h"
+#include "snow/surface/surface_mesh.h"
+
+namespace snowbough::snow {
+
+/// The heights that decide where the surface is fine, and where it is at all.
+struct SurfaceHeights {
+  /// Of the last frame and the greatest of the whole shot, metres, negative on the back; resolution x resolution.
+  const float* last = nullptr;
+  const float* highest = nullptr;
+  int32_t resolution = 0;
+};
+
+/// How fine a surface is made.
+struct SurfaceDensity {
+  /// Depth of the snow on open ground in the last frame, metres.
+  float depth = 0.1f;
+  /// Factor on all lengths of edges: 1 is the default detail.
+  float scale = 1.0f;
+  /// Points that may not be exceeded by much; lengths grow until that holds.
+  int32_t most_points = 200000;
+};
+
+/// Width in metres of the zone behind a rim in which snow is drawn to it, where there is room.
+float rim_zone(float depth);
+/// How far down the far face the underside of the hem may reach.
+float far_zone(float depth);
+
+/// What places on a receiver know of its rims.
+class RimZones {
+ public:
+  RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth);
+
+  struct Zone {
+    RimPlace place;
+    /// Metres behind the rim and down the far face that a front may take there, both over 0.
+    float support = 1.0f;
+    float far = 1.0f;
+    /// Distance as a part of its zone, negative on the far face.
+    float share = 0.0f;
+  };
+  /// `normal`: of the face that the point lies on.
+  Zone at(const glm::vec3& point, const glm::vec3& normal, int32_t part) const;
+  /// The zones of a refined mesh's points, each on the face of its that is nearest to a rim; on the rim itself the
+  /// carrying face counts. Those that `zones` holds already are left alone.
+  void find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const;
+  /// The connected part of the receiver that a triangle of the source belongs to.
+  int32_t part(int32_t base) const { return part_of_base_[static_cast<size_t>(base)]; }
+
+ private:
+  const Rims& rims_;
+  float depth_;
+  std::vector<int32_t> part_of_base_;
+};
+
+/// Cuts the receiver's faces finely where snow is shaped finely and coarsely elsewhere, and leaves out what never has
+/// snow but for a few rings. Along straight rims the cuts are parallel to them.
+///
+/// @param receiver receiver_mesh. @param rims of it.
+SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
+                            const SurfaceHeights& heights, const SurfaceDensity& density);
+
+/// About how many points the snow of a receiver would take at default detail, before any is known: what it shares the
+/// scene's points by.
+double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
+
+}  // namespace snowbough::snow

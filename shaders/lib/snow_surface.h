@@ -1,0 +1,246 @@
+#pragma once
+
+// How snow of a known thickness looks: the one rule for Blender's mesh, the live preview, Snowbough Realtime and the
+// exporters. A point of the surface is its carrier on the receiver plus an offset; away from rims the offset goes along
+// the normal (thin_snow, sagging), near a rim it follows a profile: upright, a round shoulder, an overhang, a drop
+// (front_offset). All lengths are metres, all vectors are in the pose that the surface was planned in.
+//
+// Sources: superellipses, A. H. Barr, Superquadrics and Angle-Preserving Transformations, IEEE CG&A 1 (1), 1981; how
+// snow ends in round lips and cornices, P. Fearing, Computer Modelling of Fallen Snow, SIGGRAPH 2000, section 3.
+#include "shared_functions.h"
+
+#ifndef SNOWBOUGH_GLSL
+#include <glm/gtc/constants.hpp>
+namespace snowbough::shared {
+using glm::cos;
+using glm::exp;
+using glm::mix;
+using glm::normalize;
+using glm::sin;
+using glm::smoothstep;
+#endif
+
+/// What an artist sets; 1 is snow as it usually lies.
+struct SnowStyle {
+  float overhang;
+  float hem_variation;
+  float bridging;
+  float relief;
+};
+
+/// Constants of a point away from rims.
+struct SnowPoint {
+  /// Noise, from about -1 to 1: of the thickness below which no snow shows, of lips and sagging, of the relief, of bumps.
+  float patches;
+  float hem;
+  float relief;
+  float bumps;
+  /// How far below the receiver's surface bare parts may lie.
+  float deepest;
+};
+
+/// Constants of a point near a rim.
+struct SnowFront {
+  /// Distance to the rim; negative beyond it, on the far face.
+  float distance;
+  /// Width of the zone in which snow is drawn to the rim; how far down the far face it may reach.
+  float zone;
+  float far_zone;
+  /// 0 without snow behind the rim in the last frame, 1 with.
+  float presence;
+  /// How much the rim slopes down outwards, 0 to 1: eaves.
+  float eave;
+  /// 1 where a face goes down from the rim, 0 where the surface ends.
+  float has_far;
+  /// 0 in the open, 1 where the far side of a gap is so near that snow bridges it; half the gap's width; half of how
+  /// much higher its far side is.
+  float bridged;
+  float half_gap;
+  float half_step;
+  /// Part of the height by which wind draws the edge out on the lee side.
+  float lee;
+  /// Noise at the rim, from about -1 to 1.
+  float noise_slow;
+  float noise_fast;
+  float noise_shoulder;
+  /// Out of the support in its plane, and the same made level; down the far face; up from the support and out of the
+  /// middle between the support and the vertical (so long that 1 of it is 1 of height).
+  vec3 out;
+  vec3 level_out;
+  vec3 down;
+  vec3 lift;
+};
+
+// Away from rims.
+/// From this upward part of the normal on a surface is level, to this one it is steep.
+KERNEL_CONSTANT float kLevel = 0.93f;
+KERNEL_CONSTANT float kSteep = 0.45f;
+/// Part of the open depth that does not show on steep places and where shelter thins the snow, times 0.22 + 0.85 noise.
+KERNEL_CONSTANT float kSteepShare = 0.65f;
+KERNEL_CONSTANT float kShelterShare = 0.10f;
+/// Thinner snow is frost and does not show.
+KERNEL_CONSTANT float kFrost = 0.0025f;
+KERNEL_CONSTANT float kFrostOpenDepth = 0.02f;
+/// Height of the lip in which snow ends, as part of the open depth.
+KERNEL_CONSTANT float kLip = 0.22f;
+KERNEL_CONSTANT float kSink = 0.004f;
+/// Parts of the thickness.
+KERNEL_CONSTANT float kSag = 0.6f;
+KERNEL_CONSTANT float kSagVariation = 0.5f;
+KERNEL_CONSTANT float kRelief = 0.12f;
+KERNEL_CONSTANT float kBumps = 0.06f;
+
+// At rims; lengths as parts of the height behind the rim.
+/// Where on its zone (from the rim, 0 to 1) the front ends and the top begins.
+KERNEL_CONSTANT float kFrontPart = 0.5f;
+/// Part of the far zone on which the hem closes; beyond it points lie inside of the receiver.
+KERNEL_CONSTANT float kTucked = 0.68f;
+KERNEL_CONSTANT float kTuck = 0.002f;
+/// Height of the farthest point of the front.
+KERNEL_CONSTANT float kBelly = 0.38f;
+KERNEL_CONSTANT float kShoulder = 0.8f;
+KERNEL_CONSTANT float kUpperExponent = 2.3f;
+KERNEL_CONSTANT float kLowerExponent = 2.1f;
+KERNEL_CONSTANT float kEaveExponent = 3.0f;
+
+/// 0 at `from`, 1 at `to`, which may be the smaller one.
+SNOWBOUGH_SHARED_FUNCTION float eased(float x, float from, float to) {
+  const float t = clamp((x - from) / (to - from), 0.0f, 1.0f);
+  return t * t * (3.0f - 2.0f * t);
+}
+
+SNOWBOUGH_SHARED_FUNCTION float steepness(float up) { return eased(up, kLevel, kSteep); }
+
+/// Where snow ends.
+struct SnowEdge {
+  /// Thickness below which no snow shows.
+  float threshold;
+  float lip;
+  /// How far below the receiver's surface bare parts lie.
+  float sink;
+};
+
+/// `thickness`: what the map holds here, `open_depth`: what lies on open level ground in this frame; `up`: upward part
+/// of the normal.
+SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, float thickness, float open_depth,
+                                             float up) {
+  const float depth = max(open_depth, 1e-5f);
+  const float steep = steepness(up);
+  const float sheltered = eased(thickness / depth, 0.75f, 0.25f);
+  const float share = max(kSteepShare * steep, kShelterShare * sheltered);
+  const float threshold = share * depth * clamp(0.22f + 0.85f * point.patches, 0.0f, 1.4f) +
+                          kFrost * clamp(depth / kFrostOpenDepth, 0.0f, 1.0f);
+  const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * point.hem, 0.3f, 1.5f);
+  const float sink = min(min(kSink, 0.3f * depth + 0.0008f), point.deepest);
+  return KERNEL_MAKE3(SnowEdge, threshold, lip, sink);
+}
+
+/// Height of the shown snow's surface above the receiver's, negative where none shows, so that snow ends where two
+/// surfaces intersect. Its slope is bounded by smoothing it afterwards over the surface.
+SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float thickness) {
+  const float x = thickness - edge.threshold;
+  if (x < 0.0f) return -edge.sink * (1.0f - exp(x / (0.25f * edge.sink + 0.1f * edge.lip + 1e-6f)));
+  const float lip = sqrt(x * x + 2.0f * edge.lip * x * exp(-x / (2.5f * edge.lip)));
+  const float kept = edge.threshold * (1.0f - exp(-x / edge.threshold));
+  return min(lip + kept, 1.5f * thickness + 0.004f);
+}
+
+/// What relief adds to a height.
+SNOWBOUGH_SHARED_FUNCTION float surface_relief(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
+                                               float height, float open_depth) {
+  const float wave = kRelief * point.relief + kBumps * point.bumps;
+  return style.relief * wave * min(max(height, 0.0f), open_depth);
+}
+
+/// How far snow that ends on a steep place hangs down the slope.
+SNOWBOUGH_SHARED_FUNCTION float sagging(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
+                                        KERNEL_CONST_REF(SnowEdge) edge, float thickness, float height, float up) {
+  const float x = max(thickness - edge.threshold, 0.0f);
+  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, 1.4f);
+  return style.overhang * max(height, 0.0f) * amount * exp(-x / (1.5f * edge.lip)) * steepness(up) *
+         eased(up, -0.2f, 0.2f);
+}
+
+/// A quarter of a superellipse about `centre`, from `from` at turn 0 to `to` at turn 1.
+SNOWBOUGH_SHARED_FUNCTION vec3 quarter(vec3 centre, vec3 from, vec3 to, float turn, float exponent) {
+  const float angle = 1.5707963f * turn;
+  const float power = 2.0f / exponent;
+  return centre + (from - centre) * pow(max(cos(angle), 0.0f), power) +
+         (to - centre) * pow(max(sin(angle), 0.0f), power);
+}
+
+/// Lengths of a front whose snow is `height` high.
+struct SnowProfile {
+  float height;
+  float overhang;
+  float drop;
+  float shoulder;
+};
+
+SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) front,
+                                                    KERNEL_CONST_REF(SnowStyle) style, float inland) {
+  const float slow = clamp(front.noise_slow * style.hem_variation, -1.3f, 1.3f);
+  const float fast = clamp(front.noise_fast * style.hem_variation, -1.3f, 1.3f);
+  const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
+  const float bridged = clamp(front.bridged * style.bridging, 0.0f, 1.0f);
+  const float height = inland * (1.0f - 0.10f * bridged);
+  const float eaves = 0.1f * max(slow, -0.5f) * front.eave;
+  const float out = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
+  const float overhang = mix(height * min(out, 0.55f), front.half_gap, bridged);
+  const float hang = max(0.10f + 0.33f * fast * (1.0f + 0.8f * front.eave), 0.005f);
+  const float drop = min(height * hang * (1.0f - 0.7f * bridged), 0.9f * front.far_zone);
+  const float round = min(kShoulder * height * (1.0f + 0.25f * shoulder_noise), 0.62f * front.zone);
+  return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -front.half_gap, bridged));
+}
+
+/// The way from the carrier to a point of the front. `inland`: height of the snow behind the rim; `normal` and `height`:
+/// the point's own, as away from rims; `bumps`: noise; `sink`: of a bare place.
+SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
+                                            float inland, vec3 normal, float height, float bumps, float sink) {
+  const vec3 up = vec3(0.0f, 0.0f, 1.0f);
+  const SnowProfile profile = front_profile(front, style, inland);
+  const float bridged = clamp(front.bridged * style.bridging, 0.0f, 1.0f);
+  const vec3 lift = front.lift * profile.height + up * (front.half_step * bridged);
+  const vec3 belly = up * (kBelly * profile.height);
+  const vec3 farthest = front.level_out * profile.overhang + belly;
+  const float rough = style.relief * kBumps * bumps * profile.height;
+  const float along = clamp(front.distance / front.zone, 0.0f, 1.0f);
+  // Deep below bare rims nothing may stick out.
+  const vec3 sunk = normal * (-sink * eased(profile.height, 0.008f, 0.0f));
+  // From the carrier to the rim.
+  const vec3 to_rim = front.out * max(front.distance, 0.0f) - front.down * max(-front.distance, 0.0f);
+
+  if (along >= kFrontPart) {
+    const float part = (along - kFrontPart) / (1.0f - kFrontPart);
+    const float easing = eased(along, kFrontPart, 1.0f);
+    const float inwards = mix(profile.shoulder, front.zone, part);
+    const vec3 way = mix(lift, normal * height, easing);
+    return front.out * (front.distance - inwards) + way + front.lift * (rough * (1.0f - easing)) + sunk;
+  }
+  // Without a far face the lower part of the front lies on the support, too.
+  const float lower = (1.0f - front.has_far) * 0.3f;
+  const float on_front = along / kFrontPart;
+  const bool beyond = front.distance < 0.0f || on_front < lower;
+  if (!beyond) {
+    const float turn = clamp((on_front - lower) / (1.0f - lower), 0.0f, 1.0f);
+    const vec3 inside = front.out * -profile.shoulder;
+    const vec3 at = quarter(inside + belly, farthest, inside + lift, turn, kUpperExponent);
+    const float angle = 1.5707963f * turn;
+    return to_rim + at + (front.level_out * cos(angle) + front.lift * sin(angle)) * rough + sunk;
+  }
+  const float eaves = clamp(2.0f * front.eave, 0.0f, 1.0f);
+  const float down_way = clamp(-front.distance / (front.far_zone * kTucked), 0.0f, 1.0f);
+  const float turn = front.has_far > 0.5f ? down_way : 1.0f - clamp(on_front / max(lower, 1e-6f), 0.0f, 1.0f);
+  const vec3 foot = front.has_far > 0.5f
+                        ? front.down * profile.drop - front.level_out * kTuck
+                        : up * (-0.3f * min(profile.drop, 0.1f * profile.height)) - front.level_out * 0.001f;
+  const vec3 lowest = front.level_out * (0.9f * profile.overhang) -
+                      up * (profile.drop * (1.0f + 0.9f * eaves));
+  const float exponent = mix(kLowerExponent, kEaveExponent, eaves);
+  const vec3 at = quarter(farthest + foot - lowest, farthest, foot, turn, exponent);
+  return to_rim + at + front.level_out * (rough * (1.0f - turn)) + sunk;
+}
+
+#ifndef SNOWBOUGH_GLSL
+}  // namespace snowbough::shared
+#endif
