@@ -23,9 +23,10 @@ def undisturbed(addon, tmp_path):
     s.moving_scene(
         tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0, flutter=0.05, directions=48
     )
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     s.bake()
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.save_mainfile()
     return s.files_of(tmp_path / "whole")
 
 

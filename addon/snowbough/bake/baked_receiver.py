@@ -9,7 +9,7 @@ import numpy as np
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
 from ..cache.errors import CacheError, InputsChanged
-from ..cache.files import EVER_COVERED, digest, frame_file, state_file
+from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 from . import plan
@@ -33,6 +33,8 @@ class BakedReceiver:
     texel: float
     """Mean texel size in metres at the shot's first frame."""
     folder: Path = None
+    cache: str = ""
+    """Identity of the .blend's cache."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
 
@@ -61,7 +63,7 @@ class BakedReceiver:
 
     def start(self, shot):
         """Makes the folder ready for the shot's first frame."""
-        receiver_folder.clear(self.folder, keep_lock=True)
+        receiver_folder.clear(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
@@ -84,6 +86,8 @@ class BakedReceiver:
                 "object": self.name,
                 "label": self.label,
                 "library": self.library,
+                "cache": self.cache,
+                "files": bake_files(shot["frame_start"], shot["frame_end"]),
                 "complete": complete,
                 "hash": digest(own),
                 "settings": own,

@@ -18,7 +18,7 @@ import contextlib
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from ..cache import versions
+from ..cache import owner, versions
 from ..cache.errors import CacheError, CacheFinished
 from ..cache.files import digest, make_folder
 from ..cache.lock import drop_dead_lock, lock_folder
@@ -39,7 +39,7 @@ class BakeJob:
     def __init__(self, request, native):
         self.request = request
         self.native = native
-        self.root = versions.scene_folder(request.cache, request.scene_name)
+        self.root = versions.scene_folder(request.cache, request.scene_name, request.cache_identity)
         self.version = None
         self.receivers = []
         self.baked = []
@@ -82,12 +82,14 @@ class BakeJob:
             engine = engine_info(self._engine, request.snow["mapping"])  # without one nothing is begun
             self._driver = driver_text(engine)
             make_folder(self.root)
-            stack.callback(versions.remove_empty_folders, self.root)
+            stack.callback(lambda: versions.remove_empty_folders(self.root, self.folders.values()))
             self._open_version(settings, stack)
             if not self.receivers:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
             rest = resuming.checkpoint_frame(request, self.receivers, self.version)
+            if request.blend:
+                owner.claim(self.root, request.blend)
             if self._may_resume():  # only now is known which receivers are finished and need no map
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
@@ -160,6 +162,7 @@ class BakeJob:
         self.baked = list(self.receivers)
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
+            receiver.cache = self.request.cache_identity
             self.folders[receiver.label] = receiver.folder
         for receiver in self.receivers:
             if receiver.key in finished:

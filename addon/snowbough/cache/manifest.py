@@ -7,20 +7,31 @@ from pathlib import Path
 import numpy as np
 
 from .errors import CacheError
-from .files import INPUTS, MANIFEST, digest, read_json, to_json, write_bytes
+from .files import (
+    INPUTS,
+    MANIFEST,
+    REMOVED_MANIFEST,
+    bake_files,
+    digest,
+    is_bake_file,
+    read_json,
+    to_json,
+    write_bytes,
+)
 
 # 1: flutter in degrees. 2: all angles in radians.
 FORMAT = 2
 
 
-def read_manifest(folder):
+def read_manifest(folder, name=MANIFEST):
     """object.json of a receiver's folder as a dict, or None where it is not there yet.
 
     Keys: ``format``, ``object``, ``library``, ``complete`` (all frames of the shot are there), ``hash``
     (of settings), ``settings`` (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with
-    ``frame`` and its statistics). What an earlier format says is told as this one would.
+    ``frame`` and its statistics), ``cache`` (the identity of the .blend's cache, empty where it was not saved),
+    ``files`` (names of all files that belong to the bake). Earlier formats come as this one, without the last two.
     """
-    manifest = read_json(Path(folder) / MANIFEST)
+    manifest = read_json(Path(folder) / name)
     if manifest is not None and manifest.get("format") == 1:
         manifest = _from_format_1(manifest)
     if manifest is not None and manifest.get("format") != FORMAT:
@@ -40,6 +51,21 @@ def _from_format_1(manifest):
         settings["snowfall"] = {**settings["snowfall"], "flutter": flutter}
         settings["shot"] = digest(settings["snowfall"])
     return {**manifest, "format": FORMAT, "settings": settings, "hash": digest(settings)}
+
+
+def read_any_manifest(folder):
+    """read_manifest, or that of a removal which was interrupted."""
+    manifest = read_manifest(folder)
+    return read_manifest(folder, REMOVED_MANIFEST) if manifest is None else manifest
+
+
+def listing(manifest):
+    """Names of the files that a manifest lists, a set, without those that no bake gives."""
+    shot = manifest["settings"].get("snowfall", {})
+    listed = manifest.get("files")
+    if listed is None and "frame_start" in shot:  # of an earlier format
+        listed = bake_files(shot["frame_start"], shot["frame_end"])
+    return {name for name in listed or (MANIFEST,) if is_bake_file(name)}
 
 
 def write_manifest(folder, manifest):

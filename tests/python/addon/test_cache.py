@@ -3,6 +3,7 @@
 
 import math
 import os
+import re
 import stat
 import subprocess
 import sys
@@ -16,12 +17,20 @@ from snowbough.cache import errors, files, folder, lock, manifest, versions
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
 
-def baked(path, frames=(1, 2), complete=True, shot="s"):
+def baked(path, frames=(1, 2), complete=True, shot="s", cache=""):
     path.mkdir(parents=True, exist_ok=True)
     for frame in frames:
         (path / files.frame_file("height", frame)).write_bytes(b"exr")
     manifest.write_manifest(
-        path, {"complete": complete, "settings": {"shot": shot}, "hash": "h", "frames": []}
+        path,
+        {
+            "complete": complete,
+            "settings": {"shot": shot},
+            "hash": "h",
+            "frames": [],
+            "cache": cache,
+            "files": files.bake_files(frames[0], frames[-1]),
+        },
     )
     return path
 
@@ -30,6 +39,25 @@ def test_names_become_safe_file_names():
     assert names.safe_name("Cart") == "Cart"
     assert names.safe_name("../Bänk: 1/2") == "_B_nk__1_2"
     assert names.safe_name("...") == "_"
+    assert names.safe_name("CON") == "_CON" and names.safe_name("aux.001") == "_aux.001"
+    assert names.safe_name("Console") == "Console"
+
+
+def test_names_that_differ_in_anything_get_folders_that_differ_in_more_than_case():
+    alike = ["雪一", "山一", "Shot", "shot", "SHOT", "Shot ", "Sh ot", "Sh_ot", "a" * 64 + "b", "a" * 64 + "c", "CON",
+             "con", "_CON", "Con.001", "Shot.", "Shot-0123abcd", ".Shot", "-shot"]  # fmt: skip
+    folders = [names.folder_name(name) for name in alike]
+    assert len({folder.lower() for folder in folders}) == len(alike), folders
+    assert all(re.fullmatch("[A-Za-z0-9_][A-Za-z0-9._-]*[A-Za-z0-9_]", folder) for folder in folders)
+    assert names.folder_name("Shot") == "Shot" and names.folder_name("Scene.001") == "Scene.001"
+
+
+def test_a_scenes_folder_of_before_is_found(tmp_path):
+    baked(tmp_path / "SHOT_1" / "v001" / "a")
+    assert versions.scene_folder(tmp_path, "SHOT_1") == tmp_path / "SHOT_1"
+    assert versions.scene_folder(tmp_path, "shot_1").name == names.folder_name("shot_1")
+    (tmp_path / names.folder_name("SHOT_1")).mkdir()
+    assert versions.scene_folder(tmp_path, "SHOT_1").name == names.folder_name("SHOT_1")
 
 
 def test_objects_of_one_name_get_folders_of_their_own():
@@ -134,22 +162,6 @@ def test_a_manifest_of_a_later_format_is_refused(tmp_path):
     (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": manifest.FORMAT + 1}))
     with pytest.raises(errors.CacheError, match="another version of Snowbough"):
         manifest.read_manifest(tmp_path)
-
-
-def test_free_removes_exactly_what_the_bake_made(tmp_path):
-    first = baked(tmp_path / "v001" / "a")
-    baked(tmp_path / "v001" / "b")
-    (first / "notes.txt").write_text("mine")
-    versions.free(tmp_path)
-    left = [path for path in tmp_path.rglob("*") if path.is_file()]
-    assert left == [first / "notes.txt"]
-
-
-def test_free_takes_only_the_receivers_named(tmp_path):
-    baked(tmp_path / "v001" / "a")
-    kept = baked(tmp_path / "v001" / "b")
-    assert versions.free(tmp_path, ["a"]) == 3
-    assert not (tmp_path / "v001" / "a").exists() and folder.baked_frames(kept) == [1, 2]
 
 
 def test_a_folder_is_locked_against_a_second_bake(tmp_path):
