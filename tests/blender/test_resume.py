@@ -371,6 +371,31 @@ def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon,
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+def test_a_bake_whose_lock_was_taken_stops_with_its_own_code_and_leaves_the_other_ones_files(
+    addon, undisturbed, tmp_path
+):
+    """The lock is deleted by hand, and a second bake clears the folder and goes ahead."""
+    report = tmp_path / "report.json"
+    first = subprocess.Popen(
+        blender_command(addon, tmp_path / "shot.blend", "--json", str(report)),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    for line in first.stdout:
+        if line.startswith("SNOWBOUGH frame=2"):
+            break
+    locks = sorted((tmp_path / "cache").rglob("lock"))
+    assert len(locks) == 3
+    os.kill(first.pid, signal.SIGSTOP)
+    for lock in locks:
+        lock.unlink()
+    s.bake()
+    os.kill(first.pid, signal.SIGCONT)
+    error = first.communicate(timeout=120)[1]
+    assert first.returncode == 7 and "was removed or replaced while this bake ran" in error
+    assert json.loads(report.read_text())["exit_code"] == 7
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
 @pytest.fixture
 def small_disk(tmp_path):
     """A disk of 400 KiB at tmp/small; grow() makes room."""

@@ -35,6 +35,8 @@ class BakedReceiver:
     folder: Path = None
     cache: str = ""
     """Identity of the .blend's cache."""
+    lock: object = None
+    """cache.lock.FolderLock of the folder; nothing is written without it."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
 
@@ -63,6 +65,7 @@ class BakedReceiver:
 
     def start(self, shot):
         """Makes the folder ready for the shot's first frame."""
+        self.lock.check()
         receiver_folder.clear(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
@@ -70,6 +73,7 @@ class BakedReceiver:
     def write_maps(self, native, output, noted):
         """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
         frame, a dict with its number as ``frame``; the greatest height, on either side, is added."""
+        self.lock.check()
         frame, height = noted["frame"], output["height"]
         native.write_exr(str(self.folder / frame_file("height", frame)), height)
         if "normal" in output:
@@ -99,6 +103,7 @@ class BakedReceiver:
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
         simulation_state gives it, the engine and driver that ran (snow_engine.driver_text), the poses so far
         (scene.inputs)."""
+        self.lock.check()
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
         receiver_folder.write_sidecar(self.folder, frame, sidecar)
         self.write_manifest(shot, False)
@@ -124,6 +129,7 @@ class BakedReceiver:
 
     def forget_after(self, frame):
         """Removes what was baked after a checkpoint."""
+        self.lock.check()
         receiver_folder.remove_frames_after(self.folder, frame)
         for later in receiver_folder.checkpoints(self.folder):
             if later > frame:
@@ -131,9 +137,11 @@ class BakedReceiver:
 
     def complete(self, shot, native, inputs):
         """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
+        self.lock.check()
         write_inputs(self.folder, inputs)
         self.covered.write(native, self.folder / EVER_COVERED)
         self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
+        self.lock.check()
         self.write_manifest(shot, complete=True)
 
     def _remove_passed_checkpoints(self, shot, before):

@@ -63,12 +63,12 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
     settings, render = scene.snowbough, scene.render
     frame_start, frame_end = settings.frame_start, settings.frame_end
     first = frame_start if first is None else first
-    cache, cache_identity = bake_place(scene, resume or first > frame_start, directory)
+    cache, cache_id = bake_place(scene, resume or first > frame_start, directory)
     return BakeRequest(
         scene_name=scene.name,
         cache=cache,
-        cache_identity=cache_identity,
-        blend=bpy.data.filepath if cache_identity and directory is None else "",
+        cache_id=cache_id,
+        blend=bpy.data.filepath if cache_id and directory is None else "",
         first=first,
         last=frame_end if last is None else last,
         fps=render.fps / render.fps_base,

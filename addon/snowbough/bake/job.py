@@ -39,7 +39,7 @@ class BakeJob:
     def __init__(self, request, native):
         self.request = request
         self.native = native
-        self.root = versions.scene_folder(request.cache, request.scene_name, request.cache_identity)
+        self.root = versions.scene_folder(request.cache, request.scene_name, request.cache_id)
         self.version = None
         self.receivers = []
         self.baked = []
@@ -162,7 +162,7 @@ class BakeJob:
         self.baked = list(self.receivers)
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
-            receiver.cache = self.request.cache_identity
+            receiver.cache = self.request.cache_id
             self.folders[receiver.label] = receiver.folder
         for receiver in self.receivers:
             if receiver.key in finished:
@@ -170,7 +170,7 @@ class BakeJob:
                 drop_dead_lock(receiver.folder)
         self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
         for receiver in self.receivers:
-            stack.enter_context(lock_folder(receiver.folder))
+            receiver.lock = stack.enter_context(lock_folder(receiver.folder))
             # Between choosing and locking another machine may have finished it.
             if (read_manifest(receiver.folder) or {}).get("complete"):
                 raise CacheFinished(

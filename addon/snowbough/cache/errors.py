@@ -10,6 +10,10 @@ class CacheBusy(CacheError):
     """Another bake holds the lock."""
 
 
+class LockLost(CacheError):
+    """The lock of a running bake was removed or replaced; it writes nothing more."""
+
+
 class CacheFinished(CacheError):
     """The receiver is finished in this version; nothing may write there."""
 

@@ -186,6 +186,28 @@ def test_a_killed_bake_blocks_nobody(tmp_path):
         pass
 
 
+def test_a_lock_that_was_removed_or_replaced_is_noticed_and_the_other_ones_stays(tmp_path):
+    with lock.lock_folder(tmp_path / "a") as held:
+        held.check()
+        (tmp_path / "a" / "lock").unlink()
+        with pytest.raises(errors.LockLost, match="was removed or replaced"):
+            held.check()
+        with lock.lock_folder(tmp_path / "a") as second:
+            with pytest.raises(errors.LockLost):
+                held.check()
+            second.check()
+            (tmp_path / "a" / "lock").write_text("process 1 on elsewhere")
+            with pytest.raises(errors.LockLost):
+                second.check()
+    with lock.lock_folder(tmp_path / "b") as held:
+        (tmp_path / "b" / "lock").unlink()
+        other = lock.lock_folder(tmp_path / "b")
+        other.__enter__().check()
+    assert (tmp_path / "b" / "lock").exists()
+    other.__exit__(None, None, None)
+    assert not (tmp_path / "b" / "lock").exists()
+
+
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX permissions")
 def test_an_unwritable_cache_says_what_to_do(tmp_path):
     blocked = tmp_path / "file"
