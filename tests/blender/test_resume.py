@@ -147,6 +147,29 @@ def test_a_finished_bake_is_compared_to_its_last_frame(addon, undisturbed, tmp_p
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+@pytest.mark.parametrize("last", [6, 12])
+def test_every_receivers_recorded_scene_is_compared(addon, undisturbed, tmp_path, last):
+    """One receiver was baked while the flag stood elsewhere, the others, later in order, from the scene as it is."""
+    flag = bpy.data.objects["Flag"]
+    flag.location.x = 0.5
+    assert run_part(addon, 1, last, ["Cart"]).error is None
+    flag.location.x = 0.0
+    assert run_part(addon, 1, last, ["Flag", "Ground"]).error is None
+    before = s.files_of(tmp_path / "cache")
+    with pytest.raises(RuntimeError, match=r"not the one that Cart .*\(Flag: transform changed at frame 1\)"):
+        s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == before
+
+
+def test_a_resumed_receiver_is_compared_with_the_finished_ones_beside_it(addon, undisturbed, tmp_path):
+    bpy.data.objects["Flag"].location.x = 0.5
+    assert run_part(addon, 1, 12, ["Ground"]).error is None
+    bpy.data.objects["Flag"].location.x = 0.0
+    assert run_part(addon, 1, 6, ["Cart", "Flag"]).error is None
+    with pytest.raises(RuntimeError, match=r"not the one that Ground .*\(Flag: transform changed at frame 1\)"):
+        s.bake(resume=True)
+
+
 def test_a_finished_bake_with_other_settings_is_told(undisturbed, tmp_path):
     s.bake()
     bpy.context.scene.snowbough.end_depth = 0.2

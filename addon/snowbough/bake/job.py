@@ -188,7 +188,8 @@ class BakeJob:
         added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
         self._registry.register_changes(added)
         self._positions.update(moved)
-        resuming.compare_scenes(before, self._tracker.inputs, "was baked", "bake again from the start")
+        recorded = {**self._finished_inputs(), **before}
+        resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
         for receiver in self.receivers:
             receiver.forget_after(frame)
         self.native.set_simulation_state(self._simulation, state)
@@ -196,16 +197,22 @@ class BakeJob:
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
         """Compares the scene, frame by frame, with what the finished receivers were baked from."""
-        recorded = next((poses for r in self.baked if (poses := read_inputs(r.folder)) is not None), None)
-        if recorded is None:
+        recorded = self._finished_inputs()
+        if not recorded:
             return
         self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
         resuming.compare_scenes(
             recorded,
             self._tracker.inputs,
-            f"{self.version.name} was baked from",
+            f"in {self.version.name} was baked from",
             "bake again; the finished version is kept until it is freed",
         )
+
+    def _finished_inputs(self):
+        """{label: recorded poses} of the receivers that were finished before."""
+        writing = {receiver.key for receiver in self.receivers}
+        found = {own.label: read_inputs(own.folder) for own in self.baked if own.key not in writing}
+        return {label: poses for label, poses in found.items() if poses is not None}
 
     def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
         """Evaluates all poses up to frame ``last`` without snow; returns what register_changes() of the
