@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A receiver that a bake writes: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
 
+import contextlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,7 +9,7 @@ import numpy as np
 
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
-from ..cache.errors import CacheError, InputsChanged
+from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
 from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
@@ -73,12 +74,12 @@ class BakedReceiver:
     def write_maps(self, native, output, noted):
         """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
         frame, a dict with its number as ``frame``; the greatest height, on either side, is added."""
-        self.lock.check()
         frame, height = noted["frame"], output["height"]
-        native.write_exr(str(self.folder / frame_file("height", frame)), height)
-        if "normal" in output:
-            path = self.folder / frame_file("normal", frame)
-            native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
+        with self._writing():
+            native.write_exr(str(self.folder / frame_file("height", frame)), height)
+            if "normal" in output:
+                path = self.folder / frame_file("normal", frame)
+                native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
         self.covered.add(height)
         self.frames.append({**noted, "highest": float(max(height.max(), -height.min()))})
 
@@ -103,28 +104,32 @@ class BakedReceiver:
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
         simulation_state gives it, the engine and driver that ran (snow_engine.driver_text), the poses so far
         (scene.inputs)."""
-        self.lock.check()
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
-        receiver_folder.write_sidecar(self.folder, frame, sidecar)
-        self.write_manifest(shot, False)
         own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
-        try:
+        with self._writing():
+            receiver_folder.write_sidecar(self.folder, frame, sidecar)
+            self.write_manifest(shot, False)
             native.write_checkpoint(str(self.folder / state_file(frame)), own)
-        except RuntimeError as error:
-            raise CacheError(str(error)) from error
-        self._remove_passed_checkpoints(shot, frame)
+            self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, native, frame):
         """Sets coverage and frames to those of a checkpoint; returns (step number, state, driver, inputs)."""
         receiver_folder.remove_stray_files(self.folder)
         sidecar = receiver_folder.read_sidecar(self.folder, frame)
-        self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
         self.frames = sidecar["frames"]
         try:
+            self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
             state = native.read_checkpoint(str(self.folder / state_file(frame)))
             own = state["objects"][self.key]
-        except (RuntimeError, KeyError) as error:
-            raise CacheError(f"{error}: free the bake, then bake again") from error
+        except KeyError:
+            raise CacheError(
+                f"{self.folder / state_file(frame)} is of another receiver: free the bake, then bake again"
+            ) from None
+        except (RuntimeError, ValueError) as error:
+            raise CacheError(
+                f"{self.folder / state_file(frame)} is damaged ({error}): remove it to resume from the checkpoint "
+                "before it, or free the bake and bake again"
+            ) from error
         return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
     def forget_after(self, frame):
@@ -137,12 +142,28 @@ class BakedReceiver:
 
     def complete(self, shot, native, inputs):
         """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
+        try:
+            with self._writing():
+                write_inputs(self.folder, inputs)
+                self.covered.write(native, self.folder / EVER_COVERED)
+                self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
+            with self._writing():
+                self.write_manifest(shot, complete=True)
+        except LockLost:
+            raise
+        except (OSError, RuntimeError) as error:
+            raise CacheError(f"{error}. {remedy_for(error)}") from error
+
+    @contextlib.contextmanager
+    def _writing(self):
+        """Files are written while the lock is held. Raises LockLost where it is not, also where that is why they could
+        not be written: the other bake clears the folder."""
         self.lock.check()
-        write_inputs(self.folder, inputs)
-        self.covered.write(native, self.folder / EVER_COVERED)
-        self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
-        self.lock.check()
-        self.write_manifest(shot, complete=True)
+        try:
+            yield
+        except (OSError, RuntimeError):
+            self.lock.check()
+            raise
 
     def _remove_passed_checkpoints(self, shot, before):
         receiver_folder.remove_irregular_checkpoints(

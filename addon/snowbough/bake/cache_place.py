@@ -14,6 +14,7 @@ import bpy
 
 from .. import session
 from ..cache import owner, versions
+from ..cache.errors import CacheError
 
 
 def cache_directory(scene, directory=None):
@@ -60,7 +61,7 @@ def existing_cache(scene):
     """The scene's folder in the cache where a bake would go on. Returns a Path that need not exist, or None."""
     try:
         cache, own = bake_place(scene, goes_on=True)
-    except ValueError:
+    except (ValueError, CacheError):
         return None
     return versions.scene_folder(cache, scene.name, own)
 
@@ -102,7 +103,7 @@ def _give_identities(*_):
         if own and bpy.data.filepath:
             try:
                 own = identity(scene, cache_directory(scene))
-            except ValueError:
+            except (ValueError, CacheError):
                 pass
         own = own or uuid.uuid4().hex[:16]
         session.cache_identities[scene.name] = own

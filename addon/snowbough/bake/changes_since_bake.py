@@ -83,7 +83,7 @@ def settings_changes(scene):
                     request.rates,
                 ).totals
             )
-    except ValueError:
+    except (ValueError, CacheError):
         return []
     texts = []
     for entry, manifest in entries:
@@ -119,7 +119,10 @@ def scene_changes(scene, depsgraph):
     """Texts such as ``Cart: transform changed at frame 12`` on the current frame, seen through depsgraph."""
     recorded = None
     for entry, _ in _baked_entries(scene):
-        poses = read_inputs(bpy.path.abspath(entry.folder))
+        try:
+            poses = read_inputs(bpy.path.abspath(entry.folder))
+        except CacheError as error:
+            return [str(error)]
         if poses is not None:
             recorded = inputs.SceneInputs(poses).at(inputs.pose_name(scene.frame_current, 0.0))
             break

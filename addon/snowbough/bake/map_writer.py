@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Makes, packs and writes maps and checkpoints beside the simulation, in threads of its own. No ``bpy``."""
 
-import errno
-import os
 import queue
 import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from ..cache.errors import LockLost
+from ..cache.errors import LockLost, remedy_for
 
 # So many maps may wait; more would only fill memory when the disk is the slowest.
 MAX_WAITING = 8
@@ -18,21 +16,6 @@ MAKERS = 2
 
 class WriteFailed(RuntimeError):
     """A map could not be written: full disk, folder gone. Names the file and the reason."""
-
-
-# What the system says -> what to do about it. The native module has the system's own words too.
-_REMEDIES = (
-    ((errno.ENOSPC, errno.EDQUOT), "What is done is kept: make room, then resume"),
-    ((errno.ENOENT, errno.ENOTDIR, errno.ESTALE), "The folder is gone: put it back and resume, or bake again"),
-    ((errno.EACCES, errno.EPERM, errno.EROFS), "What is done is kept: allow writing there, then resume"),
-)
-
-
-def _remedy(text):
-    for codes, remedy in _REMEDIES:
-        if any(os.strerror(code) in text for code in codes):
-            return remedy
-    return "What is done is kept: see to the disk, then resume"
 
 
 class MapWriter:
@@ -96,7 +79,7 @@ class MapWriter:
             except LockLost as error:
                 self._error = error
             except (OSError, RuntimeError) as error:  # both are handed to the thread that bakes
-                self._error = WriteFailed(f"{error}. {_remedy(str(error))}")
+                self._error = WriteFailed(f"{error}. {remedy_for(error)}")
             except Exception as error:
                 self._error = error
             finally:

@@ -6,6 +6,7 @@ from pathlib import Path
 import bpy
 
 from .. import session
+from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
 from ..result import displacement
 from ..scene.pose import library_path
@@ -57,7 +58,10 @@ def after_bake(scene, running):
         folder = by_object.get((entry.object.name, library_path(entry.object)))
         if folder is not None and baked_frames(folder):
             entry.folder = shown_folder(folder)
-            notes += displacement.refresh(scene, entry)
+            try:
+                notes += displacement.refresh(scene, entry)
+            except CacheError as error:
+                notes.append(str(error))
     for image in bpy.data.images:
         if image.source == "SEQUENCE" and str(job.root) in bpy.path.abspath(image.filepath):
             image.reload()

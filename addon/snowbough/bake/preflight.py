@@ -134,7 +134,8 @@ def _cache(scene):
     existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
     if not existing.is_dir() or not _is_writable(existing):
         yield Issue("ERROR", f"The cache folder {folder} cannot be written: choose another one")
-    numbers = versions.versions(existing_cache(scene))
+    root = existing_cache(scene)
+    numbers = versions.versions(root) if root is not None else []
     if numbers:
         yield Issue(
             "INFO",

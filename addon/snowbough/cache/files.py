@@ -7,6 +7,7 @@ import json
 import os
 import re
 import stat
+import uuid
 from pathlib import Path
 
 from .errors import CacheError
@@ -36,7 +37,7 @@ STATE_PATTERN = re.compile(r"state_(\d{4,})$")
 FRAME_PATTERN = re.compile(r"(?:height|normal)_(\d{4,})\.exr$")
 LOG_PATTERN = re.compile(r"\d{8}T\d{6}-[A-Za-z0-9._-]+-\d+\.log$")
 # What a file that is being written is called: by write_bytes, and by the native module.
-_TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+)?\.tmp$")
+_TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$")
 _TEXTURE = re.compile(r"((?:height|normal)_\d{4,}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
 
 
@@ -95,7 +96,7 @@ def folders_in(path):
 
 def write_bytes(path, data):
     """Writes all of data or nothing. Raises CacheError with path and reason."""
-    temporary = Path(f"{path}{TEMPORARY_SUFFIX}")
+    temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
     try:
         with open(temporary, "wb") as stream:
             stream.write(data)
@@ -135,13 +136,3 @@ def make_folder(path):
             f"The cache folder {path} cannot be written: {error.strerror or error}. "
             "Choose another one in the Snowbough panel, or with --cache"
         ) from error
-
-
-def read_json(path):
-    """What a JSON file holds, or None where it is not there. Raises CacheError for one that cannot be read."""
-    try:
-        return json.loads(Path(path).read_bytes())
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError) as error:
-        raise CacheError(f"{path} cannot be read ({error}). Free the bake, then bake again") from error

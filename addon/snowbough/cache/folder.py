@@ -14,18 +14,15 @@ from .files import (
     PROBE,
     REMOVED_MANIFEST,
     STATE_PATTERN,
-    TEMPORARY_SUFFIX,
     TEXTURE_CACHE,
     finished_name,
     is_bake_file,
     is_regular,
-    read_json,
     state_file,
     texture_source,
-    to_json,
-    write_bytes,
 )
-from .manifest import listing, read_any_manifest
+from .manifest import FRAMES, POSES, listing, read_any_manifest
+from .sealed import FORMAT, read_sealed, text, write_sealed
 
 
 def checkpoints(folder):
@@ -38,8 +35,11 @@ def checkpoints(folder):
 
 
 def read_sidecar(folder, frame):
-    """What write_sidecar wrote. Raises NoCheckpoint where it is not there."""
-    sidecar = read_json(Path(folder) / f"{state_file(frame)}.json")
+    """What write_sidecar wrote. Raises NoCheckpoint where it is not there, CacheError where it is damaged."""
+    shape = {"covered": text, "driver": text, "frames": FRAMES, "inputs": POSES}
+    remedy = "Remove it to resume from the checkpoint before it, or free the bake and bake again"
+    shapes = {0: shape, FORMAT: shape}
+    sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, shapes.get)
     if sidecar is None:
         raise NoCheckpoint(f"{Path(folder) / state_file(frame)} has no {state_file(frame)}.json beside it")
     return sidecar
@@ -47,7 +47,7 @@ def read_sidecar(folder, frame):
 
 def write_sidecar(folder, frame, sidecar):
     """Writes state_NNNN.json; to be followed by state_NNNN itself, which makes the checkpoint whole."""
-    write_bytes(Path(folder) / f"{state_file(frame)}.json", to_json(sidecar))
+    write_sealed(Path(folder) / f"{state_file(frame)}.json", sidecar)
 
 
 def remove_checkpoint(folder, frame):
@@ -72,9 +72,8 @@ def is_foreign(folder):
     if folder.is_symlink() or not folder.is_dir():
         return True
     names = set(os.listdir(folder))
-    begun = {LOCK, f"{MANIFEST}{TEMPORARY_SUFFIX}"}
     return not names & {MANIFEST, REMOVED_MANIFEST} and any(
-        name not in begun and not name.startswith(PROBE) for name in names
+        finished_name(name) not in (LOCK, MANIFEST) and not name.startswith(PROBE) for name in names
     )
 
 

@@ -11,7 +11,8 @@ import socket
 from pathlib import Path
 
 from .errors import CacheBusy
-from .files import OWNER, digest, read_json, to_json, write_bytes
+from .files import OWNER, digest
+from .sealed import FORMAT, read_sealed, text, write_sealed
 
 
 def _named(blend, root):
@@ -22,10 +23,19 @@ def _named(blend, root):
     return {"blend": str(blend), "host": digest(socket.gethostname())}
 
 
+def _recorded(root):
+    """What claim() wrote, or None."""
+    shapes = {FORMAT: {"blend": text, "host": text}}
+    recorded = read_sealed(
+        Path(root) / OWNER, "Remove it, then open the .blend that baked there first", shapes.get
+    )
+    return None if recorded is None else {name: recorded[name] for name in ("blend", "host")}
+
+
 def is_owner(root, blend):
     """Whether a scene's folder, which need not be there, belongs to a .blend: it was the first to bake there, or
     that one is gone from where it was, moved or renamed. On another computer it cannot be told to be gone."""
-    recorded = read_json(Path(root) / OWNER)
+    recorded = _recorded(root)
     if recorded is None:
         return True
     own = _named(blend, root)
@@ -43,8 +53,8 @@ def is_owner(root, blend):
 def claim(root, blend):
     """Makes a .blend the owner of a scene's folder. Raises CacheBusy where another one was faster."""
     own = _named(blend, root)
-    if is_owner(root, blend) and read_json(Path(root) / OWNER) != own:
-        write_bytes(Path(root) / OWNER, to_json(own))
+    if is_owner(root, blend) and _recorded(root) != own:
+        write_sealed(Path(root) / OWNER, own)
     if not is_owner(root, blend):
         raise CacheBusy(
             f"Another .blend has just begun to bake in {root}: bake again, then this one gets its own"

@@ -124,7 +124,11 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     bl_options = {"REGISTER", "UNDO"}
 
     def invoke(self, context, _event):
-        self._questions = _freeing(context.scene)
+        try:
+            self._questions = _freeing(context.scene)
+        except (CacheError, OSError) as error:
+            self.report({"ERROR"}, outcome.one_line(error))
+            return {"CANCELLED"}
         return context.window_manager.invoke_props_dialog(self, width=DIALOG_WIDTH)
 
     def draw(self, _context):

@@ -4,6 +4,7 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
+from ..cache.errors import CacheError
 from ..names import SNOW_KINDS
 from ..result import baked_images, displacement, look, snow_material, snow_shell
 from .editing_lock import NotWhileBaking
@@ -45,7 +46,7 @@ class _ReceiverOperator(NotWhileBaking):
                 for note in self.work(context, receiver) or ():
                     self.report({"WARNING"}, note)
                 done += 1
-            except ValueError as error:
+            except (ValueError, CacheError) as error:
                 self.report({"WARNING" if len(receivers) > 1 else "ERROR"}, str(error))
         if not done:
             return {"CANCELLED"}

@@ -12,26 +12,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough
+from cache_files import write_manifest, write_old_manifest, written
 from snowbough import names
-from snowbough.cache import errors, files, folder, lock, manifest, versions
+from snowbough.cache import errors, files, folder, lock, manifest, sealed, versions
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
+SIDECAR = {"covered": "", "driver": "CPU", "frames": [], "inputs": [["1", {"Cart": ["t", "s", "u"]}]]}
 
-def baked(path, frames=(1, 2), complete=True, shot="s", cache=""):
-    path.mkdir(parents=True, exist_ok=True)
+
+def baked(path, frames=(1, 2), **given):
+    write_manifest(path, frames=frames, **given)
     for frame in frames:
         (path / files.frame_file("height", frame)).write_bytes(b"exr")
-    manifest.write_manifest(
-        path,
-        {
-            "complete": complete,
-            "settings": {"shot": shot},
-            "hash": "h",
-            "frames": [],
-            "cache": cache,
-            "files": files.bake_files(frames[0], frames[-1]),
-        },
-    )
     return path
 
 
@@ -81,19 +73,19 @@ def test_equal_manifests_are_equal_bytes():
 
 
 def test_a_checkpoint_counts_only_with_its_state(tmp_path):
-    folder.write_sidecar(tmp_path, 10, {"x": 1})
+    folder.write_sidecar(tmp_path, 10, SIDECAR)
     assert folder.checkpoints(tmp_path) == []
     (tmp_path / "state_0010").write_bytes(b"s")
     (tmp_path / "state_0020").write_bytes(b"s")
     assert folder.checkpoints(tmp_path) == [10]
     folder.remove_stray_files(tmp_path)
     assert sorted(os.listdir(tmp_path)) == ["state_0010", "state_0010.json"]
-    assert folder.read_sidecar(tmp_path, 10) == {"x": 1}
+    assert folder.read_sidecar(tmp_path, 10) == {**SIDECAR, "format": manifest.FORMAT}
 
 
 def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
     for frame in (4, 5, 10, 12):
-        folder.write_sidecar(tmp_path, frame, {})
+        folder.write_sidecar(tmp_path, frame, SIDECAR)
         (tmp_path / files.state_file(frame)).write_bytes(b"s")
     folder.remove_irregular_checkpoints(tmp_path, frame_start=1, interval=5, before=12)
     assert folder.checkpoints(tmp_path) == [5, 10, 12]
@@ -127,41 +119,28 @@ def test_resume_finds_the_unfinished_version(tmp_path):
     assert versions.resumable_version(tmp_path, ["c"]) == (None, [])
 
 
-def manifest_of_format_1(path, flutter):
-    """A manifest as it was written while flutter was in degrees; as a file, and what it said."""
-    snowfall = {"flutter": flutter, "end_depth": 0.1}
-    settings = {"shot": files.digest(snowfall), "snowfall": snowfall, "receiver": {"resolution": 64}}
-    written = {
-        "format": 1,
-        "complete": True,
-        "hash": files.digest(settings),
-        "settings": settings,
-        "frames": [1],
-    }
-    path.mkdir(parents=True)
-    (path / files.MANIFEST).write_bytes(files.to_json(written))
-
-
 @pytest.mark.parametrize("degrees", [0.0, 3.0, 17.3, 45.0])
 def test_a_manifest_with_flutter_in_degrees_is_read_as_the_number_that_blender_holds(tmp_path, degrees):
     held = float(np.float32(np.radians(degrees)))  # Blender's properties are single precision
-    manifest_of_format_1(tmp_path / "a", math.degrees(held))
+    write_old_manifest(tmp_path / "a", 1, flutter=math.degrees(held))
     read = manifest.read_manifest(tmp_path / "a")
-    assert read["settings"]["snowfall"] == {"flutter": held, "end_depth": 0.1}
-    assert read["complete"] and read["frames"] == [1]
+    assert read["settings"]["snowfall"]["flutter"] == held and read["complete"]
 
 
 def test_machines_go_on_sharing_a_version_that_was_begun_in_the_earlier_format(tmp_path):
     held = float(np.float32(np.radians(3.0)))
-    manifest_of_format_1(tmp_path / "v001" / "a", math.degrees(held))
-    shot = {"flutter": held, "end_depth": 0.1}
+    write_old_manifest(tmp_path / "v001" / "a", 1, flutter=math.degrees(held))
+    shot = written(flutter=held)["settings"]["snowfall"]
     assert versions.choose_version(tmp_path, ["b"], files.digest(shot)) == 1
 
 
 def test_a_manifest_of_a_later_format_is_refused(tmp_path):
     (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": manifest.FORMAT + 1}))
-    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
+    with pytest.raises(errors.CacheError, match="checksum is missing"):
         manifest.read_manifest(tmp_path)
+    sealed.write_sealed(tmp_path / files.MANIFEST, {})
+    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
+        sealed.read_sealed(tmp_path / files.MANIFEST, "Bake again", {}.get)
 
 
 def test_a_folder_is_locked_against_a_second_bake(tmp_path):

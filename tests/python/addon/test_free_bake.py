@@ -5,6 +5,7 @@ import os
 from pathlib import Path
 
 import pytest
+from cache_files import write_manifest, write_old_manifest, written
 from snowbough.cache import errors, files, folder, lock, manifest, owner, versions
 
 
@@ -13,12 +14,7 @@ def baked(path, cache="me", frames=(1, 2)):
     path.mkdir(parents=True)
     for name in ("height_0001.exr", "height_0002.exr", "state_0001", "state_0001.json", "ever_covered.exr"):
         (path / name).write_bytes(b"data")
-    settings = {"shot": "s", "snowfall": {"frame_start": frames[0], "frame_end": frames[1]}}
-    manifest.write_manifest(
-        path,
-        {"complete": True, "settings": settings, "hash": "h", "frames": [], "cache": cache,
-         "files": files.bake_files(*frames)},
-    )  # fmt: skip
+    write_manifest(path, frames=frames, cache=cache)
     return path
 
 
@@ -69,11 +65,7 @@ def test_the_bake_of_another_file_is_left_alone(tmp_path):
 
 def test_of_an_earlier_format_only_the_versions_shown_go(tmp_path):
     for number in ("v001", "v002"):
-        path = baked(tmp_path / number / "a")
-        written = files.read_json(path / files.MANIFEST)
-        for name in ("cache", "files"):
-            del written[name]
-        (path / files.MANIFEST).write_bytes(files.to_json({**written, "format": 2}))
+        write_old_manifest(baked(tmp_path / number / "a"), 2)
     assert free(tmp_path, "me") == 0
     assert free(tmp_path, "", None, shown={"v002"}) == 6
     assert not (tmp_path / "v002").exists() and folder.baked_frames(tmp_path / "v001" / "a") == [1, 2]
@@ -108,7 +100,7 @@ def test_links_are_not_followed(tmp_path):
 
 def test_half_written_files_of_the_bake_go_too(tmp_path):
     own = baked(tmp_path / "v001" / "a")
-    for name in ("height_0002.exr.4711.3.tmp", "object.json.tmp", "state_0002.4711.0.tmp"):
+    for name in ("height_0002.exr.4711.3.tmp", "object.json.0123abcd.tmp", "state_0002.4711.0.tmp"):
         (own / name).write_bytes(b"half")
     assert free(tmp_path) == 9 and left(tmp_path) == []
 
@@ -143,8 +135,7 @@ def test_a_manifest_that_lists_other_peoples_files_removes_none_of_them(tmp_path
     own = baked(tmp_path / "v001" / "a")
     (tmp_path / "v001" / "secret").write_text("mine")
     (own / "notes.txt").write_text("mine")
-    written = {**files.read_json(own / files.MANIFEST), "files": ["../secret", "notes.txt", files.MANIFEST]}
-    manifest.write_manifest(own, written)
+    manifest.write_manifest(own, {**written(cache="me"), "files": ["../secret", "notes.txt", files.MANIFEST]})
     free(tmp_path)
     assert {"v001/secret", "v001/a/notes.txt", "v001/a/height_0001.exr"} <= set(left(tmp_path))
 

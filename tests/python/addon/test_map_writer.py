@@ -59,7 +59,9 @@ def test_a_cache_that_was_deleted_is_not_told_to_make_room():
         raise RuntimeError("cannot write '/c/height_0001.exr': No such file or directory")
 
     with (
-        pytest.raises(map_writer.WriteFailed, match="No such file.*The folder is gone: put it back and resume"),
+        pytest.raises(
+            map_writer.WriteFailed, match="No such file.*The folder is gone: put it back and resume"
+        ),
         map_writer.MapWriter() as writer,
     ):
         writer.call(write)
