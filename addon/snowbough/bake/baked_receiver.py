@@ -41,6 +41,11 @@ class BakedReceiver:
     frames: list = field(default_factory=list)
     covered: Coverage = None
 
+    @property
+    def shown(self):
+        """The label for people."""
+        return self.spec.shown(self.label)
+
     def settings(self, shot):
         """What its maps depend on: the shot's settings (a dict) and its own."""
         own = {
@@ -60,7 +65,7 @@ class BakedReceiver:
         changes = [change for change in changes if not change.startswith("shot:")]
         if changes:
             raise InputsChanged(
-                f"{self.label} in {self.folder.parent.name} was baked with other settings "
+                f"{self.shown} in {self.folder.parent.name} was baked with other settings "
                 f"({'; '.join(changes)}): bake again from the start, or set them back"
             )
 
@@ -187,11 +192,11 @@ def measure(obj, texel_size):
         areas = surface_and_uv_area(obj.topology, obj.positions)
         per_map = plan.metres_per_map(*areas)
     except ValueError as error:
-        raise ValueError(f"'{obj.label}': {error}") from error
+        raise ValueError(f"'{obj.receiver.shown(obj.label)}': {error}") from error
     resolution = obj.receiver.resolution or plan.automatic_resolution(*areas, texel_size)
     if not MIN_RESOLUTION <= resolution <= MAX_RESOLUTION:
         raise ValueError(
-            f"'{obj.label}' has a resolution of {resolution}; it must be 0 (automatic) or from "
+            f"'{obj.receiver.shown(obj.label)}' has a resolution of {resolution}; it must be 0 (automatic) or from "
             f"{MIN_RESOLUTION} to {MAX_RESOLUTION}"
         )
     return BakedReceiver(

@@ -128,14 +128,16 @@ def scene_changes(scene, depsgraph):
             break
     if recorded is None:
         return []
-    reader = SceneReader(receiver_specs(scene), metres_per_unit(scene))
+    specs = receiver_specs(scene, as_baked=True)
+    names = {spec.known_as: spec.name for spec in specs}
+    reader = SceneReader(specs, metres_per_unit(scene))
     try:
         pose = reader.read(depsgraph, scene.frame_current)
     except ValueError:  # a bake will say so
         return []
     texts = []
     for label in sorted(recorded.keys() - {inputs.SNOWFALL}):
-        obj = scene.objects.get(label)
+        obj = scene.objects.get(names.get(label, label))
         now = next((own for own in pose.objects.values() if own.label == label and own.name == label), None)
         if obj is None and " / " not in label:
             texts.append(f"{label}: removed")
@@ -145,5 +147,5 @@ def scene_changes(scene, depsgraph):
                 before[1:3] = after[1:3] = ("", "")
             text = inputs.difference(before, after)
             if text:
-                texts.append(f"{label}: {text} at frame {scene.frame_current}")
+                texts.append(f"{obj.name}: {text} at frame {scene.frame_current}")
     return texts

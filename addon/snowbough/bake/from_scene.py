@@ -11,7 +11,7 @@ import bpy
 from .. import compat, native
 from ..scene import physics_caches
 from ..scene.pose import metres_per_unit
-from ..scene.receivers import receiver_specs
+from ..scene.receivers import note_baked_names, receiver_specs
 from ..settings.preferences import preferred_engine
 from ..settings.scene import SnowboughSceneSettings
 from ..settings.simulation import snow_of
@@ -74,7 +74,7 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
         fps=render.fps / render.fps_base,
         rates=constant_rates(scene, frame_start, frame_end),
         snow=snow_of(settings),
-        receivers=tuple(receiver_specs(scene)),
+        receivers=tuple(receiver_specs(scene, as_baked=True)),
         objects=tuple(objects),
         resume=resume,
         strict=strict,
@@ -88,5 +88,6 @@ def prepare_bake(scene, request, on_frame=None):
     """A RunningBake for engine.run or start. Raises what make_request and native.load raise, and
     ValueError for a simulation that is not baked and would not move."""
     physics_caches.require_cached(scene)
+    note_baked_names(scene, request.receivers)
     job = BakeJob(request, native.load())
     return RunningBake(job, request.receivers, metres_per_unit(scene), on_frame)

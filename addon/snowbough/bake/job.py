@@ -94,7 +94,7 @@ class BakeJob:
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
             log(f"engine {self._driver}: {engine['reason']}")
-            log(f"{self.version.name}; {', '.join(r.label for r in self.receivers)}")
+            log(f"{self.version.name}; {', '.join(r.shown for r in self.receivers)}")
             for reason in self.refused.values():
                 log(f"left out: {reason}")
             self._registry.prepare()
@@ -163,7 +163,7 @@ class BakeJob:
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
             receiver.cache = self.request.cache_id
-            self.folders[receiver.label] = receiver.folder
+            self.folders[receiver.shown] = receiver.folder
         for receiver in self.receivers:
             if receiver.key in finished:
                 receiver.compare_settings(settings)
@@ -174,7 +174,7 @@ class BakeJob:
             # Between choosing and locking another machine may have finished it.
             if (read_manifest(receiver.folder) or {}).get("complete"):
                 raise CacheFinished(
-                    f"{receiver.label} was just finished in {self.version.name} by another bake"
+                    f"{receiver.shown} was just finished in {self.version.name} by another bake"
                 )
 
     def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
@@ -211,7 +211,7 @@ class BakeJob:
     def _finished_inputs(self):
         """{label: recorded poses} of the receivers that were finished before."""
         writing = {receiver.key for receiver in self.receivers}
-        found = {own.label: read_inputs(own.folder) for own in self.baked if own.key not in writing}
+        found = {own.shown: read_inputs(own.folder) for own in self.baked if own.key not in writing}
         return {label: poses for label, poses in found.items() if poses is not None}
 
     def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):

@@ -37,7 +37,7 @@ def read_checkpoints(native, receivers, frame, driver):
         number, states[receiver.key], made_with, poses = receiver.read_checkpoint(native, frame)
         numbers.add(number)
         # Thousands of receivers have the same ones: one list of them is enough.
-        inputs[receiver.label] = next((known for known in inputs.values() if known == poses), poses)
+        inputs[receiver.shown] = next((known for known in inputs.values() if known == poses), poses)
         if driver is not None and made_with != driver:
             raise other_engine(made_with, driver)
     if len(numbers) > 1:

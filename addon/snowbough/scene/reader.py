@@ -77,6 +77,11 @@ class _Group:
     instances: list = field(default_factory=list)
     """(sort key, matrix (4, 4) float64, local positions, evaluated mesh's data)"""
 
+    @property
+    def shown(self):
+        """The label for people."""
+        return self.receiver.shown(self.label) if self.receiver is not None else self.label
+
 
 def _is_deforming_only(obj):
     return all(modifier.type in DEFORMING_MODIFIERS for modifier in obj.modifiers)
@@ -107,6 +112,7 @@ class SceneReader:
 
     def __init__(self, receivers, scale_length):
         self._receivers = {(spec.name, spec.library): spec for spec in receivers}
+        self._names_taken = {(spec.known_as, spec.library) for spec in receivers}
         self._scale = scale_length
         self._known = {}
         self._rigid = {}
@@ -135,7 +141,7 @@ class SceneReader:
 
     def _pose_or_refusal(self, key, group, frame):
         """The pose of a group; of a receiver that cannot be one, as an occluder."""
-        if group.label in self._refused:
+        if group.shown in self._refused:
             group.receiver = None
         if group.receiver is None or not group.receiver.enabled or key in self._known:
             return self._pose(key, group, frame)
@@ -143,7 +149,7 @@ class SceneReader:
             return self._pose(key, group, frame)
         except SceneError as error:
             self._known.pop(key, None)
-            self._refused[group.label] = str(error)
+            self._refused[group.shown] = str(error)
             group.receiver = None
             return self._pose(key, group, frame)
 
@@ -185,10 +191,14 @@ class SceneReader:
     def _group_of(self, instance, obj, original, groups):
         name, library = original.name, library_path(original)
         if not instance.is_instance:
-            key = own_key(name, library)
             receiver = self._receivers.get((name, library))
-            group = groups.setdefault(key, _Group(name, name, library, receiver))
-            return group, ()
+            if receiver is not None:
+                name = receiver.known_as
+            elif (name, library) in self._names_taken:  # by a receiver that was renamed
+                return _join(
+                    groups, receiver_key(name, (library, "", "", "renamed")), name, name, library, None
+                ), ()
+            return _join(groups, own_key(name, library), name, name, library, receiver), ()
         parent = instance.parent.original if instance.parent else None
         if parent is not None and (parent.snowbough.is_shell or not parent.snowbough.occlude):
             return None, None
@@ -197,12 +207,13 @@ class SceneReader:
         order = tuple(index for index in instance.persistent_id if index != 0x7FFFFFFF)
         receiver = self._receivers.get((parent_name, parent_library))
         if receiver is not None and parent.instance_type == "COLLECTION":
+            parent_name = receiver.known_as
             key = member_key(name, library, parent_name, parent_library, order)
-            return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, receiver)), order
+            return _join(groups, key, f"{parent_name} / {name}", name, library, receiver), order
         for shown in ((name, library), (parent_name, parent_library)):
             self._scattered.setdefault(shown, parent_name)
         key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
-        return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, None)), order
+        return _join(groups, key, f"{parent_name} / {name}", name, library, None), order
 
     def _local_mesh(self, obj, shared, receives):
         """(positions in the object's space, a record of its mesh). Both are shared between the instances
@@ -258,7 +269,7 @@ class SceneReader:
         if not records:
             if group.receiver is not None:
                 raise SceneError(
-                    f"'{group.label}' has no faces at frame {frame}: there is nothing to snow on"
+                    f"'{group.shown}' has no faces at frame {frame}: there is nothing to snow on"
                 )
             return _empty_pose(key, group)
         matrices = np.stack([item[1] for item in group.instances])
@@ -278,7 +289,7 @@ class SceneReader:
             parts = [world_positions(local, m, self._scale) for local, m in zip(locals_, matrices)]
             known.positions = np.concatenate(parts) if len(parts) > 1 else parts[0]
             if not np.isfinite(known.positions).all():
-                raise SceneError(f"'{group.label}' has vertices at no finite place at frame {frame}")
+                raise SceneError(f"'{group.shown}' has vertices at no finite place at frame {frame}")
             known.positions.flags.writeable = False
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
@@ -302,7 +313,7 @@ class SceneReader:
                 corner_triangles = corner_triangles[:, ::-1]
             triangles.append(record.corners()[corner_triangles] + np.int32(offset))
             if receiver:
-                known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.label, frame)
+                known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.shown, frame)
                 uvs.append(uv[corner_triangles])
                 shadings.append(record.shading(corner_triangles))
             alphas.append(record.alpha(corner_triangles))
@@ -311,9 +322,9 @@ class SceneReader:
         uv = np.ascontiguousarray(np.concatenate(uvs)) if receiver else np.empty((0, 3, 2), dtype=np.float32)
         if receiver and group.receiver.enabled and known.topology is not None and not _fits_map(uv):
             raise SceneError(
-                f"'{group.label}' has other faces at frame {frame} than before, and they do not lie on its UV "
+                f"'{group.shown}' has other faces at frame {frame} than before, and they do not lie on its UV "
                 f"map '{known.uv_map}' from 0 to 1: apply the modifier that makes them, or take "
-                f"'{group.label}' off the list of receivers"
+                f"'{group.shown}' off the list of receivers"
             )
         known.counts, known.flips = counts, flips
         known.corners = [record.corners() for record in records]
@@ -324,6 +335,16 @@ class SceneReader:
         made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)
         if known.topology is None or not known.topology.is_same(made):
             known.topology = made
+
+
+def _join(groups, key, label, name, library, receiver):
+    """The _Group of that key; new where there is none."""
+    group = groups.setdefault(key, _Group(label, name, library, receiver))
+    if (group.label, group.library) != (label, library):
+        raise SceneError(
+            f"'{group.label}' and '{label}' would share a folder in the cache: rename one of them"
+        )
+    return group
 
 
 def _scatterer(name, scatterer):

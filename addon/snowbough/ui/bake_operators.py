@@ -146,7 +146,7 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
             return {"CANCELLED"}
         for entry in scene.snowbough.receivers:
             if entry.folder and not baked_frames(bpy.path.abspath(entry.folder)):
-                entry.folder = ""
+                entry.folder = entry.baked_as = ""
                 if entry.object is not None:
                     displacement.refresh(scene, entry)
         for text in texts if not removed else ():
