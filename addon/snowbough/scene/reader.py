@@ -14,6 +14,8 @@ holds numpy arrays and texts only, nothing that Blender could free.
 - Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
 - An object that stands still is not read again; topology is read once and again when it changes. A
   receiver keeps the UV map of its first pose: one that has lost it is refused.
+- Frame handlers may edit meshes or give objects other ones: who has another mesh, or whose geometry Blender has
+  updated (scene.updates), is read again.
 - Receivers say which corners of theirs share a smooth normal (mesh_record).
 - Where materials have alpha from an image, triangles carry the image and the UVs in it (material_alpha).
 """
@@ -22,10 +24,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import OWN_MODIFIERS, UV_TOLERANCE, receiver_key
-from . import material_alpha
+from ..names import UV_TOLERANCE, receiver_key
 from .inputs import fingerprint
-from .mesh_record import MeshRecord, join_alphas, join_shadings, materials_of
+from .local_meshes import LocalMeshes
+from .mesh_record import join_alphas, join_shadings
 from .pose import (
     ObjectPose,
     ReceiverSpec,
@@ -39,15 +41,6 @@ from .pose import (
 )
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-
-# These only move vertices: where an object has no others, its topology cannot change.
-DEFORMING_MODIFIERS = {
-    "ARMATURE", "CAST", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LATTICE", "MESH_DEFORM",
-    "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "SURFACE_DEFORM",
-    "WARP", "WAVE", "CLOTH", "COLLISION", "SOFT_BODY", "MESH_CACHE", "NORMAL_EDIT", "WEIGHTED_NORMAL",
-    "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY",
-    "SUBSURF", "MULTIRES", "MIRROR", "ARRAY", "SOLIDIFY", "TRIANGULATE",
-}  # fmt: skip
 
 
 @dataclass
@@ -64,6 +57,8 @@ class _Known:
     positions: np.ndarray = None
     flips: tuple = ()
     uv_map: str = ""
+    layers: list = field(default_factory=list)
+    """Fingerprints of a receiver's UV map, one a record."""
 
 
 @dataclass
@@ -83,27 +78,6 @@ class _Group:
         return self.receiver.shown(self.label) if self.receiver is not None else self.label
 
 
-def _is_deforming_only(obj):
-    return all(modifier.type in DEFORMING_MODIFIERS for modifier in obj.modifiers)
-
-
-def _is_rigid(obj, switch):
-    """The object's mesh in its own space is the same on every frame: nothing can deform it, since our own
-    displacement is off while a bake or preview reads. switch: what of a modifier counts, as in Muted."""
-    original = obj.original
-    data = original.data
-    return (
-        original.type == "MESH"
-        and all(
-            modifier.name in OWN_MODIFIERS and not getattr(modifier, switch)
-            for modifier in original.modifiers
-        )
-        and data.shape_keys is None
-        and data.animation_data is None
-        and not original.is_evaluated
-    )
-
-
 class SceneReader:
     """Reads poses of one scene; keeps what does not change between them.
 
@@ -115,10 +89,7 @@ class SceneReader:
         self._names_taken = {(spec.known_as, spec.library) for spec in receivers}
         self._scale = scale_length
         self._known = {}
-        self._rigid = {}
-        self._switch = ""
-        # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
-        self._alphas = {}
+        self._meshes = LocalMeshes()
         # Receivers that cannot be ones from their first pose on: label -> why.
         self._refused = {}
         # Objects that are shown as instances of their own: (name, library) -> who scatters them.
@@ -130,7 +101,7 @@ class SceneReader:
         A receiver that has no mesh or no UV map when it is first read is refused: it only blocks snow, and the pose
         says why. Raises SceneError for one that loses them later.
         """
-        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+        self._meshes.begin(depsgraph)
         groups = self._gather(depsgraph)
         objects = {}
         for key in sorted(groups):
@@ -168,7 +139,6 @@ class SceneReader:
     def _gather(self, depsgraph):
         """key -> _Group of everything that the render shows."""
         groups = {}
-        shared = {}
         for instance in depsgraph.object_instances:
             obj = instance.object
             if obj.type not in SURFACE_TYPES:
@@ -182,7 +152,7 @@ class SceneReader:
             if group is None:
                 continue
             matrix = np.array(instance.matrix_world, dtype=np.float64)
-            local, mesh = self._local_mesh(obj, shared, group.receiver is not None)
+            local, mesh = self._meshes.of(obj, group.receiver is not None)
             if local is None:
                 continue
             group.instances.append((order, matrix, local, mesh))
@@ -214,53 +184,6 @@ class SceneReader:
             self._scattered.setdefault(shown, parent_name)
         key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
         return _join(groups, key, f"{parent_name} / {name}", name, library, None), order
-
-    def _local_mesh(self, obj, shared, receives):
-        """(positions in the object's space, a record of its mesh). Both are shared between the instances
-        of one evaluated mesh within a pose, and between poses while nothing can deform the object.
-        receives: its shading matters."""
-        pointer = (obj.original.as_pointer(), obj.data.as_pointer() if obj.data else 0, receives)
-        if pointer in shared:
-            return shared[pointer]
-        rigid_key = (obj.original.name, library_path(obj.original), receives)
-        if rigid_key in self._rigid:
-            shared[pointer] = self._rigid[rigid_key]
-            return shared[pointer]
-        temporary = obj.type != "MESH"
-        mesh = obj.to_mesh() if temporary else obj.data
-        if mesh is None or not len(mesh.polygons):
-            shared[pointer] = (None, None)
-            return shared[pointer]
-        try:
-            record = MeshRecord(
-                mesh, temporary or not _is_deforming_only(obj.original), self._alphas_of(obj, mesh)
-            )
-            if temporary:
-                record.detach(receives)
-            found = (record.positions, record)
-        finally:
-            if temporary:
-                obj.to_mesh_clear()
-        if not temporary and _is_rigid(obj, self._switch):
-            record.detach(receives)
-            self._rigid[rigid_key] = found
-        shared[pointer] = found
-        return found
-
-    def _alphas_of(self, obj, mesh):
-        """AlphaImage or None for each material index of an object's evaluated mesh."""
-        return [self._alpha_of(material) for material in materials_of(obj, mesh)]
-
-    def _alpha_of(self, material):
-        if material is None:
-            return None
-        known = (material.name, library_path(material))
-        if known not in self._alphas:
-            try:
-                self._alphas[known] = material_alpha.of_material(material)
-            except material_alpha.UnknownAlpha:  # opaque then; preflight tells
-                self._alphas[known] = None
-        return self._alphas[known]
 
     def _pose(self, key, group, frame):
         known = self._known.setdefault(key, _Known())
@@ -300,13 +223,14 @@ class SceneReader:
     def _update_topology(self, known, group, records, flips, frame):
         counts = tuple(record.counts for record in records)
         if known.topology is not None and known.counts == counts and known.flips == flips:
-            if not any(record.may_change for record in records):
-                return
-            corners = [record.corners() for record in records]
-            if _same_arrays(known.corners, corners):
-                return
+            if not any(record.is_another for record in records):
+                if not any(record.may_change for record in records):
+                    return
+                if self._has_same_faces(known, group, records, frame):
+                    return
         receiver = group.receiver is not None
         triangles, uvs, alphas, shadings, offset = [], [], [], [], 0
+        known.layers = []
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
@@ -314,6 +238,7 @@ class SceneReader:
             triangles.append(record.corners()[corner_triangles] + np.int32(offset))
             if receiver:
                 known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.shown, frame)
+                known.layers.append(fingerprint(uv))
                 uvs.append(uv[corner_triangles])
                 shadings.append(record.shading(corner_triangles))
             alphas.append(record.alpha(corner_triangles))
@@ -335,6 +260,19 @@ class SceneReader:
         made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)
         if known.topology is None or not known.topology.is_same(made):
             known.topology = made
+
+    @staticmethod
+    def _has_same_faces(known, group, records, frame):
+        """Whether all meshes have the corners of before, and a receiver's that were edited the UVs as well."""
+        if not _same_arrays(known.corners, [record.corners() for record in records]):
+            return False
+        if group.receiver is None:
+            return True
+        arguments = (group.receiver.uv_map, known.uv_map, group.shown, frame)
+        return all(
+            not record.is_edited or fingerprint(record.uv(*arguments)[1]) == layer
+            for record, layer in zip(records, known.layers)
+        )
 
 
 def _join(groups, key, label, name, library, receiver):
