@@ -28,6 +28,7 @@ MODULES = (
     "tree.presets",
     "tree.kept_skeleton",
     "tree.kept_bark",
+    "bake.cache_place",
     "bake.engine",
     "bake.outcome",
     "bake.preflight",

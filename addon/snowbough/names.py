@@ -64,20 +64,42 @@ EXIT_NO_CHECKPOINT = 3
 EXIT_CHANGED = 4
 EXIT_CACHE = 5
 EXIT_NO_NATIVE = 6
+EXIT_LOCK_LOST = 7
 EXIT_STOPPED = 130
 
 
+# Names of devices under Windows, where no file can have them, whatever follows after a dot.
+_DEVICE = re.compile(r"(?:CON|PRN|AUX|NUL|COM\d|LPT\d)(?:\.|$)", re.IGNORECASE)
+# A safe name that ends like the ones that carry a digest.
+_TAGGED = re.compile(r"-[0-9a-f]{8}$", re.IGNORECASE)
+
+
 def safe_name(name):
-    """A file name that every system takes: ASCII letters, digits, ``.``, ``_``, ``-``; at most 64."""
+    """A file name that every system takes: ASCII letters, digits, ``.``, ``_``, ``-``; at most 64. Several names may
+    give the same one."""
     cleaned = re.sub(r"[^A-Za-z0-9._-]", "_", name)[:64].lstrip(".-")
-    return cleaned or "_"
+    return f"_{cleaned}" if not cleaned or _DEVICE.match(cleaned) else cleaned
+
+
+def folder_name(name):
+    """safe_name, one for each name, also where a file system takes upper and lower case for the same: of the names
+    that would share one, ``Like this`` keeps it and the others get eight digits."""
+    safe = safe_name(name)
+    if safe == name == name.capitalize() and not name.endswith(".") and not _TAGGED.search(name):
+        return safe
+    return tagged_name(name, ())
+
+
+def tagged_name(name, identity):
+    """safe_name and eight digits that tell apart all pairs of a name and an identity, a tuple of texts or numbers."""
+    text = "\0".join(str(part) for part in (name, *identity))
+    return f"{safe_name(name)}-{hashlib.blake2b(text.encode(), digest_size=4).hexdigest()}"
 
 
 def receiver_key(name, identity):
     """Folder name of a receiver: its safe name and eight digits that tell apart local and linked objects
     of one name and instances. identity: tuple of what is unique about it (library, instancer, index)."""
-    text = "\0".join(str(part) for part in (name, *identity))
-    return f"{safe_name(name)}-{hashlib.blake2b(text.encode(), digest_size=4).hexdigest()}"
+    return tagged_name(name, identity)
 
 
 # What an import or export may run into; it is said to the user. Nothing else is caught.

@@ -28,6 +28,9 @@ last_outcome = _kept("last_outcome", NO_OUTCOME)
 # Scene name -> issues that the last check found (bake.preflight.Issue), for the panel.
 issues = _kept("issues", {})
 
+# Scene name -> the identity of its cache that the file has been given by saving it.
+cache_identities = _kept("cache_identities", {})
+
 # Manifest's path -> (time of its last change, manifest), for panels that redraw often.
 manifests = _kept("manifests", {})
 

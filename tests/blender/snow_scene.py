@@ -69,7 +69,7 @@ def bake(**arguments):
 
 def folder_of(root, name, version=1, scene="Scene"):
     """The folder of the receiver `name`."""
-    found = sorted((Path(root) / scene / f"v{version:03d}").glob(f"{name}-*"))
+    found = sorted(Path(root).glob(f"{scene}*/v{version:03d}/{name}-*"))
     assert len(found) == 1, found
     return found[0]
 
@@ -79,12 +79,12 @@ def height(native, root, name, frame, version=1):
 
 
 def files_of(root):
-    """{relative path: bytes} of everything in a cache but the logs."""
+    """{relative path: bytes} of everything in a cache but the logs and the name of the .blend."""
     root = Path(root)
     return {
         str(path.relative_to(root)): path.read_bytes()
         for path in sorted(root.rglob("*"))
-        if path.is_file() and "logs" not in path.parts
+        if path.is_file() and "logs" not in path.parts and path.name != "owner.json"
     }
 
 

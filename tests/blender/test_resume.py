@@ -23,9 +23,10 @@ def undisturbed(addon, tmp_path):
     s.moving_scene(
         tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0, flutter=0.05, directions=48
     )
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     s.bake()
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.save_mainfile()
     return s.files_of(tmp_path / "whole")
 
 
@@ -144,6 +145,29 @@ def test_a_finished_bake_is_compared_to_its_last_frame(addon, undisturbed, tmp_p
     with pytest.raises(RuntimeError, match=r"v001 was baked from \(Cart: transform changed at frame"):
         s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+@pytest.mark.parametrize("last", [6, 12])
+def test_every_receivers_recorded_scene_is_compared(addon, undisturbed, tmp_path, last):
+    """One receiver was baked while the flag stood elsewhere, the others, later in order, from the scene as it is."""
+    flag = bpy.data.objects["Flag"]
+    flag.location.x = 0.5
+    assert run_part(addon, 1, last, ["Cart"]).error is None
+    flag.location.x = 0.0
+    assert run_part(addon, 1, last, ["Flag", "Ground"]).error is None
+    before = s.files_of(tmp_path / "cache")
+    with pytest.raises(RuntimeError, match=r"not the one that Cart .*\(Flag: transform changed at frame 1\)"):
+        s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == before
+
+
+def test_a_resumed_receiver_is_compared_with_the_finished_ones_beside_it(addon, undisturbed, tmp_path):
+    bpy.data.objects["Flag"].location.x = 0.5
+    assert run_part(addon, 1, 12, ["Ground"]).error is None
+    bpy.data.objects["Flag"].location.x = 0.0
+    assert run_part(addon, 1, 6, ["Cart", "Flag"]).error is None
+    with pytest.raises(RuntimeError, match=r"not the one that Ground .*\(Flag: transform changed at frame 1\)"):
+        s.bake(resume=True)
 
 
 def test_a_finished_bake_with_other_settings_is_told(undisturbed, tmp_path):
@@ -367,6 +391,31 @@ def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon,
     with lock_folder(folders[0]):
         s.bake(resume=True)
         assert [(folder / "lock").exists() for folder in folders] == [True, False, False]
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_a_bake_whose_lock_was_taken_stops_with_its_own_code_and_leaves_the_other_ones_files(
+    addon, undisturbed, tmp_path
+):
+    """The lock is deleted by hand, and a second bake clears the folder and goes ahead."""
+    report = tmp_path / "report.json"
+    first = subprocess.Popen(
+        blender_command(addon, tmp_path / "shot.blend", "--json", str(report)),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    for line in first.stdout:
+        if line.startswith("SNOWBOUGH frame=2"):
+            break
+    locks = sorted((tmp_path / "cache").rglob("lock"))
+    assert len(locks) == 3
+    os.kill(first.pid, signal.SIGSTOP)
+    for lock in locks:
+        lock.unlink()
+    s.bake()
+    os.kill(first.pid, signal.SIGCONT)
+    error = first.communicate(timeout=120)[1]
+    assert first.returncode == 7 and "was removed or replaced while this bake ran" in error
+    assert json.loads(report.read_text())["exit_code"] == 7
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 

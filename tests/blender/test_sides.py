@@ -142,7 +142,7 @@ def shading_of(addon, obj):
     """((T, 3) numbers or None, polygon of each triangle) as a bake would read them."""
     mesh_record, compat = addon("scene.mesh_record"), addon("compat")
     mesh = obj.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
-    record = mesh_record.MeshRecord(mesh, False)
+    record = mesh_record.MeshRecord(mesh)
     numbers, count = record.shading(record.triangle_corners())
     polygons = np.empty(len(mesh.loop_triangles), np.int32)
     mesh.loop_triangles.foreach_get("polygon_index", polygons)

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A receiver that a bake writes: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
 
+import contextlib
 from dataclasses import dataclass, field
 from pathlib import Path
 
@@ -8,8 +9,8 @@ import numpy as np
 
 from ..cache import folder as receiver_folder
 from ..cache.coverage import Coverage
-from ..cache.errors import CacheError, InputsChanged
-from ..cache.files import EVER_COVERED, digest, frame_file, state_file
+from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
+from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
 from . import plan
@@ -33,8 +34,17 @@ class BakedReceiver:
     texel: float
     """Mean texel size in metres at the shot's first frame."""
     folder: Path = None
+    cache: str = ""
+    """Identity of the .blend's cache."""
+    lock: object = None
+    """cache.lock.FolderLock of the folder; nothing is written without it."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
+
+    @property
+    def shown(self):
+        """The label for people."""
+        return self.spec.shown(self.label)
 
     def settings(self, shot):
         """What its maps depend on: the shot's settings (a dict) and its own."""
@@ -55,13 +65,14 @@ class BakedReceiver:
         changes = [change for change in changes if not change.startswith("shot:")]
         if changes:
             raise InputsChanged(
-                f"{self.label} in {self.folder.parent.name} was baked with other settings "
+                f"{self.shown} in {self.folder.parent.name} was baked with other settings "
                 f"({'; '.join(changes)}): bake again from the start, or set them back"
             )
 
     def start(self, shot):
         """Makes the folder ready for the shot's first frame."""
-        receiver_folder.clear(self.folder, keep_lock=True)
+        self.lock.check()
+        receiver_folder.clear(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
@@ -69,10 +80,11 @@ class BakedReceiver:
         """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
         frame, a dict with its number as ``frame``; the greatest height, on either side, is added."""
         frame, height = noted["frame"], output["height"]
-        native.write_exr(str(self.folder / frame_file("height", frame)), height)
-        if "normal" in output:
-            path = self.folder / frame_file("normal", frame)
-            native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
+        with self._writing():
+            native.write_exr(str(self.folder / frame_file("height", frame)), height)
+            if "normal" in output:
+                path = self.folder / frame_file("normal", frame)
+                native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
         self.covered.add(height)
         self.frames.append({**noted, "highest": float(max(height.max(), -height.min()))})
 
@@ -84,6 +96,8 @@ class BakedReceiver:
                 "object": self.name,
                 "label": self.label,
                 "library": self.library,
+                "cache": self.cache,
+                "files": bake_files(shot["frame_start"], shot["frame_end"]),
                 "complete": complete,
                 "hash": digest(own),
                 "settings": own,
@@ -96,30 +110,36 @@ class BakedReceiver:
         simulation_state gives it, the engine and driver that ran (snow_engine.driver_text), the poses so far
         (scene.inputs)."""
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
-        receiver_folder.write_sidecar(self.folder, frame, sidecar)
-        self.write_manifest(shot, False)
         own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
-        try:
+        with self._writing():
+            receiver_folder.write_sidecar(self.folder, frame, sidecar)
+            self.write_manifest(shot, False)
             native.write_checkpoint(str(self.folder / state_file(frame)), own)
-        except RuntimeError as error:
-            raise CacheError(str(error)) from error
-        self._remove_passed_checkpoints(shot, frame)
+            self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, native, frame):
         """Sets coverage and frames to those of a checkpoint; returns (step number, state, driver, inputs)."""
         receiver_folder.remove_stray_files(self.folder)
         sidecar = receiver_folder.read_sidecar(self.folder, frame)
-        self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
         self.frames = sidecar["frames"]
         try:
+            self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
             state = native.read_checkpoint(str(self.folder / state_file(frame)))
             own = state["objects"][self.key]
-        except (RuntimeError, KeyError) as error:
-            raise CacheError(f"{error}: free the bake, then bake again") from error
+        except KeyError:
+            raise CacheError(
+                f"{self.folder / state_file(frame)} is of another receiver: free the bake, then bake again"
+            ) from None
+        except (RuntimeError, ValueError) as error:
+            raise CacheError(
+                f"{self.folder / state_file(frame)} is damaged ({error}): remove it to resume from the checkpoint "
+                "before it, or free the bake and bake again"
+            ) from error
         return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
     def forget_after(self, frame):
         """Removes what was baked after a checkpoint."""
+        self.lock.check()
         receiver_folder.remove_frames_after(self.folder, frame)
         for later in receiver_folder.checkpoints(self.folder):
             if later > frame:
@@ -127,10 +147,28 @@ class BakedReceiver:
 
     def complete(self, shot, native, inputs):
         """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
-        write_inputs(self.folder, inputs)
-        self.covered.write(native, self.folder / EVER_COVERED)
-        self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
-        self.write_manifest(shot, complete=True)
+        try:
+            with self._writing():
+                write_inputs(self.folder, inputs)
+                self.covered.write(native, self.folder / EVER_COVERED)
+                self._remove_passed_checkpoints(shot, shot["frame_end"] + 1)
+            with self._writing():
+                self.write_manifest(shot, complete=True)
+        except LockLost:
+            raise
+        except (OSError, RuntimeError) as error:
+            raise CacheError(f"{error}. {remedy_for(error)}") from error
+
+    @contextlib.contextmanager
+    def _writing(self):
+        """Files are written while the lock is held. Raises LockLost where it is not, also where that is why they could
+        not be written: the other bake clears the folder."""
+        self.lock.check()
+        try:
+            yield
+        except (OSError, RuntimeError):
+            self.lock.check()
+            raise
 
     def _remove_passed_checkpoints(self, shot, before):
         receiver_folder.remove_irregular_checkpoints(
@@ -154,11 +192,11 @@ def measure(obj, texel_size):
         areas = surface_and_uv_area(obj.topology, obj.positions)
         per_map = plan.metres_per_map(*areas)
     except ValueError as error:
-        raise ValueError(f"'{obj.label}': {error}") from error
+        raise ValueError(f"'{obj.receiver.shown(obj.label)}': {error}") from error
     resolution = obj.receiver.resolution or plan.automatic_resolution(*areas, texel_size)
     if not MIN_RESOLUTION <= resolution <= MAX_RESOLUTION:
         raise ValueError(
-            f"'{obj.label}' has a resolution of {resolution}; it must be 0 (automatic) or from "
+            f"'{obj.receiver.shown(obj.label)}' has a resolution of {resolution}; it must be 0 (automatic) or from "
             f"{MIN_RESOLUTION} to {MAX_RESOLUTION}"
         )
     return BakedReceiver(

@@ -83,7 +83,7 @@ def settings_changes(scene):
                     request.rates,
                 ).totals
             )
-    except ValueError:
+    except (ValueError, CacheError):
         return []
     texts = []
     for entry, manifest in entries:
@@ -119,20 +119,25 @@ def scene_changes(scene, depsgraph):
     """Texts such as ``Cart: transform changed at frame 12`` on the current frame, seen through depsgraph."""
     recorded = None
     for entry, _ in _baked_entries(scene):
-        poses = read_inputs(bpy.path.abspath(entry.folder))
+        try:
+            poses = read_inputs(bpy.path.abspath(entry.folder))
+        except CacheError as error:
+            return [str(error)]
         if poses is not None:
             recorded = inputs.SceneInputs(poses).at(inputs.pose_name(scene.frame_current, 0.0))
             break
     if recorded is None:
         return []
-    reader = SceneReader(receiver_specs(scene), metres_per_unit(scene))
+    specs = receiver_specs(scene, as_baked=True)
+    names = {spec.known_as: spec.name for spec in specs}
+    reader = SceneReader(specs, metres_per_unit(scene))
     try:
         pose = reader.read(depsgraph, scene.frame_current)
     except ValueError:  # a bake will say so
         return []
     texts = []
     for label in sorted(recorded.keys() - {inputs.SNOWFALL}):
-        obj = scene.objects.get(label)
+        obj = scene.objects.get(names.get(label, label))
         now = next((own for own in pose.objects.values() if own.label == label and own.name == label), None)
         if obj is None and " / " not in label:
             texts.append(f"{label}: removed")
@@ -142,5 +147,5 @@ def scene_changes(scene, depsgraph):
                 before[1:3] = after[1:3] = ("", "")
             text = inputs.difference(before, after)
             if text:
-                texts.append(f"{label}: {text} at frame {scene.frame_current}")
+                texts.append(f"{obj.name}: {text} at frame {scene.frame_current}")
     return texts

@@ -36,12 +36,12 @@ def choose_receivers(pose, request):
     for obj in pose.objects.values():
         if obj.receiver is None or not obj.receiver.enabled:
             continue
-        names = {obj.receiver.name, obj.label, obj.key}
+        names = {obj.receiver.name, obj.receiver.shown(obj.label), obj.key}
         known.add(obj.receiver.name)
         try:
             receiver = baked_receiver.measure(obj, request.texel_size)
         except ValueError as error:
-            choice.refused[obj.label] = str(error)
+            choice.refused[obj.receiver.shown(obj.label)] = str(error)
             continue
         choice.texels.append(receiver.texel)
         if not request.objects or names & set(request.objects):

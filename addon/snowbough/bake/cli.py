@@ -26,6 +26,7 @@ Exit codes, also in the JSON report:
 4    settings or scene are not those that the cache was baked from; the message names what changed
 5    the cache cannot be written, is full or is locked by another bake; what is done can be resumed
 6    engine GL is asked for and there is no EGL or no OpenGL driver, or there is no native module
+7    the lock of this bake was removed while it ran, or another bake has it; nothing more was written
 130  stopped (Ctrl-C); what is done can be resumed
 ===  ==================================================================================================
 """
@@ -37,12 +38,13 @@ from pathlib import Path
 import bpy
 
 from .. import native
-from ..cache.errors import CacheError, InputsChanged, NoCheckpoint
+from ..cache.errors import CacheError, InputsChanged, LockLost, NoCheckpoint
 from ..cache.files import write_report
 from ..names import (
     EXIT_CACHE,
     EXIT_CHANGED,
     EXIT_FAILED,
+    EXIT_LOCK_LOST,
     EXIT_NO_CHECKPOINT,
     EXIT_NO_NATIVE,
     EXIT_OK,
@@ -86,6 +88,7 @@ def exit_code(error):
     for kinds, code in (
         ((NoCheckpoint,), EXIT_NO_CHECKPOINT),
         ((InputsChanged,), EXIT_CHANGED),
+        ((LockLost,), EXIT_LOCK_LOST),
         ((CacheError, OSError), EXIT_CACHE),
         ((native.NativeModuleMissing, NoGpu), EXIT_NO_NATIVE),
         ((WriteFailed,), EXIT_CACHE),

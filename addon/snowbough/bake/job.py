@@ -18,7 +18,7 @@ import contextlib
 import time
 from concurrent.futures import ThreadPoolExecutor
 
-from ..cache import versions
+from ..cache import owner, versions
 from ..cache.errors import CacheError, CacheFinished
 from ..cache.files import digest, make_folder
 from ..cache.lock import drop_dead_lock, lock_folder
@@ -39,7 +39,7 @@ class BakeJob:
     def __init__(self, request, native):
         self.request = request
         self.native = native
-        self.root = versions.scene_folder(request.cache, request.scene_name)
+        self.root = versions.scene_folder(request.cache, request.scene_name, request.cache_id)
         self.version = None
         self.receivers = []
         self.baked = []
@@ -82,17 +82,19 @@ class BakeJob:
             engine = engine_info(self._engine, request.snow["mapping"])  # without one nothing is begun
             self._driver = driver_text(engine)
             make_folder(self.root)
-            stack.callback(versions.remove_empty_folders, self.root)
+            stack.callback(lambda: versions.remove_empty_folders(self.root, self.folders.values()))
             self._open_version(settings, stack)
             if not self.receivers:
                 self._compare_finished(evaluate, snowfall, first_pose, cancelled)
                 return
             rest = resuming.checkpoint_frame(request, self.receivers, self.version)
+            if request.blend:
+                owner.claim(self.root, request.blend)
             if self._may_resume():  # only now is known which receivers are finished and need no map
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
             log(f"engine {self._driver}: {engine['reason']}")
-            log(f"{self.version.name}; {', '.join(r.label for r in self.receivers)}")
+            log(f"{self.version.name}; {', '.join(r.shown for r in self.receivers)}")
             for reason in self.refused.values():
                 log(f"left out: {reason}")
             self._registry.prepare()
@@ -160,18 +162,19 @@ class BakeJob:
         self.baked = list(self.receivers)
         for receiver in self.receivers:
             receiver.folder = self.version / receiver.key
-            self.folders[receiver.label] = receiver.folder
+            receiver.cache = self.request.cache_id
+            self.folders[receiver.shown] = receiver.folder
         for receiver in self.receivers:
             if receiver.key in finished:
                 receiver.compare_settings(settings)
                 drop_dead_lock(receiver.folder)
         self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
         for receiver in self.receivers:
-            stack.enter_context(lock_folder(receiver.folder))
+            receiver.lock = stack.enter_context(lock_folder(receiver.folder))
             # Between choosing and locking another machine may have finished it.
             if (read_manifest(receiver.folder) or {}).get("complete"):
                 raise CacheFinished(
-                    f"{receiver.label} was just finished in {self.version.name} by another bake"
+                    f"{receiver.shown} was just finished in {self.version.name} by another bake"
                 )
 
     def _resume_from(self, frame, evaluate, snowfall, first_pose, settings, log, cancelled):
@@ -185,7 +188,8 @@ class BakeJob:
         added, moved = self._replay_frames(evaluate, snowfall, first_pose, frame, cancelled)
         self._registry.register_changes(added)
         self._positions.update(moved)
-        resuming.compare_scenes(before, self._tracker.inputs, "was baked", "bake again from the start")
+        recorded = {**self._finished_inputs(), **before}
+        resuming.compare_scenes(recorded, self._tracker.inputs, "was baked from", "bake again from the start")
         for receiver in self.receivers:
             receiver.forget_after(frame)
         self.native.set_simulation_state(self._simulation, state)
@@ -193,16 +197,22 @@ class BakeJob:
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
         """Compares the scene, frame by frame, with what the finished receivers were baked from."""
-        recorded = next((poses for r in self.baked if (poses := read_inputs(r.folder)) is not None), None)
-        if recorded is None:
+        recorded = self._finished_inputs()
+        if not recorded:
             return
         self._replay_frames(evaluate, snowfall, first_pose, self.request.last, cancelled)
         resuming.compare_scenes(
             recorded,
             self._tracker.inputs,
-            f"{self.version.name} was baked from",
+            f"in {self.version.name} was baked from",
             "bake again; the finished version is kept until it is freed",
         )
+
+    def _finished_inputs(self):
+        """{label: recorded poses} of the receivers that were finished before."""
+        writing = {receiver.key for receiver in self.receivers}
+        found = {own.shown: read_inputs(own.folder) for own in self.baked if own.key not in writing}
+        return {label: poses for label, poses in found.items() if poses is not None}
 
     def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
         """Evaluates all poses up to frame ``last`` without snow; returns what register_changes() of the

@@ -7,14 +7,14 @@ import os
 import socket
 
 from ..cache.errors import CacheError
-from ..cache.files import make_folder
+from ..cache.files import LOGS, make_folder
 from ..names import safe_name
 
 
 @contextlib.contextmanager
 def open_log(root):
     """Gives a function that writes a line with the time into <root>/logs/<time>-<host>-<process>.log."""
-    folder = root / "logs"
+    folder = root / LOGS
     make_folder(folder)
     stamp = datetime.datetime.now(datetime.timezone.utc).strftime("%Y%m%dT%H%M%S")
     path = folder / f"{stamp}-{safe_name(socket.gethostname())}-{os.getpid()}.log"

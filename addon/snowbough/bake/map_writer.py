@@ -6,6 +6,8 @@ import threading
 import time
 from concurrent.futures import ThreadPoolExecutor
 
+from ..cache.errors import LockLost, remedy_for
+
 # So many maps may wait; more would only fill memory when the disk is the slowest.
 MAX_WAITING = 8
 # So many maps are made at a time: what one thread cannot share with others is done beside the next map.
@@ -74,8 +76,10 @@ class MapWriter:
                     self._busy += time.perf_counter() - begun
                 elif made is not None:
                     made.cancel()
+            except LockLost as error:
+                self._error = error
             except (OSError, RuntimeError) as error:  # both are handed to the thread that bakes
-                self._error = WriteFailed(f"{error}. What is done is kept: make room, then resume")
+                self._error = WriteFailed(f"{error}. {remedy_for(error)}")
             except Exception as error:
                 self._error = error
             finally:

@@ -6,7 +6,9 @@ from pathlib import Path
 import bpy
 
 from .. import session
+from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
+from ..cache.manifest import read_manifest
 from ..result import displacement
 from ..scene.pose import library_path
 
@@ -57,7 +59,10 @@ def after_bake(scene, running):
         folder = by_object.get((entry.object.name, library_path(entry.object)))
         if folder is not None and baked_frames(folder):
             entry.folder = shown_folder(folder)
-            notes += displacement.refresh(scene, entry)
+            try:
+                notes += displacement.refresh(scene, entry)
+            except CacheError as error:
+                notes.append(str(error))
     for image in bpy.data.images:
         if image.source == "SEQUENCE" and str(job.root) in bpy.path.abspath(image.filepath):
             image.reload()
@@ -79,6 +84,19 @@ def _forget_outcome(*_):
     session.last_outcome = session.NO_OUTCOME
 
 
+def _baked_name(entry):
+    """What a receiver was called when its folder was baked by an add-on that did not note it."""
+    try:
+        manifest = read_manifest(Path(bpy.path.abspath(entry.folder)))
+    except CacheError:
+        manifest = None
+    if manifest is None:
+        return entry.object.name
+    if entry.object.type == "MESH":
+        return manifest["object"]
+    return manifest["label"].removesuffix(f" / {manifest['object']}")
+
+
 @bpy.app.handlers.persistent
 def heal_folders(*_):
     """After Save As elsewhere the image paths are remapped by Blender, our folders beside the .blend are
@@ -86,6 +104,8 @@ def heal_folders(*_):
     for scene in bpy.data.scenes:
         used = scene.snowbough.cache_used
         for entry in scene.snowbough.receivers:
+            if entry.folder and entry.object is not None and not entry.baked_as:
+                entry.baked_as = _baked_name(entry)
             if not entry.folder or not used or Path(bpy.path.abspath(entry.folder)).is_dir():
                 continue
             # <cache>/<scene>/<version>/<receiver>

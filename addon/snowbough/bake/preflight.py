@@ -19,7 +19,8 @@ from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_m
 from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
 from ..settings.preferences import preferred_engine
 from . import baked_receiver, changes_since_bake, plan
-from .from_scene import cache_directory, constant_rates
+from .cache_place import cache_directory, existing_cache
+from .from_scene import constant_rates
 from .outcome import one_line
 from .snow_engine import driver_text, probe_engine
 
@@ -133,8 +134,8 @@ def _cache(scene):
     existing = next(parent for parent in (folder, *folder.parents) if parent.exists())
     if not existing.is_dir() or not _is_writable(existing):
         yield Issue("ERROR", f"The cache folder {folder} cannot be written: choose another one")
-    root = versions.scene_folder(folder, scene.name)
-    numbers = versions.versions(root)
+    root = existing_cache(scene)
+    numbers = versions.versions(root) if root is not None else []
     if numbers:
         yield Issue(
             "INFO",

@@ -52,6 +52,10 @@ class BakeRequest:
     write_normals: bool = _for_all_maps()
     receivers: tuple
     """scene.pose.ReceiverSpec of the scene's list, disabled ones included."""
+    cache_id: str = ""
+    """Which of the scenes of that name (cache.versions.scene_folder)."""
+    blend: str = ""
+    """The .blend that takes the scene's folder for its own; empty: none does."""
     objects: tuple = ()
     """Names of the receivers to bake; empty: all that are enabled."""
     resume: bool = False

@@ -6,8 +6,9 @@ import time
 from .. import session
 from ..cache import versions
 from ..cache.errors import CacheError
+from ..cache.files import folders_in
 from ..cache.manifest import read_manifest
-from .from_scene import existing_cache
+from .cache_place import existing_cache
 
 # A look into the cache is a few file reads; panels redraw with every movement of the mouse.
 LOOK_SECONDS = 1.0
@@ -40,7 +41,7 @@ def _has_unfinished(root):
     if not numbers:
         return False
     folder = versions.version_folder(root, numbers[-1])
-    for child in folder.iterdir():
+    for child in map(folder.joinpath, folders_in(folder)):
         try:
             manifest = read_manifest(child)
         except CacheError:

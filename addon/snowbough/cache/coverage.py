@@ -30,8 +30,21 @@ class Coverage:
 
     @classmethod
     def unpack(cls, resolution, text):
-        bits = np.frombuffer(zlib.decompress(base64.b64decode(text)), dtype=np.uint8)
-        mask = np.unpackbits(bits, count=resolution * resolution).astype(bool)
+        """What pack gave for a map of that resolution. Raises ValueError for any other text; never unpacks more than
+        such a map takes."""
+        size = (resolution * resolution + 7) // 8
+        unpacker = zlib.decompressobj()
+        try:
+            packed = unpacker.decompress(base64.b64decode(text, validate=True), size + 1)
+        except (ValueError, zlib.error) as error:
+            raise ValueError(f"the mask of what was ever covered is no packed mask: {error}") from error
+        if len(packed) != size or not unpacker.eof:
+            raise ValueError(
+                f"the mask of what was ever covered is not that of {resolution} x {resolution} texels"
+            )
+        mask = np.unpackbits(np.frombuffer(packed, dtype=np.uint8), count=resolution * resolution).astype(
+            bool
+        )
         return cls(resolution, mask.reshape(resolution, resolution))
 
     def write(self, native, path):

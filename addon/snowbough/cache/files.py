@@ -6,6 +6,8 @@ import hashlib
 import json
 import os
 import re
+import stat
+import uuid
 from pathlib import Path
 
 from .errors import CacheError
@@ -14,11 +16,29 @@ MANIFEST = "object.json"
 LOCK = "lock"
 EVER_COVERED = "ever_covered.exr"
 INPUTS = "inputs.json"
+OWNER = "owner.json"
+LOGS = "logs"
 TEMPORARY_SUFFIX = ".tmp"
+PROBE = ".probe-"
+
+# What belongs to a bake in a receiver's folder: files that there are once, and those of each frame with the number of
+# their frame. The manifest lists them by these (bake_files); what it does not list is never removed.
+ONCE = (MANIFEST, INPUTS, EVER_COVERED)
+EACH_FRAME = ("height_{:04d}.exr", "normal_{:04d}.exr", "state_{:04d}", "state_{:04d}.json")
+
+# A manifest while the files that it lists are being removed: no bake any more.
+REMOVED_MANIFEST = f"{MANIFEST}.removed"
+
+# Cycles keeps its copies of images in a folder of this name beside them (Blender 5.2).
+TEXTURE_CACHE = "blender_tx"
 
 VERSION_PATTERN = re.compile(r"v(\d{3,})$")
 STATE_PATTERN = re.compile(r"state_(\d{4,})$")
 FRAME_PATTERN = re.compile(r"(?:height|normal)_(\d{4,})\.exr$")
+LOG_PATTERN = re.compile(r"\d{8}T\d{6}-[A-Za-z0-9._-]+-\d+\.log$")
+# What a file that is being written is called: by write_bytes, and by the native module.
+_TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$")
+_TEXTURE = re.compile(r"((?:height|normal)_\d{4,}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
 
 
 def frame_file(kind, frame):
@@ -29,9 +49,54 @@ def state_file(frame):
     return f"state_{frame:04d}"
 
 
+def bake_files(first, last):
+    """Names of all files that a bake of the frames first to last may leave in a receiver's folder, sorted."""
+    frames = range(first, last + 1)
+    return sorted([*ONCE, *(name.format(frame) for name in EACH_FRAME for frame in frames)])
+
+
+def is_bake_file(name):
+    """Whether bake_files could give that name."""
+    number = re.search(r"_(\d{4,})", name)
+    return (
+        name in ONCE
+        or bool(number)
+        and any(name == pattern.format(int(number.group(1))) for pattern in EACH_FRAME)
+    )
+
+
+def finished_name(name):
+    """The name that a temporary file is to get; of any other file its own."""
+    match = _TEMPORARY.fullmatch(name)
+    return match.group(1) if match else name
+
+
+def texture_source(name):
+    """The image that a file in Cycles' folder was made of, or None."""
+    match = _TEXTURE.fullmatch(name)
+    return f"{match.group(1)}.exr" if match else None
+
+
+def is_regular(path):
+    """Whether there is a file itself, and not a link to one."""
+    try:
+        return stat.S_ISREG(os.lstat(path).st_mode)
+    except OSError:
+        return False
+
+
+def folders_in(path):
+    """Names of the folders in a folder, sorted, without links to folders; empty where it is not there."""
+    try:
+        with os.scandir(path) as entries:
+            return sorted(entry.name for entry in entries if entry.is_dir(follow_symlinks=False))
+    except OSError:
+        return []
+
+
 def write_bytes(path, data):
     """Writes all of data or nothing. Raises CacheError with path and reason."""
-    temporary = Path(f"{path}{TEMPORARY_SUFFIX}")
+    temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
     try:
         with open(temporary, "wb") as stream:
             stream.write(data)
@@ -63,7 +128,7 @@ def make_folder(path):
     """Makes a folder that can be written to. Raises CacheError with what to do."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
-        probe = Path(path) / f".probe-{os.getpid()}"
+        probe = Path(path) / f"{PROBE}{os.getpid()}"
         probe.touch()
         probe.unlink()
     except OSError as error:
@@ -71,13 +136,3 @@ def make_folder(path):
             f"The cache folder {path} cannot be written: {error.strerror or error}. "
             "Choose another one in the Snowbough panel, or with --cache"
         ) from error
-
-
-def read_json(path):
-    """What a JSON file holds, or None where it is not there. Raises CacheError for one that cannot be read."""
-    try:
-        return json.loads(Path(path).read_bytes())
-    except FileNotFoundError:
-        return None
-    except (OSError, ValueError) as error:
-        raise CacheError(f"{path} cannot be read ({error}). Free the bake, then bake again") from error

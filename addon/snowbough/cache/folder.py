@@ -8,18 +8,21 @@ from pathlib import Path
 
 from .errors import CacheError, NoCheckpoint
 from .files import (
-    EVER_COVERED,
     FRAME_PATTERN,
-    INPUTS,
     LOCK,
     MANIFEST,
+    PROBE,
+    REMOVED_MANIFEST,
     STATE_PATTERN,
-    TEMPORARY_SUFFIX,
-    read_json,
+    TEXTURE_CACHE,
+    finished_name,
+    is_bake_file,
+    is_regular,
     state_file,
-    to_json,
-    write_bytes,
+    texture_source,
 )
+from .manifest import FRAMES, POSES, listing, read_any_manifest
+from .sealed import FORMAT, read_sealed, text, write_sealed
 
 
 def checkpoints(folder):
@@ -32,8 +35,11 @@ def checkpoints(folder):
 
 
 def read_sidecar(folder, frame):
-    """What write_sidecar wrote. Raises NoCheckpoint where it is not there."""
-    sidecar = read_json(Path(folder) / f"{state_file(frame)}.json")
+    """What write_sidecar wrote. Raises NoCheckpoint where it is not there, CacheError where it is damaged."""
+    shape = {"covered": text, "driver": text, "frames": FRAMES, "inputs": POSES}
+    remedy = "Remove it to resume from the checkpoint before it, or free the bake and bake again"
+    shapes = {0: shape, FORMAT: shape}
+    sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, shapes.get)
     if sidecar is None:
         raise NoCheckpoint(f"{Path(folder) / state_file(frame)} has no {state_file(frame)}.json beside it")
     return sidecar
@@ -41,7 +47,7 @@ def read_sidecar(folder, frame):
 
 def write_sidecar(folder, frame, sidecar):
     """Writes state_NNNN.json; to be followed by state_NNNN itself, which makes the checkpoint whole."""
-    write_bytes(Path(folder) / f"{state_file(frame)}.json", to_json(sidecar))
+    write_sealed(Path(folder) / f"{state_file(frame)}.json", sidecar)
 
 
 def remove_checkpoint(folder, frame):
@@ -58,33 +64,54 @@ def remove_irregular_checkpoints(folder, frame_start, interval, before):
             remove_checkpoint(folder, frame)
 
 
-def _is_ours(name):
-    return (
-        name in (MANIFEST, LOCK, EVER_COVERED, INPUTS)
-        or bool(FRAME_PATTERN.match(name))
-        or bool(STATE_PATTERN.match(name.removesuffix(".json")))
-        or (name.endswith(TEMPORARY_SUFFIX) or ".tmp" in name)
+def is_foreign(folder):
+    """Whether something is there that no bake has made: a link, or files without a manifest."""
+    folder = Path(folder)
+    if not os.path.lexists(folder):
+        return False
+    if folder.is_symlink() or not folder.is_dir():
+        return True
+    names = set(os.listdir(folder))
+    return not names & {MANIFEST, REMOVED_MANIFEST} and any(
+        finished_name(name) not in (LOCK, MANIFEST) and not name.startswith(PROBE) for name in names
     )
 
 
-def clear(folder, keep_lock=False):
-    """Removes exactly what bakes write in a receiver's folder, and the folder when that leaves it
-    empty. Returns the number of files removed."""
+def listed_files(folder):
+    """Paths of the files in a receiver's folder that its manifest lists, the manifest last: with what a killed bake
+    left half written of them, and what Cycles made of them. Links are none of them. Empty without a manifest."""
     folder = Path(folder)
-    if not folder.is_dir():
-        return 0
-    removed = 0
-    # The manifest goes first: what is left of an interrupted removal is no bake any more.
-    for name in sorted(os.listdir(folder), key=lambda name: (name != MANIFEST, name)):
-        if _is_ours(name) and not (keep_lock and name == LOCK):
-            try:
-                (folder / name).unlink()
-            except OSError as error:
-                raise CacheError(f"{folder / name} could not be removed: {error.strerror}") from error
-            removed += 1
-    with contextlib.suppress(OSError):
-        folder.rmdir()
-    return removed
+    manifest = read_any_manifest(folder)
+    if manifest is None:
+        return []
+    listed = listing(manifest)
+    names = sorted(os.listdir(folder), key=lambda name: (name in (MANIFEST, REMOVED_MANIFEST), name))
+    own = [folder / name for name in names if finished_name(name) in listed or name == REMOVED_MANIFEST]
+    textures = folder / TEXTURE_CACHE
+    if textures.is_dir() and not textures.is_symlink():
+        own = [
+            textures / name for name in sorted(os.listdir(textures)) if texture_source(name) in listed
+        ] + own
+    return [path for path in own if is_regular(path)]
+
+
+def clear(folder):
+    """Removes listed_files(), and the folder when that leaves it empty. Returns the number of files removed."""
+    folder = Path(folder)
+    listed = listed_files(folder)
+    try:
+        # What is left of an interrupted removal is no bake any more, and still has its list.
+        if (folder / MANIFEST) in listed:
+            os.replace(folder / MANIFEST, folder / REMOVED_MANIFEST)
+        for path in listed:
+            path = folder / REMOVED_MANIFEST if path == folder / MANIFEST else path
+            path.unlink(missing_ok=True)
+    except OSError as error:
+        raise CacheError(f"{error.filename} could not be removed: {error.strerror}") from error
+    for emptied in (folder / TEXTURE_CACHE, folder):
+        with contextlib.suppress(OSError):
+            emptied.rmdir()
+    return len(listed)
 
 
 def remove_stray_files(folder):
@@ -93,7 +120,8 @@ def remove_stray_files(folder):
     whole = set(checkpoints(folder))
     for name in os.listdir(folder):
         match = STATE_PATTERN.match(name.removesuffix(".json"))
-        if ".tmp" in name or (match and int(match.group(1)) not in whole):
+        half = finished_name(name) != name and is_bake_file(finished_name(name))
+        if half or (match and int(match.group(1)) not in whole):
             with contextlib.suppress(FileNotFoundError):
                 (folder / name).unlink()
 

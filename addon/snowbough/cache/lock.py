@@ -4,9 +4,10 @@
 import contextlib
 import os
 import socket
+import uuid
 from pathlib import Path
 
-from .errors import CacheBusy, CacheError
+from .errors import CacheBusy, CacheError, LockLost
 from .files import LOCK, make_folder
 
 try:
@@ -27,10 +28,46 @@ def _try_lock(descriptor):
     return True
 
 
+class FolderLock:
+    """The lock that a bake holds on a receiver's folder."""
+
+    def __init__(self, path, descriptor):
+        self._path = path
+        self._descriptor = descriptor
+        self._text = f"process {os.getpid()} on {socket.gethostname()}\n{uuid.uuid4()}\n".encode()
+        os.ftruncate(descriptor, 0)
+        os.write(descriptor, self._text)
+
+    def check(self):
+        """Raises LockLost where the file is not this bake's any more: removed, or made again by another bake, which
+        has cleared the folder. To be called before each file is written."""
+        if not self._is_held():
+            raise LockLost(
+                f"{self._path} was removed or replaced while this bake ran, so another one may write there: this one "
+                "has stopped. See that no other bake runs, then bake again, or resume"
+            )
+
+    def _is_held(self):
+        try:
+            if not os.path.samestat(os.fstat(self._descriptor), os.stat(self._path)):
+                return False
+            return self._path.read_bytes() == self._text
+        except FileNotFoundError:
+            return False
+        except PermissionError:  # Windows lets nobody read what is locked, nor remove it
+            return True
+
+    def release(self):
+        if self._is_held():
+            with contextlib.suppress(OSError):
+                self._path.unlink()
+        os.close(self._descriptor)
+
+
 @contextlib.contextmanager
 def lock_folder(folder):
-    """Holds a receiver's folder (made if need be) for one bake. The system drops the lock with the
-    process, so a killed bake blocks nobody. Raises CacheBusy with the holder's host and process."""
+    """Holds a receiver's folder (made if need be) for one bake, gives the FolderLock. The system drops the lock with
+    the process, so a killed bake blocks nobody. Raises CacheBusy with the holder's host and process."""
     make_folder(folder)
     path = Path(folder) / LOCK
     while True:
@@ -39,8 +76,9 @@ def lock_folder(folder):
         except OSError as error:
             raise CacheError(f"{path} could not be opened: {error.strerror}") from error
         if not _try_lock(descriptor):
-            holder = os.read(descriptor, 200).decode(errors="replace").strip() or "another process"
+            text = os.read(descriptor, 200).decode(errors="replace")
             os.close(descriptor)
+            holder = text.partition("\n")[0].strip() or "another process"
             raise CacheBusy(
                 f"{Path(folder).name} is being baked by {holder}: wait for it, or stop it ({path})"
             )
@@ -53,14 +91,11 @@ def lock_folder(folder):
         if same:
             break
         os.close(descriptor)
+    lock = FolderLock(path, descriptor)
     try:
-        os.ftruncate(descriptor, 0)
-        os.write(descriptor, f"process {os.getpid()} on {socket.gethostname()}\n".encode())
-        yield path
+        yield lock
     finally:
-        with contextlib.suppress(OSError):
-            path.unlink()
-        os.close(descriptor)
+        lock.release()
 
 
 def drop_dead_lock(folder):

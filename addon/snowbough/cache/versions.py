@@ -2,26 +2,32 @@
 """A scene's versions: which one a bake writes to, and freeing them. No ``bpy``."""
 
 import contextlib
-import os
-import shutil
+from dataclasses import dataclass, field
 from pathlib import Path
 
-from ..names import safe_name
+from ..names import folder_name, safe_name, tagged_name
 from . import folder as receiver_folder
-from .files import VERSION_PATTERN
+from .errors import CacheError
+from .files import LOG_PATTERN, LOGS, OWNER, VERSION_PATTERN, folders_in, is_regular
 from .lock import lock_folder
-from .manifest import read_manifest
+from .manifest import read_any_manifest, read_manifest
 
 
-def scene_folder(cache, scene_name):
-    return Path(cache) / safe_name(scene_name)
+def scene_folder(cache, scene_name, identity=""):
+    """A scene's folder in a cache. identity: of the .blend's cache; empty for one that was never saved, and for what
+    was baked before caches had one, which shared folders that were called by less of the name."""
+    cache = Path(cache)
+    if identity:
+        return cache / tagged_name(scene_name, (identity,))
+    name = folder_name(scene_name)
+    before = safe_name(scene_name)
+    there = folders_in(cache)
+    return cache / (before if before in there and name not in there else name)
 
 
 def versions(root):
     """Version numbers in a scene's folder, ascending."""
-    if not Path(root).is_dir():
-        return []
-    matches = (VERSION_PATTERN.match(name) for name in os.listdir(root))
+    matches = (VERSION_PATTERN.match(name) for name in folders_in(root))
     return sorted(int(match.group(1)) for match in matches if match)
 
 
@@ -30,11 +36,7 @@ def version_folder(root, number):
 
 
 def _manifests(folder):
-    if not folder.is_dir():
-        return {}
-    found = {
-        name: read_manifest(folder / name) for name in sorted(os.listdir(folder)) if (folder / name).is_dir()
-    }
+    found = {name: read_manifest(folder / name) for name in folders_in(folder)}
     return {name: manifest for name, manifest in found.items() if manifest is not None}
 
 
@@ -43,13 +45,16 @@ def choose_version(root, keys, shot_hash):
 
     It is the newest one as long as none of them is finished there and all receivers that are there come
     from the same shot (``shot_hash``: all settings but the receiver's own), so that machines that share
-    a shot fill one version; else the next one.
+    a shot fill one version; else the next one. What no bake has made there is left alone.
     """
     existing = versions(root)
     if not existing:
         return 1
     newest = existing[-1]
-    manifests = _manifests(version_folder(root, newest))
+    folder = version_folder(root, newest)
+    if any(receiver_folder.is_foreign(folder / key) for key in keys):
+        return newest + 1
+    manifests = _manifests(folder)
     for name, manifest in manifests.items():
         if name in keys and manifest["complete"]:
             return newest + 1
@@ -63,40 +68,87 @@ def resumable_version(root, keys):
     that are finished there). A version without any trace of them is not one; (None, []) without any."""
     for number in reversed(versions(root)):
         folder = version_folder(root, number)
-        present = [key for key in keys if (folder / key).is_dir()]
+        there = folders_in(folder)
+        present = [key for key in keys if key in there and not receiver_folder.is_foreign(folder / key)]
         if present:
             finished = [key for key in present if (read_manifest(folder / key) or {}).get("complete")]
             return number, finished
     return None, []
 
 
-def remove_empty_folders(root):
-    """Removes empty receivers' and versions' folders, and the scene's where nothing is left."""
-    root = Path(root)
-    for number in versions(root):
+def remove_empty_folders(root, folders):
+    """Removes those of a scene's receivers' folders that are empty, and what that empties: versions, the scene's."""
+    emptied = [*folders, *sorted({Path(folder).parent for folder in folders}), Path(root)]
+    for folder in emptied:
+        with contextlib.suppress(OSError):
+            Path(folder).rmdir()
+
+
+@dataclass
+class Bakes:
+    """The bakes in a scene's folder that belong to one .blend, and what removing them takes away."""
+
+    root: Path
+    folders: list = field(default_factory=list)
+    """Of receivers."""
+    logs: list = field(default_factory=list)
+    count: int = 0
+    """Files in all, and their bytes."""
+    size: int = 0
+    skipped: list = field(default_factory=list)
+    """Texts on folders that are left as they are."""
+
+    def _add(self, files):
+        self.count += len(files)
+        self.size += sum(path.lstat().st_size for path in files)
+
+
+def find_bakes(root, identities=("",), shown=None, keys=None):
+    """The Bakes below `root` whose manifests carry one of these identities of a cache (None: that of an earlier format,
+    which has none). shown: only in the versions of these names. keys: only of these receivers. Links are not followed.
+    """
+    found = Bakes(Path(root))
+    numbers = versions(root)
+    for number in numbers:
         folder = version_folder(root, number)
-        for child in [folder / name for name in os.listdir(folder)] + [folder]:
-            with contextlib.suppress(OSError):
-                child.rmdir()
-    with contextlib.suppress(OSError):
-        root.rmdir()
+        if shown is not None and folder.name not in shown:
+            continue
+        for name in folders_in(folder):
+            if keys is not None and name not in keys:
+                continue
+            try:
+                manifest = read_any_manifest(folder / name)
+            except CacheError as error:
+                found.skipped.append(str(error))
+                continue
+            if manifest is not None and manifest.get("cache") in identities:
+                found.folders.append(folder / name)
+                found._add(receiver_folder.listed_files(folder / name))
+    if found.folders and keys is None and shown is None:
+        found.logs = [
+            path
+            for path in sorted((found.root / LOGS).glob("*.log"))
+            if LOG_PATTERN.fullmatch(path.name) and is_regular(path) and not path.parent.is_symlink()
+        ]
+        found._add(found.logs)
+    return found
 
 
-def free(root, keys=None):
-    """Removes the bakes of receivers ``keys`` (None: all) in all versions of a scene's folder, and every
-    folder that this leaves empty. Returns the number of files. Raises CacheBusy when one is baking."""
-    root = Path(root)
-    folders = [
-        version_folder(root, number) / name
-        for number in versions(root)
-        for name in sorted(os.listdir(version_folder(root, number)))
-        if (keys is None or name in keys) and (version_folder(root, number) / name).is_dir()
-    ]
+def free(found):
+    """Removes find_bakes(), and every folder that this leaves empty. Returns the number of files. Raises CacheBusy when
+    one is baking."""
     removed = 0
-    for folder in folders:
+    for folder in found.folders:
         with lock_folder(folder):
-            removed += receiver_folder.clear(folder, keep_lock=True)
-    if keys is None:
-        shutil.rmtree(root / "logs", ignore_errors=True)
-    remove_empty_folders(root)
+            removed += receiver_folder.clear(folder)
+    for path in found.logs:
+        path.unlink(missing_ok=True)
+        removed += 1
+    if found.logs:
+        with contextlib.suppress(OSError):
+            (found.root / LOGS).rmdir()
+    remove_empty_folders(found.root, found.folders)
+    if found.folders and not versions(found.root) and is_regular(found.root / OWNER):
+        (found.root / OWNER).unlink()
+        remove_empty_folders(found.root, ())
     return removed

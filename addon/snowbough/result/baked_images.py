@@ -118,8 +118,10 @@ def baked_depths(folder):
 
 def folders_of_members(folder, instancer):
     """{(object, library): folder} of all that the empty `instancer` instances. folder: that of any one of them,
-    baked beside the others."""
-    found = {}
+    baked beside the others, which says what the empty was called then."""
+    one, found = read_manifest(Path(bpy.path.abspath(folder))) if folder else None, {}
+    if one is not None:
+        instancer = one["label"].removesuffix(f" / {one['object']}")
     for beside in sorted(Path(bpy.path.abspath(folder)).parent.iterdir()) if folder else ():
         manifest = read_manifest(beside) if beside.is_dir() else None
         if manifest and manifest["label"].startswith(f"{instancer} / "):

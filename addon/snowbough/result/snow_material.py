@@ -97,7 +97,8 @@ def _normal(builder, sequence, uv_map):
     return node.outputs[0]
 
 
-def _output_node(tree):
+def output_node(tree):
+    """The material output that is in use; made where there is none."""
     node = tree.get_output_node("ALL") or tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     return node or tree.nodes.new("ShaderNodeOutputMaterial")
 
@@ -126,7 +127,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres,
     Returns the node of the group.
     """
     tree = material.node_tree
-    output = _output_node(tree)
+    output = output_node(tree)
     surface = next(iter(output.inputs["Surface"].links), None)
     displaced = next(iter(output.inputs["Displacement"].links), None)
     surface = surface.from_socket if surface else None

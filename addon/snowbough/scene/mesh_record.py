@@ -82,10 +82,11 @@ def _rendered_uv_map(mesh):
 class MeshRecord:
     """An evaluated mesh within one pose; after detach() without it."""
 
-    def __init__(self, mesh, may_change, alphas=()):
+    def __init__(self, mesh, alphas=()):
         self._mesh = mesh
         self._alphas = list(alphas)
-        self.may_change = may_change
+        # Compared with the pose before: whether corners may differ, UVs as well, or all of it as another mesh's.
+        self.may_change = self.is_edited = self.is_another = False
         self.positions = compat.read_positions(mesh)
         self.counts = (len(mesh.vertices), len(mesh.loops), len(mesh.polygons))
         self._corners = None

@@ -59,6 +59,16 @@ class ReceiverSpec:
     enabled: bool = True
     sides: str = "AUTO"
     """Which take snow: AUTO, FRONT or BOTH, as the native add_object takes it."""
+    baked_as: str = ""
+    """The name that it was first baked under, which its folder, fingerprints and manifest keep; empty: its name."""
+
+    @property
+    def known_as(self):
+        return self.baked_as or self.name
+
+    def shown(self, label):
+        """A label that begins with known_as, for people, who know it by its name of today."""
+        return self.name + label[len(self.known_as) :] if label.startswith(self.known_as) else label
 
 
 @dataclass(frozen=True)

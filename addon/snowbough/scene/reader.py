@@ -14,6 +14,8 @@ holds numpy arrays and texts only, nothing that Blender could free.
 - Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
 - An object that stands still is not read again; topology is read once and again when it changes. A
   receiver keeps the UV map of its first pose: one that has lost it is refused.
+- Frame handlers may edit meshes or give objects other ones: who has another mesh, or whose geometry Blender has
+  updated (scene.updates), is read again.
 - Receivers say which corners of theirs share a smooth normal (mesh_record).
 - Where materials have alpha from an image, triangles carry the image and the UVs in it (material_alpha).
 """
@@ -22,10 +24,10 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import OWN_MODIFIERS, UV_TOLERANCE, receiver_key
-from . import material_alpha
+from ..names import UV_TOLERANCE, receiver_key
 from .inputs import fingerprint
-from .mesh_record import MeshRecord, join_alphas, join_shadings, materials_of
+from .local_meshes import LocalMeshes
+from .mesh_record import join_alphas, join_shadings
 from .pose import (
     ObjectPose,
     ReceiverSpec,
@@ -39,15 +41,6 @@ from .pose import (
 )
 
 SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
-
-# These only move vertices: where an object has no others, its topology cannot change.
-DEFORMING_MODIFIERS = {
-    "ARMATURE", "CAST", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LATTICE", "MESH_DEFORM",
-    "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "SURFACE_DEFORM",
-    "WARP", "WAVE", "CLOTH", "COLLISION", "SOFT_BODY", "MESH_CACHE", "NORMAL_EDIT", "WEIGHTED_NORMAL",
-    "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY",
-    "SUBSURF", "MULTIRES", "MIRROR", "ARRAY", "SOLIDIFY", "TRIANGULATE",
-}  # fmt: skip
 
 
 @dataclass
@@ -64,6 +57,8 @@ class _Known:
     positions: np.ndarray = None
     flips: tuple = ()
     uv_map: str = ""
+    layers: list = field(default_factory=list)
+    """Fingerprints of a receiver's UV map, one a record."""
 
 
 @dataclass
@@ -77,26 +72,10 @@ class _Group:
     instances: list = field(default_factory=list)
     """(sort key, matrix (4, 4) float64, local positions, evaluated mesh's data)"""
 
-
-def _is_deforming_only(obj):
-    return all(modifier.type in DEFORMING_MODIFIERS for modifier in obj.modifiers)
-
-
-def _is_rigid(obj, switch):
-    """The object's mesh in its own space is the same on every frame: nothing can deform it, since our own
-    displacement is off while a bake or preview reads. switch: what of a modifier counts, as in Muted."""
-    original = obj.original
-    data = original.data
-    return (
-        original.type == "MESH"
-        and all(
-            modifier.name in OWN_MODIFIERS and not getattr(modifier, switch)
-            for modifier in original.modifiers
-        )
-        and data.shape_keys is None
-        and data.animation_data is None
-        and not original.is_evaluated
-    )
+    @property
+    def shown(self):
+        """The label for people."""
+        return self.receiver.shown(self.label) if self.receiver is not None else self.label
 
 
 class SceneReader:
@@ -107,12 +86,10 @@ class SceneReader:
 
     def __init__(self, receivers, scale_length):
         self._receivers = {(spec.name, spec.library): spec for spec in receivers}
+        self._names_taken = {(spec.known_as, spec.library) for spec in receivers}
         self._scale = scale_length
         self._known = {}
-        self._rigid = {}
-        self._switch = ""
-        # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
-        self._alphas = {}
+        self._meshes = LocalMeshes()
         # Receivers that cannot be ones from their first pose on: label -> why.
         self._refused = {}
         # Objects that are shown as instances of their own: (name, library) -> who scatters them.
@@ -124,7 +101,7 @@ class SceneReader:
         A receiver that has no mesh or no UV map when it is first read is refused: it only blocks snow, and the pose
         says why. Raises SceneError for one that loses them later.
         """
-        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+        self._meshes.begin(depsgraph)
         groups = self._gather(depsgraph)
         objects = {}
         for key in sorted(groups):
@@ -135,7 +112,7 @@ class SceneReader:
 
     def _pose_or_refusal(self, key, group, frame):
         """The pose of a group; of a receiver that cannot be one, as an occluder."""
-        if group.label in self._refused:
+        if group.shown in self._refused:
             group.receiver = None
         if group.receiver is None or not group.receiver.enabled or key in self._known:
             return self._pose(key, group, frame)
@@ -143,7 +120,7 @@ class SceneReader:
             return self._pose(key, group, frame)
         except SceneError as error:
             self._known.pop(key, None)
-            self._refused[group.label] = str(error)
+            self._refused[group.shown] = str(error)
             group.receiver = None
             return self._pose(key, group, frame)
 
@@ -162,7 +139,6 @@ class SceneReader:
     def _gather(self, depsgraph):
         """key -> _Group of everything that the render shows."""
         groups = {}
-        shared = {}
         for instance in depsgraph.object_instances:
             obj = instance.object
             if obj.type not in SURFACE_TYPES:
@@ -176,7 +152,7 @@ class SceneReader:
             if group is None:
                 continue
             matrix = np.array(instance.matrix_world, dtype=np.float64)
-            local, mesh = self._local_mesh(obj, shared, group.receiver is not None)
+            local, mesh = self._meshes.of(obj, group.receiver is not None)
             if local is None:
                 continue
             group.instances.append((order, matrix, local, mesh))
@@ -185,10 +161,14 @@ class SceneReader:
     def _group_of(self, instance, obj, original, groups):
         name, library = original.name, library_path(original)
         if not instance.is_instance:
-            key = own_key(name, library)
             receiver = self._receivers.get((name, library))
-            group = groups.setdefault(key, _Group(name, name, library, receiver))
-            return group, ()
+            if receiver is not None:
+                name = receiver.known_as
+            elif (name, library) in self._names_taken:  # by a receiver that was renamed
+                return _join(
+                    groups, receiver_key(name, (library, "", "", "renamed")), name, name, library, None
+                ), ()
+            return _join(groups, own_key(name, library), name, name, library, receiver), ()
         parent = instance.parent.original if instance.parent else None
         if parent is not None and (parent.snowbough.is_shell or not parent.snowbough.occlude):
             return None, None
@@ -197,59 +177,13 @@ class SceneReader:
         order = tuple(index for index in instance.persistent_id if index != 0x7FFFFFFF)
         receiver = self._receivers.get((parent_name, parent_library))
         if receiver is not None and parent.instance_type == "COLLECTION":
+            parent_name = receiver.known_as
             key = member_key(name, library, parent_name, parent_library, order)
-            return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, receiver)), order
+            return _join(groups, key, f"{parent_name} / {name}", name, library, receiver), order
         for shown in ((name, library), (parent_name, parent_library)):
             self._scattered.setdefault(shown, parent_name)
         key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
-        return groups.setdefault(key, _Group(f"{parent_name} / {name}", name, library, None)), order
-
-    def _local_mesh(self, obj, shared, receives):
-        """(positions in the object's space, a record of its mesh). Both are shared between the instances
-        of one evaluated mesh within a pose, and between poses while nothing can deform the object.
-        receives: its shading matters."""
-        pointer = (obj.original.as_pointer(), obj.data.as_pointer() if obj.data else 0, receives)
-        if pointer in shared:
-            return shared[pointer]
-        rigid_key = (obj.original.name, library_path(obj.original), receives)
-        if rigid_key in self._rigid:
-            shared[pointer] = self._rigid[rigid_key]
-            return shared[pointer]
-        temporary = obj.type != "MESH"
-        mesh = obj.to_mesh() if temporary else obj.data
-        if mesh is None or not len(mesh.polygons):
-            shared[pointer] = (None, None)
-            return shared[pointer]
-        try:
-            record = MeshRecord(
-                mesh, temporary or not _is_deforming_only(obj.original), self._alphas_of(obj, mesh)
-            )
-            if temporary:
-                record.detach(receives)
-            found = (record.positions, record)
-        finally:
-            if temporary:
-                obj.to_mesh_clear()
-        if not temporary and _is_rigid(obj, self._switch):
-            record.detach(receives)
-            self._rigid[rigid_key] = found
-        shared[pointer] = found
-        return found
-
-    def _alphas_of(self, obj, mesh):
-        """AlphaImage or None for each material index of an object's evaluated mesh."""
-        return [self._alpha_of(material) for material in materials_of(obj, mesh)]
-
-    def _alpha_of(self, material):
-        if material is None:
-            return None
-        known = (material.name, library_path(material))
-        if known not in self._alphas:
-            try:
-                self._alphas[known] = material_alpha.of_material(material)
-            except material_alpha.UnknownAlpha:  # opaque then; preflight tells
-                self._alphas[known] = None
-        return self._alphas[known]
+        return _join(groups, key, f"{parent_name} / {name}", name, library, None), order
 
     def _pose(self, key, group, frame):
         known = self._known.setdefault(key, _Known())
@@ -258,7 +192,7 @@ class SceneReader:
         if not records:
             if group.receiver is not None:
                 raise SceneError(
-                    f"'{group.label}' has no faces at frame {frame}: there is nothing to snow on"
+                    f"'{group.shown}' has no faces at frame {frame}: there is nothing to snow on"
                 )
             return _empty_pose(key, group)
         matrices = np.stack([item[1] for item in group.instances])
@@ -278,7 +212,7 @@ class SceneReader:
             parts = [world_positions(local, m, self._scale) for local, m in zip(locals_, matrices)]
             known.positions = np.concatenate(parts) if len(parts) > 1 else parts[0]
             if not np.isfinite(known.positions).all():
-                raise SceneError(f"'{group.label}' has vertices at no finite place at frame {frame}")
+                raise SceneError(f"'{group.shown}' has vertices at no finite place at frame {frame}")
             known.positions.flags.writeable = False
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
@@ -289,20 +223,22 @@ class SceneReader:
     def _update_topology(self, known, group, records, flips, frame):
         counts = tuple(record.counts for record in records)
         if known.topology is not None and known.counts == counts and known.flips == flips:
-            if not any(record.may_change for record in records):
-                return
-            corners = [record.corners() for record in records]
-            if _same_arrays(known.corners, corners):
-                return
+            if not any(record.is_another for record in records):
+                if not any(record.may_change for record in records):
+                    return
+                if self._has_same_faces(known, group, records, frame):
+                    return
         receiver = group.receiver is not None
         triangles, uvs, alphas, shadings, offset = [], [], [], [], 0
+        known.layers = []
         for record, flip in zip(records, flips):
             corner_triangles = record.triangle_corners()
             if flip:
                 corner_triangles = corner_triangles[:, ::-1]
             triangles.append(record.corners()[corner_triangles] + np.int32(offset))
             if receiver:
-                known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.label, frame)
+                known.uv_map, uv = record.uv(group.receiver.uv_map, known.uv_map, group.shown, frame)
+                known.layers.append(fingerprint(uv))
                 uvs.append(uv[corner_triangles])
                 shadings.append(record.shading(corner_triangles))
             alphas.append(record.alpha(corner_triangles))
@@ -311,9 +247,9 @@ class SceneReader:
         uv = np.ascontiguousarray(np.concatenate(uvs)) if receiver else np.empty((0, 3, 2), dtype=np.float32)
         if receiver and group.receiver.enabled and known.topology is not None and not _fits_map(uv):
             raise SceneError(
-                f"'{group.label}' has other faces at frame {frame} than before, and they do not lie on its UV "
+                f"'{group.shown}' has other faces at frame {frame} than before, and they do not lie on its UV "
                 f"map '{known.uv_map}' from 0 to 1: apply the modifier that makes them, or take "
-                f"'{group.label}' off the list of receivers"
+                f"'{group.shown}' off the list of receivers"
             )
         known.counts, known.flips = counts, flips
         known.corners = [record.corners() for record in records]
@@ -324,6 +260,29 @@ class SceneReader:
         made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)
         if known.topology is None or not known.topology.is_same(made):
             known.topology = made
+
+    @staticmethod
+    def _has_same_faces(known, group, records, frame):
+        """Whether all meshes have the corners of before, and a receiver's that were edited the UVs as well."""
+        if not _same_arrays(known.corners, [record.corners() for record in records]):
+            return False
+        if group.receiver is None:
+            return True
+        arguments = (group.receiver.uv_map, known.uv_map, group.shown, frame)
+        return all(
+            not record.is_edited or fingerprint(record.uv(*arguments)[1]) == layer
+            for record, layer in zip(records, known.layers)
+        )
+
+
+def _join(groups, key, label, name, library, receiver):
+    """The _Group of that key; new where there is none."""
+    group = groups.setdefault(key, _Group(label, name, library, receiver))
+    if (group.label, group.library) != (label, library):
+        raise SceneError(
+            f"'{group.label}' and '{label}' would share a folder in the cache: rename one of them"
+        )
+    return group
 
 
 def _scatterer(name, scatterer):

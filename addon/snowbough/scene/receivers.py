@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene's list of receivers: finding, adding and reading its lines, and where its objects are."""
 
+from dataclasses import replace
+
 from mathutils import Vector
 
 from ..names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV
@@ -44,25 +46,41 @@ def receiver_resolution(entry):
     return entry.resolution or min(int(laid_out), MAX_RESOLUTION)
 
 
-def receiver_specs(scene):
-    """The scene's list as ReceiverSpec, without empty and doubled lines."""
-    specs = {}
+def receiver_specs(scene, as_baked=False):
+    """The scene's list as ReceiverSpec, without empty and doubled lines. as_baked: those that were baked before go by
+    the names that they had then, and no other receiver does."""
+    entries = {}
     for entry in scene.snowbough.receivers:
-        if entry.object is None:
-            continue
-        library = library_path(entry.object)
-        specs.setdefault(
-            (entry.object.name, library),
-            ReceiverSpec(
-                entry.object.name,
-                library,
-                entry.uv_map,
-                receiver_resolution(entry),
-                entry.enabled,
-                entry.sides,
-            ),
+        if entry.object is not None:
+            entries.setdefault((entry.object.name, library_path(entry.object)), entry)
+    taken = {(entry.baked_as, library) for (_, library), entry in entries.items() if entry.baked_as}
+    specs = []
+    for (name, library), entry in entries.items():
+        spec = ReceiverSpec(
+            name, library, entry.uv_map, receiver_resolution(entry), entry.enabled, entry.sides
         )
-    return list(specs.values())
+        if as_baked:
+            spec = replace(spec, baked_as=entry.baked_as or _free_name(scene, name, library, taken))
+        specs.append(spec)
+    return specs
+
+
+def _free_name(scene, name, library, taken):
+    """The name of a receiver that was never baked, or where one that is renamed now was baked under it, another one."""
+    number, free = 1, name
+    while (free, library) in taken or (free != name and free in scene.objects):
+        number += 1
+        free = f"{name} ({number})"
+    taken.add((free, library))
+    return free
+
+
+def note_baked_names(scene, specs):
+    """Notes for the receivers of a bake that begins what they are known as from now on."""
+    names = {(spec.name, spec.library): spec.known_as for spec in specs}
+    for entry in scene.snowbough.receivers:
+        if entry.object is not None and not entry.baked_as:
+            entry.baked_as = names.get((entry.object.name, library_path(entry.object)), "")
 
 
 def bounds(scene):

@@ -59,6 +59,11 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         subtype="DIR_PATH",
         options={"HIDDEN"} | compat.BLEND_RELATIVE,
     )
+    baked_as: StringProperty(
+        name="Baked As",
+        description="Name that the object had when it was first baked: a renamed one keeps its bake by it",
+        options={"HIDDEN"},
+    )
     restore: StringProperty(
         name="Restore",
         description="What the object was like before Snowbough changed it, as JSON",

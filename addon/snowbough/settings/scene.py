@@ -73,6 +73,11 @@ class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
         default="//snowbough_cache",
         options={"ANIMATABLE"} | compat.BLEND_RELATIVE,
     )
+    cache_identity: StringProperty(
+        name="Identity of the Cache",
+        description="Tells apart the caches of .blend files that share a folder; given when the file is saved",
+        options={"HIDDEN"},
+    )
     cache_used: StringProperty(
         name="Cache of the Last Bake",
         description="Absolute folder that the last bake wrote to; found again after Save As",

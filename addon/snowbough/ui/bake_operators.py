@@ -4,14 +4,16 @@
 import bpy
 
 from .. import session
-from ..bake import engine, from_scene, outcome
+from ..bake import cache_place, engine, from_scene, outcome
 from ..cache import versions
 from ..cache.errors import CacheError
+from ..cache.folder import baked_frames
 from ..result import displacement
 from . import editing_lock
-from .text import wrapped
+from .text import counted, sized, wrapped
 
 POPUP_LETTERS = 80
+DIALOG_WIDTH = 520
 
 
 def _finished_in_window(running):
@@ -100,30 +102,56 @@ class SNOWBOUGH_OT_stop_bake(bpy.types.Operator):
         return {"FINISHED"}
 
 
+def _freeing(scene):
+    """What Free Bake would remove, as texts for people."""
+    texts = []
+    for found in cache_place.own_bakes(scene):
+        if found.count:
+            texts.append(
+                f"Remove {counted(found.count, 'file')} ({sized(found.size)}) of bakes from {found.root}"
+            )
+        texts += found.skipped
+    return texts or ["The cache holds no bake of this scene in this .blend: nothing is removed"]
+
+
 class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.free_bake"
     bl_label = "Free Bake"
     bl_description = (
-        "Remove the files of all bakes of this scene from the cache, and nothing else. "
-        "Files do not come back with undo"
+        "Remove the files of all bakes of this scene from the cache, and nothing else; asks first, with the folder "
+        "and the size. Files do not come back with undo"
     )
     bl_options = {"REGISTER", "UNDO"}
 
-    def invoke(self, context, event):
-        return context.window_manager.invoke_confirm(self, event)
-
-    def execute(self, context):
-        root = from_scene.existing_cache(context.scene)
+    def invoke(self, context, _event):
         try:
-            removed = versions.free(root) if root is not None else 0
-        except CacheError as error:
+            self._questions = _freeing(context.scene)
+        except (CacheError, OSError) as error:
             self.report({"ERROR"}, outcome.one_line(error))
             return {"CANCELLED"}
-        for entry in context.scene.snowbough.receivers:
-            entry.folder = ""
-            if entry.object is not None:
-                displacement.refresh(context.scene, entry)
-        self.report({"INFO"}, f"Removed {removed} files")
+        return context.window_manager.invoke_props_dialog(self, width=DIALOG_WIDTH)
+
+    def draw(self, _context):
+        for text in self._questions:
+            for part in wrapped(text, lambda line: len(line) <= POPUP_LETTERS):
+                self.layout.label(text=part)
+
+    def execute(self, context):
+        scene = context.scene
+        try:
+            texts = _freeing(scene)
+            removed = sum(versions.free(found) for found in cache_place.own_bakes(scene))
+        except (CacheError, OSError) as error:
+            self.report({"ERROR"}, outcome.one_line(error))
+            return {"CANCELLED"}
+        for entry in scene.snowbough.receivers:
+            if entry.folder and not baked_frames(bpy.path.abspath(entry.folder)):
+                entry.folder = entry.baked_as = ""
+                if entry.object is not None:
+                    displacement.refresh(scene, entry)
+        for text in texts if not removed else ():
+            self.report({"WARNING"}, text)
+        self.report({"INFO"}, f"Removed {counted(removed, 'file')}")
         return {"FINISHED"}
 
 

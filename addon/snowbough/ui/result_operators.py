@@ -4,9 +4,11 @@
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
+from ..cache.errors import CacheError
 from ..names import SNOW_KINDS
-from ..result import baked_images, displacement, look, snow_material, snow_shell
+from ..result import baked_images, displacement, look, snow_material, snow_shell, unlisted_snow
 from .editing_lock import NotWhileBaking
+from .text import counted
 
 
 def _chosen(context, only_selected):
@@ -15,6 +17,18 @@ def _chosen(context, only_selected):
     if only_selected:
         receivers = [receiver for receiver in receivers if receiver.object.select_get()]
     return receivers
+
+
+def _unlisted(context):
+    """The selected objects that are on no list of receivers and have snow all the same."""
+    listed = {
+        name
+        for scene in bpy.data.scenes
+        for entry in scene.snowbough.receivers
+        if entry.object is not None
+        for name in (entry.object.name, *(shell.name for shell in snow_shell.find(entry)))
+    }
+    return [obj for obj in context.selected_objects if obj.name not in listed and unlisted_snow.is_snowy(obj)]
 
 
 class _ReceiverOperator(NotWhileBaking):
@@ -45,7 +59,7 @@ class _ReceiverOperator(NotWhileBaking):
                 for note in self.work(context, receiver) or ():
                     self.report({"WARNING"}, note)
                 done += 1
-            except ValueError as error:
+            except (ValueError, CacheError) as error:
                 self.report({"WARNING" if len(receivers) > 1 else "ERROR"}, str(error))
         if not done:
             return {"CANCELLED"}
@@ -100,11 +114,28 @@ class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
 
 
 class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
-    """Takes the snow off again: materials, modifiers and shells are as they were; baked files stay"""
+    """Takes the snow off again: materials, modifiers and shells are as they were; baked files stay. Also off selected
+    objects that were appended with it"""
 
     bl_idname = "snowbough.remove"
     bl_label = "Remove Snow"
     done_text = "Removed snow"
+
+    @classmethod
+    def ready(cls, context):
+        return bool(_unlisted(context)) or super().ready(context)
+
+    def execute(self, context):
+        unlisted = _unlisted(context)
+        for name in [obj.name for obj in unlisted]:
+            if name in bpy.data.objects:  # a shell goes with what it shows
+                unlisted_snow.remove(bpy.data.objects[name])
+        if unlisted and not _chosen(context, self.only_selected):
+            self.report(
+                {"INFO"}, f"{self.done_text}: {counted(len(unlisted), 'object')} on no list of receivers"
+            )
+            return {"FINISHED"}
+        return super().execute(context)
 
     def work(self, context, receiver):
         displacement.remove(context.scene, receiver)

@@ -1,5 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texts broken into lines that fit where Blender does not wrap them. No ``bpy``."""
+"""Texts for people: amounts, and lines that fit where Blender does not wrap them. No ``bpy``."""
+
+
+def counted(number, noun):
+    """``1 file``, ``1,204 files``."""
+    return f"{number:,} {noun}{'' if number == 1 else 's'}"
+
+
+def sized(count):
+    """Bytes as people read them: ``640 KiB``, ``3.2 GiB``."""
+    for unit, size in (("GiB", 2**30), ("MiB", 2**20)):
+        if count >= size:
+            return f"{count / size:.1f} {unit}"
+    return f"{-(-count // 1024)} KiB"
 
 
 def wrapped(text, fits):

@@ -50,6 +50,8 @@ WITHOUT_BLENDER = (
     "cache.manifest",
     "cache.folder",
     "cache.versions",
+    "cache.owner",
+    "cache.sealed",
     "cache.coverage",
     "scene.inputs",
     "scene.pose",

@@ -3,6 +3,7 @@
 
 import math
 import os
+import re
 import stat
 import subprocess
 import sys
@@ -11,18 +12,18 @@ from pathlib import Path
 import numpy as np
 import pytest
 import snowbough
+from cache_files import write_manifest, write_old_manifest, written
 from snowbough import names
-from snowbough.cache import errors, files, folder, lock, manifest, versions
+from snowbough.cache import errors, files, folder, lock, manifest, sealed, versions
 from snowbough.scene.inputs import SceneInputs, fingerprint
 
+SIDECAR = {"covered": "", "driver": "CPU", "frames": [], "inputs": [["1", {"Cart": ["t", "s", "u"]}]]}
 
-def baked(path, frames=(1, 2), complete=True, shot="s"):
-    path.mkdir(parents=True, exist_ok=True)
+
+def baked(path, frames=(1, 2), **given):
+    write_manifest(path, frames=frames, **given)
     for frame in frames:
         (path / files.frame_file("height", frame)).write_bytes(b"exr")
-    manifest.write_manifest(
-        path, {"complete": complete, "settings": {"shot": shot}, "hash": "h", "frames": []}
-    )
     return path
 
 
@@ -30,6 +31,25 @@ def test_names_become_safe_file_names():
     assert names.safe_name("Cart") == "Cart"
     assert names.safe_name("../Bänk: 1/2") == "_B_nk__1_2"
     assert names.safe_name("...") == "_"
+    assert names.safe_name("CON") == "_CON" and names.safe_name("aux.001") == "_aux.001"
+    assert names.safe_name("Console") == "Console"
+
+
+def test_names_that_differ_in_anything_get_folders_that_differ_in_more_than_case():
+    alike = ["雪一", "山一", "Shot", "shot", "SHOT", "Shot ", "Sh ot", "Sh_ot", "a" * 64 + "b", "a" * 64 + "c", "CON",
+             "con", "_CON", "Con.001", "Shot.", "Shot-0123abcd", ".Shot", "-shot"]  # fmt: skip
+    folders = [names.folder_name(name) for name in alike]
+    assert len({folder.lower() for folder in folders}) == len(alike), folders
+    assert all(re.fullmatch("[A-Za-z0-9_][A-Za-z0-9._-]*[A-Za-z0-9_]", folder) for folder in folders)
+    assert names.folder_name("Shot") == "Shot" and names.folder_name("Scene.001") == "Scene.001"
+
+
+def test_a_scenes_folder_of_before_is_found(tmp_path):
+    baked(tmp_path / "SHOT_1" / "v001" / "a")
+    assert versions.scene_folder(tmp_path, "SHOT_1") == tmp_path / "SHOT_1"
+    assert versions.scene_folder(tmp_path, "shot_1").name == names.folder_name("shot_1")
+    (tmp_path / names.folder_name("SHOT_1")).mkdir()
+    assert versions.scene_folder(tmp_path, "SHOT_1").name == names.folder_name("SHOT_1")
 
 
 def test_objects_of_one_name_get_folders_of_their_own():
@@ -53,19 +73,19 @@ def test_equal_manifests_are_equal_bytes():
 
 
 def test_a_checkpoint_counts_only_with_its_state(tmp_path):
-    folder.write_sidecar(tmp_path, 10, {"x": 1})
+    folder.write_sidecar(tmp_path, 10, SIDECAR)
     assert folder.checkpoints(tmp_path) == []
     (tmp_path / "state_0010").write_bytes(b"s")
     (tmp_path / "state_0020").write_bytes(b"s")
     assert folder.checkpoints(tmp_path) == [10]
     folder.remove_stray_files(tmp_path)
     assert sorted(os.listdir(tmp_path)) == ["state_0010", "state_0010.json"]
-    assert folder.read_sidecar(tmp_path, 10) == {"x": 1}
+    assert folder.read_sidecar(tmp_path, 10) == {**SIDECAR, "format": manifest.FORMAT}
 
 
 def test_checkpoints_between_the_regular_ones_go_once_passed(tmp_path):
     for frame in (4, 5, 10, 12):
-        folder.write_sidecar(tmp_path, frame, {})
+        folder.write_sidecar(tmp_path, frame, SIDECAR)
         (tmp_path / files.state_file(frame)).write_bytes(b"s")
     folder.remove_irregular_checkpoints(tmp_path, frame_start=1, interval=5, before=12)
     assert folder.checkpoints(tmp_path) == [5, 10, 12]
@@ -99,57 +119,28 @@ def test_resume_finds_the_unfinished_version(tmp_path):
     assert versions.resumable_version(tmp_path, ["c"]) == (None, [])
 
 
-def manifest_of_format_1(path, flutter):
-    """A manifest as it was written while flutter was in degrees; as a file, and what it said."""
-    snowfall = {"flutter": flutter, "end_depth": 0.1}
-    settings = {"shot": files.digest(snowfall), "snowfall": snowfall, "receiver": {"resolution": 64}}
-    written = {
-        "format": 1,
-        "complete": True,
-        "hash": files.digest(settings),
-        "settings": settings,
-        "frames": [1],
-    }
-    path.mkdir(parents=True)
-    (path / files.MANIFEST).write_bytes(files.to_json(written))
-
-
 @pytest.mark.parametrize("degrees", [0.0, 3.0, 17.3, 45.0])
 def test_a_manifest_with_flutter_in_degrees_is_read_as_the_number_that_blender_holds(tmp_path, degrees):
     held = float(np.float32(np.radians(degrees)))  # Blender's properties are single precision
-    manifest_of_format_1(tmp_path / "a", math.degrees(held))
+    write_old_manifest(tmp_path / "a", 1, flutter=math.degrees(held))
     read = manifest.read_manifest(tmp_path / "a")
-    assert read["settings"]["snowfall"] == {"flutter": held, "end_depth": 0.1}
-    assert read["complete"] and read["frames"] == [1]
+    assert read["settings"]["snowfall"]["flutter"] == held and read["complete"]
 
 
 def test_machines_go_on_sharing_a_version_that_was_begun_in_the_earlier_format(tmp_path):
     held = float(np.float32(np.radians(3.0)))
-    manifest_of_format_1(tmp_path / "v001" / "a", math.degrees(held))
-    shot = {"flutter": held, "end_depth": 0.1}
+    write_old_manifest(tmp_path / "v001" / "a", 1, flutter=math.degrees(held))
+    shot = written(flutter=held)["settings"]["snowfall"]
     assert versions.choose_version(tmp_path, ["b"], files.digest(shot)) == 1
 
 
 def test_a_manifest_of_a_later_format_is_refused(tmp_path):
     (tmp_path / files.MANIFEST).write_bytes(files.to_json({"format": manifest.FORMAT + 1}))
-    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
+    with pytest.raises(errors.CacheError, match="checksum is missing"):
         manifest.read_manifest(tmp_path)
-
-
-def test_free_removes_exactly_what_the_bake_made(tmp_path):
-    first = baked(tmp_path / "v001" / "a")
-    baked(tmp_path / "v001" / "b")
-    (first / "notes.txt").write_text("mine")
-    versions.free(tmp_path)
-    left = [path for path in tmp_path.rglob("*") if path.is_file()]
-    assert left == [first / "notes.txt"]
-
-
-def test_free_takes_only_the_receivers_named(tmp_path):
-    baked(tmp_path / "v001" / "a")
-    kept = baked(tmp_path / "v001" / "b")
-    assert versions.free(tmp_path, ["a"]) == 3
-    assert not (tmp_path / "v001" / "a").exists() and folder.baked_frames(kept) == [1, 2]
+    sealed.write_sealed(tmp_path / files.MANIFEST, {})
+    with pytest.raises(errors.CacheError, match="another version of Snowbough"):
+        sealed.read_sealed(tmp_path / files.MANIFEST, "Bake again", {}.get)
 
 
 def test_a_folder_is_locked_against_a_second_bake(tmp_path):
@@ -172,6 +163,28 @@ def test_a_killed_bake_blocks_nobody(tmp_path):
     assert (tmp_path / "a" / "lock").exists()
     with lock.lock_folder(tmp_path / "a"):
         pass
+
+
+def test_a_lock_that_was_removed_or_replaced_is_noticed_and_the_other_ones_stays(tmp_path):
+    with lock.lock_folder(tmp_path / "a") as held:
+        held.check()
+        (tmp_path / "a" / "lock").unlink()
+        with pytest.raises(errors.LockLost, match="was removed or replaced"):
+            held.check()
+        with lock.lock_folder(tmp_path / "a") as second:
+            with pytest.raises(errors.LockLost):
+                held.check()
+            second.check()
+            (tmp_path / "a" / "lock").write_text("process 1 on elsewhere")
+            with pytest.raises(errors.LockLost):
+                second.check()
+    with lock.lock_folder(tmp_path / "b") as held:
+        (tmp_path / "b" / "lock").unlink()
+        other = lock.lock_folder(tmp_path / "b")
+        other.__enter__().check()
+    assert (tmp_path / "b" / "lock").exists()
+    other.__exit__(None, None, None)
+    assert not (tmp_path / "b" / "lock").exists()
 
 
 @pytest.mark.skipif(os.name != "posix", reason="needs POSIX permissions")

@@ -5,6 +5,7 @@ import threading
 
 import pytest
 from snowbough.bake import map_writer
+from snowbough.cache.errors import LockLost
 
 WAIT = 20.0
 
@@ -49,6 +50,29 @@ def test_a_full_disk_says_what_to_do():
         pytest.raises(map_writer.WriteFailed, match=r"map\.exr: No space .* make room, then resume"),
         map_writer.MapWriter() as writer,
     ):
+        writer.call(write)
+        writer.flush()
+
+
+def test_a_cache_that_was_deleted_is_not_told_to_make_room():
+    def write():
+        raise RuntimeError("cannot write '/c/height_0001.exr': No such file or directory")
+
+    with (
+        pytest.raises(
+            map_writer.WriteFailed, match="No such file.*The folder is gone: put it back and resume"
+        ),
+        map_writer.MapWriter() as writer,
+    ):
+        writer.call(write)
+        writer.flush()
+
+
+def test_a_lost_lock_stays_that():
+    def write():
+        raise LockLost("lock was removed")
+
+    with pytest.raises(LockLost, match="^lock was removed$"), map_writer.MapWriter() as writer:
         writer.call(write)
         writer.flush()
 

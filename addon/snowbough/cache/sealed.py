@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""JSON files of the cache that are read as they were written, or not at all. No ``bpy``.
+
+The last entry, ``checksum``, is that of all bytes before it: a file that a disk or a hand has changed is refused and
+never half understood. What a file holds is compared with a shape as well, since earlier formats had no checksum.
+"""
+
+import hashlib
+import json
+import math
+import re
+from pathlib import Path
+
+from .errors import CacheError
+from .files import to_json, write_bytes
+
+# 1: flutter in degrees. 2: all angles in radians. 3: with checksums, the cache's identity and a list of files.
+FORMAT = 3
+SEALED_SINCE = 3
+
+# More than the poses of a long shot with thousands of objects take.
+MAX_BYTES = 1 << 29
+
+_SEAL = re.compile(rb',\n "checksum": "([0-9a-f]{32})"\n\}\n\Z')
+_END = b"\n}\n"
+
+
+def text(value):
+    return isinstance(value, str)
+
+
+def flag(value):
+    return isinstance(value, bool)
+
+
+def whole(value):
+    return isinstance(value, int) and not isinstance(value, bool) and 0 <= value < 1 << 31
+
+
+def number(value):
+    return isinstance(value, (int, float)) and not isinstance(value, bool) and math.isfinite(value)
+
+
+def either(*shapes):
+    return lambda value: any(fits(value, shape) for shape in shapes)
+
+
+def dict_of(shape):
+    return lambda value: isinstance(value, dict) and all(fits(own, shape) for own in value.values())
+
+
+def nothing(value):
+    return value is None
+
+
+def fits(value, shape):
+    """Whether a value has a shape: a test; {key: shape of what must be there}; [shape of all entries]; (shape of the
+    first entry, of the second, ...)."""
+    if isinstance(shape, dict):
+        return isinstance(value, dict) and all(key in value and fits(value[key], shape[key]) for key in shape)
+    if isinstance(shape, list):
+        return isinstance(value, list) and all(fits(entry, shape[0]) for entry in value)
+    if isinstance(shape, tuple):
+        return isinstance(value, list) and len(value) == len(shape) and all(map(fits, value, shape))
+    return shape(value)
+
+
+def _checksum(body):
+    return hashlib.blake2b(body, digest_size=16).hexdigest().encode()
+
+
+def write_sealed(path, value):
+    """Writes a dict, its format and its checksum. Raises CacheError."""
+    body = to_json({**value, "format": FORMAT})
+    write_bytes(path, body[: -len(_END)] + b',\n "checksum": "' + _checksum(body) + b'"\n}\n')
+
+
+def read_sealed(path, remedy, shape_of):
+    """What write_sealed wrote, or a file of an earlier format; None where it is not there.
+
+    shape_of(format) -> the shape that a file of that format has, None for a format that is not known; a file without
+    one counts as 0. remedy: what to do with a damaged file. Raises CacheError for such and for unknown formats.
+    """
+    path = Path(path)
+    try:
+        if path.stat().st_size > MAX_BYTES:
+            raise ValueError(f"it is larger than {MAX_BYTES >> 20} MiB")
+        raw = path.read_bytes()
+        seal = _SEAL.search(raw[-80:])
+        if seal and seal.group(1) != _checksum(raw[: -len(seal.group(0))] + _END):
+            raise ValueError("its checksum is not that of its content")
+        value = json.loads(raw, parse_constant=_refuse)
+        number_of_format = value.get("format", 0) if isinstance(value, dict) else 0
+        if not whole(number_of_format):
+            raise ValueError("its format is no number")
+        if not seal and (number_of_format >= SEALED_SINCE or isinstance(value, dict) and "checksum" in value):
+            raise ValueError("its checksum is missing")
+        shape = shape_of(number_of_format)
+        if shape is not None and not fits(value, shape):
+            raise ValueError("something is missing in it, or is of another kind than it should be")
+    except FileNotFoundError:
+        return None
+    except (OSError, ValueError, RecursionError) as error:
+        raise CacheError(f"{path} is damaged ({_reason(error)}). {remedy}") from error
+    if shape is None:
+        raise CacheError(
+            f"{path} was written by another version of Snowbough (format {number_of_format}, this one writes "
+            f"{FORMAT}). {remedy}"
+        )
+    if isinstance(value, dict):
+        value.pop("checksum", None)
+    return value
+
+
+def _refuse(constant):
+    raise ValueError(f"{constant} is no number")
+
+
+def _reason(error):
+    if isinstance(error, OSError):
+        return error.strerror or str(error)
+    if isinstance(error, (json.JSONDecodeError, UnicodeDecodeError, RecursionError)):
+        return "it is no JSON"
+    return str(error)

@@ -1,0 +1,91 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Snow on objects that are on no list of receivers, such as those appended from another file.
+
+The record of what an object was like before stays with the list, in the scene that it came from. So what is ours is
+found by what it is: modifiers by their names, copies of materials by their node group, shells by the object that they
+show. A mesh still has its own materials under the copies; where it has none, our nodes come out of the copy.
+"""
+
+import bpy
+
+from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS
+from . import look, snow_shell
+from .snow_material import FRAME_LABEL, output_node
+
+
+def is_snowy(obj):
+    """Whether there is snow of ours on an object that can be changed, or it is a shell."""
+    if obj.type != "MESH" or obj.library is not None:
+        return False
+    return obj.snowbough.is_shell or bool(_modifiers(obj) or _snowy_slots(obj) or _shells_of(obj))
+
+
+def remove(obj):
+    """Takes the snow off. `obj` is gone afterwards where it is a shell."""
+    if obj.snowbough.is_shell:
+        snow_shell.delete_object(obj)
+        return
+    for shell in _shells_of(obj):
+        snow_shell.delete_object(shell)
+    for modifier in _modifiers(obj):
+        texture = modifier.texture if modifier.name == DISPLACE_MODIFIER else None
+        obj.modifiers.remove(modifier)
+        if texture is not None and texture.users == 0:
+            bpy.data.textures.remove(texture)
+    for slot in _snowy_slots(obj):
+        copy = slot.material
+        if obj.data.materials[slot.slot_index] is not None:
+            slot.material = None
+            slot.link = "DATA"
+        else:
+            strip(copy)
+        if copy.users == 0:
+            bpy.data.materials.remove(copy)
+
+
+def _modifiers(obj):
+    return [modifier for modifier in obj.modifiers if modifier.name in OWN_MODIFIERS]
+
+
+def _snowy_slots(obj):
+    return [slot for slot in obj.material_slots if slot.link == "OBJECT" and look.group_nodes(slot.material)]
+
+
+def _shells_of(obj):
+    return [
+        shell
+        for shell in bpy.data.objects
+        if shell.library is None
+        and shell.snowbough.is_shell
+        and any(_shows(modifier.node_group, obj) for modifier in shell.modifiers if modifier.type == "NODES")
+    ]
+
+
+def _shows(tree, obj):
+    return tree is not None and any(
+        socket.type == "OBJECT" and socket.default_value == obj
+        for node in tree.nodes
+        for socket in node.inputs
+    )
+
+
+def strip(material):
+    """Takes the snow's nodes out of a material: what they were mixed over shows again."""
+    tree = material.node_tree
+    frames = {node for node in tree.nodes if node.type == "FRAME" and node.label == FRAME_LABEL}
+    ours = {node for node in tree.nodes if node.parent in frames}
+    output = output_node(tree)
+    for group in look.group_nodes(material):
+        _bridge(tree, group.inputs["Shader"], output.inputs["Surface"], ours)
+    for node in ours:
+        if node.type == "VECT_MATH" and node.operation == "ADD":
+            _bridge(tree, node.inputs[0], output.inputs["Displacement"], ours)
+    for node in ours | frames:
+        tree.nodes.remove(node)
+
+
+def _bridge(tree, under, input_, ours):
+    """Links what one of our nodes was laid over to where that node led."""
+    if input_.links and input_.links[0].from_node in ours:
+        for link in under.links:
+            tree.links.new(link.from_socket, input_)

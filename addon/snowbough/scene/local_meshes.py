@@ -1,0 +1,124 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The meshes of one pose in their objects' own space, read as seldom as may be.
+
+What nothing deforms is read once, and again when it was edited or is another mesh (scene.updates).
+"""
+
+from ..names import OWN_MODIFIERS
+from . import material_alpha
+from .mesh_record import MeshRecord, materials_of
+from .pose import library_path
+from .updates import Updates
+
+# These only move vertices: where an object has no others, its topology cannot change.
+DEFORMING_MODIFIERS = {
+    "ARMATURE", "CAST", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LATTICE", "MESH_DEFORM",
+    "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "SURFACE_DEFORM",
+    "WARP", "WAVE", "CLOTH", "COLLISION", "SOFT_BODY", "MESH_CACHE", "NORMAL_EDIT", "WEIGHTED_NORMAL",
+    "UV_PROJECT", "UV_WARP", "VERTEX_WEIGHT_EDIT", "VERTEX_WEIGHT_MIX", "VERTEX_WEIGHT_PROXIMITY",
+    "SUBSURF", "MULTIRES", "MIRROR", "ARRAY", "SOLIDIFY", "TRIANGULATE",
+}  # fmt: skip
+
+
+def _is_deforming_only(obj):
+    return all(modifier.type in DEFORMING_MODIFIERS for modifier in obj.modifiers)
+
+
+def _is_rigid(obj, switch):
+    """The object's mesh in its own space is the same on every frame: nothing can deform it, since our own
+    displacement is off while a bake or preview reads. switch: what of a modifier counts, as in Muted."""
+    original = obj.original
+    data = original.data
+    return (
+        original.type == "MESH"
+        and all(
+            modifier.name in OWN_MODIFIERS and not getattr(modifier, switch)
+            for modifier in original.modifiers
+        )
+        and data.shape_keys is None
+        and data.animation_data is None
+        and not original.is_evaluated
+    )
+
+
+class LocalMeshes:
+    """Reads the meshes of evaluated objects, pose after pose."""
+
+    def __init__(self):
+        # (object's name, library, whether it receives) -> what of() gives of a rigid object.
+        self._rigid = {}
+        # The same -> identity of its mesh at the last pose.
+        self._identities = {}
+        # What of() has given within this pose.
+        self._shared = {}
+        self._updates = None
+        self._switch = ""
+        # Material's (name, library) -> material_alpha.AlphaImage or None; images are read once.
+        self._alphas = {}
+
+    def begin(self, depsgraph):
+        """From here on of() reads the pose that a depsgraph holds now."""
+        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
+        self._updates = Updates(depsgraph)
+        self._shared = {}
+
+    def of(self, obj, receives):
+        """(positions in the object's space, a record of its mesh). Both are shared between the instances
+        of one evaluated mesh within a pose, and between poses while nothing can deform the object.
+        receives: its shading matters. (None, None) for what has no faces."""
+        pointer = (obj.original.as_pointer(), obj.data.as_pointer() if obj.data else 0, receives)
+        if pointer in self._shared:
+            return self._shared[pointer]
+        temporary = obj.type != "MESH"
+        own = (obj.original.name, library_path(obj.original), receives)
+        swapped = not temporary and self._has_another_mesh(own, obj)
+        rigid = self._rigid.get(own)
+        if rigid is not None and not swapped and self._updates.is_unchanged(obj, rigid[1]):
+            rigid[1].may_change = rigid[1].is_edited = rigid[1].is_another = False
+            self._shared[pointer] = rigid
+            return rigid
+        self._rigid.pop(own, None)
+        mesh = obj.to_mesh() if temporary else obj.data
+        if mesh is None or not len(mesh.polygons):
+            self._shared[pointer] = (None, None)
+            return self._shared[pointer]
+        try:
+            record = MeshRecord(mesh, self._alphas_of(obj, mesh))
+            record.is_another, record.is_edited = swapped, self._updates.is_edited(obj)
+            record.may_change = (
+                temporary or not _is_deforming_only(obj.original) or self._updates.may_be_edited(obj)
+            )
+            if temporary:
+                record.detach(receives)
+            found = (record.positions, record)
+        finally:
+            if temporary:
+                obj.to_mesh_clear()
+        if not temporary and _is_rigid(obj, self._switch):
+            record.detach(receives)
+            self._rigid[own] = found
+        self._shared[pointer] = found
+        return found
+
+    def _has_another_mesh(self, own, obj):
+        """Whether an object's mesh is not the one of the pose before."""
+        data = obj.original.data
+        mesh = (data.name, library_path(data), data.as_pointer())
+        before = self._identities.get(own, mesh)
+        self._identities[own] = mesh
+        return mesh != before
+
+    def _alphas_of(self, obj, mesh):
+        """AlphaImage or None for each material index of an object's evaluated mesh."""
+        return [self._alpha_of(material) for material in materials_of(obj, mesh)]
+
+    def _alpha_of(self, material):
+        if material is None:
+            return None
+        known = (material.name, library_path(material))
+        if known not in self._alphas:
+            try:
+                self._alphas[known] = material_alpha.of_material(material)
+            except material_alpha.UnknownAlpha:  # opaque then; preflight tells
+                self._alphas[known] = None
+        return self._alphas[known]

@@ -1,0 +1,44 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Caches for tests, without a bake."""
+
+from snowbough.cache import files, manifest
+
+
+def written(shot="s", frames=(1, 2), complete=True, cache="", **snowfall):
+    """What a manifest says of a bake of the frames first to last."""
+    snowfall = {
+        "frame_start": frames[0],
+        "frame_end": frames[-1],
+        "flutter": 0.0,
+        "pixel_size": 0.01,
+        **snowfall,
+    }
+    return {
+        "object": "Rock",
+        "label": "Rock",
+        "library": "",
+        "complete": complete,
+        "hash": "h",
+        "settings": {
+            "shot": shot,
+            "snowfall": {"totals": [0.1], **snowfall},
+            "receiver": {"resolution": 64, "uv_map": "snow"},
+        },
+        "frames": [],
+        "cache": cache,
+        "files": files.bake_files(frames[0], frames[-1]),
+    }
+
+
+def write_manifest(path, **given):
+    path.mkdir(parents=True, exist_ok=True)
+    manifest.write_manifest(path, written(**given))
+
+
+def write_old_manifest(path, number, **given):
+    """As format 1 or 2 wrote it: without a checksum, a list of files and the identity of a cache."""
+    path.mkdir(parents=True, exist_ok=True)
+    old = {**written(**given), "format": number}
+    for name in ("cache", "files"):
+        del old[name]
+    (path / files.MANIFEST).write_bytes(files.to_json(old))

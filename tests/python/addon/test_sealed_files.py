@@ -1,0 +1,142 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Damaged manifests, inputs and sidecars are refused in words, never half understood (without Blender)."""
+
+import base64
+import os
+import random
+import zlib
+
+import numpy as np
+import pytest
+from cache_files import write_manifest, write_old_manifest
+from snowbough.cache import errors, files, folder, manifest, owner, sealed
+from snowbough.cache.coverage import Coverage
+
+POSES = [["1", {"Cart": ["0123456789abcdef", "s", "u"], "雪": None}], ["1.5", {}]]
+FRAMES = [{"frame": 1, "depth": 0.1, "volume": 0.30000000000000004, "slid": 0.0, "highest": 1e-05}]
+SIDECAR = {
+    "covered": Coverage(64).pack(),
+    "driver": "CPU, processor, x86-64",
+    "frames": FRAMES,
+    "inputs": POSES,
+}
+
+
+@pytest.fixture
+def cache(tmp_path):
+    """{name of a file: (path, how it is read)} of a folder with one of each."""
+    write_manifest(tmp_path, cache="me")
+    manifest.write_inputs(tmp_path, POSES)
+    folder.write_sidecar(tmp_path, 10, SIDECAR)
+    owner.claim(tmp_path, tmp_path.parent / "shot.blend")
+    return {
+        "object.json": (tmp_path / "object.json", lambda: manifest.read_manifest(tmp_path)),
+        "inputs.json": (tmp_path / "inputs.json", lambda: manifest.read_inputs(tmp_path)),
+        "state_0010.json": (tmp_path / "state_0010.json", lambda: folder.read_sidecar(tmp_path, 10)),
+        "owner.json": (tmp_path / "owner.json", lambda: owner.is_owner(tmp_path, tmp_path / "shot.blend")),
+    }
+
+
+NAMES = ("object.json", "inputs.json", "state_0010.json", "owner.json")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_what_was_written_is_read(cache, name):
+    read = cache[name][1]()
+    expected = {
+        "inputs.json": POSES,
+        "state_0010.json": {**SIDECAR, "format": sealed.FORMAT},
+        "owner.json": True,
+    }
+    assert read == expected.get(name, read) and read is not None
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_any_flipped_bit_is_refused_with_the_file_and_what_to_do(cache, name):
+    seed = int(os.environ.get("SNOWBOUGH_TEST_SEED", random.randrange(1 << 30)))
+    print("seed", seed)
+    moments = random.Random(seed)
+    path, read = cache[name]
+    whole = path.read_bytes()
+    for bit in moments.sample(range(len(whole) * 8), min(300, len(whole) * 8)):
+        changed = bytearray(whole)
+        changed[bit // 8] ^= 1 << bit % 8
+        path.write_bytes(changed)
+        with pytest.raises(errors.CacheError, match=r"is damaged \(.*\)\. (Remove|Free)"):
+            read()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_file_cut_short_is_refused(cache, name):
+    path, read = cache[name]
+    whole = path.read_bytes()
+    for length in (0, 1, len(whole) // 2, len(whole) - 1):
+        path.write_bytes(whole[:length])
+        with pytest.raises(errors.CacheError, match="is damaged"):
+            read()
+
+
+@pytest.mark.parametrize(
+    "text",
+    [
+        b"[]",
+        b"null",
+        b"{}",
+        b'{"format": 2}',
+        b'{"format": "2"}',
+        b'{"format": NaN}',
+        b"\xff\xfe",
+        b"[" * 100000,
+    ],
+)
+def test_what_is_no_manifest_at_all_is_refused(tmp_path, text):
+    (tmp_path / files.MANIFEST).write_bytes(text)
+    with pytest.raises(errors.CacheError, match="object.json (is damaged|was written by another)"):
+        manifest.read_manifest(tmp_path)
+
+
+def test_files_of_earlier_formats_are_read(tmp_path):
+    write_old_manifest(tmp_path, 2, complete=False)
+    (tmp_path / files.INPUTS).write_bytes(files.to_json(POSES))
+    (tmp_path / "state_0010.json").write_bytes(files.to_json(SIDECAR))
+    assert manifest.read_manifest(tmp_path)["complete"] is False
+    assert manifest.read_inputs(tmp_path) == POSES
+    assert folder.read_sidecar(tmp_path, 10) == SIDECAR
+
+
+@pytest.mark.parametrize(
+    "name, value", [("covered", 1), ("frames", [{"frame": -1, "depth": 0}]), ("inputs", [["1"]])]
+)
+def test_a_sidecar_of_an_earlier_format_with_other_kinds_of_values_is_refused(tmp_path, name, value):
+    (tmp_path / "state_0010.json").write_bytes(files.to_json({**SIDECAR, name: value}))
+    with pytest.raises(errors.CacheError, match="is of another kind"):
+        folder.read_sidecar(tmp_path, 10)
+
+
+def test_a_huge_file_is_not_read(tmp_path, monkeypatch):
+    monkeypatch.setattr(sealed, "MAX_BYTES", 100)
+    write_manifest(tmp_path)
+    with pytest.raises(errors.CacheError, match="it is larger than"):
+        manifest.read_manifest(tmp_path)
+
+
+def test_a_mask_comes_back(tmp_path):
+    mask = np.arange(64 * 64).reshape(64, 64) % 3 == 0
+    assert np.array_equal(Coverage.unpack(64, Coverage(64, mask).pack()).mask, mask)
+
+
+@pytest.mark.parametrize("size", [0, 64 * 64 // 8 - 1, 64 * 64 // 8 + 1, 1 << 30])
+def test_a_mask_of_another_size_is_refused_without_being_unpacked(size):
+    packer = zlib.compressobj(9)
+    block = bytes(1 << 20)
+    packed = (
+        b"".join(packer.compress(block[: size - at]) for at in range(0, size, len(block))) + packer.flush()
+    )
+    with pytest.raises(ValueError, match="64 x 64 texels"):
+        Coverage.unpack(64, base64.b64encode(packed).decode())
+
+
+@pytest.mark.parametrize("text", ["", "%%%", "aaaa", "ä"])
+def test_what_is_no_mask_is_refused(text):
+    with pytest.raises(ValueError, match="mask"):
+        Coverage.unpack(64, text)
