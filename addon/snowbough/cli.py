@@ -3,6 +3,7 @@
 
     blender -b [file.blend] --python-exit-code 1 -P addon/snowbough/cli.py -- import FILE.obj --out F.blend
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- bake --frames 1-48 --cache DIR
+    blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- surface --detail FILM
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- export TREE.glb --snow FRAME
     blender -b [file.blend] -c snowbough import ...        (Blender 4.2 on, add-on installed)
 
@@ -20,6 +21,7 @@ import sys
 def parser():
     """The parser of all subcommands; `args.command` says which."""
     from .bake import cli as bake_cli
+    from .bake import surface_cli
     from .gltf import cli as gltf_cli
     from .tree import cli as tree_cli
 
@@ -30,6 +32,7 @@ def parser():
 
     tree_cli.add_arguments(commands.add_parser("import", help="import an OBJ tree and save a .blend"))
     bake_cli.add_arguments(commands.add_parser("bake", help="bake the snow of the loaded file"))
+    surface_cli.add_arguments(commands.add_parser("surface", help="compute the snow surfaces of baked maps again"))
     gltf_cli.add_arguments(commands.add_parser("export", help="write an imported tree for game engines"))
     return top
 
@@ -47,6 +50,10 @@ def run(arguments):
             from .bake import cli as bake_cli
 
             return bake_cli.run(args)
+        if args.command == "surface":
+            from .bake import surface_cli
+
+            return surface_cli.run(args)
         if args.command == "export":
             from .gltf import cli as gltf_cli
 

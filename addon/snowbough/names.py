@@ -54,8 +54,10 @@ REST_ATTRIBUTE = "rest_position"
 # The modifiers that a receiver gets for its displacement.
 SUBDIVISION_MODIFIER = "Snowbough Subdivision"
 DISPLACE_MODIFIER = "Snowbough Displace"
-SHELL_MODIFIER = "Snowbough Shell"
-OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER, SHELL_MODIFIER)
+OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER)
+
+# The modifier of a snow surface, which reads its points.
+SURFACE_MODIFIER = "Snowbough Surface"
 
 # Exit codes of the command line (bake.cli and tree.cli say when).
 EXIT_OK = 0

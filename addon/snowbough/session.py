@@ -36,3 +36,9 @@ manifests = _kept("manifests", {})
 
 # Cache folder -> (when it was looked at, whether an unfinished bake was there).
 unfinished_bakes = _kept("unfinished_bakes", {})
+
+# Folder of a receiver -> (what its surface was made with, surface.compute.Surface), for sliders.
+surfaces = _kept("surfaces", {})
+
+# Name of a surface whose modifier reads one frame made for a slider -> its receiver's folder.
+shown_surfaces = _kept("shown_surfaces", {})

@@ -13,6 +13,8 @@ from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
 from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+from ..surface.compute import update as update_surface
+from ..surface.recording import ReceiverRecorder
 from . import plan
 
 # How snow is laid: what is baked is continued by the way that it began with. The first one (pixels shared out
@@ -40,6 +42,10 @@ class BakedReceiver:
     """cache.lock.FolderLock of the folder; nothing is written without it."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
+    share: float = 1.0
+    """Its part of the points that the surfaces of the scene have together, 0 to 1."""
+    recorder: ReceiverRecorder = None
+    """Takes its poses where a surface is made at the end."""
 
     @property
     def shown(self):
@@ -102,8 +108,34 @@ class BakedReceiver:
                 "hash": digest(own),
                 "settings": own,
                 "frames": self.frames,
+                "share": self.share,
             },
         )
+
+    def record(self, frame, pose):
+        """Takes the receiver's shape from the scene.pose.ScenePose of a frame, in order from the shot's first on."""
+        if self.spec.surface is None:
+            return
+        if self.recorder is None:
+            self.recorder = ReceiverRecorder(self.folder)
+        with self._writing():
+            self.recorder.add(frame, pose.objects[self.key])
+
+    def make_surface(self, shot, native, progress):
+        """Computes the snow surface of all frames that are baked; False where progress(0 to 1) said to stop."""
+        if self.recorder is None or not self.frames:
+            return True
+        with self._writing():
+            self.recorder.finish()
+            self.write_manifest(shot, complete=False)
+        if self.recorder.changed_at is not None:
+            return True
+        with self._writing():
+            return update_surface(native, self.folder, self.spec.surface, progress, self.lock.check)
+
+    def close(self):
+        if self.recorder is not None:
+            self.recorder.close()
 
     def write_checkpoint(self, native, frame, shot, state, driver, inputs):
         """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as

@@ -75,6 +75,8 @@ class RunningBake:
         self.in_render = False
         self.done = False
         self.last_result = None
+        self.shaping = None
+        """While surfaces are made, how far that is, 0 to 1."""
 
     @property
     def fraction(self):
@@ -96,6 +98,8 @@ class RunningBake:
         """One line for people: ``frame 12 of 1-48, 0:34 left``."""
         if self.stop_requested:
             return "stopping after this frame"
+        if self.shaping is not None:
+            return f"shaping the snow, {self.shaping:.0%}"
         if self.last_result is None:
             return "preparing the bake"
         left = int(self.seconds_left() + 0.5)
@@ -144,11 +148,17 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
             if running.on_frame is not None:
                 running.on_frame(result)
 
+        def shaping(share):
+            running.shaping = share
+            self.update_progress(share)
+            if in_window:
+                self.update_stats("Snowbough", running.status())
+
         def cancelled():
             return running.stop_requested or self.test_break()
 
         try:
-            running.job.run(evaluate, report, cancelled)
+            running.job.run(evaluate, report, cancelled, shaping)
         except BakeCancelled:
             running.cancelled = True
         except Exception as error:  # an exception that leaves render() would only be printed

@@ -46,11 +46,12 @@ class FrameBaker:
         self.inputs = []
         """Fingerprints of the poses up to the last frame, as scene.inputs has them."""
 
-    def bake(self, frame, work, inputs, depth):
+    def bake(self, frame, work, inputs, depth, places):
         """The steps of one frame; the writer makes its maps and, where due, the checkpoint.
 
         work: [(added, positions that changed, direction, [plan.Step, ...]) of each pose]. depth: metres that lie on
-        open level ground after the frame. Returns a FrameResult."""
+        open level ground after the frame. places: {key: (4, 4) from a receiver's space to metres in the world}.
+        Returns a FrameResult."""
         request, clock = self._request, time.perf_counter
         begun = clock()
         if not self._between_frames:
@@ -65,7 +66,7 @@ class FrameBaker:
         self._follow_engine()
         snowing = clock() - begun
         reading = -clock()
-        volume, slid = self._take_snapshots(frame, depth)
+        volume, slid = self._take_snapshots(frame, depth, work[-1][2], places)
         reading += clock()
         self.inputs = inputs
         saving = clock()
@@ -99,7 +100,7 @@ class FrameBaker:
         if self._resumed and not self._request.allow_other_driver:
             raise other_engine(meant, ran)
 
-    def _take_snapshots(self, frame, depth):
+    def _take_snapshots(self, frame, depth, direction, places):
         """Hands the writer what lies on each receiver; returns the volumes that lie and that have slid, m3."""
         volume = slid = 0.0
         balance = self._simulation.statistics()["objects"]
@@ -108,7 +109,14 @@ class FrameBaker:
             total = balance[receiver.key]["total"]
             lying, gone = float(total["held_volume"]), float(total["slid_volume"])
             volume, slid = volume + lying, slid + gone
-            noted = {"frame": frame, "depth": depth, "volume": lying, "slid": gone}
+            noted = {
+                "frame": frame,
+                "depth": depth,
+                "volume": lying,
+                "slid": gone,
+                "direction": list(direction),
+                "to_world": places[receiver.key].ravel().tolist(),
+            }
             self._writer.call(
                 lambda output, receiver=receiver, noted=noted: receiver.write_maps(
                     self._native, output, noted

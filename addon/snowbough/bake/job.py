@@ -61,9 +61,11 @@ class BakeJob:
 
     # -- the recipe ------------------------------------------------------------------------------------
 
-    def run(self, evaluate, report=lambda result: None, cancelled=lambda: False):
+    def run(
+        self, evaluate, report=lambda result: None, cancelled=lambda: False, shaping=lambda share: None
+    ):
         """Bakes. evaluate(frame, subframe) -> scene.pose.ScenePose; report(FrameResult) after each
-        frame; cancelled() is asked between frames.
+        frame; cancelled() is asked between frames; shaping(0 to 1) is called while surfaces are made.
 
         Raises BakeCancelled, CacheError and its kinds, ValueError (scene or settings) or
         RuntimeError (NoGpu where the engine GL is asked for and not to be had; a driver that fails).
@@ -77,6 +79,7 @@ class BakeJob:
             settings = self._settings(snowfall)
             added, self._positions = self._tracker.register_changes(first_pose, request.frame_start, 0.0)
             stack.callback(self._close_simulation)
+            stack.callback(lambda: [receiver.close() for receiver in self.receivers])
             if not self._may_resume():
                 self._make_simulation(added)  # lays maps out while the driver is still being loaded
             engine = engine_info(self._engine, request.snow["mapping"])  # without one nothing is begun
@@ -120,12 +123,24 @@ class BakeJob:
                 log=log,
             )
             self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+            if request.last < request.frame_end:
+                baker.stop()
+            writer.flush()
+            self._make_surfaces(settings, shaping, cancelled)
             if request.last == request.frame_end:
-                writer.flush()
                 for receiver in self.receivers:
                     receiver.complete(settings, self.native, baker.inputs)
-            else:
-                baker.stop()
+
+    def _make_surfaces(self, settings, shaping, cancelled):
+        """Since faces and edges of snow depend on the whole shot, after its last map."""
+        for index, receiver in enumerate(self.receivers):
+
+            def progress(share, index=index):
+                shaping((index + share) / len(self.receivers))
+                return not cancelled()
+
+            if not receiver.make_surface(settings, self.native, progress):
+                raise BakeCancelled
 
     def _plan(self, evaluate):
         request = self.request
@@ -141,6 +156,16 @@ class BakeJob:
         choice = choose_receivers(pose, self.request)
         self.receivers, self.refused = choice.receivers, choice.refused
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
+        # Of all receivers, whichever of them are baked here, so that machines that share a shot agree.
+        wanted = {
+            key: self.native.wanted_surface_points(
+                obj.topology.triangles, obj.positions, max(self.request.end_depth, 1e-4), obj.topology.shading
+            )
+            for key, obj in pose.objects.items()
+            if obj.receiver is not None and obj.receiver.enabled and obj.receiver.surface is not None
+        }
+        for receiver in self.receivers:
+            receiver.share = wanted.get(receiver.key, 0.0) / max(sum(wanted.values()), 1.0)
 
     # -- settings, version, checkpoint -----------------------------------------------------------------
 
@@ -219,15 +244,22 @@ class BakeJob:
         tracker does, for all together."""
         start = (self.request.frame_start, 0.0)
         added, positions = self._tracker.register_changes(first_pose, *start)
+        pose = first_pose
         for frame in range(start[0], last + 1):
             if cancelled():
                 raise BakeCancelled
             for at, _ in self._poses(snowfall, frame):
                 if at != start:
-                    more, moved = self._tracker.register_changes(evaluate(*at), *at)
+                    pose = evaluate(*at)
+                    more, moved = self._tracker.register_changes(pose, *at)
                     added.update(more)  # of an object that changed its mesh, the last one
                     positions.update(moved)
+            self._record(frame, pose)
         return added, positions
+
+    def _record(self, frame, pose):
+        for receiver in self.receivers:
+            receiver.record(frame, pose)
 
     # -- the scene and the simulation ------------------------------------------------------------------
 
@@ -289,11 +321,11 @@ class BakeJob:
                     if cancelled():
                         raise BakeCancelled
                     evaluating = clock()
-                    work = self._evaluate_frame(frame, evaluate, snowfall)
+                    work, places = self._evaluate_frame(frame, evaluate, snowfall)
                     evaluating = clock() - evaluating
                     inputs = [list(entry) for entry in self._tracker.inputs.poses]
                     depth = snowfall.totals[frame - request.frame_start]
-                    pending.append((worker.submit(baker.bake, frame, work, inputs, depth), evaluating))
+                    pending.append((worker.submit(baker.bake, frame, work, inputs, depth, places), evaluating))
                     # Only now, so that the worker need not wait for the frame before to be reported.
                     if len(pending) > 1:
                         finish()
@@ -317,13 +349,14 @@ class BakeJob:
                 raise
 
     def _evaluate_frame(self, frame, evaluate, snowfall):
-        """What FrameBaker.bake does for a frame: a row for each of its poses."""
+        """What FrameBaker.bake does for a frame: a row for each of its poses; and where receivers are in it."""
         work = []
         for at, steps in self._poses(snowfall, frame):
             pose = evaluate(*at)
             direction = plan.fall_direction(pose.fall_angle, pose.bearing)
             work.append((*self._tracker.register_changes(pose, *at), direction, steps))
-        return work
+        self._record(frame, pose)
+        return work, {receiver.key: pose.objects[receiver.key].to_world for receiver in self.receivers}
 
     def _close_simulation(self):
         if self._simulation is not None:

@@ -60,9 +60,18 @@ def after_bake(scene, running):
         if folder is not None and baked_frames(folder):
             entry.folder = shown_folder(folder)
             try:
-                notes += displacement.refresh(scene, entry)
+                displacement.refresh(scene, entry)
             except CacheError as error:
                 notes.append(str(error))
+    for receiver in job.baked:
+        if receiver.recorder is not None and receiver.recorder.changed_at is not None:
+            notes.append(
+                f"'{receiver.shown}' has other faces from frame {receiver.recorder.changed_at} on, so it has no snow "
+                "surface: choose Displacement > None to show its snow with the material"
+            )
+    # On the first frame there is next to no snow to be seen.
+    if job.results and scene.frame_current <= job.request.frame_start:
+        scene.frame_set(job.results[-1].frame)
     for image in bpy.data.images:
         if image.source == "SEQUENCE" and str(job.root) in bpy.path.abspath(image.filepath):
             image.reload()

@@ -17,13 +17,20 @@ LOCK = "lock"
 EVER_COVERED = "ever_covered.exr"
 INPUTS = "inputs.json"
 OWNER = "owner.json"
+RECEIVER = "receiver.ply"
+POSITIONS = "positions.pc2"
+SURFACE_FACES = "surface.ply"
+SURFACE_POINTS = "surface.pc2"
+SURFACE = "surface.json"
 LOGS = "logs"
 TEMPORARY_SUFFIX = ".tmp"
 PROBE = ".probe-"
 
 # What belongs to a bake in a receiver's folder: files that there are once, and those of each frame with the number of
 # their frame. The manifest lists them by these (bake_files); what it does not list is never removed.
-ONCE = (MANIFEST, INPUTS, EVER_COVERED)
+ONCE = (
+    MANIFEST, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
+)  # fmt: skip
 EACH_FRAME = ("height_{:04d}.exr", "normal_{:04d}.exr", "state_{:04d}", "state_{:04d}.json")
 
 # A manifest while the files that it lists are being removed: no bake any more.

@@ -10,13 +10,13 @@ import json
 import bpy
 
 from ..names import OWN_MODIFIERS
-from ..result import snow_shell
+from ..result import snow_surface
 
 
 def hide(scene):
     """Hides the shells of the scene's receivers, and what displaces them, in the viewport."""
     for entry in scene.snowbough.receivers:
-        for shell in snow_shell.find(entry):
+        for shell in snow_surface.find(entry):
             _hide(shell, shell.hide_viewport, {})
             shell.hide_viewport = True
     for obj in scene.objects:

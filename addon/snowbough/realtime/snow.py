@@ -8,7 +8,7 @@ import bpy
 
 from .. import session
 from ..cache.files import frame_file
-from ..result import snow_shell
+from ..result import snow_surface
 from ..result.baked_images import baked_uv_map, folders_of_members, frames_on_disk
 from ..scene.pose import library_path, member_key, metres_per_unit, own_key
 from .records import LyingSnow
@@ -137,15 +137,13 @@ class BakedSnow:
         self._paths = {}
         # By what a Carrier says of itself but its order: an empty shows an object of its collection once.
         self._folders = {}
-        self._shells = set()
         # Of the scene itself: a bake writes its folders there, and evaluation does not hear of it.
         for entry in scene.original.snowbough.receivers:
             if entry.object is None or not entry.enabled or not entry.folder:
                 continue
-            folders = self._folders_of(entry)
-            self._folders.update(folders)
-            if folders and all(self._path(folder) is not None for folder, _uv_map in folders.values()):
-                self._shells |= {shell.name for shell in snow_shell.find(entry)}
+            # A surface is a mesh of the scene's and is drawn as one.
+            if not snow_surface.find(entry):
+                self._folders.update(self._folders_of(entry))
 
     def _folders_of(self, entry):
         """{what a Carrier says of itself: (folder, UV map)} of a line of the list that was baked."""
@@ -160,8 +158,8 @@ class BakedSnow:
             known = self._members[entry.folder, obj.name] = (stamp, members)
         return {(*member, obj.name, library): (folder, "") for member, folder in known[1].items()}
 
-    def is_drawn_otherwise(self, shell):
-        return shell.name in self._shells
+    def is_drawn_otherwise(self, _surface):
+        return False
 
     def is_on(self, carrier):
         return self._path(self._found(carrier)[0]) is not None

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gives baked snow its thickness: by the material, by modifiers, or as a shell of its own.
+"""Gives baked snow its thickness: by the material, by modifiers, or as a surface of its own.
 
 ADAPTIVE  Cycles displaces the surface in the material and dices it to the pixel.
 MODIFIER  Subdivision and Displace modifiers: real geometry in every renderer and the viewport.
-SHELL     a separate snow object (see snow_shell): the receiver itself is not touched.
+SHELL     a snow surface, an object of its own (see snow_surface): the receiver itself is not touched.
 NONE      the material only.
 """
 
@@ -14,10 +14,11 @@ import bpy
 from .. import compat
 from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER
 from ..scene.pose import metres_per_unit
-from . import baked_images, original_state, snow_material, snow_shell
+from . import baked_images, original_state, snow_material, snow_surface
 
 SCALE_TOLERANCE = 1e-3
 MAX_FACES = 500_000
+MAX_LEVEL = 11
 
 MODES = (
     (
@@ -32,8 +33,8 @@ MODES = (
     ),
     (
         "SHELL",
-        "Snow Shell",
-        "A separate snow object with its own material; also for linked and instanced meshes",
+        "Snow Surface",
+        "A mesh of its own with its own material, with hems and overhangs; also for linked and instanced meshes",
     ),
     ("NONE", "None", "Snow changes the material only"),
 )
@@ -55,7 +56,7 @@ def default_mode(obj):
 def _subdivision_levels(obj, size):
     """Simple subdivisions that bring the object to about a face per four texels of a map `size` wide."""
     wanted = min(size * size / 4.0, MAX_FACES) / max(len(obj.data.polygons), 1)
-    return min(snow_shell.MAX_LEVEL, math.floor(math.log(max(wanted, 1.0), 4.0) + 0.5))
+    return min(MAX_LEVEL, math.floor(math.log(max(wanted, 1.0), 4.0) + 0.5))
 
 
 def _texture(obj, sequence):
@@ -73,7 +74,7 @@ def _add_modifiers(scene, receiver):
     if scale is None:
         raise ValueError(
             f"{obj.name} is scaled differently along its axes, which would bend the snow: "
-            "apply the scale (Ctrl+A) or choose the snow shell"
+            "apply the scale (Ctrl+A) or choose the snow surface"
         )
     sequence = baked_images.load_sequence(receiver.folder, "height")
     subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
@@ -135,7 +136,7 @@ def clear(scene, receiver):
     """Removes what apply() added and leaves the materials as they are."""
     record = original_state.read(receiver)
     _remove_modifiers(scene, receiver, record)
-    snow_shell.remove(receiver)
+    snow_surface.remove(receiver)
     record = original_state.read(receiver)
     for key in ("displacement", "feature_set"):
         record.pop(key, None)
@@ -143,27 +144,26 @@ def clear(scene, receiver):
 
 
 def apply(scene, receiver, mode):
-    """Adds snow of that mode to the receiver, replacing what an earlier call made; shells keep their sliders.
+    """Adds snow of that mode to the receiver, replacing what an earlier call made; materials of surfaces keep their sliders.
 
-    Returns what the artist should know, a list of texts. Raises ValueError that says what to do when the mode does not
-    suit the object; nothing is changed then.
+    Raises ValueError that says what to do when the mode does not suit the object; nothing is changed then.
     """
     obj = receiver.object
     if mode == "MODIFIER" and uniform_scale(obj) is None:
         raise ValueError(
             f"{obj.name} is scaled differently along its axes, which would bend the snow: "
-            "apply the scale (Ctrl+A) or choose the snow shell"
+            "apply the scale (Ctrl+A) or choose the snow surface"
         )
     if mode != "SHELL" and snow_material.is_shared(obj):
         raise ValueError(
-            f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
+            f"{obj.name} is linked or instanced and is never changed: choose the snow surface instead"
         )
-    sliders, notes = snow_shell.sliders_of(receiver), []
+    materials = snow_surface.touched_materials(receiver)
     clear(scene, receiver)
     record_update = {"displacement": mode}
     if mode == "SHELL":
         snow_material.remove(receiver)
-        snow_shell.make(scene, receiver, sliders, notes)
+        snow_surface.make(scene, receiver, materials)
     else:
         snow_material.add(scene, receiver, displace=mode == "ADAPTIVE")
         if mode == "MODIFIER":
@@ -173,7 +173,6 @@ def apply(scene, receiver, mode):
     record = original_state.read(receiver)
     record.update(record_update)
     original_state.write(receiver, record)
-    return notes
 
 
 def mode_of(receiver):
@@ -182,9 +181,10 @@ def mode_of(receiver):
 
 
 def refresh(scene, receiver):
-    """After a bake: shows the new files on a receiver that has snow already. Returns what apply() does."""
+    """After a bake: shows the new files on a receiver that has snow already."""
     mode = mode_of(receiver)
-    return [] if mode is None else apply(scene, receiver, mode)
+    if mode is not None:
+        apply(scene, receiver, mode)
 
 
 def remove(scene, receiver):

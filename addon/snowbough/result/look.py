@@ -8,14 +8,13 @@ The sliders stay the artist's: choosing a kind sets them once, and nothing sets 
 import math
 from dataclasses import dataclass
 
-from .. import compat_nodes
 from ..names import SNOW_GROUP, SNOW_KINDS
 from .relief_nodes import RELIEF_INPUT
 
 
 @dataclass(frozen=True)
 class Look:
-    """Values of the inputs of those names (snow_nodes.INPUTS), the relief of shells, the repose in degrees, the
+    """Values of the inputs of those names (snow_nodes.INPUTS), the relief, the repose in degrees, the
     cohesion in metres."""
 
     color: tuple
@@ -53,6 +52,10 @@ LOOKS = dict(
 )
 
 
+# Relief of fresh snow, which the surface's own slider has as 1.
+FRESH_RELIEF = 0.6
+
+
 def of(scene):
     """The Look of the scene's kind of snow."""
     return LOOKS[scene.snowbough.kind]
@@ -63,13 +66,6 @@ def set_group_inputs(node, look):
     for name, value in look.inputs().items():
         if name in node.inputs:
             node.inputs[name].default_value = value
-
-
-def set_shell_relief(shell, look):
-    for modifier in shell.modifiers:
-        if modifier.type == "NODES" and modifier.node_group is not None:
-            compat_nodes.set_modifier_input(modifier, RELIEF_INPUT, look.relief)
-    shell.update_tag()
 
 
 def group_nodes(material):
@@ -88,9 +84,8 @@ def apply(scene, kind):
     settings.kind = kind
     settings.repose = math.radians(look.repose)
     settings.cohesion = look.cohesion
+    settings.surface_relief = look.relief / FRESH_RELIEF
     for obj in scene.objects:
-        if obj.library is None and obj.snowbough.is_shell:
-            set_shell_relief(obj, look)
         for slot in obj.material_slots:
             if slot.material is not None and slot.material.library is None:
                 for node in group_nodes(slot.material):

@@ -28,7 +28,7 @@ def uv_map_name(receiver):
 
 
 def is_shared(obj):
-    """Linked, overridden or instanced objects and meshes are never changed: they get a shell."""
+    """Linked, overridden or instanced objects and meshes are never changed: they get a surface."""
     if obj.type != "MESH":
         return True
     return bool(obj.library or obj.override_library or obj.data.library or obj.data.users > 1)
@@ -246,7 +246,7 @@ def add(scene, receiver, displace):
     obj = receiver.object
     if is_shared(obj):
         raise ValueError(
-            f"{obj.name} is linked or instanced and is never changed: choose the snow shell instead"
+            f"{obj.name} is linked or instanced and is never changed: choose the snow surface instead"
         )
     uv_map = uv_map_name(receiver)
     if not uv_map:

@@ -2,31 +2,30 @@
 """Snow on objects that are on no list of receivers, such as those appended from another file.
 
 The record of what an object was like before stays with the list, in the scene that it came from. So what is ours is
-found by what it is: modifiers by their names, copies of materials by their node group, shells by the object that they
-show. A mesh still has its own materials under the copies; where it has none, our nodes come out of the copy.
+found by what it is: modifiers by their names, copies of materials by their node group, surfaces by their parent. A mesh still has its own materials under the copies; where it has none, our nodes come out of the copy.
 """
 
 import bpy
 
 from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS
-from . import look, snow_shell
+from . import look, snow_surface
 from .snow_material import FRAME_LABEL, output_node
 
 
 def is_snowy(obj):
-    """Whether there is snow of ours on an object that can be changed, or it is a shell."""
+    """Whether there is snow of ours on an object that can be changed, or it is a surface."""
     if obj.type != "MESH" or obj.library is not None:
         return False
     return obj.snowbough.is_shell or bool(_modifiers(obj) or _snowy_slots(obj) or _shells_of(obj))
 
 
 def remove(obj):
-    """Takes the snow off. `obj` is gone afterwards where it is a shell."""
+    """Takes the snow off. `obj` is gone afterwards where it is a surface."""
     if obj.snowbough.is_shell:
-        snow_shell.delete_object(obj)
+        snow_surface.delete_object(obj)
         return
     for shell in _shells_of(obj):
-        snow_shell.delete_object(shell)
+        snow_surface.delete_object(shell)
     for modifier in _modifiers(obj):
         texture = modifier.texture if modifier.name == DISPLACE_MODIFIER else None
         obj.modifiers.remove(modifier)
@@ -52,12 +51,13 @@ def _snowy_slots(obj):
 
 
 def _shells_of(obj):
+    """Its surfaces, and shells of earlier versions."""
     return [
         shell
         for shell in bpy.data.objects
         if shell.library is None
         and shell.snowbough.is_shell
-        and any(_shows(modifier.node_group, obj) for modifier in shell.modifiers if modifier.type == "NODES")
+        and (shell.parent == obj or any(_shows(modifier.node_group, obj) for modifier in shell.modifiers if modifier.type == "NODES"))
     ]
 
 

@@ -59,6 +59,8 @@ class ReceiverSpec:
     enabled: bool = True
     sides: str = "AUTO"
     """Which take snow: AUTO, FRONT or BOTH, as the native add_object takes it."""
+    surface: object = None
+    """surface.style.SurfaceStyle of the snow surface that its bake ends with; None for none."""
     baked_as: str = ""
     """The name that it was first baked under, which its folder, fingerprints and manifest keep; empty: its name."""
 
@@ -120,6 +122,11 @@ class ObjectPose:
     """(V, 3) float32, metres. The same array again while the object stands still; never written to."""
     prints: tuple
     """Fingerprints of transform, shape, topology and, where there are some, alpha images (scene.inputs)."""
+    local: np.ndarray = None
+    """(V, 3) float32, Blender units in the object's own space, of an instance in its instancer's. The same array again
+    while it does not change; None for occluders."""
+    to_world: np.ndarray = None
+    """(4, 4) float64 from there to metres in the world."""
 
 
 @dataclass(frozen=True)

@@ -59,6 +59,8 @@ class _Known:
     uv_map: str = ""
     layers: list = field(default_factory=list)
     """Fingerprints of a receiver's UV map, one a record."""
+    in_parent: tuple = None
+    """(positions, matrix, positions by the inverse of the matrix) of an instance."""
 
 
 @dataclass
@@ -71,6 +73,8 @@ class _Group:
     receiver: ReceiverSpec
     instances: list = field(default_factory=list)
     """(sort key, matrix (4, 4) float64, local positions, evaluated mesh's data)"""
+    parent: np.ndarray = None
+    """(4, 4) float64 of the object, or of the one that instances it, of a receiver."""
 
     @property
     def shown(self):
@@ -155,6 +159,9 @@ class SceneReader:
             local, mesh = self._meshes.of(obj, group.receiver is not None)
             if local is None:
                 continue
+            if group.receiver is not None:
+                parent = instance.parent if instance.is_instance else obj
+                group.parent = np.array(parent.matrix_world, dtype=np.float64)
             group.instances.append((order, matrix, local, mesh))
         return groups
 
@@ -217,8 +224,25 @@ class SceneReader:
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
         )  # fmt: skip
+        local, to_world = self._in_parent(known, group) if group.receiver is not None else (None, None)
         return ObjectPose(key, group.label, group.name, group.library, group.receiver, known.uv_map,
-                          known.topology, known.positions, prints)  # fmt: skip
+                          known.topology, known.positions, prints, local, to_world)  # fmt: skip
+
+    def _in_parent(self, known, group):
+        """(positions in the space of the receiver or its instancer, the matrix from there to metres in the world)."""
+        to_world = group.parent * self._scale
+        to_world[3, 3] = 1.0
+        if len(known.local) == 1 and np.array_equal(group.parent, known.matrices[0]):
+            return known.local[0], to_world
+        if not np.linalg.det(to_world[:3, :3]):
+            return known.positions, np.eye(4)
+        if known.in_parent is None or known.in_parent[0] is not known.positions or not np.array_equal(
+            known.in_parent[1], to_world
+        ):
+            inverse = np.linalg.inv(to_world)
+            local = (known.positions @ inverse[:3, :3].T + inverse[:3, 3]).astype(np.float32)
+            known.in_parent = (known.positions, to_world, local)
+        return known.in_parent[2], to_world
 
     def _update_topology(self, known, group, records, flips, frame):
         counts = tuple(record.counts for record in records)

@@ -1,11 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene's list of receivers: finding, adding and reading its lines, and where its objects are."""
 
+import json
 from dataclasses import replace
 
 from mathutils import Vector
 
 from ..names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV
+from ..surface.style import SurfaceStyle
 from . import uv_maps
 from .pose import ReceiverSpec, library_path
 
@@ -46,6 +48,21 @@ def receiver_resolution(entry):
     return entry.resolution or min(int(laid_out), MAX_RESOLUTION)
 
 
+def surface_style(scene, entry):
+    """The SurfaceStyle of a line of the list; None where its snow is not shown as a surface."""
+    if json.loads(entry.restore or "{}").get("displacement") != "SHELL":
+        return None
+    settings = scene.snowbough
+    source = entry if entry.own_surface else settings
+    return SurfaceStyle(
+        settings.surface_detail,
+        source.surface_overhang,
+        source.surface_hem_variation,
+        source.surface_bridging,
+        source.surface_relief,
+    )
+
+
 def receiver_specs(scene, as_baked=False):
     """The scene's list as ReceiverSpec, without empty and doubled lines. as_baked: those that were baked before go by
     the names that they had then, and no other receiver does."""
@@ -57,7 +74,13 @@ def receiver_specs(scene, as_baked=False):
     specs = []
     for (name, library), entry in entries.items():
         spec = ReceiverSpec(
-            name, library, entry.uv_map, receiver_resolution(entry), entry.enabled, entry.sides
+            name,
+            library,
+            entry.uv_map,
+            receiver_resolution(entry),
+            entry.enabled,
+            entry.sides,
+            surface_style(scene, entry),
         )
         if as_baked:
             spec = replace(spec, baked_as=entry.baked_as or _free_name(scene, name, library, taken))

@@ -9,6 +9,7 @@ from bpy.props import BoolProperty, EnumProperty, IntProperty, PointerProperty, 
 
 from .. import compat
 from ..names import MAX_RESOLUTION
+from .surface import SurfaceProperties
 
 SIDES = (
     (
@@ -21,7 +22,7 @@ SIDES = (
 )
 
 
-class SnowboughReceiver(bpy.types.PropertyGroup):
+class SnowboughReceiver(SurfaceProperties, bpy.types.PropertyGroup):
     """One entry of the scene's list: an object that snow accumulates on."""
 
     object: PointerProperty(
@@ -53,6 +54,11 @@ class SnowboughReceiver(bpy.types.PropertyGroup):
         items=SIDES,
         default="AUTO",
     )
+    own_surface: BoolProperty(
+        name="Own Surface Sliders",
+        description="Shape this receiver's snow by its own sliders and not by those of the scene",
+        default=False,
+    )
     folder: StringProperty(
         name="Baked Files",
         description="Folder of the newest finished bake of this receiver",
@@ -81,7 +87,7 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
     )
     is_shell: BoolProperty(
         name="Is Snow",
-        description="A snow shell that Snowbough made; bakes leave it out",
+        description="A snow surface that Snowbough made; bakes leave it out",
         options={"HIDDEN"},
     )
     hidden_by_preview: StringProperty(

@@ -20,6 +20,7 @@ from .. import compat
 from ..names import MAX_FALL_ANGLE, SNOW_KINDS
 from .objects import SnowboughReceiver
 from .simulation import SnowProperties
+from .surface import SURFACE_DETAILS, SurfaceProperties
 
 
 def _range_getter(name):
@@ -63,8 +64,15 @@ def _depth(name, frame, default):
     )
 
 
-class SnowboughSceneSettings(SnowProperties, bpy.types.PropertyGroup):
+class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.PropertyGroup):
     """``scene.snowbough``."""
+
+    surface_detail: EnumProperty(
+        name="Detail",
+        description="How many points the snow surfaces of the scene have together",
+        items=SURFACE_DETAILS,
+        default="DEFAULT",
+    )
 
     cache_directory: StringProperty(
         name="Cache",

@@ -8,6 +8,7 @@ from .. import compat, session
 from ..bake import changes_since_bake
 from ..bake import state as bake_state
 from ..result import displacement
+from ..settings.surface import SurfaceProperties
 from .text import wrapped
 
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
@@ -131,5 +132,11 @@ def draw_receiver(layout, entry):
             name.alignment = "RIGHT"
             name.label(text="Shown With")
             split.label(text=MODE_NAMES[mode], icon="MATERIAL")
+        if mode == "SHELL":
+            column.prop(entry, "own_surface")
+            sliders = column.column(align=True)
+            sliders.enabled = entry.own_surface
+            for name in SurfaceProperties.__annotations__:
+                sliders.prop(entry, name)
     if entry.folder:
         column.prop(entry, "folder", text="Baked Files")

@@ -168,6 +168,18 @@ class SNOWBOUGH_PT_sidebar(_SidebarPanel, bpy.types.Panel):
         panel_parts.draw_bake(layout, context)
 
 
+class SNOWBOUGH_PT_surface(_Settings, bpy.types.Panel):
+    bl_label = "Surface"
+    names = (
+        ("surface_detail",),
+        ("surface_overhang", "surface_hem_variation", "surface_bridging", "surface_relief"),
+    )
+
+    def draw(self, context):
+        super().draw(context)
+        self.layout.operator("snowbough.update_surface", icon="FILE_REFRESH")
+
+
 class SNOWBOUGH_PT_sidebar_result(_SidebarPanel, bpy.types.Panel):
     bl_label = "Result"
     bl_parent_id = "SNOWBOUGH_PT_sidebar"
@@ -225,6 +237,7 @@ CLASSES = (
     SNOWBOUGH_PT_advanced,
     SNOWBOUGH_PT_preflight,
     SNOWBOUGH_PT_result,
+    SNOWBOUGH_PT_surface,
     SNOWBOUGH_PT_sidebar,
     SNOWBOUGH_PT_sidebar_result,
     SNOWBOUGH_PT_tree,

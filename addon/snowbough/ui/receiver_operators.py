@@ -52,7 +52,7 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
 class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.remove_receiver"
     bl_label = "Take off the List"
-    bl_description = "Take the active line off the list; the object and baked files stay as they are"
+    bl_description = "Take the active line off the list, with its snow in the scene; the object and the baked files stay"
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod
@@ -64,6 +64,8 @@ class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
 
     def execute(self, context):
         settings = context.scene.snowbough
+        if 0 <= settings.active_receiver < len(settings.receivers):
+            displacement.remove(context.scene, settings.receivers[settings.active_receiver])
         settings.receivers.remove(settings.active_receiver)
         settings.active_receiver = max(0, min(settings.active_receiver, len(settings.receivers) - 1))
         return {"FINISHED"}

@@ -6,7 +6,7 @@ from bpy.props import BoolProperty, EnumProperty
 
 from ..cache.errors import CacheError
 from ..names import SNOW_KINDS
-from ..result import baked_images, displacement, look, snow_material, snow_shell, unlisted_snow
+from ..result import baked_images, displacement, look, snow_material, snow_surface, unlisted_snow
 from .editing_lock import NotWhileBaking
 from .text import counted
 
@@ -26,14 +26,13 @@ def _unlisted(context):
         for scene in bpy.data.scenes
         for entry in scene.snowbough.receivers
         if entry.object is not None
-        for name in (entry.object.name, *(shell.name for shell in snow_shell.find(entry)))
+        for name in (entry.object.name, *(shell.name for shell in snow_surface.find(entry)))
     }
     return [obj for obj in context.selected_objects if obj.name not in listed and unlisted_snow.is_snowy(obj)]
 
 
 class _ReceiverOperator(NotWhileBaking):
-    """Runs `work` on each chosen receiver and reports the texts that it returns; what does not suit one is reported
-    and the others go on."""
+    """Runs `work` on each chosen receiver and reports what does not suit one; the others go on."""
 
     bl_options = {"REGISTER", "UNDO"}
 
@@ -56,8 +55,7 @@ class _ReceiverOperator(NotWhileBaking):
         done = 0
         for receiver in receivers:
             try:
-                for note in self.work(context, receiver) or ():
-                    self.report({"WARNING"}, note)
+                self.work(context, receiver)
                 done += 1
             except (ValueError, CacheError) as error:
                 self.report({"WARNING" if len(receivers) > 1 else "ERROR"}, str(error))
@@ -91,7 +89,7 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
     mode: EnumProperty(
         name="Displacement",
         description="How snow gets its thickness",
-        items=(("AUTO", "Automatic", "A snow shell, which suits all objects"),) + displacement.MODES,
+        items=(("AUTO", "Automatic", "A snow surface, which suits all objects"),) + displacement.MODES,
         default="AUTO",
     )
 
@@ -110,7 +108,7 @@ class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
     def work(self, context, receiver):
         if baked_images.load_sequence(receiver.folder, "height") is None:
             raise ValueError(f"{receiver.object.name} has no baked snow: bake first")
-        snow_shell.freeze(context.scene, receiver, context.evaluated_depsgraph_get())
+        snow_surface.freeze(context.scene, receiver, context.evaluated_depsgraph_get())
 
 
 class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):

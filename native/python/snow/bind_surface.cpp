@@ -35,6 +35,22 @@ std::unique_ptr<snow::SnowSurface> make_surface(
   return without_gil([&] { return std::make_unique<snow::SnowSurface>(source, heights, most, plan); });
 }
 
+double wanted_points(const InputArray<int32_t>& triangles, const InputArray<float>& positions,
+                     float depth, const std::optional<InputArray<int32_t>>& shading) {
+  snow::SurfaceSource source;
+  source.positions = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
+  source.topology.triangles.assign(triangles.data(), triangles.data() + triangles.size());
+  source.topology.corner_uv.resize(source.topology.triangles.size());
+  source.topology.vertex_count = static_cast<int32_t>(source.positions.size());
+  for (const int32_t v : source.topology.triangles) {
+    if (v < 0 || v >= source.topology.vertex_count) {
+      throw std::invalid_argument("triangles must name rows of positions");
+    }
+  }
+  if (shading) source.shading.assign(shading->data(), shading->data() + shading->size());
+  return without_gil([&] { return snow::wanted_points(source, depth); });
+}
+
 py::tuple faces(const snow::SnowSurface& surface) {
   const snow::SurfaceFaces& faces = surface.faces();
   std::vector<int32_t> begin = faces.begin, corner = faces.corner;
@@ -66,6 +82,11 @@ py::array_t<float> points(const snow::SnowSurface& surface, const InputArray<flo
 }  // namespace
 
 void bind_surface(py::module_& module) {
+  module.def("wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
+             py::arg("depth"), py::arg("shading") = py::none(),
+             "About how many points a SnowSurface of a receiver would like to have at the default "
+             "detail under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading "
+             "(T, 3) or None: receivers share the points of a scene by it.");
   py::class_<snow::SnowSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),

@@ -22,15 +22,15 @@ constexpr float kEndingEdge = 0.1f;
 /// Snow thinner than that counts as ending.
 constexpr float kEnding = 0.45f;
 /// No edge is cut to less than that.
-constexpr float kLeastEdge = 0.07f;
+constexpr float kLeastEdge = 0.085f;
 /// Edges near rims before the cuts along them, and along them afterwards.
 constexpr float kRimEdge = 0.5f;
 constexpr float kAlongRim = 0.26f;
 /// How much longer edges may be for each metre away from a rim's zone.
 constexpr float kGrowth = 0.35f;
 /// By how much the height in the middle of an edge may differ from the mean of its ends, for deep and thin snow.
-constexpr float kOffDeep = 0.025f;
-constexpr float kOffThin = 0.01f;
+constexpr float kOffDeep = 0.04f;
+constexpr float kOffThin = 0.015f;
 constexpr float kThin = 0.3f;
 /// Snow over this height in metres, at any frame, is shown.
 constexpr float kShown = 0.0022f;
@@ -295,13 +295,18 @@ class Refiner {
   std::vector<float> rim_distance_;
 };
 
-/// Area of what carries snow, weighted by how level it is.
-double carrying_area(const SurfaceMesh& mesh) {
-  double area = 0.0;
+/// Points that the faces which carry snow would like to have, by how level they are.
+double points_on_faces(const SurfaceMesh& mesh, double depth) {
+  const double level = kLevelEdge * depth;
+  const double curved = kCurvedEdge * depth;
+  double points = 0.0;
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
-    area += 0.5 * std::max(0.0, static_cast<double>(triangle_cross(mesh, t).z));
+    const auto& [a, b, c] = mesh.normal[t];
+    const bool bends = glm::distance(a, b) + glm::distance(b, c) > 0.04f;
+    const double edge = bends ? curved : level;
+    points += std::max(0.0, static_cast<double>(triangle_cross(mesh, t).z)) / (edge * edge);
   }
-  return area;
+  return points;
 }
 
 }  // namespace
@@ -392,10 +397,17 @@ SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const
 double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth) {
   double rim_length = 0.0;
   for (const Rim& rim : rims.all()) rim_length += glm::distance(rim.from, rim.to);
-  const double level = kLevelEdge * depth;
   const double rows = static_cast<double>(kSupportCuts.size() + kFarCuts.size());
-  return carrying_area(receiver) / (0.5 * level * level) +
-         rim_length / (kAlongRim * depth) * rows + 16.0;
+  return points_on_faces(receiver, depth) + rim_length / (kAlongRim * depth) * rows + 16.0;
+}
+
+double wanted_points(const SurfaceSource& source, float depth) {
+  const SurfaceMesh receiver = receiver_mesh(source);
+  if (receiver.triangle.empty()) return 0.0;
+  const base::TriangleTree tree(receiver.position, receiver.triangle,
+                                {0, static_cast<int32_t>(receiver.triangle.size())});
+  const Rims rims(receiver, tree, source.shading, rim_zone(depth), far_zone(depth));
+  return wanted_points(receiver, rims, depth);
 }
 
 }  // namespace snowbough::snow

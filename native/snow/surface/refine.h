@@ -69,5 +69,6 @@ SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const
 /// About how many points the snow of a receiver would take at default detail, before any is known: what it shares the
 /// scene's points by.
 double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
+double wanted_points(const SurfaceSource& source, float depth);
 
 }  // namespace snowbough::snow

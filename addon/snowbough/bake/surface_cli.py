@@ -1,0 +1,47 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""``cli.py surface``: computes the snow surfaces of the loaded file's bakes again, without simulating and without
+evaluating the scene. Exit codes are those of ``bake``.
+"""
+
+import json
+import sys
+
+import bpy
+
+from .. import native
+from ..names import EXIT_FAILED, EXIT_OK
+from ..result import surface_preview
+from ..surface import compute
+from ..surface.style import DETAILS
+from .cli import exit_code
+from .outcome import one_line
+
+
+def add_arguments(parser):
+    """What ``surface`` takes."""
+    parser.add_argument("--objects", metavar="A,B", help="only these receivers")
+    parser.add_argument("--detail", choices=list(DETAILS), help="default: the scene's setting")
+
+
+def run(args):
+    """Updates surfaces as the command line says and returns the exit code."""
+    scene = bpy.context.scene
+    if args.detail:
+        scene.snowbough.surface_detail = args.detail
+    names = {name.strip() for name in (args.objects or "").split(",") if name.strip()}
+    try:
+        module, tasks = native.load(), surface_preview.tasks(scene, names)
+        if not tasks:
+            raise ValueError("There is no baked receiver that shows its snow as a surface: bake first")
+        for _, folder, style in tasks:
+            compute.update(module, folder, style)
+            summary = compute.read_summary(folder)
+            print(
+                f"SNOWBOUGH surface={json.dumps(folder.name)} frames={summary['frames']} points={summary['points']}",
+                flush=True,
+            )
+    except (ValueError, RuntimeError, OSError) as error:
+        code = exit_code(error) or EXIT_FAILED
+        print(f"SNOWBOUGH error={json.dumps(one_line(error))} code={code}", file=sys.stderr, flush=True)
+        return code
+    return EXIT_OK

@@ -1,0 +1,40 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The snow of receivers that were deleted goes with them."""
+
+import bpy
+
+from .. import session
+from . import snow_surface
+
+
+def _gone(scene):
+    """Receivers on the scene's list whose object is in no scene any more, but whose surface is."""
+    return [
+        entry
+        for entry in scene.snowbough.receivers
+        if entry.object is not None
+        and not entry.object.users_scene
+        and any(surface.users_scene for surface in snow_surface.find(entry))
+    ]
+
+
+def _remove():
+    if session.bake is None and session.preview is None:
+        for scene in bpy.data.scenes:
+            for entry in _gone(scene):
+                snow_surface.remove(entry)
+
+
+@bpy.app.handlers.persistent
+def _look(scene, *_):
+    # Not in the middle of an update: Blender is still working on the scene.
+    if _gone(scene) and not bpy.app.timers.is_registered(_remove):
+        bpy.app.timers.register(_remove, first_interval=0.0)
+
+
+def register():
+    bpy.app.handlers.depsgraph_update_post.append(_look)
+
+
+def unregister():
+    bpy.app.handlers.depsgraph_update_post.remove(_look)

@@ -1,0 +1,208 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The snow surface in the scene: a mesh object, child of its receiver (of the instancer, for an instance), whose points
+a Mesh Cache modifier reads from the bake's files. Nothing is computed when the frame changes.
+
+The mesh itself holds the shot's last frame, and its texture space is one Blender unit, so that a material's Generated
+coordinates are places in the snow that stay where they are while it grows.
+"""
+
+from dataclasses import dataclass
+from pathlib import Path
+
+import bpy
+import numpy as np
+
+from ..cache.files import SURFACE_FACES, SURFACE_POINTS
+from ..names import SNOW_UV, SURFACE_MODIFIER
+from ..scene.pose import metres_per_unit
+from ..surface.compute import read_summary
+from ..surface.mesh_file import read_mesh
+from . import baked_images, original_state, surface_material
+
+
+@dataclass
+class _Member:
+    """A mesh that carries snow: the receiver itself, or one of the collection that it instances."""
+
+    obj: bpy.types.Object
+    folder: Path
+    parent: bpy.types.Object
+
+
+def _home(scene, obj):
+    homes = [collection for collection in obj.users_collection if collection.library is None]
+    return homes[0] if homes else scene.collection
+
+
+def _members(receiver):
+    """The _Members of a receiver that have baked files."""
+    obj = receiver.object
+    if not receiver.folder:
+        return []
+    if obj.type == "MESH":
+        return [_Member(obj, Path(bpy.path.abspath(receiver.folder)), obj)]
+    found = []
+    for (name, library), folder in baked_images.folders_of_members(receiver.folder, obj.name).items():
+        for member in obj.instance_collection.all_objects if obj.instance_collection else ():
+            if (member.name, member.library.filepath if member.library else "") == (name, library):
+                found.append(_Member(member, Path(folder), obj))
+    return found
+
+
+def _fill_mesh(mesh, file):
+    """A mesh's data from a surface.mesh_file.FileMesh."""
+    corners, sides = file.corners, file.sides
+    mesh.vertices.add(len(file.positions))
+    mesh.vertices.foreach_set("co", np.ascontiguousarray(file.positions, np.float32).ravel())
+    mesh.loops.add(len(corners))
+    mesh.loops.foreach_set("vertex_index", np.ascontiguousarray(corners, np.int32))
+    mesh.polygons.add(len(sides))
+    starts = np.concatenate([[0], np.cumsum(sides)[:-1]]) if len(sides) else sides
+    mesh.polygons.foreach_set("loop_start", starts.astype(np.int32))
+    mesh.polygons.foreach_set("loop_total", sides)
+    mesh.polygons.foreach_set("use_smooth", np.ones(len(sides), bool))
+    mesh.update(calc_edges=True)
+    layer = mesh.uv_layers.new(name=SNOW_UV, do_init=False)
+    layer.data.foreach_set("uv", np.ascontiguousarray(file.corner_uv, np.float32).ravel())
+    mesh.use_auto_texspace = False
+    mesh.texspace_location, mesh.texspace_size = (0.0,) * 3, (1.0,) * 3
+
+
+def _blend_path(path):
+    """A file's path as the .blend stores it: relative where that is possible."""
+    if bpy.data.filepath:
+        try:
+            return bpy.path.relpath(str(path))
+        except ValueError:  # another drive on Windows
+            pass
+    return str(path)
+
+
+def show_points(obj, path, first):
+    """Lets a surface's modifier read a point cache whose second sample is that of frame `first`."""
+    modifier = obj.modifiers[SURFACE_MODIFIER]
+    modifier.filepath = _blend_path(path)
+    modifier.frame_start = first - 1
+    obj.update_tag()
+
+
+def _make_one(scene, member):
+    """The surface of one member, or None where none was computed."""
+    summary = read_summary(member.folder)
+    if summary is None:
+        return None
+    file = read_mesh(member.folder / SURFACE_FACES)
+    name = f"{member.obj.name} Snow"
+    mesh = bpy.data.meshes.new(name)
+    _fill_mesh(mesh, file)
+    sequence = baked_images.load_sequence(str(member.folder), "height")
+    mesh.materials.append(
+        surface_material.make_material(scene, name, sequence, SNOW_UV, metres_per_unit(scene))
+    )
+    obj = bpy.data.objects.new(name, mesh)
+    obj.snowbough.is_shell = True
+    obj.snowbough.occlude = False
+    obj.parent = member.parent
+    obj.lock_location = obj.lock_rotation = obj.lock_scale = (True,) * 3
+    modifier = obj.modifiers.new(SURFACE_MODIFIER, "MESH_CACHE")
+    modifier.cache_format = "PC2"
+    modifier.interpolation = "LINEAR"
+    show_points(obj, member.folder / SURFACE_POINTS, summary["first"])
+    _home(scene, member.parent).objects.link(obj)
+    return obj
+
+
+def make(scene, receiver, materials=None):
+    """Makes the receiver's surfaces from its baked files. materials: what touched_materials said of those before.
+    Returns the objects, none where nothing is baked yet. Raises CacheError for damaged files."""
+    surfaces = [_make_one(scene, member) for member in _members(receiver)]
+    surfaces = [surface for surface in surfaces if surface is not None]
+    for surface in surfaces:
+        surface_material.put_back(surface.data.materials[0], (materials or {}).get(surface.name, {}))
+    record = original_state.read(receiver)
+    record["shells"] = [surface.name for surface in surfaces]
+    original_state.write(receiver, record)
+    return surfaces
+
+
+def find(receiver):
+    """The receiver's surfaces that are still there, also shells of earlier versions."""
+    record = original_state.read(receiver)
+    names = [*record.get("shells", ()), *([record["shell"]] if "shell" in record else [])]
+    named = [bpy.data.objects[name] for name in names if name in bpy.data.objects]
+    parents = [receiver.object] if receiver.object is not None else []
+    # Renamed by the artist, or left by an undo.
+    children = [
+        child for parent in parents for child in parent.children if child.snowbough.is_shell and not child.library
+    ]
+    return list(dict.fromkeys(obj for obj in named + children if obj.snowbough.is_shell))
+
+
+def touched_materials(receiver):
+    """{name of a surface: its material's sliders that an artist has set}."""
+    return {
+        surface.name: surface_material.touched(surface.data.materials[0])
+        for surface in find(receiver)
+        if surface.type == "MESH" and len(surface.data.materials) and surface.data.materials[0]
+    }
+
+
+def delete_object(surface):
+    """Deletes a surface with its mesh and material, or a shell of an earlier version with its nodes."""
+    mesh = surface.data
+    trees = [modifier.node_group for modifier in surface.modifiers if modifier.type == "NODES"]
+    materials = [slot.material for slot in surface.material_slots]
+    bpy.data.objects.remove(surface)
+    if mesh.users == 0:
+        bpy.data.meshes.remove(mesh)
+    for tree in trees:
+        if tree is not None and tree.users == 0:
+            bpy.data.node_groups.remove(tree)
+    for material in materials:
+        if material is not None and material.users == 0:
+            bpy.data.materials.remove(material)
+
+
+def remove(receiver):
+    """Deletes the receiver's surfaces."""
+    surfaces = find(receiver)
+    record = original_state.read(receiver)
+    for key in ("shell", "shells"):
+        record.pop(key, None)
+    original_state.write(receiver, record)
+    for surface in surfaces:
+        delete_object(surface)
+
+
+def freeze(scene, receiver, depsgraph):
+    """The snow of the receiver as it is in the evaluated frame, as plain mesh objects, whatever displacement the
+    receiver has. Returns the new objects, linked beside the receiver; none where no surface was computed."""
+    surfaces = find(receiver)
+    temporary = not surfaces
+    surfaces = surfaces or make(scene, receiver)
+    depsgraph.update()
+    frozen = []
+    for surface in surfaces:
+        evaluated = surface.evaluated_get(depsgraph)
+        name = f"{surface.name} {scene.frame_current:04d}"
+        mesh = bpy.data.meshes.new_from_object(evaluated, preserve_all_data_layers=True, depsgraph=depsgraph)
+        mesh.name = name
+        mesh.transform(evaluated.matrix_world)
+        plain = bpy.data.objects.new(name, mesh)
+        for collection in surface.users_collection:
+            collection.objects.link(plain)
+        frozen.append(plain)
+    if temporary:
+        remove(receiver)
+    return frozen
+
+
+def folders(scene):
+    """(receiver, surface object or None, folder) of all that a scene shows or may show as surfaces."""
+    for receiver in scene.snowbough.receivers:
+        if receiver.object is None:
+            continue
+        objects = {obj.name.removesuffix(" Snow"): obj for obj in find(receiver)}
+        for member in _members(receiver):
+            yield receiver, objects.get(member.obj.name), member.folder
+

@@ -1,0 +1,75 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""The material of a snow surface: the snow of the scene's kind, with its depth looked up in the baked maps."""
+
+import json
+
+import bpy
+
+from .. import compat
+from ..node_builder import NodeBuilder
+from . import look, snow_nodes
+
+# In the Solid view, where all else is greyer.
+SOLID_COLOR = (1.0, 1.0, 1.0, 1.0)
+# The surface ends by itself, so that its material hides what is below even where maps are thin (metres).
+LEAST_DEPTH = 0.01
+# The sliders that a material began with, as JSON: what an artist has changed outlives a new bake.
+_RECORD = "snowbough_sliders"
+
+
+def make_material(scene, name, sequence, uv_map, metres_per_unit):
+    """Snow of the scene's kind. sequence: the BakedSequence of heights, or None; uv_map: of the surface's mesh."""
+    material = bpy.data.materials.new(name)
+    compat.use_material_nodes(material)
+    material.diffuse_color = SOLID_COLOR
+    material.roughness = snow_nodes.ROUGH
+    material.node_tree.nodes.clear()
+    builder = NodeBuilder(material.node_tree)
+    depth = LEAST_DEPTH
+    if sequence is not None:
+        place = builder.node("ShaderNodeUVMap", uv_map=uv_map).outputs[0]
+        texture = builder.node("ShaderNodeTexImage", image=sequence.image, extension="EXTEND")
+        sequence.configure(texture.image_user)
+        builder.feed(texture, Vector=place)
+        depth = builder.math("MAXIMUM", builder.absolute(texture.outputs["Color"]), LEAST_DEPTH)
+    # Generated coordinates are where points are in the mesh itself, which has the shot's last frame: see snow_surface.
+    place = builder.node("ShaderNodeTexCoord").outputs["Generated"]
+    place = builder.vector("MULTIPLY_ADD", place, (2.0,) * 3, (-1.0,) * 3)
+    group = builder.node("ShaderNodeGroup", node_tree=snow_nodes.ensure_group())
+    look.set_group_inputs(group, look.of(scene))
+    builder.feed(
+        group,
+        Height=depth,
+        Position=builder.scale(place, metres_per_unit),
+        Normal=builder.node("ShaderNodeNewGeometry").outputs["Normal"],
+    )
+    output = builder.node("ShaderNodeOutputMaterial")
+    builder.feed(output, Surface=group.outputs["Shader"])
+    if "Thickness" in output.inputs:  # EEVEE from 4.2 on
+        builder.set(output.inputs["Thickness"], depth)
+    material[_RECORD] = json.dumps(_sliders(material))
+    return material
+
+
+def _sliders(material):
+    values = {}
+    for node in look.group_nodes(material):
+        for socket in node.inputs:
+            if not socket.is_linked and socket.type in ("VALUE", "RGBA"):
+                value = socket.default_value
+                values[socket.name] = list(value) if socket.type == "RGBA" else float(value)
+    return values
+
+
+def touched(material):
+    """{name: value} of the sliders that are not as the material began."""
+    begun = json.loads(material.get(_RECORD, "{}"))
+    return {name: value for name, value in _sliders(material).items() if begun.get(name) != value}
+
+
+def put_back(material, values):
+    """Sets the sliders that touched() of another material named."""
+    for node in look.group_nodes(material):
+        for name, value in values.items():
+            if name in node.inputs:
+                node.inputs[name].default_value = value

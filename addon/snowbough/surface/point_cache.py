@@ -1,0 +1,107 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""PC2 files: the positions of a mesh's points, frame after frame, as Blender's Mesh Cache modifier reads them. No
+``bpy``.
+
+Layout: 12 bytes ``POINTCACHE2\\0``, int32 version 1, int32 points, float32 first sample, float32 samples a frame, int32
+samples, then float32 x, y, z of all points of all samples; all little-endian.
+"""
+
+import os
+import struct
+import uuid
+from pathlib import Path
+
+import numpy as np
+
+from ..cache.errors import CacheError
+from ..cache.files import TEMPORARY_SUFFIX
+
+_HEADER = struct.Struct("<12siiffi")
+_MAGIC = b"POINTCACHE2\0"
+
+
+class PointCacheWriter:
+    """Writes a PC2 file whole or not at all: ``with PointCacheWriter(path, points) as cache: ...; cache.publish()``.
+
+    Raises CacheError with path and reason where the disk refuses.
+    """
+
+    def __init__(self, path, points):
+        self._path = Path(path)
+        self._temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
+        self._points = points
+        self.samples = 0
+        with self._naming_errors():
+            self._stream = open(self._temporary, "wb")
+        self._write(_HEADER.pack(_MAGIC, 1, points, 0.0, 1.0, 0))
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def add(self, positions):
+        """Appends a sample, (points, 3)."""
+        if positions.shape != (self._points, 3):
+            raise ValueError(f"{self._path.name} has {self._points} points, not {positions.shape[0]}")
+        self._write(np.ascontiguousarray(positions, dtype="<f4").data)
+        self.samples += 1
+
+    def publish(self):
+        """Puts the file in its place."""
+        with self._naming_errors():
+            self._stream.seek(0)
+            self._stream.write(_HEADER.pack(_MAGIC, 1, self._points, 0.0, 1.0, self.samples))
+            self._stream.flush()
+            os.fsync(self._stream.fileno())
+            self._stream.close()
+            os.replace(self._temporary, self._path)
+
+    def close(self):
+        """Removes what was not published."""
+        self._stream.close()
+        self._temporary.unlink(missing_ok=True)
+
+    def _write(self, data):
+        with self._naming_errors():
+            self._stream.write(data)
+
+    def _naming_errors(self):
+        return _Naming(self)
+
+
+class _Naming:
+    """Context: an OSError becomes a CacheError that names the file, and nothing is left behind."""
+
+    def __init__(self, writer):
+        self._writer = writer
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, error, trace):
+        if isinstance(error, OSError):
+            stream = getattr(self._writer, "_stream", None)
+            if stream is not None:
+                stream.close()
+            self._writer._temporary.unlink(missing_ok=True)
+            raise CacheError(
+                f"{self._writer._path} could not be written: {error.strerror or error}"
+            ) from error
+
+
+def read_point_cache(path):
+    """(samples, points, 3) float32 of a PC2 file, read from disk as it is used. Raises CacheError for a damaged one."""
+    path = Path(path)
+    try:
+        with open(path, "rb") as stream:
+            magic, version, points, _, _, samples = _HEADER.unpack(stream.read(_HEADER.size))
+        wanted = _HEADER.size + 12 * points * samples
+        if magic != _MAGIC or version != 1 or points < 0 or samples < 1 or path.stat().st_size != wanted:
+            raise ValueError("it is no PC2 file, or cut short")
+        if not points:
+            return np.zeros((samples, 0, 3), np.float32)
+        return np.memmap(path, "<f4", "r", _HEADER.size, (samples, points, 3))
+    except (OSError, ValueError, struct.error) as error:
+        raise CacheError(f"{path} cannot be read ({error}): free the bake, then bake again") from error

@@ -1,0 +1,113 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Operator ``snowbough.update_surface``."""
+
+import threading
+
+import bpy
+
+from .. import native
+from ..cache.errors import CacheError
+from ..result import surface_preview
+from ..surface import compute
+from .editing_lock import NotWhileBaking
+
+POLL_SECONDS = 0.05
+FAILURES = (ValueError, CacheError, RuntimeError, OSError, MemoryError)
+
+
+class _Update:
+    """Computes surfaces in a thread of its own, from plain data."""
+
+    def __init__(self, module, tasks):
+        self.receivers = [receiver.object.name for receiver, _, _ in tasks]
+        self._jobs = [(folder, style) for _, folder, style in tasks]
+        self._module = module
+        self.share = 0.0
+        self.stop = False
+        self.error = None
+        self.thread = threading.Thread(target=self.run, name="snowbough-surface")
+
+    def run(self):
+        try:
+            for index, (folder, style) in enumerate(self._jobs):
+
+                def progress(share, index=index):
+                    self.share = (index + share) / len(self._jobs)
+                    return not self.stop
+
+                if not compute.update(self._module, folder, style, progress):
+                    return
+        except FAILURES as error:
+            self.error = error
+
+
+class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
+    """Computes the snow surfaces of all frames with the sliders as they are now; nothing is simulated. Esc stops"""
+
+    bl_idname = "snowbough.update_surface"
+    bl_label = "Update Surface"
+    bl_options = {"REGISTER"}
+
+    @classmethod
+    def ready(cls, context):
+        if any(entry.folder for entry in context.scene.snowbough.receivers):
+            return True
+        cls.poll_message_set("Bake the snow first")
+        return False
+
+    def _begin(self, context):
+        tasks = surface_preview.tasks(context.scene)
+        if not tasks:
+            raise ValueError("No receiver shows its snow as a surface: choose Displacement > Snow Surface first")
+        return _Update(native.load(), tasks)
+
+    def _end(self, context, update):
+        scene = context.scene
+        surface_preview.refresh(scene, [entry for entry in scene.snowbough.receivers if entry.folder])
+        if update.error is not None:
+            self.report({"ERROR"}, str(update.error))
+            return {"CANCELLED"}
+        if update.stop:
+            self.report({"WARNING"}, "Stopped: surfaces that were not done are as before")
+            return {"CANCELLED"}
+        self.report({"INFO"}, f"Surfaces of {len(set(update.receivers))} receivers are up to date")
+        return {"FINISHED"}
+
+    def execute(self, context):
+        try:
+            update = self._begin(context)
+        except FAILURES as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        update.run()
+        return self._end(context, update)
+
+    def invoke(self, context, _event):
+        try:
+            self._update = self._begin(context)
+        except FAILURES as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        self._update.thread.start()
+        manager = context.window_manager
+        manager.progress_begin(0.0, 1.0)
+        self._timer = manager.event_timer_add(POLL_SECONDS, window=context.window)
+        manager.modal_handler_add(self)
+        return {"RUNNING_MODAL"}
+
+    def modal(self, context, event):
+        update = self._update
+        if event.type == "ESC":
+            update.stop = True
+        if event.type != "TIMER" or update.thread.is_alive():
+            context.window_manager.progress_update(update.share)
+            return {"RUNNING_MODAL"} if event.type in {"ESC", "TIMER"} else {"PASS_THROUGH"}
+        context.window_manager.event_timer_remove(self._timer)
+        context.window_manager.progress_end()
+        outcome = self._end(context, update)
+        if outcome == {"FINISHED"}:
+            bpy.ops.ed.undo_push(message=self.bl_label)
+        return outcome
+
+
+register, unregister = bpy.utils.register_classes_factory((SNOWBOUGH_OT_update_surface,))
