@@ -204,6 +204,9 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const vec3 belly = up * (kBelly * profile.height);
   const vec3 farthest = front.level_out * profile.overhang + belly;
   const float rough = style.relief * kBumps * bumps * profile.height;
+  // On a slope what is lifted moves up the slope, and must not pass what lies behind it.
+  const float behind = max(-dot(lift, front.out), 0.0f);
+  const float shoulder = min(profile.shoulder, max(0.75f * front.zone - behind, 0.1f * front.zone));
   const float along = clamp(front.distance / front.zone, 0.0f, 1.0f);
   // Deep below bare rims nothing may stick out.
   const vec3 sunk = normal * (-sink * eased(profile.height, 0.008f, 0.0f));
@@ -213,8 +216,9 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   if (along >= kFrontPart) {
     const float part = (along - kFrontPart) / (1.0f - kFrontPart);
     const float easing = eased(along, kFrontPart, 1.0f);
-    const float inwards = mix(profile.shoulder, front.zone, part);
-    const vec3 way = mix(lift, normal * height, easing);
+    const float inwards = mix(shoulder, front.zone, part);
+    const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
+    const vec3 way = mix(lift, normal * own, easing);
     return front.out * (front.distance - inwards) + way + front.lift * (rough * (1.0f - easing)) + sunk;
   }
   // Without a far face the lower part of the front lies on the support, too.
@@ -223,7 +227,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const bool beyond = front.distance < 0.0f || on_front < lower;
   if (!beyond) {
     const float turn = clamp((on_front - lower) / (1.0f - lower), 0.0f, 1.0f);
-    const vec3 inside = front.out * -profile.shoulder;
+    const vec3 inside = front.out * -shoulder;
     const vec3 at = quarter(inside + belly, farthest, inside + lift, turn, kUpperExponent);
     const float angle = 1.5707963f * turn;
     return to_rim + at + (front.level_out * cos(angle) + front.lift * sin(angle)) * rough + sunk;

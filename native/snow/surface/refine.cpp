@@ -24,7 +24,7 @@ constexpr float kEnding = 0.45f;
 /// No edge is cut to less than that.
 constexpr float kLeastEdge = 0.085f;
 /// Edges near rims before the cuts along them, and along them afterwards.
-constexpr float kRimEdge = 0.5f;
+constexpr float kRimEdge = 1.1f;
 constexpr float kAlongRim = 0.26f;
 /// How much longer edges may be for each metre away from a rim's zone.
 constexpr float kGrowth = 0.35f;
@@ -45,6 +45,8 @@ constexpr float kBends = 0.12f;
 constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
                                             0.5f,  0.63f, 0.8f, 1.0f};
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
+/// Points whose shares of the zone differ by less lie on one cut.
+constexpr float kOneCut = 0.03f;
 /// A cut nearer to an end of an edge than this part of it is left to that end.
 constexpr float kSnap = 0.15f;
 
@@ -222,6 +224,8 @@ class Refiner {
       const RimZones::Zone& b = zones[q];
       if (a.place.is_far_off || b.place.is_far_off) continue;
       if (std::abs(a.share) > 1.02f || std::abs(b.share) > 1.02f) continue;
+      // Edges between the cuts follow those on them.
+      if (std::abs(a.share - b.share) > kOneCut) continue;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
       if (along > kAlongRim * unit_) {

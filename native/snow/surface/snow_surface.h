@@ -80,7 +80,8 @@ class SnowSurface {
   void find_noise(const SurfacePlan& plan);
   void find_thickness(const base::TriangleTree& tree);
   void find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan);
-  void find_bumps(const SurfacePlan& plan, const std::vector<float>& last);
+  void find_presence(const SurfacePlan& plan, const std::vector<float>& last);
+  void find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown);
   void make_faces();
   Heights heights(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals) const;
   void smooth(std::vector<float>& values, int rounds) const;

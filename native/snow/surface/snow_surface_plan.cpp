@@ -7,6 +7,7 @@
 #include "base/parallel_for.h"
 #include "base/union_find.h"
 #include "shaders/lib/snow_noise.h"
+#include "snow/surface/flip_edges.h"
 #include "snow/surface/map_sampler.h"
 #include "snow/surface/snow_surface.h"
 
@@ -41,6 +42,11 @@ float eased(float x, float from, float to) {
 glm::vec3 unit(const glm::vec3& v) {
   const float length = glm::length(v);
   return length > 1e-12f ? v / length : glm::vec3(0.0f);
+}
+
+/// What is added to places in noise, so that receivers differ.
+glm::vec3 noise_shift(const SurfacePlan& plan) {
+  return glm::vec3(3.1f, 7.7f, 5.3f) * static_cast<float>(plan.seed % 9973u) * 0.1f;
 }
 
 void check(const SurfaceSource& source, const std::vector<float>& map) {
@@ -111,7 +117,15 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   find_noise(plan);
   find_thickness(tree);
   find_fronts(rims, zones, plan);
-  find_bumps(plan, last);
+  find_presence(plan, last);
+  // Points stay, faces follow the snow.
+  SurfaceFrame frame;
+  frame.height = last.data();
+  frame.open_depth = depth;
+  flip_edges(mesh_, points(frame));
+  find_samples();
+  find_neighbours(kSmoothing * depth);
+  find_bumps(plan, points(frame));
   make_faces();
 }
 
@@ -173,6 +187,9 @@ void SnowSurface::find_samples() {
     float weight;
   };
   std::vector<Sample> samples;
+  sample_texel_.clear();
+  sample_share_.clear();
+  sample_weight_.clear();
   area_.assign(count, 0.0f);
   side_.assign(count, 1.0f);
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
@@ -269,7 +286,7 @@ void SnowSurface::find_normals(float reach) {
 
 void SnowSurface::find_noise(const SurfacePlan& plan) {
   const float d = plan.density.depth;
-  const glm::vec3 shift = glm::vec3(3.1f, 7.7f, 5.3f) * static_cast<float>(plan.seed % 9973u) * 0.1f;
+  const glm::vec3 shift = noise_shift(plan);
   point_.resize(point_count());
   base::for_each_item(point_count(), 1024, [&](size_t p) {
     // Lengths in parts of the depth, so that noise is the same at any scale.
@@ -322,7 +339,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   front_.resize(front_point_.size());
   front_inland_.resize(front_.size());
   front_weight_.resize(front_.size());
-  const glm::vec3 shift = glm::vec3(3.1f, 7.7f, 5.3f) * static_cast<float>(plan.seed % 9973u) * 0.1f;
+  const glm::vec3 shift = noise_shift(plan);
   base::for_each_item(front_.size(), 64, [&](size_t f) {
     const auto p = static_cast<size_t>(front_point_[f]);
     const RimZones::Zone& here = zone[p];
@@ -385,7 +402,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   }
 }
 
-void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<float>& last) {
+void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float>& last) {
   SurfaceFrame frame;
   frame.height = last.data();
   frame.open_depth = plan.density.depth;
@@ -396,11 +413,13 @@ void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<float>& 
     for (int k = 0; k < 4; ++k) inland += front_weight_[f][k] * shown[front_inland_[f][k]];
     front_[f].presence = eased(inland / plan.density.depth, 0.06f, 0.3f);
   }
-  const std::vector<glm::vec3> at = points(frame);
+}
+
+void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown) {
   const float d = plan.density.depth;
-  const glm::vec3 shift = glm::vec3(3.1f, 7.7f, 5.3f) * static_cast<float>(plan.seed % 9973u) * 0.1f;
+  const glm::vec3 shift = noise_shift(plan);
   base::for_each_item(point_count(), 1024, [&](size_t p) {
-    point_[p].bumps = layered_noise(at[p] / d + shift + 70.0f, {1.1f, 0.5f, 0.0f}, 0.6f);
+    point_[p].bumps = layered_noise(shown[p] / d + shift + 70.0f, {1.1f, 0.5f, 0.0f}, 0.6f);
   });
 }
 

@@ -1,0 +1,96 @@
+#include "snow/surface/flip_edges.h"
+
+#include <array>
+#include <cstdint>
+#include <glm/geometric.hpp>
+
+namespace snowbough::snow {
+namespace {
+
+constexpr int kRounds = 4;
+/// The other diagonal has to be shorter by this part.
+constexpr float kShorter = 0.93f;
+/// Of the doubled area of both triangles, what each of the turned ones has at least.
+constexpr float kLeastArea = 0.05f;
+
+/// A corner of a triangle.
+struct Corner {
+  int32_t triangle = -1;
+  int32_t k = 0;
+};
+
+class Flipper {
+ public:
+  Flipper(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) : mesh_(mesh), shown_(shown) {}
+
+  /// Turns the edge that starts at corner a and, in the other triangle, at corner b. Whether it did.
+  bool flip(const Corner& a, const Corner& b) {
+    const size_t s = static_cast<size_t>(a.triangle), t = static_cast<size_t>(b.triangle);
+    if (mesh_.base[s] != mesh_.base[t]) return false;
+    const int a0 = a.k, a1 = (a.k + 1) % 3, a2 = (a.k + 2) % 3;
+    const int b0 = b.k, b1 = (b.k + 1) % 3, b2 = (b.k + 2) % 3;
+    const int32_t from = mesh_.triangle[s][a0], to = mesh_.triangle[s][a1];
+    const int32_t left = mesh_.triangle[s][a2], right = mesh_.triangle[t][b2];
+    if (left == right || mesh_.triangle[t][b0] != to || mesh_.triangle[t][b1] != from) return false;
+    const float now = glm::distance(shown_[from], shown_[to]);
+    if (glm::distance(shown_[left], shown_[right]) >= kShorter * now) return false;
+    const glm::vec3 normal = triangle_cross(mesh_, s) + triangle_cross(mesh_, t);
+    const float area = glm::dot(normal, normal);
+    const auto part = [&](int32_t p, int32_t q, int32_t r) {
+      const glm::vec3 cross = glm::cross(mesh_.position[q] - mesh_.position[p],
+                                         mesh_.position[r] - mesh_.position[p]);
+      return glm::dot(cross, normal);
+    };
+    if (part(from, right, left) < kLeastArea * area || part(to, left, right) < kLeastArea * area) {
+      return false;
+    }
+    const glm::vec2 uv_left = mesh_.uv[s][a2], uv_right = mesh_.uv[t][b2];
+    const glm::vec3 n_left = mesh_.normal[s][a2], n_right = mesh_.normal[t][b2];
+    const glm::vec2 uv_from = mesh_.uv[s][a0], uv_to = mesh_.uv[s][a1];
+    const glm::vec3 n_from = mesh_.normal[s][a0], n_to = mesh_.normal[s][a1];
+    mesh_.triangle[s] = {from, right, left};
+    mesh_.uv[s] = {uv_from, uv_right, uv_left};
+    mesh_.normal[s] = {n_from, n_right, n_left};
+    mesh_.triangle[t] = {to, left, right};
+    mesh_.uv[t] = {uv_to, uv_left, uv_right};
+    mesh_.normal[t] = {n_to, n_left, n_right};
+    return true;
+  }
+
+ private:
+  SurfaceMesh& mesh_;
+  const std::vector<glm::vec3>& shown_;
+};
+
+}  // namespace
+
+void flip_edges(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) {
+  Flipper flipper(mesh, shown);
+  for (int round = 0; round < kRounds; ++round) {
+    const SurfaceEdges edges = surface_edges(mesh.triangle);
+    std::vector<std::array<Corner, 2>> corners(edges.ends.size());
+    std::vector<uint8_t> count(edges.ends.size(), 0);
+    for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+      for (int32_t k = 0; k < 3; ++k) {
+        const int32_t e = edges.of_triangle[t][k];
+        if (count[e] < 2) corners[e][count[e]] = {static_cast<int32_t>(t), k};
+        if (count[e] < 3) ++count[e];
+      }
+    }
+    // A triangle is turned once a round: afterwards its edges are others.
+    std::vector<uint8_t> turned(mesh.triangle.size(), 0);
+    bool any = false;
+    for (size_t e = 0; e < edges.ends.size(); ++e) {
+      if (count[e] != 2) continue;
+      const auto& [a, b] = corners[e];
+      if (turned[a.triangle] != 0 || turned[b.triangle] != 0) continue;
+      if (flipper.flip(a, b)) {
+        turned[a.triangle] = turned[b.triangle] = 1;
+        any = true;
+      }
+    }
+    if (!any) return;
+  }
+}
+
+}  // namespace snowbough::snow
