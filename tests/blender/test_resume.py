@@ -394,6 +394,53 @@ def test_the_lock_of_a_bake_killed_at_its_very_end_goes_with_the_next_one(addon,
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+@pytest.mark.parametrize("times", [1, 2, 5])
+def test_ctrl_c_however_often_ends_with_130_and_can_be_resumed(addon, undisturbed, tmp_path, times):
+    report = tmp_path / "report.json"
+    running = subprocess.Popen(
+        blender_command(addon, tmp_path / "shot.blend", "--json", str(report)),
+        stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True,
+    )  # fmt: skip
+    for line in running.stdout:
+        if line.startswith("SNOWBOUGH frame=2"):
+            break
+    for _ in range(times):
+        running.send_signal(signal.SIGINT)
+        time.sleep(0.002)
+    error = running.communicate(timeout=120)[1]
+    assert running.returncode == 130 and "Resume goes on from there" in error and "Traceback" not in error
+    assert json.loads(report.read_text())["exit_code"] == 130
+    s.bake(resume=True)
+    assert s.files_of(tmp_path / "cache") == undisturbed
+
+
+def test_two_slashes_stand_for_the_folder_of_the_blend(addon, undisturbed, tmp_path):
+    done = run_blender(addon, tmp_path / "shot.blend", "--cache", "//farm/snow")
+    assert done.returncode == 0, done.stderr
+    assert s.files_of(tmp_path / "farm" / "snow") == undisturbed
+
+
+@pytest.mark.parametrize("name", ["object.json", "state_0004.json", "state_0004"])
+def test_a_damaged_file_has_the_caches_code_and_says_what_to_do(addon, undisturbed, tmp_path, name):
+    assert run_part(addon, 1, 6).error is None
+    path = next((tmp_path / "cache").rglob(f"Cart-*/{name}"))
+    for later in path.parent.glob("state_0006*"):
+        later.unlink()
+    path.write_bytes(path.read_bytes()[:-20])
+    done = run_blender(addon, tmp_path / "shot.blend", "--resume", "yes")
+    assert done.returncode == 5 and str(path) in done.stderr and "Traceback" not in done.stderr
+    assert "is damaged" in done.stderr and "emove" in done.stderr
+
+
+def test_a_cache_that_is_deleted_under_a_bake_does_not_say_to_make_room(addon, undisturbed, tmp_path):
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
+    running.on_frame = lambda result: shutil.rmtree(tmp_path / "cache") if result.frame == 5 else None
+    engine.run(bpy.context, running)
+    assert addon("bake.cli").exit_code(running.error) in (5, 7)
+    assert "make room" not in str(running.error) and "again" in str(running.error)
+
+
 def test_a_bake_whose_lock_was_taken_stops_with_its_own_code_and_leaves_the_other_ones_files(
     addon, undisturbed, tmp_path
 ):

@@ -31,7 +31,9 @@ Exit codes, also in the JSON report:
 ===  ==================================================================================================
 """
 
+import contextlib
 import json
+import signal
 import sys
 from pathlib import Path
 
@@ -61,7 +63,11 @@ from .request import NoGpu
 def add_arguments(parser):
     """What ``bake`` takes."""
     parser.add_argument("--frames", metavar="A-B", help="default: the scene's settings")
-    parser.add_argument("--cache", metavar="DIR")
+    parser.add_argument(
+        "--cache",
+        metavar="DIR",
+        help="default: the scene's settings; // stands for the folder of the .blend",
+    )
     parser.add_argument("--json", metavar="R.json")
     parser.add_argument("--resume", action="store_true")
     parser.add_argument("--objects", metavar="A,B", help="only these receivers")
@@ -117,23 +123,24 @@ def run(args):
     report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
     code, message = EXIT_FAILED, None
     try:
-        settings = scene.snowbough
-        first, last = settings.frame_start, settings.frame_end
-        if args.frames:
-            first, last = plan.parse_frames(args.frames, first, last)
-        objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
-        request = make_request(
-            scene,
-            resume=bool(args.resume),
-            first=first,
-            last=last,
-            objects=objects,
-            directory=args.cache,
-            allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
-            engine=args.engine,
-            strict=bool(getattr(args, "strict", False)),
-        )
-        code, message = _bake(request, report)
+        with _stopping() as pressed:
+            settings = scene.snowbough
+            first, last = settings.frame_start, settings.frame_end
+            if args.frames:
+                first, last = plan.parse_frames(args.frames, first, last)
+            objects = [name.strip() for name in (args.objects or "").split(",") if name.strip()]
+            request = make_request(
+                scene,
+                resume=bool(args.resume),
+                first=first,
+                last=last,
+                objects=objects,
+                directory=args.cache,
+                allow_other_driver=bool(getattr(args, "allow_other_driver", False)),
+                engine=args.engine,
+                strict=bool(getattr(args, "strict", False)),
+            )
+            code, message = _bake(request, report, pressed)
     except (ValueError, RuntimeError, OSError) as error:
         code, message = exit_code(error), one_line(error)
     report["exit_code"], report["error"] = code, message
@@ -152,7 +159,25 @@ def run(args):
     return code
 
 
-def _bake(request, report):
+@contextlib.contextmanager
+def _stopping():
+    """Ctrl-C, however often, stops the bake after the frame that it works on; Blender itself would end with 2 at the
+    second one. Gives a list that is filled once it was pressed."""
+    pressed = []
+
+    def stop(*_):
+        pressed.append(True)
+        engine.stop()
+
+    previous = signal.signal(signal.SIGINT, stop)
+    try:
+        yield pressed
+    finally:
+        # None: Blender's own handler, which Python can't put back. SIG_DFL ends the process.
+        signal.signal(signal.SIGINT, previous if previous is not None else signal.SIG_DFL)
+
+
+def _bake(request, report, pressed):
     """(exit code, message or None)"""
 
     def on_frame(result):
@@ -172,6 +197,7 @@ def _bake(request, report):
     report["warnings"] = preflight.warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     for text in report["warnings"]:
         print(f"SNOWBOUGH warning={json.dumps(text)}", file=sys.stderr, flush=True)
+    running.stop_requested = bool(pressed)
     engine.run(bpy.context, running)
     job = running.job
     report["version"] = str(job.version) if job.version else ""

@@ -71,9 +71,10 @@ class LocalMeshes:
             return self._shared[pointer]
         temporary = obj.type != "MESH"
         own = (obj.original.name, library_path(obj.original), receives)
-        swapped = not temporary and self._has_another_mesh(own, obj)
         rigid = self._rigid.get(own)
-        if rigid is not None and not swapped and self._updates.is_unchanged(obj, rigid[1]):
+        is_still = rigid is not None and self._updates.is_still(own[0])
+        swapped = not temporary and not is_still and self._has_another_mesh(own, obj)
+        if is_still or (rigid is not None and not swapped and self._updates.is_unchanged(obj, rigid[1])):
             rigid[1].may_change = rigid[1].is_edited = rigid[1].is_another = False
             self._shared[pointer] = rigid
             return rigid

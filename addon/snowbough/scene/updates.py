@@ -1,44 +1,53 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Which meshes have changed since the pose before, other than by what deforms them: frame handlers edit them.
 
-While it renders Blender lists what each evaluation updated (``depsgraph.updates``): a mesh is among it when it was
-edited, and at every frame when it has shape keys or animation of its own. Elsewhere the list may be that of another
-moment, so meshes that should stand still are compared.
+While it renders Blender lists what each evaluation updated (``depsgraph.updates``), edited meshes among it. Elsewhere
+the list may be that of another moment, so meshes that should stand still are compared.
 """
 
+import bpy
 import numpy as np
 
 from .. import compat
-from .pose import library_path
 
 
 class Updates:
     """What one evaluation of a depsgraph updated."""
 
     def __init__(self, depsgraph):
-        self._listed = None
-        if depsgraph.mode == "RENDER":
-            self._listed = {
-                (type(update.id).__name__, update.id.name, library_path(update.id))
-                for update in depsgraph.updates
-                if update.is_updated_geometry
-            }
+        self._is_sure = depsgraph.mode == "RENDER"
+        # Names of objects and of meshes. One name may stand for several: then one more is read.
+        self._objects, self._meshes = set(), set()
+        for update in depsgraph.updates if self._is_sure else ():
+            if update.is_updated_geometry:
+                names = self._objects if isinstance(update.id, bpy.types.Object) else self._meshes
+                names.add(update.id.name)
 
-    def _lists(self, id_block):
-        return (type(id_block).__name__, id_block.name, library_path(id_block)) in self._listed
+    def is_still(self, name):
+        """Whether nothing at all has happened to the shape of objects of that name, which nothing deforms: they were
+        neither edited nor given another mesh."""
+        return self._is_sure and name not in self._objects
 
     def is_edited(self, obj):
-        """Whether an evaluated object's mesh was edited."""
-        return bool(self._listed) and self._lists(obj.original.data)
+        """Whether an evaluated object's mesh was edited: with shape keys it would be listed at every frame, and only
+        moves."""
+        if not self._meshes:
+            return False
+        data = obj.original.data
+        return (
+            data.name in self._meshes
+            and data.animation_data is None
+            and not getattr(data, "shape_keys", None)
+        )
 
     def may_be_edited(self, obj):
         """Whether it was, or nobody can tell."""
-        return self._listed is None or self.is_edited(obj)
+        return not self._is_sure or self.is_edited(obj)
 
     def is_unchanged(self, obj, record):
         """Whether an evaluated object that nothing deforms still has the mesh of a mesh_record.MeshRecord."""
-        if self._listed is not None:
-            return not (self._listed and (self._lists(obj.original) or self._lists(obj.original.data)))
+        if self._is_sure:
+            return False
         mesh = obj.data
         return (
             record.counts == (len(mesh.vertices), len(mesh.loops), len(mesh.polygons))
