@@ -41,6 +41,8 @@ struct Repose::Cell {
   /// See shared::column_height.
   float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
   float curvature() const { return tile->curvature[at]; }
+  /// See shared::bare_slope.
+  float steep() const { return shared::bare_slope(tile->up[at]); }
 };
 
 void Repose::find_links() {
@@ -176,10 +178,18 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   return chosen_.size();
 }
 
-/// `way`: between bare points; `curvature`: of the surface there.
-float Repose::link_limit(const glm::vec3& way, float curvature) const {
+/// The limit of a link from a cell to a point, `at`: of the bare surface, whose curvature and slope
+/// are given.
+float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep) const {
+  const glm::vec3 way = at - a.point();
   const float slope = shared::held_slope(limits_.slope, limits_.cohesion, curvature);
-  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope);
+  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope, way.z, steep);
+}
+
+/// The limit of a link between two cells.
+float Repose::link_limit(const Cell& a, const Cell& b) const {
+  return link_limit(a, b.point(), 0.5f * (a.curvature() + b.curvature()),
+                    0.5f * (a.steep() + b.steep()));
 }
 
 /// Takes note of a link for is_level.
@@ -190,9 +200,7 @@ void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
     slack.at_edges = -1.0f;
     return;
   }
-  const glm::vec3 way = b.point() - a.point();
-  const float curvature = 0.5f * (a.curvature() + b.curvature());
-  const float bare = link_limit(way, curvature) - std::abs(way.z);
+  const float bare = link_limit(a, b) - std::abs(b.point().z - a.point().z);
   slack.column = std::max(slack.column, std::max(a.column(), b.column()));
   slack.inside = std::min(slack.inside, bare);
   slack.turn = std::max(slack.turn, std::abs(b.column() - a.column()));
@@ -243,10 +251,9 @@ RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   link.top = at.z;
   link.limit = link.slack = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
-  const glm::vec3 way = at - a.point();
-  link.limit = link_limit(way, a.curvature());
+  link.limit = link_limit(a, at, a.curvature(), 0.0f);
   link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
-  link.slack = link.limit - std::abs(way.z);
+  link.slack = link.limit - std::abs(at.z - a.point().z);
   return link;
 }
 
@@ -275,7 +282,7 @@ void Repose::set_up_ends(int32_t block) {
       continue;
     }
     if (end.sign > 0) continue;
-    flow.limit = link_limit(b.point() - a.point(), 0.5f * (a.curvature() + b.curvature()));
+    flow.limit = link_limit(a, b);
     flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
   }
 }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
@@ -39,6 +40,72 @@ inline bool lower_row(const float* __restrict passed, const float* __restrict li
     bound[i] = over < bound[i] ? over : bound[i];
   }
   return changes != 0;
+}
+
+/// A row of quads seen from two of their corners, across from the sides A to B: a side's length, its
+/// distance from the corners, and A's place along it from the foot of the first corner (the other's
+/// is a length less). In metres that the bound may rise on the way; all 0: there is no quad.
+struct Sides {
+  std::array<float, kReposeBlock> length, away, place;
+};
+
+/// Measures a row's quads (see ReposeTile::quad_uu): the sides up the map, and along it.
+inline void measure_row(const float* __restrict uu, const float* __restrict uv,
+                        const float* __restrict vv, Sides& up, Sides& along) {
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    const bool is_there = uu[i] > 0.0f;
+    const float size = is_there ? shared::kCuts / std::sqrt(uu[i] * vv[i] - uv[i] * uv[i]) : 0.0f;
+    const float up_root = is_there ? std::sqrt(uu[i]) : 1.0f;
+    const float along_root = is_there ? std::sqrt(vv[i]) : 1.0f;
+    up.length[i] = size * up_root;
+    along.length[i] = size * along_root;
+    up.away[i] = is_there ? shared::kCuts / up_root : 0.0f;
+    along.away[i] = is_there ? shared::kCuts / along_root : 0.0f;
+    up.place[i] = -size * uv[i] / up_root;
+    along.place[i] = -size * uv[i] / along_root;
+  }
+}
+
+/// Lowers the bounds of the first or the second of the corners from which a row of quads is seen to
+/// what comes over the side from `a` to `b`, between which bounds rise evenly: along the way on
+/// which they rise least, where that meets the side (Hopf and Lax's formula on a triangle: F.
+/// Bornemann and C. Rasch, Finite-element discretization of static Hamilton-Jacobi equations based on
+/// a local variational principle, 2006). `sign`: -1, the side is that on the other side of the quads.
+/// Returns whether any of either changed.
+inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const float* __restrict b,
+                                              const Sides& sides, float sign, float* first,
+                                              float* second) {
+  // Part of what a bound rises on a texel that is not worth passing on.
+  constexpr float kWorth = 2e-3f;
+  const float* __restrict const length = sides.length.data();
+  const float* __restrict const away = sides.away.data();
+  const float* __restrict const places = sides.place.data();
+  std::array<float, kReposeBlock> over_first;
+  std::array<float, kReposeBlock> over_second;
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    const float rise = b[i] - a[i];
+    const bool is_open = std::abs(rise) < length[i];
+    const float part = is_open ? rise / length[i] : 0.0f;
+    const float flat = std::sqrt(1.0f - part * part);
+    const float place = sign * places[i];
+    const float foot = -part * away[i];
+    const float over = a[i] + (away[i] * flat - part * place) + kWorth * away[i];
+    const bool is_first = is_open & (foot >= place * flat) & (foot <= (place + length[i]) * flat);
+    const bool is_second = is_open & (foot >= (place - length[i]) * flat) & (foot < place * flat);
+    over_first[i] = is_first ? over : shared::kUnbounded;
+    over_second[i] = is_second ? over + rise : shared::kUnbounded;
+  }
+  const auto lower = [&](const std::array<float, kReposeBlock>& over, float* bound) {
+    int32_t changes = 0;
+    for (int32_t i = 0; i < kReposeBlock; ++i) {
+      const bool lowers = over[i] < bound[i];
+      changes |= lowers ? 1 : 0;
+      bound[i] = lowers ? over[i] - kWorth * away[i] : bound[i];
+    }
+    return changes != 0;
+  };
+  const bool lowers_first = lower(over_first, first);
+  return {lowers_first, lower(over_second, second)};
 }
 
 /// Whether any cell of a row has a bound.
@@ -164,6 +231,35 @@ class BoundSweep {
     }
     return false;
   }
+  void measure(int32_t row) {
+    if ((measured_ & bit(row)) != 0) return;
+    measured_ |= bit(row);
+    const auto cell = static_cast<size_t>(row * kReposeBlock);
+    measure_row(&tile_.quad_uu[cell], &tile_.quad_uv[cell], &tile_.quad_vv[cell],
+                up_[static_cast<size_t>(row)], along_[static_cast<size_t>(row)]);
+  }
+  /// What comes over the sides of a row of quads.
+  void pass_over_quads(int32_t row) {
+    if (row < 0 || row >= kReposeBlock) return;
+    measure(row);
+    const bool passes = pass(row);
+    if (!pass(row + 1) && !passes) return;
+    const Sides& up = up_[static_cast<size_t>(row)];
+    const Sides& along = along_[static_cast<size_t>(row)];
+    const size_t low = TileWindow::at(0, row);
+    const size_t high = TileWindow::at(0, row + 1);
+    const float* const p = passed_.data();
+    float* const b = bound_.data();
+    const auto right = lower_over_sides(p + low + 1, p + high + 1, up, 1.0f, b + low, b + high);
+    const auto left = lower_over_sides(p + low, p + high, up, -1.0f, b + low + 1, b + high + 1);
+    const auto top = lower_over_sides(p + high, p + high + 1, along, 1.0f, b + low, b + low + 1);
+    const auto base = lower_over_sides(p + low, p + low + 1, along, -1.0f, b + high, b + high + 1);
+    const bool lowers_low = right.first | left.first | top.first | top.second;
+    const bool lowers_high = right.second | left.second | base.first | base.second;
+    const uint64_t lowered = (lowers_low ? bit(row) : 0) | (lowers_high ? bit(row + 1) : 0);
+    fresh_ |= lowered;
+    changed_ |= lowered;
+  }
   /// All that a row passes on, to itself and to the rows beside it.
   void pass_on(int32_t row) {
     const bool passes = within(row);
@@ -188,13 +284,16 @@ class BoundSweep {
     const uint64_t lowered = (up ? bit(row + 1) : 0) | (down ? bit(row - 1) : 0);
     fresh_ |= lowered;
     changed_ |= lowered;
+    pass_over_quads(row);
+    pass_over_quads(row - 1);
   }
 
   const TilesAround& around_;
   ReposeTile& tile_;
   /// Rows whose bounds are lower than when they were last passed on, and than the tiles'; of which
-  /// bounds, and all planes, are there.
-  uint64_t fresh_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0;
+  /// bounds, all planes, and quads, are there.
+  uint64_t fresh_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0, measured_ = 0;
+  std::array<Sides, kReposeBlock> up_, along_;
   alignas(64) TileWindow::Plane bound_;
   TileWindow::Plane top_, z_, passed_;
 };
