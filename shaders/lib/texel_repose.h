@@ -40,8 +40,9 @@ KERNEL_CONSTANT float kMostFlow = 524288.0f;
 KERNEL_CONSTANT float kLinks = 8.0f;
 /// Which part of the excess flows in a round where two texels alike have eight links each.
 KERNEL_CONSTANT float kRate = 0.2f;
-/// Cosine of the angle between a link and the way straight down up to which the link leads down a slope.
+/// See link_limit, of links on the map, several of which lead down; and of others.
 KERNEL_CONSTANT float kLeadsDown = 0.5f;
+KERNEL_CONSTANT float kAllLeadDown = 0.0f;
 /// Tangent of the steepest slope that holds together on what is curved, 82 degrees.
 KERNEL_CONSTANT float kSteepestHeld = 7.1f;
 /// On which side of a surface snow lies: 1 along the normal, -1 against it. `height`: signed; `up`: upward part of
@@ -60,10 +61,11 @@ SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, 
 /// Metres by which the surface of the snow may fall between two neighbours. `way`: from one bare point to the other,
 /// level; `slope`: tangent of the angle; `fall`: of the bare surface on that way; `steep`: tangent of its own slope.
 /// Where that is too steep for snow, a link that leads down at an angle allows its part of a slope at rest straight
-/// down, or snow would stay where the layout has no link straight down.
-SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope, float fall, float steep) {
-  float part = abs(fall) / max(way * steep, 1e-12f);
-  return slope * way * (steep > slope && part > kLeadsDown ? min(part, 1.0f) : 1.0f);
+/// down, or snow would stay where the layout has no link straight down. `leads_down`: cosine of the angle between the
+/// two up to which it does.
+SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope, float fall, float steep, float leads_down) {
+  float part = min(abs(fall) / max(way * steep, 1e-12f), 1.0f);
+  return slope * way * (steep > slope && part >= leads_down ? part : 1.0f);
 }
 /// Tangent of a surface's slope. `up`: upward part of its normal.
 SNOWBOUGH_SHARED_FUNCTION float bare_slope(float up) {

@@ -45,7 +45,7 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const 
     const float slope =
         shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
     const float way = std::sqrt(way_x * way_x + way_y * way_y);
-    const float allowed = shared::link_limit(way, slope, falls, steepness);
+    const float allowed = shared::link_limit(way, slope, falls, steepness, shared::kLeadsDown);
     // One of them a wall, and the other not over it; or both.
     const float over_wall = wall[j] > wall[i] ? falls : (wall[i] > wall[j] ? -falls : 1.0f);
     const bool is_open = (over_wall > 0.0f) & (wall[i] + wall[j] < 1.5f) & (area[i] > 0.0f) &

@@ -29,13 +29,13 @@ inline bool pass_row(const float* __restrict bound, const float* __restrict top,
   return any != 0;
 }
 
-/// Lowers the bounds of a row of cells to what others `passed` over links of those limits; returns
-/// whether any changed.
+/// Lowers the bounds of a row of cells to what others `passed` over links of those limits, down to
+/// the bare surface; returns whether any changed.
 inline bool lower_row(const float* __restrict passed, const float* __restrict limit,
-                      float* __restrict bound) {
+                      const float* __restrict z, float* __restrict bound) {
   int32_t changes = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const float over = passed[i] + shared::kCuts * limit[i];
+    const float over = std::max(passed[i] + shared::kCuts * limit[i], z[i]);
     changes |= over < bound[i] ? 1 : 0;
     bound[i] = over < bound[i] ? over : bound[i];
   }
@@ -73,10 +73,10 @@ inline void measure_row(const float* __restrict uu, const float* __restrict uv,
 /// a local variational principle, 2006). `sign`: -1, the side is that on the other side of the quads.
 /// Returns whether any of either changed.
 inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const float* __restrict b,
-                                              const Sides& sides, float sign, float* first,
-                                              float* second) {
+                                              const Sides& sides, float sign, const float* z,
+                                              float* bound, size_t first, size_t second) {
   // Part of what a bound rises on a texel that is not worth passing on.
-  constexpr float kWorth = 2e-3f;
+  constexpr float kWorth = 4e-3f;
   const float* __restrict const length = sides.length.data();
   const float* __restrict const away = sides.away.data();
   const float* __restrict const places = sides.place.data();
@@ -89,23 +89,41 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
     const float flat = std::sqrt(1.0f - part * part);
     const float place = sign * places[i];
     const float foot = -part * away[i];
-    const float over = a[i] + (away[i] * flat - part * place) + kWorth * away[i];
+    const float over = a[i] + (away[i] * flat - part * place);
     const bool is_first = is_open & (foot >= place * flat) & (foot <= (place + length[i]) * flat);
     const bool is_second = is_open & (foot >= (place - length[i]) * flat) & (foot < place * flat);
     over_first[i] = is_first ? over : shared::kUnbounded;
     over_second[i] = is_second ? over + rise : shared::kUnbounded;
   }
-  const auto lower = [&](const std::array<float, kReposeBlock>& over, float* bound) {
+  const auto lower = [&](const std::array<float, kReposeBlock>& over, const float* __restrict bare,
+                         float* __restrict own) {
     int32_t changes = 0;
     for (int32_t i = 0; i < kReposeBlock; ++i) {
-      const bool lowers = over[i] < bound[i];
+      const float now = std::max(over[i], bare[i]);
+      const bool lowers = now < own[i] - kWorth * away[i];
       changes |= lowers ? 1 : 0;
-      bound[i] = lowers ? over[i] - kWorth * away[i] : bound[i];
+      own[i] = lowers ? now : own[i];
     }
     return changes != 0;
   };
-  const bool lowers_first = lower(over_first, first);
-  return {lowers_first, lower(over_second, second)};
+  const bool lowers_first = lower(over_first, z + first, bound + first);
+  return {lowers_first, lower(over_second, z + second, bound + second)};
+}
+
+/// Whether anything that is passed on may lower the bounds of a row of quads' corners, in the rows
+/// `low` and `high`.
+inline bool is_worth_a_look(const float* __restrict uu, const float* __restrict passed,
+                            const float* __restrict bound, const float* __restrict z, size_t low,
+                            size_t high) {
+  int32_t any = 0;
+  for (size_t i = 0; i < static_cast<size_t>(kReposeBlock); ++i) {
+    const bool is_high = (bound[low + i] > z[low + i]) | (bound[low + i + 1] > z[low + i + 1]) |
+                         (bound[high + i] > z[high + i]) | (bound[high + i + 1] > z[high + i + 1]);
+    const float least = std::min(std::min(passed[low + i], passed[low + i + 1]),
+                                 std::min(passed[high + i], passed[high + i + 1]));
+    any |= (uu[i] > 0.0f) & is_high & (least < shared::kUnbounded) ? 1 : 0;
+  }
+  return any != 0;
 }
 
 /// Whether any cell of a row has a bound.
@@ -148,15 +166,17 @@ class BoundSweep {
 
   /// Up and down in turns until nothing changes.
   void sweep(uint64_t rows) {
-    while (rows != 0) {
+    while ((rows | quads_) != 0) {
       fresh_ = 0;
       for (int32_t row = 0; row < TileWindow::kRows; ++row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+        pass_over_quads(row - 1);
       }
       rows = fresh_;
       fresh_ = 0;
       for (int32_t row = TileWindow::kRows - 1; row >= 0; --row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+        pass_over_quads(row);
       }
       rows = fresh_;
     }
@@ -224,8 +244,8 @@ class BoundSweep {
     while (pass(row)) {
       if (row == kReposeBlock) return true;
       const size_t at = TileWindow::at(0, row);
-      bool goes_on = lower_row(&passed_[at], limit(0, row), &bound_[at + 1]);
-      goes_on |= lower_row(&passed_[at + 1], limit(0, row), &bound_[at]);
+      bool goes_on = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
+      goes_on |= lower_row(&passed_[at + 1], limit(0, row), &z_[at], &bound_[at]);
       if (!goes_on) return true;
       changed_ |= bit(row);
     }
@@ -238,22 +258,31 @@ class BoundSweep {
     measure_row(&tile_.quad_uu[cell], &tile_.quad_uv[cell], &tile_.quad_vv[cell],
                 up_[static_cast<size_t>(row)], along_[static_cast<size_t>(row)]);
   }
-  /// What comes over the sides of a row of quads.
+  /// What comes over the sides of a row of quads, if its corners pass on what they did not before.
   void pass_over_quads(int32_t row) {
-    if (row < 0 || row >= kReposeBlock) return;
-    measure(row);
+    if (row < 0 || row >= kReposeBlock || (quads_ & bit(row)) == 0) return;
+    quads_ &= ~bit(row);
     const bool passes = pass(row);
     if (!pass(row + 1) && !passes) return;
+    if (!is_worth_a_look(&tile_.quad_uu[static_cast<size_t>(row * kReposeBlock)], passed_.data(),
+                         bound_.data(), z_.data(), TileWindow::at(0, row),
+                         TileWindow::at(0, row + 1))) {
+      return;
+    }
+    measure(row);
     const Sides& up = up_[static_cast<size_t>(row)];
     const Sides& along = along_[static_cast<size_t>(row)];
     const size_t low = TileWindow::at(0, row);
     const size_t high = TileWindow::at(0, row + 1);
     const float* const p = passed_.data();
-    float* const b = bound_.data();
-    const auto right = lower_over_sides(p + low + 1, p + high + 1, up, 1.0f, b + low, b + high);
-    const auto left = lower_over_sides(p + low, p + high, up, -1.0f, b + low + 1, b + high + 1);
-    const auto top = lower_over_sides(p + high, p + high + 1, along, 1.0f, b + low, b + low + 1);
-    const auto base = lower_over_sides(p + low, p + low + 1, along, -1.0f, b + high, b + high + 1);
+    const auto over = [&](size_t a, size_t b, const Sides& sides, float sign, size_t first,
+                          size_t second) {
+      return lower_over_sides(p + a, p + b, sides, sign, z_.data(), bound_.data(), first, second);
+    };
+    const auto right = over(low + 1, high + 1, up, 1.0f, low, high);
+    const auto left = over(low, high, up, -1.0f, low + 1, high + 1);
+    const auto top = over(high, high + 1, along, 1.0f, low, low + 1);
+    const auto base = over(low, low + 1, along, -1.0f, high, high + 1);
     const bool lowers_low = right.first | left.first | top.first | top.second;
     const bool lowers_high = right.second | left.second | base.first | base.second;
     const uint64_t lowered = (lowers_low ? bit(row) : 0) | (lowers_high ? bit(row + 1) : 0);
@@ -265,34 +294,34 @@ class BoundSweep {
     const bool passes = within(row);
     fresh_ &= ~bit(row);
     if (!passes) return;
+    quads_ |= (bit(row) | bit(row) >> 1) & kAllRows;
     const float* const passed = &passed_[TileWindow::at(0, row)];
     bool up = false;
     bool down = false;
     if (row < kReposeBlock) {
-      load_bound(row + 1);
+      load(row + 1);
       for (int32_t k = 1; k < kForwardLinks; ++k) {
-        up |= lower_row(passed, limit(k, row), &bound_[TileWindow::at(kForwardColumn[k], row + 1)]);
+        const size_t at = TileWindow::at(kForwardColumn[k], row + 1);
+        up |= lower_row(passed, limit(k, row), &z_[at], &bound_[at]);
       }
     }
     if (row > 0) {
-      load_bound(row - 1);
+      load(row - 1);
       for (int32_t k = 1; k < kForwardLinks; ++k) {
-        down |= lower_row(passed + kForwardColumn[k], limit(k, row - 1),
-                          &bound_[TileWindow::at(0, row - 1)]);
+        const size_t at = TileWindow::at(0, row - 1);
+        down |= lower_row(passed + kForwardColumn[k], limit(k, row - 1), &z_[at], &bound_[at]);
       }
     }
     const uint64_t lowered = (up ? bit(row + 1) : 0) | (down ? bit(row - 1) : 0);
     fresh_ |= lowered;
     changed_ |= lowered;
-    pass_over_quads(row);
-    pass_over_quads(row - 1);
   }
 
   const TilesAround& around_;
   ReposeTile& tile_;
-  /// Rows whose bounds are lower than when they were last passed on, and than the tiles'; of which
-  /// bounds, all planes, and quads, are there.
-  uint64_t fresh_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0, measured_ = 0;
+  /// Rows whose bounds are lower than when they were last passed on, over links and over quads, and
+  /// than the tiles'; of which bounds, all planes, and quads are there.
+  uint64_t fresh_ = 0, quads_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0, measured_ = 0;
   std::array<Sides, kReposeBlock> up_, along_;
   alignas(64) TileWindow::Plane bound_;
   TileWindow::Plane top_, z_, passed_;
