@@ -40,6 +40,9 @@ KERNEL_CONSTANT float kMostFlow = 524288.0f;
 KERNEL_CONSTANT float kLinks = 8.0f;
 /// Which part of the excess flows in a round where two texels alike have eight links each.
 KERNEL_CONSTANT float kRate = 0.2f;
+/// Links in eight directions let a slope between two of them be up to 1 / cos(22.5 degrees) = 1.08 times as steep: by
+/// this much each allows less, so that all directions have the angle of repose in the mean.
+KERNEL_CONSTANT float kEven = 0.95f;
 /// See link_limit, of links on the map, several of which lead down; and of others.
 KERNEL_CONSTANT float kLeadsDown = 0.5f;
 KERNEL_CONSTANT float kAllLeadDown = 0.0f;
@@ -65,7 +68,8 @@ SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, 
 /// two up to which it does.
 SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope, float fall, float steep, float leads_down) {
   float part = min(abs(fall) / max(way * steep, 1e-12f), 1.0f);
-  return slope * way * (steep > slope && part >= leads_down ? part : 1.0f);
+  float even = kEven * slope;
+  return even * way * (steep > even && part >= leads_down ? part : 1.0f);
 }
 /// Tangent of a surface's slope. `up`: upward part of its normal.
 SNOWBOUGH_SHARED_FUNCTION float bare_slope(float up) {

@@ -81,9 +81,10 @@ SNOWBOUGH_WIDE void set_up_quads(const Bare& bare, size_t at, const ReposeLimits
     const float across = across_x * across_x + across_y * across_y;
     const float mixed = along_x * across_x + along_y * across_y;
     const float size = along * across - mixed * mixed;
-    const float slope = shared::held_slope(
-        slope_at_rest, cohesion,
-        0.25f * ((curvature[i] + curvature[e]) + (curvature[n] + curvature[ne])));
+    const float mean_curvature =
+        0.25f * ((curvature[i] + curvature[e]) + (curvature[n] + curvature[ne]));
+    const float slope =
+        shared::kEven * shared::held_slope(slope_at_rest, cohesion, mean_curvature);
     const bool is_there = (area[i] > 0.0f) & (area[e] > 0.0f) & (area[n] > 0.0f) &
                           (area[ne] > 0.0f) & (wall[i] + wall[e] + wall[n] + wall[ne] == 0.0f) &
                           (right[i] + right[n] + above[i] + above[e] == 4.0f) &

@@ -56,7 +56,7 @@ ReposeTiles two_beside() {
     tiles[t]->begin_step();
   }
   for (const int32_t block : {0, 1})
-    set_up_tile_links(tiles, block, 2, {1.0f, 0.0f});
+    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
   return tiles;
 }
 

@@ -38,7 +38,7 @@ TEST(ReposeFlow, GivesNoMoreThanThereIsAndWholeUnits) {
 }
 
 TEST(ReposeFlow, AllowsSoMuchFallAMetre) {
-  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 2.0f, 0.0f, 0.0f, 0.0f), 0.02f);
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 2.0f / shared::kEven, 0.0f, 0.0f, 0.0f), 0.02f);
 }
 
 TEST(ReposeFlow, ReckonsWithColumnsThatHoldAsMuchAsSnowAlongTheNormal) {
@@ -156,7 +156,7 @@ ReposeTiles two_tiles(const std::vector<float>& heights) {
   for (size_t i = 0; i < heights.size(); ++i) tiles[i / 32]->cover(i % 32, heights[i], kUnit);
   for (size_t t : {0, 1}) tiles[t]->begin_step();
   for (const int32_t block : {0, 1})
-    set_up_tile_links(tiles, block, 2, {1.0f, 0.0f});
+    set_up_tile_links(tiles, block, 2, {1.0f / shared::kEven, 0.0f});
   return tiles;
 }
 

@@ -32,7 +32,7 @@ inline ReposeTiles row_of(int count) {
 inline void cover(ReposeTiles& tiles, const std::vector<float>& heights) {
   for (size_t i = 0; i < heights.size(); ++i) tiles[0]->cover(i, heights[i], kUnit);
   tiles[0]->begin_step();
-  set_up_tile_links(tiles, 0, 1, {1.0f, 0.0f});
+  set_up_tile_links(tiles, 0, 1, {1.0f / shared::kEven, 0.0f});
 }
 
 inline double all_moved(const ReposeTile& tile) {
