@@ -89,10 +89,6 @@ struct ReposeTile {
   Plane bound;
   /// Of the links to the forward neighbours: shared::link_limit (infinite: there is none).
   std::array<Plane, kForwardLinks> limit;
-  /// Of the quads of a cell and its neighbours to the right, above, and above on the right: the
-  /// inverse of their metric in the level plane, over the square of the steepest slope. 0: one of the
-  /// four is missing, or a wall, or not linked with the next.
-  Plane quad_uu, quad_uv, quad_vv;
   /// And given_flow of the last round; null before any is done.
   std::unique_ptr<std::array<Plane, kForwardLinks>> flow;
 

@@ -49,20 +49,28 @@ struct Sides {
   std::array<float, kReposeBlock> length, away, place;
 };
 
-/// Measures a row's quads (see ReposeTile::quad_uu): the sides up the map, and along it.
-inline void measure_row(const float* __restrict uu, const float* __restrict uv,
-                        const float* __restrict vv, Sides& up, Sides& along) {
+/// Measures a row's quads, of a cell and its neighbours to the right, above, and above on the right:
+/// the sides up the map, and along it. The limits of a quad's links are the lengths of its sides and
+/// of its diagonal.
+inline void measure_row(const float* __restrict right, const float* __restrict above,
+                        const float* __restrict diagonal, Sides& up, Sides& along) {
+  // Part of its sides' product below which a quad is a line, seen from above.
+  constexpr float kFlat = 1e-4f;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const bool is_there = uu[i] > 0.0f;
-    const float size = is_there ? shared::kCuts / std::sqrt(uu[i] * vv[i] - uv[i] * uv[i]) : 0.0f;
-    const float up_root = is_there ? std::sqrt(uu[i]) : 1.0f;
-    const float along_root = is_there ? std::sqrt(vv[i]) : 1.0f;
-    up.length[i] = size * up_root;
-    along.length[i] = size * along_root;
-    up.away[i] = is_there ? shared::kCuts / up_root : 0.0f;
-    along.away[i] = is_there ? shared::kCuts / along_root : 0.0f;
-    up.place[i] = -size * uv[i] / up_root;
-    along.place[i] = -size * uv[i] / along_root;
+    const float a = shared::kCuts * right[i];
+    const float b = shared::kCuts * above[i];
+    const float c = shared::kCuts * diagonal[i];
+    const float mixed = 0.5f * (c * c - a * a - b * b);
+    const float square = a * a * b * b - mixed * mixed;
+    // False where there is no link, too.
+    const bool is_there = square > kFlat * a * a * b * b;
+    const float size = std::sqrt(is_there ? square : 0.0f);
+    along.length[i] = is_there ? a : 0.0f;
+    up.length[i] = is_there ? b : 0.0f;
+    along.away[i] = is_there ? size / a : 0.0f;
+    up.away[i] = is_there ? size / b : 0.0f;
+    along.place[i] = is_there ? mixed / a : 0.0f;
+    up.place[i] = is_there ? mixed / b : 0.0f;
   }
 }
 
@@ -112,7 +120,7 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
 
 /// Whether anything that is passed on may lower the bounds of a row of quads' corners, in the rows
 /// `low` and `high`.
-inline bool is_worth_a_look(const float* __restrict uu, const float* __restrict passed,
+inline bool is_worth_a_look(const float* __restrict diagonal, const float* __restrict passed,
                             const float* __restrict bound, const float* __restrict z, size_t low,
                             size_t high) {
   int32_t any = 0;
@@ -121,7 +129,7 @@ inline bool is_worth_a_look(const float* __restrict uu, const float* __restrict 
                          (bound[high + i] > z[high + i]) | (bound[high + i + 1] > z[high + i + 1]);
     const float least = std::min(std::min(passed[low + i], passed[low + i + 1]),
                                  std::min(passed[high + i], passed[high + i + 1]));
-    any |= (uu[i] > 0.0f) & is_high & (least < shared::kUnbounded) ? 1 : 0;
+    any |= (diagonal[i] < shared::kUnbounded) & is_high & (least < shared::kUnbounded) ? 1 : 0;
   }
   return any != 0;
 }
@@ -254,9 +262,8 @@ class BoundSweep {
   void measure(int32_t row) {
     if ((measured_ & bit(row)) != 0) return;
     measured_ |= bit(row);
-    const auto cell = static_cast<size_t>(row * kReposeBlock);
-    measure_row(&tile_.quad_uu[cell], &tile_.quad_uv[cell], &tile_.quad_vv[cell],
-                up_[static_cast<size_t>(row)], along_[static_cast<size_t>(row)]);
+    measure_row(limit(0, row), limit(1, row), limit(2, row), up_[static_cast<size_t>(row)],
+                along_[static_cast<size_t>(row)]);
   }
   /// What comes over the sides of a row of quads, if its corners pass on what they did not before.
   void pass_over_quads(int32_t row) {
@@ -264,9 +271,8 @@ class BoundSweep {
     quads_ &= ~bit(row);
     const bool passes = pass(row);
     if (!pass(row + 1) && !passes) return;
-    if (!is_worth_a_look(&tile_.quad_uu[static_cast<size_t>(row * kReposeBlock)], passed_.data(),
-                         bound_.data(), z_.data(), TileWindow::at(0, row),
-                         TileWindow::at(0, row + 1))) {
+    if (!is_worth_a_look(limit(2, row), passed_.data(), bound_.data(), z_.data(),
+                         TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
       return;
     }
     measure(row);

@@ -28,11 +28,11 @@ inline uint32_t bits_of(float value) {
 /// What would flow from a row of a block's cells to their neighbours, `step` cells away, from those
 /// that have a unit; adds what is wanted of either. Returns whether there is anything.
 inline bool want_row(int32_t step, const float* __restrict top, const float* __restrict gives,
-                     const float* __restrict limit, const float* __restrict rates,
+                     const float* __restrict limit, const float* __restrict stiffness,
                      float* __restrict flow, float momentum, float* wanted) {
   uint32_t any = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const float rate = std::min(rates[i], rates[i + step]);
+    const float rate = shared::link_rate(stiffness[i], stiffness[i + step]);
     const float fall = top[i] - top[i + step];
     const float had = fall < 0.0f ? gives[i + step] : gives[i];
     const float next = shared::wanted_flow(flow[i], fall, limit[i], rate, momentum);
@@ -163,7 +163,7 @@ class TileRun {
             lift_[at] = tile == nullptr ? 0.0f : tile->lift[own];
             held_[at] =
                 tile == nullptr ? 0.0f : tile->held[own] + static_cast<float>(tile->moved[own]);
-            rates_[at] = shared::link_rate(tile == nullptr ? 0.0f : tile->stiffness(own), 0.0f);
+            stiffness_[at] = tile == nullptr ? 0.0f : tile->stiffness(own);
           }
         });
   }
@@ -211,7 +211,7 @@ class TileRun {
         // Where nothing flowed in the round before, mostly nothing begins to.
         is_wanted[link] =
             (is_wanted[link] || is_row_over(TileWindow::step(k), &top_[at], &gives_[at], limit)) &&
-            want_row(TileWindow::step(k), &top_[at], &gives_[at], limit, &rates_[at],
+            want_row(TileWindow::step(k), &top_[at], &gives_[at], limit, &stiffness_[at],
                      flow(k, row), momentum, &wanted_[at]);
         if (is_wanted[link]) wants |= bit(row);
       }
@@ -306,7 +306,7 @@ class TileRun {
   /// Per row and link; false where nothing flows.
   std::array<std::array<bool, kForwardLinks>, kReposeBlock> is_wanted_{};
   alignas(64) Local top_;
-  Local gives_, z_, lift_, rates_, held_, gain_, wanted_, part_;
+  Local gives_, z_, lift_, stiffness_, held_, gain_, wanted_, part_;
   /// Units that have come in these rounds.
   std::array<int32_t, TileWindow::kRows * TileWindow::kStride> come_;
 };
