@@ -43,6 +43,9 @@ KERNEL_CONSTANT float kRate = 0.2f;
 /// Links in eight directions let a slope between two of them be up to 1 / cos(22.5 degrees) = 1.08 times as steep: by
 /// this much each allows less, so that all directions have the angle of repose in the mean.
 KERNEL_CONSTANT float kEven = 0.95f;
+/// See link_limit, of links on the map, several of which lead down; and of others.
+KERNEL_CONSTANT float kLeadsDown = 0.5f;
+KERNEL_CONSTANT float kAllLeadDown = 0.0f;
 /// Tangent of the steepest slope that holds together on what is curved, 82 degrees.
 KERNEL_CONSTANT float kSteepestHeld = 7.1f;
 /// On which side of a surface snow lies: 1 along the normal, -1 against it. `height`: signed; `up`: upward part of
@@ -59,8 +62,20 @@ SNOWBOUGH_SHARED_FUNCTION bool is_wall(float up) { return up < kWallUp; }
 SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, kWallUp); }
 
 /// Metres by which the surface of the snow may fall between two neighbours. `way`: from one bare point to the other,
-/// level; `slope`: tangent of the angle.
-SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope) { return kEven * slope * way; }
+/// level; `slope`: tangent of the angle; `fall`: of the bare surface on that way; `steep`: tangent of its own slope.
+/// Where that is too steep for snow, a link that leads down at an angle allows its part of a slope at rest straight
+/// down, or snow would stay where the layout has no link straight down. `leads_down`: cosine of the angle between the
+/// two up to which it does.
+SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope, float fall, float steep, float leads_down) {
+  float part = min(abs(fall) / max(way * steep, 1e-12f), 1.0f);
+  float even = kEven * slope;
+  return even * way * (steep > even && part >= leads_down ? part : 1.0f);
+}
+/// Tangent of a surface's slope. `up`: upward part of its normal.
+SNOWBOUGH_SHARED_FUNCTION float bare_slope(float up) {
+  float part = clamp(abs(up), kWallUp, 1.0f);
+  return sqrt(1.0f - part * part) / part;
+}
 
 /// Tangent of the angle up to which snow rests on a surface. A front of snow that holds together stands upright up to a
 /// height that belongs to the snow, `cohesion` metres (for soils 4 c / gamma tan(45 + phi / 2): K. Terzaghi, Theoretical

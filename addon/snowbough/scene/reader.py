@@ -96,7 +96,7 @@ class SceneReader:
         self._meshes = LocalMeshes()
         # Receivers that cannot be ones from their first pose on: label -> why.
         self._refused = {}
-        # Objects that are shown as instances of their own: (name, library) -> who scatters them.
+        # Objects that are shown as instances of their own: (name, library) -> [who scatters them, how many there are].
         self._scattered = {}
 
     def read(self, depsgraph, frame):
@@ -105,6 +105,7 @@ class SceneReader:
         A receiver that has no mesh or no UV map when it is first read is refused: it only blocks snow, and the pose
         says why. Raises SceneError for one that loses them later.
         """
+        self._scattered = {}
         self._meshes.begin(depsgraph)
         groups = self._gather(depsgraph)
         objects = {}
@@ -131,13 +132,14 @@ class SceneReader:
     def _refuse_scattered(self, objects):
         """Says of receivers that are only seen as instances what can be done about it."""
         seen = {(o.receiver.name, o.receiver.library) for o in objects.values() if o.receiver}
-        for (name, library), scatterer in self._scattered.items():
+        for (name, library), (scatterer, count) in self._scattered.items():
             spec = self._receivers.get((name, library))
             if spec is not None and spec.enabled and (name, library) not in seen:
                 self._refused[name] = (
-                    f"'{name}' is only seen as instances that {_scatterer(name, scatterer)}, which would all share "
-                    "one map: end its geometry nodes with Realize Instances and make it a receiver with a UV map of "
-                    "its own (instances on faces or vertices: Object > Apply > Make Instances Real)"
+                    f"'{name}' is only seen as {count} instances that {_scatterer(name, scatterer)}, which would all "
+                    "share one map: end its geometry nodes with Realize Instances, apply them (Object > Apply > Visual "
+                    "Geometry to Mesh) and add snow to it again (instances on faces or vertices: Object > Apply > Make "
+                    "Instances Real)"
                 )
 
     def _gather(self, depsgraph):
@@ -188,7 +190,7 @@ class SceneReader:
             key = member_key(name, library, parent_name, parent_library, order)
             return _join(groups, key, f"{parent_name} / {name}", name, library, receiver), order
         for shown in ((name, library), (parent_name, parent_library)):
-            self._scattered.setdefault(shown, parent_name)
+            self._scattered.setdefault(shown, [parent_name, 0])[1] += 1
         key = receiver_key(f"{name}.instances", (library, parent_name, parent_library))
         return _join(groups, key, f"{parent_name} / {name}", name, library, None), order
 

@@ -17,18 +17,81 @@ def find(scene, obj):
     return next((entry for entry in scene.snowbough.receivers if entry.object == obj), None)
 
 
+def scattered_by(context, obj):
+    """{object's name: number of instances} of what obj's geometry nodes or instancing scatter, sorted by name."""
+    counts = {}
+    for instance in context.evaluated_depsgraph_get().object_instances:
+        if instance.is_instance and instance.parent is not None and instance.parent.original == obj:
+            name = instance.object.original.name
+            counts[name] = counts.get(name, 0) + 1
+    return dict(sorted(counts.items()))
+
+
+def scattered_text(counts):
+    """What scattered_by gives, for a message: 3 instances ('Leaf' 1, 'Stone' 2)."""
+    named = ", ".join(f"'{name}' {count}" for name, count in counts.items())
+    return f"{sum(counts.values())} instances ({named})"
+
+
+def _check_geometry_nodes(context, obj, uv_map):
+    """Raises ValueError where geometry nodes leave an object no faces, or faces without a place on the UV map."""
+    if not any(modifier.type == "NODES" and modifier.show_render for modifier in obj.modifiers):
+        return
+    mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
+    if not len(mesh.polygons):
+        raise ValueError(f"'{obj.name}' has no faces: {_without_faces(context, obj, mesh)}")
+    if uv_map and not uv_maps.is_complete(mesh, uv_map):
+        raise ValueError(
+            f"The geometry nodes of '{obj.name}' make faces without a place of their own on the UV map '{uv_map}': "
+            "apply the nodes (Object > Apply > Visual Geometry to Mesh), then add snow again"
+        )
+
+
+def _without_faces(context, obj, mesh):
+    """Why an object has none, and what to do."""
+    counts = scattered_by(context, obj)
+    if counts:
+        return (
+            f"its geometry nodes scatter {scattered_text(counts)}. End them with Realize Instances, apply them "
+            "(Object > Apply > Visual Geometry to Mesh), then add snow again"
+        )
+    if len(mesh.vertices):
+        return "it consists of points only. Put meshes on the points (Instance on Points, Realize Instances)"
+    return "its geometry nodes make nothing that snow can lie on"
+
+
+def _bare_mesh(obj):
+    """Why an object whose own mesh has no faces cannot gather snow, and what to do."""
+    if any(modifier.type == "NODES" for modifier in obj.modifiers):
+        return (
+            f"'{obj.name}' has no faces but those that its geometry nodes make, which have no UV map: apply the nodes "
+            "(Object > Apply > Visual Geometry to Mesh), then add snow again"
+        )
+    points = "consists of points only" if len(obj.data.vertices) else "is empty"
+    return f"'{obj.name}' has no faces: it {points}, and snow lies on faces only"
+
+
 def add(context, obj):
     """Puts obj on the list (once) with a UV map that snow can use. Returns its line.
     Raises ValueError for what cannot gather snow."""
     scene = context.scene
     uv_map = ""
     if obj.type == "MESH":
+        _check_geometry_nodes(context, obj, "")
         if not len(obj.data.polygons):
-            raise ValueError(f"'{obj.name}' has no faces")
+            raise ValueError(_bare_mesh(obj))
         existing = find(scene, obj)
         if existing is not None and existing.uv_map in obj.data.uv_layers:
             return existing
-        uv_map = uv_maps.clean_uv_map(obj.data) or uv_maps.make_uv_map(context, obj)
+        uv_map = uv_maps.clean_uv_map(obj.data)
+        made = uv_map is None
+        uv_map = uv_map or uv_maps.make_uv_map(context, obj)
+        try:
+            _check_geometry_nodes(context, obj, uv_map)
+        except ValueError:
+            if made:
+                obj.data.uv_layers.remove(obj.data.uv_layers[uv_map])
+            raise
     elif not (obj.type == "EMPTY" and obj.instance_type == "COLLECTION"):
         raise ValueError(f"'{obj.name}' is no mesh and instances no collection: convert it to a mesh first")
     entry = find(scene, obj)

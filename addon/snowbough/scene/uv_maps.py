@@ -42,6 +42,20 @@ def is_clean(mesh, name):
     return uv_overlap.outside_share(uv) == 0 and uv_overlap.overlap_share(uv) <= uv_overlap.TOLERANCE
 
 
+def is_complete(mesh, name):
+    """True where a UV map is there and clean, and every face that has an area has one on the map, too."""
+    if name not in mesh.uv_layers or not is_clean(mesh, name):
+        return False
+    corners = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
+    mesh.loop_triangles.foreach_get("vertices", corners)
+    places = compat.read_positions(mesh)[corners].reshape(-1, 3, 3).astype(np.float64)
+    areas = np.linalg.norm(np.cross(places[:, 1] - places[:, 0], places[:, 2] - places[:, 0]), axis=1)
+    uv = corner_uv(mesh, name)
+    a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
+    is_lost = np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]) == 0.0
+    return float(areas[is_lost].sum()) <= 1e-3 * float(areas.sum())
+
+
 def clean_uv_map(mesh):
     """Name of a UV map that snow can use as it is, or None: ``snow``, the active one, any other."""
     active = mesh.uv_layers.active

@@ -42,6 +42,13 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
                 added += 1
                 if self.setup_result and displacement.mode_of(entry) is None:
                     displacement.apply(context.scene, entry, displacement.default_mode(obj))
+                counts = receivers.scattered_by(context, obj) if obj.type == "MESH" else {}
+                if counts:
+                    self.report(
+                        {"INFO"},
+                        f"No snow will lie on what '{obj.name}' scatters, {receivers.scattered_text(counts)}: to cover "
+                        "it, realize the instances and apply the geometry nodes",
+                    )
             except ValueError as error:
                 refused.append(str(error))
         for text in refused:

@@ -50,8 +50,9 @@ bool Repose::lower_across(Marks& awake) {
       const auto a = static_cast<size_t>(own % kTileCells);
       const End to = end_of(tiles_, other);
       if (to.tile == nullptr) return;
-      const float over =
-          shared::passed_bound(tile.bound[a], tile.top[a], tile.z[a]) + shared::kCuts * link.limit;
+      const float over = std::max(
+          shared::passed_bound(tile.bound[a], tile.top[a], tile.z[a]) + shared::kCuts * link.limit,
+          to.tile->z[to.cell]);
       if (!(over < to.tile->bound[to.cell])) return;
       to.tile->bound[to.cell] = over;
       to.tile->has_bounds = true;

@@ -185,12 +185,27 @@ class LinkFinder {
         const int32_t a = texel_beside(seam.a, part);
         const int32_t b = texel_beside(seam.b, seam.same_direction ? part : 1.0 - part);
         if (a < 0 || b < 0 || a == b || are_neighbours(a, b)) continue;
-        links_.across.push_back({std::min(a, b), std::max(a, b)});
+        links_.across.push_back({std::min(a, b), std::max(a, b), point_of(seam.a, part)});
       }
     }
-    std::sort(links_.across.begin(), links_.across.end());
-    links_.across.erase(std::unique(links_.across.begin(), links_.across.end()),
-                        links_.across.end());
+    // Of several samples that two texels share, the one in the middle.
+    std::vector<ReposeLinks::Across>& all = links_.across;
+    std::stable_sort(all.begin(), all.end(),
+                     [](const auto& s, const auto& t) { return s.ends() < t.ends(); });
+    size_t count = 0;
+    for (size_t begin = 0, end = 0; begin < all.size(); begin = end) {
+      while (end < all.size() && all[end].ends() == all[begin].ends()) ++end;
+      all[count++] = all[(begin + end) / 2];
+    }
+    all.resize(count);
+  }
+
+  /// The point `part` of the way along a triangle's side.
+  static ReposeLinks::Point point_of(TriangleEdge side, double part) {
+    std::array<float, 3> weights{};
+    weights[static_cast<size_t>(side.edge)] = static_cast<float>(1.0 - part);
+    weights[static_cast<size_t>((side.edge + 1) % 3)] = static_cast<float>(part);
+    return {side.triangle, {weights[1], weights[2]}};
   }
 
   std::pair<int32_t, int32_t> vertices(TriangleEdge side) const {
@@ -224,11 +239,8 @@ class LinkFinder {
       for (end = begin; end < beside.size() && beside[end].first == beside[begin].first; ++end) {
         sum += beside[end].second;
       }
-      const auto part = static_cast<float>(sum / static_cast<double>(end - begin));
-      std::array<float, 3> weights{};
-      weights[static_cast<size_t>(edge.edge)] = 1.0f - part;
-      weights[static_cast<size_t>((edge.edge + 1) % 3)] = part;
-      links_.rims.push_back({beside[begin].first, edge.triangle, {weights[1], weights[2]}});
+      const double part = sum / static_cast<double>(end - begin);
+      links_.rims.push_back({beside[begin].first, point_of(edge, part)});
     }
   }
 

@@ -33,22 +33,23 @@ struct ReposeLinks {
   /// Texels of row r in column b of blocks: [run_begin[r * blocks_a_side + b], next).
   std::vector<int32_t> run_begin;
 
-  /// Two texels across a seam, a < b; once each, ascending.
+  /// A point of a triangle, by the weights of its second and third corner.
+  struct Point {
+    int32_t triangle = 0;
+    glm::vec2 weights{0.0f};
+  };
+  /// Two texels across a seam, a < b, and where they meet; once each, ascending.
   struct Across {
     int32_t a = 0;
     int32_t b = 0;
-    bool operator==(const Across&) const = default;
-    bool operator<(const Across& other) const {
-      return std::pair(a, b) < std::pair(other.a, other.b);
-    }
+    Point seam;
+    std::pair<int32_t, int32_t> ends() const { return {a, b}; }
   };
   std::vector<Across> across;
-  /// A texel at a rim, and where the rim is nearest: a point of a triangle, by the weights of its
-  /// second and third corner.
+  /// A texel at a rim, and where the rim is nearest.
   struct Rim {
     int32_t texel = 0;
-    int32_t triangle = 0;
-    glm::vec2 weights{0.0f};
+    Point point;
   };
   std::vector<Rim> rims;
 

@@ -119,8 +119,10 @@ class Repose {
   struct Cell;
   RimLink rim_link(const Cell& a, const glm::vec3& at) const;
   Cell across_end(int32_t link, size_t end) const;
-  float link_limit(const glm::vec3& way, float curvature) const;
-  void note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const;
+  float link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
+                   float leads_down) const;
+  float link_limit(const Cell& a, const Cell& b, float leads_down) const;
+  void note_slack(const Cell& a, const Cell& b, float leads_down, BlockSlack& slack) const;
   void find_slack(int32_t block);
 
   // across.cpp

@@ -41,6 +41,8 @@ struct Repose::Cell {
   /// See shared::column_height.
   float column() const { return shared::column_height(std::abs(tile->normal_z[at])); }
   float curvature() const { return tile->curvature[at]; }
+  /// See shared::bare_slope.
+  float steep() const { return shared::bare_slope(tile->up[at]); }
 };
 
 void Repose::find_links() {
@@ -176,23 +178,31 @@ size_t Repose::choose_blocks(const std::vector<float>& height, const ReposeLimit
   return chosen_.size();
 }
 
-/// `way`: between bare points; `curvature`: of the surface there.
-float Repose::link_limit(const glm::vec3& way, float curvature) const {
+/// The limit of a link from a cell to a point, `at`: of the bare surface, whose curvature and slope
+/// are given.
+float Repose::link_limit(const Cell& a, const glm::vec3& at, float curvature, float steep,
+                         float leads_down) const {
+  const glm::vec3 way = at - a.point();
   const float slope = shared::held_slope(limits_.slope, limits_.cohesion, curvature);
-  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope);
+  return shared::link_limit(std::sqrt(way.x * way.x + way.y * way.y), slope, way.z, steep,
+                            leads_down);
+}
+
+/// The limit of a link between two cells.
+float Repose::link_limit(const Cell& a, const Cell& b, float leads_down) const {
+  return link_limit(a, b.point(), 0.5f * (a.curvature() + b.curvature()),
+                    0.5f * (a.steep() + b.steep()), leads_down);
 }
 
 /// Takes note of a link for is_level.
-void Repose::note_slack(const Cell& a, const Cell& b, BlockSlack& slack) const {
+void Repose::note_slack(const Cell& a, const Cell& b, float leads_down, BlockSlack& slack) const {
   if (!a.is_there() || !b.is_there()) return;
   // Whether walls are bare is to be looked at.
   if (a.is_wall() || b.is_wall()) {
     slack.at_edges = -1.0f;
     return;
   }
-  const glm::vec3 way = b.point() - a.point();
-  const float curvature = 0.5f * (a.curvature() + b.curvature());
-  const float bare = link_limit(way, curvature) - std::abs(way.z);
+  const float bare = link_limit(a, b, leads_down) - std::abs(b.point().z - a.point().z);
   slack.column = std::max(slack.column, std::max(a.column(), b.column()));
   slack.inside = std::min(slack.inside, bare);
   slack.turn = std::max(slack.turn, std::abs(b.column() - a.column()));
@@ -220,14 +230,14 @@ void Repose::find_slack(int32_t block) {
       note_slack({tile, cell},
                  {tiles_[static_cast<size_t>(other)].get(),
                   static_cast<size_t>(y % kReposeBlock * kReposeBlock + x % kReposeBlock)},
-                 slack);
+                 shared::kLeadsDown, slack);
     }
   });
   const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
   for (int32_t e = ends[0]; e < ends[1]; ++e) {
     const ReposeLinks::End& end = links_.ends[static_cast<size_t>(e)];
     if (end.sign < 0 && static_cast<size_t>(end.link) < across_.size()) {
-      note_slack(across_end(end.link, 0), across_end(end.link, 1), slack);
+      note_slack(across_end(end.link, 0), across_end(end.link, 1), shared::kAllLeadDown, slack);
     }
   }
   for (const RimLink& rim : rims_[static_cast<size_t>(block)]) {
@@ -236,17 +246,16 @@ void Repose::find_slack(int32_t block) {
   slack_[static_cast<size_t>(block)] = slack;
 }
 
-/// Over a rim into the air, or onto a wall: `at` is the lower point, and bare.
+/// Over a rim into the air, or a seam onto a wall: `at` is where the surface ends there.
 RimLink Repose::rim_link(const Cell& a, const glm::vec3& at) const {
   RimLink link;
   link.cell = static_cast<int32_t>(a.at);
   link.top = at.z;
   link.limit = link.slack = kNoLink;
   if (!a.is_there() || a.is_wall()) return link;
-  const glm::vec3 way = at - a.point();
-  link.limit = link_limit(way, a.curvature());
+  link.limit = link_limit(a, at, a.curvature(), a.steep(), shared::kAllLeadDown);
   link.rate = shared::link_rate(a.tile->stiffness(a.at), 0.0f);
-  link.slack = link.limit - std::abs(way.z);
+  link.slack = link.limit - std::abs(at.z - a.point().z);
   return link;
 }
 
@@ -261,7 +270,7 @@ void Repose::set_up_ends(int32_t block) {
     const Cell own{tile, static_cast<size_t>(end.cell % kTileCells)};
     if (link >= across_.size()) {
       const ReposeLinks::Rim& rim = links_.rims[link - across_.size()];
-      rims.push_back(rim_link(own, surface_.point(rim.triangle, rim.weights)));
+      rims.push_back(rim_link(own, surface_.point(rim.point)));
       continue;
     }
     const Cell a = across_end(end.link, 0);
@@ -271,11 +280,12 @@ void Repose::set_up_ends(int32_t block) {
     if (end.sign < 0) flow.limit = kNoLink;
     if (!own.is_there() || !other.is_there() || own.is_wall()) continue;
     if (other.is_wall()) {
-      if (other.point().z < own.point().z) rims.push_back(rim_link(own, other.point()));
+      if (!(other.point().z < own.point().z)) continue;
+      rims.push_back(rim_link(own, surface_.point(links_.across[link].seam)));
       continue;
     }
     if (end.sign > 0) continue;
-    flow.limit = link_limit(b.point() - a.point(), 0.5f * (a.curvature() + b.curvature()));
+    flow.limit = link_limit(a, b, shared::kAllLeadDown);
     flow.rate = shared::link_rate(a.tile->stiffness(a.at), b.tile->stiffness(b.at));
   }
 }

@@ -25,6 +25,7 @@ class ReposeSurface {
 
   /// A point of a triangle by the weights of its second and third corner, from the anchor.
   glm::vec3 point(int32_t triangle, glm::vec2 weights) const;
+  glm::vec3 point(const ReposeLinks::Point& at) const { return point(at.triangle, at.weights); }
 
  private:
   struct Texel {

@@ -147,7 +147,9 @@ bool ReposeTile::cut() {
     if (!(bound[cell] < top[cell])) continue;
     if (!(gives[cell] > 0.0f)) continue;
     const float over = (top[cell] - std::max(bound[cell], z[cell])) / lift[cell];
-    const float units = std::floor(std::min(over, gives[cell]));
+    // A sliver of a texel may hold less than a unit.
+    const float most = std::min(over, gives[cell]);
+    const float units = gives[cell] < 1.0f ? most : std::floor(most);
     if (!(units > 0.0f)) continue;
     add(cell, -static_cast<double>(units));
     cuts = true;

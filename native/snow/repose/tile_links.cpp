@@ -15,6 +15,8 @@ constexpr float kNoLink = std::numeric_limits<float>::infinity();
 /// What the links of a block are set up from, cell by cell of a window.
 struct alignas(64) Bare {
   TileWindow::Plane x, y, z, area, curvature;
+  /// See shared::bare_slope.
+  TileWindow::Plane steep;
   /// 1 on walls, else 0.
   TileWindow::Plane wall;
 };
@@ -26,6 +28,7 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const 
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const z = bare.z.data() + at;
+  const float* const steep = bare.steep.data() + at;
   const float* const area = bare.area.data() + at;
   const float* const curvature = bare.curvature.data() + at;
   const float* const wall = bare.wall.data() + at;
@@ -36,9 +39,11 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const 
     const float way_x = x[j] - x[i];
     const float way_y = y[j] - y[i];
     const float falls = z[i] - z[j];
+    const float steepness = 0.5f * (steep[i] + steep[j]);
     const float slope =
         shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
-    const float allowed = shared::link_limit(std::sqrt(way_x * way_x + way_y * way_y), slope);
+    const float way = std::sqrt(way_x * way_x + way_y * way_y);
+    const float allowed = shared::link_limit(way, slope, falls, steepness, shared::kLeadsDown);
     // One of them a wall, and the other not over it; or both.
     const float over_wall = wall[j] > wall[i] ? falls : (wall[i] > wall[j] ? -falls : 1.0f);
     const bool is_open = (over_wall > 0.0f) & (wall[i] + wall[j] < 1.5f) & (area[i] > 0.0f) &
@@ -61,10 +66,11 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
     TileWindow::copy_row(around, row, &ReposeTile::curvature, bare.curvature, 0.0f);
     TileWindow::for_row(
         around, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-          float* const wall = bare.wall.data() + TileWindow::at(column, row);
+          const size_t at = TileWindow::at(column, row);
           for (size_t i = 0; i < count; ++i) {
-            const bool is_wall = tile != nullptr && (tile->kind[cell + i] & kWall) != 0;
-            wall[i] = is_wall ? 1.0f : 0.0f;
+            const uint8_t kind = tile != nullptr ? tile->kind[cell + i] : 0;
+            bare.steep[at + i] = shared::bare_slope(tile != nullptr ? tile->up[cell + i] : 1.0f);
+            bare.wall[at + i] = (kind & kWall) != 0 ? 1.0f : 0.0f;
           }
         });
   }

@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #include "base/simd.h"
 #include "shaders/lib/texel_repose.h"
@@ -28,17 +29,109 @@ inline bool pass_row(const float* __restrict bound, const float* __restrict top,
   return any != 0;
 }
 
-/// Lowers the bounds of a row of cells to what others `passed` over links of those limits; returns
-/// whether any changed.
+/// Lowers the bounds of a row of cells to what others `passed` over links of those limits, down to
+/// the bare surface; returns whether any changed.
 inline bool lower_row(const float* __restrict passed, const float* __restrict limit,
-                      float* __restrict bound) {
+                      const float* __restrict z, float* __restrict bound) {
   int32_t changes = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const float over = passed[i] + shared::kCuts * limit[i];
+    const float over = std::max(passed[i] + shared::kCuts * limit[i], z[i]);
     changes |= over < bound[i] ? 1 : 0;
     bound[i] = over < bound[i] ? over : bound[i];
   }
   return changes != 0;
+}
+
+/// A row of quads seen from two of their corners, across from the sides A to B: a side's length, its
+/// distance from the corners, and A's place along it from the foot of the first corner (the other's
+/// is a length less). In metres that the bound may rise on the way; all 0: there is no quad.
+struct Sides {
+  std::array<float, kReposeBlock> length, away, place;
+};
+
+/// Measures a row's quads, of a cell and its neighbours to the right, above, and above on the right:
+/// the sides up the map, and along it. The limits of a quad's links are the lengths of its sides and
+/// of its diagonal.
+inline void measure_row(const float* __restrict right, const float* __restrict above,
+                        const float* __restrict diagonal, Sides& up, Sides& along) {
+  // Part of its sides' product below which a quad is a line, seen from above.
+  constexpr float kFlat = 1e-4f;
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    const float a = shared::kCuts * right[i];
+    const float b = shared::kCuts * above[i];
+    const float c = shared::kCuts * diagonal[i];
+    const float mixed = 0.5f * (c * c - a * a - b * b);
+    const float square = a * a * b * b - mixed * mixed;
+    // False where there is no link, too.
+    const bool is_there = square > kFlat * a * a * b * b;
+    const float size = std::sqrt(is_there ? square : 0.0f);
+    along.length[i] = is_there ? a : 0.0f;
+    up.length[i] = is_there ? b : 0.0f;
+    along.away[i] = is_there ? size / a : 0.0f;
+    up.away[i] = is_there ? size / b : 0.0f;
+    along.place[i] = is_there ? mixed / a : 0.0f;
+    up.place[i] = is_there ? mixed / b : 0.0f;
+  }
+}
+
+/// Lowers the bounds of the first or the second of the corners from which a row of quads is seen to
+/// what comes over the side from `a` to `b`, between which bounds rise evenly: along the way on
+/// which they rise least, where that meets the side (Hopf and Lax's formula on a triangle: F.
+/// Bornemann and C. Rasch, Finite-element discretization of static Hamilton-Jacobi equations based on
+/// a local variational principle, 2006). `sign`: -1, the side is that on the other side of the quads.
+/// Returns whether any of either changed.
+inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const float* __restrict b,
+                                              const Sides& sides, float sign, const float* z,
+                                              float* bound, size_t first, size_t second) {
+  // Part of what a bound rises on a texel that is not worth passing on.
+  constexpr float kWorth = 4e-3f;
+  const float* __restrict const length = sides.length.data();
+  const float* __restrict const away = sides.away.data();
+  const float* __restrict const places = sides.place.data();
+  std::array<float, kReposeBlock> over_first;
+  std::array<float, kReposeBlock> over_second;
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    const float rise = b[i] - a[i];
+    const bool is_open = std::abs(rise) < length[i];
+    const float part = is_open ? rise / length[i] : 0.0f;
+    const float flat = std::sqrt(1.0f - part * part);
+    const float place = sign * places[i];
+    const float foot = -part * away[i];
+    const float over = a[i] + (away[i] * flat - part * place);
+    const bool is_first = is_open & (foot >= place * flat) & (foot <= (place + length[i]) * flat);
+    const bool is_second = is_open & (foot >= (place - length[i]) * flat) & (foot < place * flat);
+    over_first[i] = is_first ? over : shared::kUnbounded;
+    over_second[i] = is_second ? over + rise : shared::kUnbounded;
+  }
+  const auto lower = [&](const std::array<float, kReposeBlock>& over, const float* __restrict bare,
+                         float* __restrict own) {
+    int32_t changes = 0;
+    for (int32_t i = 0; i < kReposeBlock; ++i) {
+      const float now = std::max(over[i], bare[i]);
+      const bool lowers = now < own[i] - kWorth * away[i];
+      changes |= lowers ? 1 : 0;
+      own[i] = lowers ? now : own[i];
+    }
+    return changes != 0;
+  };
+  const bool lowers_first = lower(over_first, z + first, bound + first);
+  return {lowers_first, lower(over_second, z + second, bound + second)};
+}
+
+/// Whether anything that is passed on may lower the bounds of a row of quads' corners, in the rows
+/// `low` and `high`.
+inline bool is_worth_a_look(const float* __restrict diagonal, const float* __restrict passed,
+                            const float* __restrict bound, const float* __restrict z, size_t low,
+                            size_t high) {
+  int32_t any = 0;
+  for (size_t i = 0; i < static_cast<size_t>(kReposeBlock); ++i) {
+    const bool is_high = (bound[low + i] > z[low + i]) | (bound[low + i + 1] > z[low + i + 1]) |
+                         (bound[high + i] > z[high + i]) | (bound[high + i + 1] > z[high + i + 1]);
+    const float least = std::min(std::min(passed[low + i], passed[low + i + 1]),
+                                 std::min(passed[high + i], passed[high + i + 1]));
+    any |= (diagonal[i] < shared::kUnbounded) & is_high & (least < shared::kUnbounded) ? 1 : 0;
+  }
+  return any != 0;
 }
 
 /// Whether any cell of a row has a bound.
@@ -81,15 +174,17 @@ class BoundSweep {
 
   /// Up and down in turns until nothing changes.
   void sweep(uint64_t rows) {
-    while (rows != 0) {
+    while ((rows | quads_) != 0) {
       fresh_ = 0;
       for (int32_t row = 0; row < TileWindow::kRows; ++row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+        pass_over_quads(row - 1);
       }
       rows = fresh_;
       fresh_ = 0;
       for (int32_t row = TileWindow::kRows - 1; row >= 0; --row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
+        pass_over_quads(row);
       }
       rows = fresh_;
     }
@@ -157,32 +252,70 @@ class BoundSweep {
     while (pass(row)) {
       if (row == kReposeBlock) return true;
       const size_t at = TileWindow::at(0, row);
-      bool goes_on = lower_row(&passed_[at], limit(0, row), &bound_[at + 1]);
-      goes_on |= lower_row(&passed_[at + 1], limit(0, row), &bound_[at]);
+      bool goes_on = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
+      goes_on |= lower_row(&passed_[at + 1], limit(0, row), &z_[at], &bound_[at]);
       if (!goes_on) return true;
       changed_ |= bit(row);
     }
     return false;
+  }
+  void measure(int32_t row) {
+    if ((measured_ & bit(row)) != 0) return;
+    measured_ |= bit(row);
+    measure_row(limit(0, row), limit(1, row), limit(2, row), up_[static_cast<size_t>(row)],
+                along_[static_cast<size_t>(row)]);
+  }
+  /// What comes over the sides of a row of quads, if its corners pass on what they did not before.
+  void pass_over_quads(int32_t row) {
+    if (row < 0 || row >= kReposeBlock || (quads_ & bit(row)) == 0) return;
+    quads_ &= ~bit(row);
+    const bool passes = pass(row);
+    if (!pass(row + 1) && !passes) return;
+    if (!is_worth_a_look(limit(2, row), passed_.data(), bound_.data(), z_.data(),
+                         TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
+      return;
+    }
+    measure(row);
+    const Sides& up = up_[static_cast<size_t>(row)];
+    const Sides& along = along_[static_cast<size_t>(row)];
+    const size_t low = TileWindow::at(0, row);
+    const size_t high = TileWindow::at(0, row + 1);
+    const float* const p = passed_.data();
+    const auto over = [&](size_t a, size_t b, const Sides& sides, float sign, size_t first,
+                          size_t second) {
+      return lower_over_sides(p + a, p + b, sides, sign, z_.data(), bound_.data(), first, second);
+    };
+    const auto right = over(low + 1, high + 1, up, 1.0f, low, high);
+    const auto left = over(low, high, up, -1.0f, low + 1, high + 1);
+    const auto top = over(high, high + 1, along, 1.0f, low, low + 1);
+    const auto base = over(low, low + 1, along, -1.0f, high, high + 1);
+    const bool lowers_low = right.first | left.first | top.first | top.second;
+    const bool lowers_high = right.second | left.second | base.first | base.second;
+    const uint64_t lowered = (lowers_low ? bit(row) : 0) | (lowers_high ? bit(row + 1) : 0);
+    fresh_ |= lowered;
+    changed_ |= lowered;
   }
   /// All that a row passes on, to itself and to the rows beside it.
   void pass_on(int32_t row) {
     const bool passes = within(row);
     fresh_ &= ~bit(row);
     if (!passes) return;
+    quads_ |= (bit(row) | bit(row) >> 1) & kAllRows;
     const float* const passed = &passed_[TileWindow::at(0, row)];
     bool up = false;
     bool down = false;
     if (row < kReposeBlock) {
-      load_bound(row + 1);
+      load(row + 1);
       for (int32_t k = 1; k < kForwardLinks; ++k) {
-        up |= lower_row(passed, limit(k, row), &bound_[TileWindow::at(kForwardColumn[k], row + 1)]);
+        const size_t at = TileWindow::at(kForwardColumn[k], row + 1);
+        up |= lower_row(passed, limit(k, row), &z_[at], &bound_[at]);
       }
     }
     if (row > 0) {
-      load_bound(row - 1);
+      load(row - 1);
       for (int32_t k = 1; k < kForwardLinks; ++k) {
-        down |= lower_row(passed + kForwardColumn[k], limit(k, row - 1),
-                          &bound_[TileWindow::at(0, row - 1)]);
+        const size_t at = TileWindow::at(0, row - 1);
+        down |= lower_row(passed + kForwardColumn[k], limit(k, row - 1), &z_[at], &bound_[at]);
       }
     }
     const uint64_t lowered = (up ? bit(row + 1) : 0) | (down ? bit(row - 1) : 0);
@@ -192,9 +325,10 @@ class BoundSweep {
 
   const TilesAround& around_;
   ReposeTile& tile_;
-  /// Rows whose bounds are lower than when they were last passed on, and than the tiles'; of which
-  /// bounds, and all planes, are there.
-  uint64_t fresh_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0;
+  /// Rows whose bounds are lower than when they were last passed on, over links and over quads, and
+  /// than the tiles'; of which bounds, all planes, and quads are there.
+  uint64_t fresh_ = 0, quads_ = 0, changed_ = 0, bounds_ = 0, loaded_ = 0, measured_ = 0;
+  std::array<Sides, kReposeBlock> up_, along_;
   alignas(64) TileWindow::Plane bound_;
   TileWindow::Plane top_, z_, passed_;
 };

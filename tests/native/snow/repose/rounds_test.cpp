@@ -38,7 +38,7 @@ TEST(ReposeFlow, GivesNoMoreThanThereIsAndWholeUnits) {
 }
 
 TEST(ReposeFlow, AllowsSoMuchFallAMetre) {
-  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 2.0f / shared::kEven), 0.02f);
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 2.0f / shared::kEven, 0.0f, 0.0f, 0.0f), 0.02f);
 }
 
 TEST(ReposeFlow, ReckonsWithColumnsThatHoldAsMuchAsSnowAlongTheNormal) {

@@ -1,0 +1,122 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Add Snow on objects whose geometry nodes scatter others, and on meshes without faces."""
+
+import bpy
+import pytest
+import snow_scene as s
+
+
+def node_tree():
+    """A tree with one geometry in and one out: (tree, input node, output node)."""
+    tree = bpy.data.node_groups.new("Scatter", "GeometryNodeTree")
+    if hasattr(tree, "interface"):
+        for in_out in ("INPUT", "OUTPUT"):
+            tree.interface.new_socket("Geometry", in_out=in_out, socket_type="NodeSocketGeometry")
+    else:
+        tree.inputs.new("NodeSocketGeometry", "Geometry")
+        tree.outputs.new("NodeSocketGeometry", "Geometry")
+    return tree, tree.nodes.new("NodeGroupInput"), tree.nodes.new("NodeGroupOutput")
+
+
+def scatter(obj, instance, realize=True, with_mesh=False):
+    """Distribute Points > Instance on Points (> Realize Instances) on an object."""
+    tree, given, made = node_tree()
+    points = tree.nodes.new("GeometryNodeDistributePointsOnFaces")
+    on_points = tree.nodes.new("GeometryNodeInstanceOnPoints")
+    info = tree.nodes.new("GeometryNodeObjectInfo")
+    info.inputs["Object"].default_value = instance
+    info.inputs["As Instance"].default_value = True
+    points.inputs["Density"].default_value = 10.0
+    tree.links.new(given.outputs[0], points.inputs["Mesh"])
+    tree.links.new(points.outputs["Points"], on_points.inputs["Points"])
+    tree.links.new(info.outputs["Geometry"], on_points.inputs["Instance"])
+    last = on_points.outputs["Instances"]
+    if realize:
+        node = tree.nodes.new("GeometryNodeRealizeInstances")
+        tree.links.new(last, node.inputs[0])
+        last = node.outputs[0]
+    if with_mesh:
+        join = tree.nodes.new("GeometryNodeJoinGeometry")
+        tree.links.new(last, join.inputs[0])
+        tree.links.new(given.outputs[0], join.inputs[0])
+        last = join.outputs[0]
+    tree.links.new(last, made.inputs[0])
+    obj.modifiers.new("Scatter", "NODES").node_group = tree
+
+
+def add_snow(obj):
+    for other in bpy.context.selected_objects:
+        other.select_set(False)
+    obj.select_set(True)
+    bpy.context.view_layer.objects.active = obj
+    return bpy.ops.snowbough.add_receivers(setup_result=False)
+
+
+def plain_square(name, size=1.0):
+    h = size / 2
+    return s.mesh_object(name, [(-h, -h, 0), (h, -h, 0), (h, h, 0), (-h, h, 0)], [(0, 1, 2, 3)])
+
+
+@pytest.mark.parametrize("stone_has_uv", [False, True])
+def test_realized_instances_are_refused_at_once_with_the_way_out(addon, stone_has_uv):
+    ground = plain_square("Ground", 4.0)
+    scatter(ground, s.square("Stone", 0.2) if stone_has_uv else plain_square("Stone", 0.2))
+    with pytest.raises(RuntimeError, match="'Ground' make faces without a place.*Visual Geometry to Mesh"):
+        add_snow(ground)
+    assert not len(bpy.context.scene.snowbough.receivers)
+    assert not ground.data.uv_layers
+
+
+def test_after_that_way_out_they_carry_snow(addon, tmp_path):
+    ground = plain_square("Ground", 4.0)
+    scatter(ground, plain_square("Stone", 0.2))
+    ground.select_set(True)
+    bpy.context.view_layer.objects.active = ground
+    bpy.ops.object.convert(target="MESH")
+    assert add_snow(ground) == {"FINISHED"}
+    s.settings(tmp_path / "cache")
+    s.bake()
+    assert s.height(addon("native").load(), tmp_path / "cache", "Ground", 4).max() > 0.05
+
+
+def test_ground_joined_with_instances_that_have_no_place_on_its_map_is_refused(addon):
+    ground = s.square("Ground", 4.0)
+    scatter(ground, plain_square("Stone", 0.2), with_mesh=True)
+    with pytest.raises(RuntimeError, match="without a place of their own on the UV map 'snow'"):
+        add_snow(ground)
+    assert "snow" in ground.data.uv_layers
+
+
+def test_instances_alone_are_refused_by_name_and_number(addon):
+    ground = s.square("Ground", 4.0)
+    scatter(ground, s.square("Stone", 0.2), realize=False)
+    count = sum(i.is_instance for i in bpy.context.evaluated_depsgraph_get().object_instances)
+    assert count > 50
+    with pytest.raises(RuntimeError, match=rf"scatter {count} instances \('Stone' {count}\).*Realize Instances"):
+        add_snow(ground)
+
+
+def test_ground_that_scatters_is_taken_and_the_instances_are_counted(addon):
+    ground = s.square("Ground", 4.0)
+    scatter(ground, s.square("Stone", 0.2), realize=False, with_mesh=True)
+    assert add_snow(ground) == {"FINISHED"}
+    receivers = addon("scene.receivers")
+    counts = receivers.scattered_by(bpy.context, ground)
+    assert list(counts) == ["Stone"] and counts["Stone"] > 50
+    assert receivers.scattered_text({"Leaf": 1, "Stone": 2}) == "3 instances ('Leaf' 1, 'Stone' 2)"
+
+
+def test_a_mesh_of_points_is_refused(addon):
+    points = s.mesh_object("Points", [(0, 0, 0), (1, 0, 0)], [])
+    with pytest.raises(RuntimeError, match="'Points' has no faces: it consists of points only"):
+        add_snow(points)
+
+
+def test_faces_that_only_nodes_make_are_refused_with_the_way_out(addon):
+    points = s.mesh_object("Points", [(0, 0, 0), (1, 0, 0)], [])
+    tree, _, made = node_tree()
+    cube = tree.nodes.new("GeometryNodeMeshCube")
+    tree.links.new(cube.outputs[0], made.inputs[0])
+    points.modifiers.new("Cube", "NODES").node_group = tree
+    with pytest.raises(RuntimeError, match="that its geometry nodes make.*Visual Geometry to Mesh"):
+        add_snow(points)
