@@ -80,6 +80,7 @@ std::vector<float> floats_from(const py::handle& object, const std::string& what
     PyErr_Clear();
     throw std::invalid_argument(what + " must be numbers of shape (N,)");
   }
+  require_finite(array, what);
   return std::vector<float>(array.data(), array.data() + array.size());
 }
 

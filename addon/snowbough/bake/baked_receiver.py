@@ -112,9 +112,9 @@ class BakedReceiver:
         self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
         self.frames = sidecar["frames"]
         try:
-            state = native.read_checkpoint(str(self.folder / state_file(frame)))
+            state = native.read_checkpoint(str(self.folder / state_file(frame)), {self.key: self.resolution})
             own = state["objects"][self.key]
-        except (RuntimeError, KeyError) as error:
+        except (RuntimeError, ValueError, KeyError) as error:
             raise CacheError(f"{error}: free the bake, then bake again") from error
         return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
