@@ -12,6 +12,7 @@ from ..cache.errors import CacheError, InputsChanged
 from ..cache.files import EVER_COVERED, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+from ..scene.uv_overlap import outside_share
 from . import plan
 
 # How snow is laid: what is baked is continued by the way that it began with. The first one (pixels shared out
@@ -148,9 +149,18 @@ def surface_and_uv_area(topology, positions):
     return 0.5 * float(np.sqrt((cross * cross).sum(axis=1)).sum()), 0.5 * float(np.abs(uv_cross).sum())
 
 
+def _check_uv(obj):
+    share = outside_share(obj.topology.corner_uv)
+    if share:
+        raise ValueError(
+            f"{share:.0%} of its UV map '{obj.uv_map}' lie outside 0 to 1, or nowhere: unwrap it, or pack its islands"
+        )
+
+
 def measure(obj, texel_size):
     """The BakedReceiver of a scene.pose.ObjectPose. Raises ValueError, naming it, for what has no area."""
     try:
+        _check_uv(obj)
         areas = surface_and_uv_area(obj.topology, obj.positions)
         per_map = plan.metres_per_map(*areas)
     except ValueError as error:

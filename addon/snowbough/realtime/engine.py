@@ -9,6 +9,7 @@ import weakref
 import bpy
 
 from .. import compat, native, session
+from ..names import FARTHEST
 from ..names import REALTIME_ENGINE as ENGINE
 from . import lights, viewport
 from .final import FinalRenderer
@@ -49,10 +50,14 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
             return
         try:
             self.update_stats("Snowbough", "Drawing")
-            picture = _final_renderer().render(depsgraph, camera.evaluated_get(depsgraph))
+            renderer = _final_renderer()
+            picture = renderer.render(depsgraph, camera.evaluated_get(depsgraph))
         except Exception as error:  # an exception that leaves render() would only be printed
             self._fail(native.error_text(error))
             return
+        if renderer.left_out:
+            names = ", ".join(sorted(renderer.left_out))
+            self.report({"WARNING"}, f"Objects or faces beyond {FARTHEST:g} units are left out: {names}")
         height, width = picture.shape[:2]
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
         compat.set_pass_pixels(result.layers[0].passes["Combined"], picture)

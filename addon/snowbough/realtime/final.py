@@ -19,6 +19,8 @@ class FinalRenderer:
         self._native = native
         self._renderer = native.Renderer()
         self._sync = sync.Sync(self._renderer)
+        self.left_out = set()
+        """See Reader, of the last picture."""
 
     def render(self, depsgraph, camera):
         """(height, width, 4) float32, row 0 at the bottom: scene-linear light, premultiplied, as Blender wants it.
@@ -26,7 +28,9 @@ class FinalRenderer:
         camera: the evaluated object that is looked through. Of a border, only that is there.
         """
         scene = depsgraph.scene_eval
-        content = Reader(self._native).read(depsgraph)
+        reader = Reader(self._native)
+        content = reader.read(depsgraph)
+        self.left_out = reader.left_out
         self._sync.update(content)
         options = scene.snowbough_realtime
         settings = sync.settings(

@@ -12,6 +12,7 @@ holds numpy arrays and texts only, nothing that Blender could free.
 - Positions are world positions in metres: Blender units times ``unit_settings.scale_length``, worked out
   with the same elementary operations everywhere, so that machines that share a bake agree in every bit.
 - Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
+- Vertices beyond names.FARTHEST or nowhere are left out with their triangles: one would stretch the grid.
 - An object that stands still is not read again; topology is read once and again when it changes. A
   receiver keeps the UV map of its first pose: one that has lost it is refused.
 - Receivers say which corners of theirs share a smooth normal (mesh_record).
@@ -22,7 +23,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import OWN_MODIFIERS, UV_TOLERANCE, receiver_key
+from ..names import FARTHEST, OWN_MODIFIERS, UV_TOLERANCE, receiver_key
 from . import material_alpha
 from .inputs import fingerprint
 from .mesh_record import MeshRecord, join_alphas, join_shadings, materials_of
@@ -32,8 +33,10 @@ from .pose import (
     SceneError,
     ScenePose,
     Topology,
+    TopologyAlpha,
     library_path,
     member_key,
+    outliers,
     own_key,
     world_positions,
 )
@@ -62,6 +65,10 @@ class _Known:
     matrices: np.ndarray = None
     transform_print: str = ""
     positions: np.ndarray = None
+    lost: np.ndarray = None
+    """pose.outliers of the vertices."""
+    left_out: np.ndarray = None
+    """The same of those whose triangles the topology lacks."""
     flips: tuple = ()
     uv_map: str = ""
 
@@ -264,7 +271,6 @@ class SceneReader:
         matrices = np.stack([item[1] for item in group.instances])
         flips = tuple(bool(np.linalg.det(matrix[:3, :3]) < 0) for matrix in matrices)
 
-        self._update_topology(known, group, records, flips, frame)
         locals_ = [item[2] for item in group.instances]
         moved = known.matrices is None or not np.array_equal(known.matrices, matrices)
         deformed = known.local is None or not _same_arrays(known.local, locals_)
@@ -277,9 +283,15 @@ class SceneReader:
         if moved or deformed:
             parts = [world_positions(local, m, self._scale) for local, m in zip(locals_, matrices)]
             known.positions = np.concatenate(parts) if len(parts) > 1 else parts[0]
-            if not np.isfinite(known.positions).all():
-                raise SceneError(f"'{group.label}' has vertices at no finite place at frame {frame}")
+            known.lost = outliers(known.positions)
+            if known.lost is not None and not known.lost.all():
+                known.positions[known.lost] = known.positions[~known.lost][0]
             known.positions.flags.writeable = False
+        if known.lost is not None and known.lost.all():
+            if group.receiver is not None:
+                raise SceneError(f"'{group.label}' is beyond {FARTHEST:g} m at frame {frame}: move it nearer")
+            return _empty_pose(key, group)
+        self._update_topology(known, group, records, flips, frame)
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
         )  # fmt: skip
@@ -288,7 +300,8 @@ class SceneReader:
 
     def _update_topology(self, known, group, records, flips, frame):
         counts = tuple(record.counts for record in records)
-        if known.topology is not None and known.counts == counts and known.flips == flips:
+        same_parts = known.counts == counts and known.flips == flips
+        if known.topology is not None and same_parts and np.array_equal(known.left_out, known.lost):
             if not any(record.may_change for record in records):
                 return
             corners = [record.corners() for record in records]
@@ -315,10 +328,15 @@ class SceneReader:
                 f"map '{known.uv_map}' from 0 to 1: apply the modifier that makes them, or take "
                 f"'{group.label}' off the list of receivers"
             )
-        known.counts, known.flips = counts, flips
+        known.counts, known.flips, known.left_out = counts, flips, known.lost
         known.corners = [record.corners() for record in records]
         alpha = join_alphas(alphas)
         shading = join_shadings(shadings, [record.counts[1] for record in records])
+        if known.lost is not None:
+            keep = ~known.lost[triangles].any(axis=1)
+            triangles, uv = triangles[keep], uv[keep] if receiver else uv
+            shading = None if shading is None else shading[keep]
+            alpha = TopologyAlpha(alpha.uv[keep], alpha.image[keep], alpha.images) if alpha else None
         parts = [] if shading is None else [shading]
         parts += [alpha.uv, alpha.image] if alpha else []
         made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)
