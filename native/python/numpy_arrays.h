@@ -60,8 +60,8 @@ void require_finite(const InputArray<Scalar>& array, const std::string& what) {
       if (std::abs(static_cast<double>(values[i])) <= kFarthest) continue;
       const pybind11::ssize_t rows = array.ndim() > 0 ? array.shape(0) : 1;
       throw std::invalid_argument(what + ": row " + std::to_string(i / (array.size() / rows)) +
-                                  " holds " + std::to_string(values[i]) +
-                                  "; numbers must be finite and at most 1e9");
+                                  " holds " + std::to_string(values[i]) + ", which is " +
+                                  (std::isfinite(values[i]) ? "beyond 1e9" : "not finite"));
     }
   }
 }

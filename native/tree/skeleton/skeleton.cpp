@@ -116,6 +116,7 @@ void scale_skeleton(Skeleton& skeleton, double factor) {
     std::for_each(points.begin(), points.end(), grow);
   }
   lengthen(skeleton.height);
+  skeleton.origin *= factor;
 }
 
 }  // namespace snowbough::tree

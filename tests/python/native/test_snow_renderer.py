@@ -474,7 +474,7 @@ def test_snow_on_a_tree_looks_as_on_a_mesh(renderer, maple):
         (lambda r: r.add_snow_mesh("a", SQUARE[0], SQUARE[1], SQUARE[2][:5]), r"shape \(128, 3, 2\)"),
         (lambda r: r.add_snow_mesh("a", SQUARE[0][:5], *SQUARE[1:]), "of 5"),
         (lambda r: r.add_snow_mesh("a", SQUARE[0], SQUARE[1], SQUARE[2] + 1), "outside of the map"),
-        (lambda r: r.add_snow_mesh("a", SQUARE[0] * np.nan, *SQUARE[1:]), "positions: row 0 holds nan"),
+        (lambda r: r.add_snow_mesh("a", SQUARE[0] * np.nan, *SQUARE[1:]), "not finite"),
         (lambda r: r.add_snow_mesh("a", *SQUARE, normals=np.zeros((3, 3, 3))), "one a corner"),
         (lambda r: r.set_snow("a", np.zeros((4, 4))), "no mesh with snow named 'a'"),
         (lambda r: r.set_snow("it", np.zeros(4)), r"shape \(N, N\)"),
