@@ -17,6 +17,9 @@ SNOW_UV = "snow"
 # How far beyond 0 to 1 UVs may lie on a snow map; the native module has the same.
 UV_TOLERANCE = 1e-4
 
+# Metres from the origin beyond which single precision no longer tells texels apart: vertices there are left out.
+FARTHEST = 1e6
+
 # Our render engine for 3D views and F12, as Blender knows it.
 REALTIME_ENGINE = "SNOWBOUGH_REALTIME"
 

@@ -61,3 +61,9 @@ def load():
         ) from error
     sys.modules[MODULE_NAME] = module
     return module
+
+
+def error_text(error):
+    """What people are told of an exception: those that were foreseen explain themselves."""
+    foreseen = (RuntimeError, ValueError, OSError)
+    return str(error) if isinstance(error, foreseen) and str(error) else f"{type(error).__name__}: {error}"

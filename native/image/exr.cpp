@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cstring>
 #include <stdexcept>
+#include <string_view>
 
 #include "image/atomic_file.h"
 #include "image/rle_file.h"
@@ -181,7 +182,68 @@ ExrCompression from_imf(Imf::Compression compression) {
   }
 }
 
+/// What zlib packs at most, the best of the packers here: bytes of pixels a byte of the file.
+constexpr uint64_t kBestRatio = 1100;
+
+/// Whether the attributes of the header end where the file says: OpenEXR takes memory for what each
+/// says of itself.
+void check_attributes(std::string_view bytes) {
+  const auto end_of_text = [&](size_t at) {
+    const size_t end = bytes.find('\0', at);
+    if (end == std::string_view::npos) throw std::runtime_error("the file is truncated");
+    return end + 1;
+  };
+  size_t at = 2 * sizeof(int32_t);
+  while (at < bytes.size() && bytes[at] != '\0') {
+    at = end_of_text(end_of_text(at));
+    int32_t size = -1;
+    if (at + sizeof size <= bytes.size()) std::memcpy(&size, bytes.data() + at, sizeof size);
+    at += sizeof size;
+    if (size < 0 || static_cast<size_t>(size) > bytes.size() - std::min(at, bytes.size())) {
+      throw std::runtime_error("the file is truncated");
+    }
+    at += static_cast<size_t>(size);
+  }
+}
+
+/// Compares what the header announces with the file's length and kLargestExr.
+void check_size(const std::string& path, const std::string& bytes) {
+  MemoryReader stream(path, bytes);
+  int32_t start[2];
+  stream.read(reinterpret_cast<char*>(start), sizeof start);
+  if (start[0] != Imf::MAGIC) throw std::runtime_error("it is no EXR file");
+  if (Imf::isMultiPart(start[1]) || Imf::isNonImage(start[1])) {
+    throw std::runtime_error("files of several parts or with deep pixels are not read");
+  }
+  check_attributes(bytes);
+  Imf::Header header;
+  header.readFrom(stream, start[1]);
+  const Imath::Box2i window = header.dataWindow();
+  const int64_t width = int64_t{window.max.x} - window.min.x + 1;
+  const int64_t height = int64_t{window.max.y} - window.min.y + 1;
+  if (width < 1 || height < 1 || width > kLargestExr || height > kLargestExr) {
+    throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
+                             " pixels; at most " + std::to_string(kLargestExr) + " x " +
+                             std::to_string(kLargestExr) + " are read");
+  }
+  if (header.hasTileDescription() &&
+      std::max(header.tileDescription().xSize, header.tileDescription().ySize) >
+          static_cast<uint32_t>(kLargestExr)) {
+    throw std::runtime_error("its tiles are larger than any image that is read");
+  }
+  uint64_t pixel_bytes = 0;
+  for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
+    pixel_bytes += channel.channel().type == Imf::HALF ? 2 : 4;
+  }
+  const auto pixels = static_cast<uint64_t>(width * height);
+  if (pixel_bytes == 0 || pixels * pixel_bytes > kBestRatio * bytes.size()) {
+    throw std::runtime_error(std::to_string(bytes.size()) + " bytes cannot hold its " +
+                             std::to_string(width) + " x " + std::to_string(height) + " pixels");
+  }
+}
+
 ExrImage decode(const std::string& path, const std::string& bytes) {
+  check_size(path, bytes);
   MemoryReader stream(path, bytes);
   Imf::InputFile file(stream, 0);
   const Imf::Header& header = file.header();

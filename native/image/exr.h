@@ -52,9 +52,14 @@ void write_height_exr(const std::string& path, int32_t resolution, const float* 
 void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
                       const std::map<std::string, std::string>& attributes = {});
 
+/// Largest edge of an image that is read, in pixels.
+constexpr int32_t kLargestExr = 8192;
+
 /// Reads any scanline or tiled single-part EXR file of float or half channels without subsampling;
 /// channels in the file's order (by name).
-/// @throws std::runtime_error with path and reason where it is missing, no EXR file, or damaged.
+/// @throws std::runtime_error with path and reason where it is missing, no EXR file, damaged, wider
+/// or higher than kLargestExr, or of a size that so short a file cannot hold: memory is taken only
+/// afterwards.
 ExrImage read_exr(const std::string& path);
 
 }  // namespace snowbough::image

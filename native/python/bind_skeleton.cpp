@@ -57,8 +57,9 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
 
 Skeleton read_tree(const py::object& path, const std::string& up_axis, const std::string& levels,
                    const std::string& simplify, float tolerance, const py::object& foliage,
-                   double unit, double height, const py::object& progress) {
+                   double unit, double height, const py::object& progress, bool outside_files) {
   ReadTreeOptions options;
+  options.outside_files = outside_files;
   options.up_axis = up_axis_from(up_axis);
   options.levels = levels;
   options.simplify = simplify_from(simplify);
@@ -80,6 +81,7 @@ std::vector<float> floats_from(const py::handle& object, const std::string& what
     PyErr_Clear();
     throw std::invalid_argument(what + " must be numbers of shape (N,)");
   }
+  require_finite(array, what);
   return std::vector<float>(array.data(), array.data() + array.size());
 }
 
@@ -250,6 +252,14 @@ void bind_skeleton(py::module_& module) {
           "dict: form, up_axis, branches_per_level, skipped_parts, extra_roots, foliage_parts, "
           "warnings")
       .def_readonly("height", &Skeleton::height, "Extent of the wood along Z in metres.")
+      .def_property_readonly(
+          "origin",
+          [](const Skeleton& skeleton) {
+            const glm::dvec3& at = skeleton.origin;
+            return py::make_tuple(at.x, at.y, at.z);
+          },
+          "(x, y, z): where the origin of all points lies in the file's space, metres, Z up; not 0 "
+          "for trees far from the file's origin.")
       .def_readonly("foliage", &Skeleton::foliage)
       .def_property_readonly(
           "wood_materials",
@@ -265,12 +275,15 @@ void bind_skeleton(py::module_& module) {
       "read_tree", &read_tree, py::arg("path"), py::arg("up_axis") = "AUTO", py::arg("levels") = "",
       py::arg("simplify") = "NONE", py::arg("tolerance") = 0.5f, py::arg("foliage") = "AUTO",
       py::arg("unit") = 1.0, py::arg("height") = 0.0, py::arg("progress") = py::none(),
+      py::arg("outside_files") = false,
       "Reads a tree from a Wavefront OBJ file and finds its skeleton; Z up, metres.\n\n"
       "foliage: 'AUTO' or True keeps leaves, 'NONE' or False leaves them out; any other string "
       "names what is foliage, separated by commas: parts whose group, object or material starts "
       "with one of the names, and no others.\n\n"
       "unit: metres that one unit of the file is; height: metres that the wood shall be high "
       "instead, 0 = as unit says.\n\n"
+      "outside_files: whether libraries and textures are read that lie neither below the file's "
+      "folder nor below the folder above it.\n\n"
       "progress(share) is called now and then; a return of False (not None) cancels with "
       "KeyboardInterrupt. Raises ValueError with file and line for malformed input.");
 }

@@ -223,6 +223,7 @@ void bind_mesh_functions(py::module_& module) {
         const auto points = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
         const std::vector<glm::dvec3> places(points.begin(), points.end());
         const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
+        require_corners(faces, points.size());
         std::vector<int32_t> pairs;
         {
           py::gil_scoped_release release;

@@ -60,6 +60,7 @@ py::dict measure_uv_layout(const InputArray<float>& uv, const InputArray<float>&
       uv.shape(2) != 2) {
     throw std::invalid_argument("uv must have shape (F, 3, 2) or (F, 4, 2), as faces");
   }
+  require_finite(uv, "uv");
   UvSurface surface;
   surface.sides = static_cast<int>(faces.shape(1));
   surface.vertices = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");

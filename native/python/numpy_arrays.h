@@ -3,6 +3,7 @@
 #include <pybind11/numpy.h>
 
 #include <array>
+#include <cmath>
 #include <memory>
 #include <stdexcept>
 #include <string>
@@ -46,13 +47,34 @@ pybind11::array_t<Scalar> view_numpy(const std::vector<Element>& values,
   return view;
 }
 
-/// Copies an (N, Columns) array into packed structs. @throws std::invalid_argument naming `what`.
+/// Largest coordinate that is accepted, in metres: products of four still fit into a float.
+constexpr double kFarthest = 1e9;
+
+/// @throws std::invalid_argument naming `what` and the first row that holds NaN, infinity or a
+/// number beyond kFarthest. Other types than floats pass.
+template <typename Scalar>
+void require_finite(const InputArray<Scalar>& array, const std::string& what) {
+  if constexpr (std::is_floating_point_v<Scalar>) {
+    const Scalar* values = array.data();
+    for (pybind11::ssize_t i = 0; i < array.size(); ++i) {
+      if (std::abs(static_cast<double>(values[i])) <= kFarthest) continue;
+      const pybind11::ssize_t rows = array.ndim() > 0 ? array.shape(0) : 1;
+      throw std::invalid_argument(what + ": row " + std::to_string(i / (array.size() / rows)) +
+                                  " holds " + std::to_string(values[i]) + ", which is " +
+                                  (std::isfinite(values[i]) ? "beyond 1e9" : "not finite"));
+    }
+  }
+}
+
+/// Copies an (N, Columns) array into packed structs. @throws std::invalid_argument naming `what`,
+/// also for numbers that require_finite refuses.
 template <typename Element, typename Scalar, int Columns>
 std::vector<Element> rows_from_numpy(const InputArray<Scalar>& array, const std::string& what) {
   static_assert(sizeof(Element) == sizeof(Scalar) * Columns);
   if (array.ndim() != 2 || array.shape(1) != Columns) {
     throw std::invalid_argument(what + " must have shape (N, " + std::to_string(Columns) + ")");
   }
+  require_finite(array, what);
   const auto* begin = reinterpret_cast<const Element*>(array.data());
   return std::vector<Element>(begin, begin + array.shape(0));
 }

@@ -322,6 +322,14 @@ SimulationState SnowSimulation::state() {
   return state;
 }
 
+void SnowSimulation::check_map(const std::string& name, int32_t resolution) const {
+  const int32_t own = find_receiver(name)->description.topology.resolution;
+  if (resolution != own) {
+    refuse("the checkpoint's map of '" + name + "' has " + std::to_string(resolution) +
+           " texels a side, the object has " + std::to_string(own));
+  }
+}
+
 void SnowSimulation::set_state(const SimulationState& state) {
   const std::scoped_lock lock(mutex_);
   require_open();
@@ -329,12 +337,12 @@ void SnowSimulation::set_state(const SimulationState& state) {
   for (const auto& [name, object] : objects_) {
     receivers += object->description.receive ? 1 : 0;
   }
+  const auto finite = [](auto number) { return std::isfinite(number); };
   for (const ObjectState& saved : state.objects) {
-    const int32_t resolution = find_receiver(saved.name)->description.topology.resolution;
-    if (saved.resolution != resolution) {
-      refuse("the checkpoint's map of '" + saved.name + "' has " +
-             std::to_string(saved.resolution) + " texels a side, the object has " +
-             std::to_string(resolution));
+    check_map(saved.name, saved.resolution);
+    if (!std::all_of(saved.height.begin(), saved.height.end(), finite) ||
+        !std::all_of(saved.sums.begin(), saved.sums.end(), finite)) {
+      refuse("the checkpoint's map or sums of '" + saved.name + "' hold what is no finite number");
     }
   }
   if (state.objects.size() != receivers) {

@@ -76,7 +76,7 @@ using PositionMap = std::map<std::string, std::span<const glm::vec3>>;
 class OutputSnapshot {
  public:
   int32_t resolution() const { return resolution_; }
-  /// See SnowSimulation::output. To be called once.
+  /// See SnowSimulation::output. @throws std::runtime_error for a second call.
   MapOutput output();
   /// Takes back the memory of the output's heights when they are done with; may be null.
   const std::shared_ptr<MapMemory>& memory() const { return memory_; }
@@ -160,7 +160,7 @@ class SnowSimulation {
   /// What a checkpoint holds; positions are not part of it.
   SimulationState state();
   /// Takes a state of a simulation with the same receivers. @throws std::invalid_argument naming
-  /// what differs.
+  /// what differs, or whose heights or sums are not finite.
   void set_state(const SimulationState& state);
 
   /// Writes a checkpoint. @throws std::runtime_error when the disk refuses.
@@ -193,6 +193,8 @@ class SnowSimulation {
   SimulationState read_state();
   void write_state(const SimulationState& state);
   size_t index_of(const std::string& name) const;
+  /// @throws std::invalid_argument unless a receiver has that name and resolution.
+  void check_map(const std::string& name, int32_t resolution) const;
 
   SimulationSettings settings_;
   mutable std::mutex mutex_;

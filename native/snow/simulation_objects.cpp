@@ -38,6 +38,24 @@ std::vector<float> only_owned(const TexelTable& table, const std::vector<float>&
   return kept;
 }
 
+/// Gives numbers that run to more than there are corners others, from 0 on and in the same order:
+/// arrays are indexed by them.
+void close_gaps(std::vector<int32_t>& shading) {
+  if (shading.empty() ||
+      static_cast<size_t>(std::max(0, *std::max_element(shading.begin(), shading.end()))) <
+          shading.size()) {
+    return;
+  }
+  std::vector<int32_t> numbers(shading);
+  std::sort(numbers.begin(), numbers.end());
+  numbers.erase(std::unique(numbers.begin(), numbers.end()), numbers.end());
+  const auto first = std::lower_bound(numbers.begin(), numbers.end(), 0);
+  for (int32_t& number : shading) {
+    if (number < 0) continue;
+    number = static_cast<int32_t>(std::lower_bound(first, numbers.end(), number) - first);
+  }
+}
+
 /// Notes which triangles take snow on both sides; the rest pose is known.
 void find_sides(SceneObject& object) {
   const ObjectDescription& description = object.description;
@@ -66,11 +84,17 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
            std::to_string(description.rest.size()) + " vertices, a triangle asks for number " +
            std::to_string(highest));
   }
+  for (const glm::vec3& point : description.rest) {
+    if (!std::isfinite(point.x) || !std::isfinite(point.y) || !std::isfinite(point.z)) {
+      refuse("object '" + description.name + "': rest has a vertex that is not a finite number");
+    }
+  }
   if (!description.shading.empty() && description.shading.size() != topology.triangles.size()) {
     refuse("object '" + description.name + "': shading has " +
            std::to_string(description.shading.size()) + " numbers, there are " +
            std::to_string(topology.triangles.size()) + " corners of triangles");
   }
+  close_gaps(description.shading);
   SceneObject object;
   try {
     if (!description.alpha.empty()) {

@@ -159,7 +159,11 @@ const std::shared_ptr<SceneObject>& SnowSimulation::find_stepped_receiver(
 }
 
 MapOutput OutputSnapshot::output() {
-  return filter_->run(std::move(stored_), surface_);
+  if (filter_ == nullptr) {
+    throw std::runtime_error("output() of this snapshot was called before: take a new snapshot");
+  }
+  const std::shared_ptr<OutputFilter> filter = std::move(filter_);
+  return filter->run(std::move(stored_), surface_);
 }
 
 MapOutput SnowSimulation::output(const std::string& name, bool with_normals) {
@@ -224,16 +228,16 @@ void SnowSimulation::save(const std::string& path) {
 }
 
 void SnowSimulation::restore(const std::string& path, bool any_driver) {
-  const Checkpoint checkpoint = load_checkpoint(path);
-  {
+  const Checkpoint checkpoint = load_checkpoint(path, [&](const CheckpointOutline& outline) {
     const std::scoped_lock lock(mutex_);
     const std::string changed =
-        differences(checkpoint.description, describe(settings_, objects_, engine()), any_driver);
+        differences(outline.description, describe(settings_, objects_, engine()), any_driver);
     if (!changed.empty()) {
       throw std::invalid_argument(path +
                                   " belongs to another simulation; what differs: " + changed);
     }
-  }
+    for (const auto& [name, resolution] : outline.maps) check_map(name, resolution);
+  });
   set_state(checkpoint.state);
 }
 

@@ -34,6 +34,8 @@ constexpr double kMostUnattached = 0.2;
 /// on its ground has more.
 constexpr double kMostLeftOut = 0.75;
 constexpr size_t kFewLimbs = 4;
+/// Sizes of a tree from the file's origin beyond which it gets an origin of its own.
+constexpr double kFar = 100.0;
 
 void report_scene(const ObjScene& scene, ImportReport& report) {
   if (scene.short_faces > 0) {
@@ -123,7 +125,8 @@ void turn_upside_up(TracedBranches& traced) {
 }
 
 /// Fills in what the libraries say of the materials that wood and leaves use.
-void describe_materials(const ObjScene& scene, const std::string& path, Skeleton& skeleton) {
+void describe_materials(const ObjScene& scene, const std::string& path, bool outside_files,
+                        Skeleton& skeleton) {
   if (scene.materials.empty() && scene.material_libraries.empty()) return;
   const std::array both = {&skeleton.wood.materials, &skeleton.foliage.materials};
   std::set<std::string> used;
@@ -131,7 +134,7 @@ void describe_materials(const ObjScene& scene, const std::string& path, Skeleton
     for (const ObjMaterial& material : *materials) used.insert(material.name);
   }
   const std::map<std::string, ObjMaterial> library =
-      read_materials(path, scene.material_libraries, used, skeleton.report.warnings);
+      read_materials(path, scene.material_libraries, used, outside_files, skeleton.report.warnings);
   for (std::vector<ObjMaterial>* materials : both) {
     for (ObjMaterial& material : *materials) {
       const auto found = library.find(material.name);
@@ -188,6 +191,33 @@ void check_tree(const TracedBranches& traced, const std::string& path) {
                               "branch and so on");
 }
 
+/// The middle of what faces use, where that is so far from the file's origin that single precision
+/// would lose parts of the tree; else zero.
+glm::dvec3 place_far_away(const ObjScene& scene) {
+  glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
+  for (const int32_t v : scene.corner_vertex) {
+    low = glm::min(low, glm::dvec3(scene.positions[v]));
+    high = glm::max(high, glm::dvec3(scene.positions[v]));
+  }
+  const glm::dvec3 middle = 0.5 * (low + high), size = high - low, away = glm::abs(middle);
+  const bool is_far =
+      std::max({away.x, away.y, away.z}) > kFar * std::max({size.x, size.y, size.z});
+  return is_far ? middle : glm::dvec3(0.0);
+}
+
+/// Reads the file, around the place of its tree where that is far away.
+ObjScene read_scene(const std::string& path, ObjReadOptions options, Skeleton& skeleton) {
+  ObjScene scene = read_obj_file(path, options);
+  skeleton.origin = place_far_away(scene);
+  if (skeleton.origin == glm::dvec3(0.0)) return scene;
+  options.origin = skeleton.origin;
+  skeleton.report.warnings.emplace_back(
+      "the tree stands far from the file's origin: it was built around its own place, and put "
+      "there "
+      "as a whole");
+  return read_obj_file(path, options);
+}
+
 /// Reads the file and fills the skeleton's foliage and report.
 /// @return the wood, not yet connected.
 TracedBranches read_parts(const std::string& path, const ReadTreeOptions& options,
@@ -199,7 +229,7 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   read_options.threads = options.threads;
   read_options.progress = base::part_of(options.progress, 0.0f, 0.5f);
 
-  const ObjScene scene = read_obj_file(path, read_options);
+  const ObjScene scene = read_scene(path, read_options, skeleton);
   const auto [parts, labels] =
       find_parts(scene, options.foliage_names, base::part_of(options.progress, 0.5f, 0.6f));
   ClassifiedParts classified = classify_parts(scene, parts, labels, whole.part(0.6f, 0.8f));
@@ -222,7 +252,7 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
     report.skipped_parts.emplace_back(
         "foliage (" + std::to_string(classified.foliage_count) + " parts)", "left out by option");
   }
-  describe_materials(scene, path, skeleton);
+  describe_materials(scene, path, options.outside_files, skeleton);
   return traced;
 }
 
@@ -235,6 +265,7 @@ void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   turn_y_up_to_z_up(traced.branches);
   for (glm::vec3& p : skeleton.foliage.vertices) p = y_up_to_z_up(p);
   for (glm::vec3& p : skeleton.wood.vertices) p = y_up_to_z_up(p);
+  skeleton.origin = {skeleton.origin.x, -skeleton.origin.z, skeleton.origin.y};
 }
 
 /// Makes the tree as large as the options say.

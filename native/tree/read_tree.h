@@ -24,6 +24,9 @@ struct ReadTreeOptions {
   /// Names separated by commas: parts whose group, object or material starts with one of them are
   /// foliage and no others. Empty: told by the names' words and by shape.
   std::string foliage_names = {};
+  /// Whether libraries and textures are read that lie neither below the file's folder nor below the
+  /// folder above it.
+  bool outside_files = false;
   /// Metres that one unit of the file is.
   double unit = 1.0;
   /// Metres that the wood shall be high, whatever its unit; 0 = as high as its unit says.

@@ -529,3 +529,39 @@ def test_real_exports_come_in_whole(shared_tree, name):
 def test_a_real_tree_keeps_all_its_branches_under_a_bone_budget(shared_tree):
     report = _report(_import(shared_tree("tubes/BL02A_Betula_lenta.obj"), max_bones=1000))
     assert (report["branches"], report["bones"]) == (1348, 1000)
+
+
+def test_a_tree_far_away_stands_there(tmp_path):
+    lines = MAPLE.read_text().splitlines()
+    moved = [
+        "v " + " ".join(f"{float(n) + by:.6f}" for n, by in zip(line.split()[1:], (1e6, 0, -2e6)))
+        if line.startswith("v ")
+        else line
+        for line in lines
+    ]
+    (tmp_path / "far.obj").write_text("\n".join(moved))
+    bpy.ops.import_scene.xfrog_tree(filepath=str(tmp_path / "far.obj"))
+    rig, bark = bpy.data.objects["far"], bpy.data.objects["far_bark"]
+    assert tuple(rig.location)[:2] == pytest.approx((1e6, 2e6), abs=20)
+    bpy.context.view_layer.update()
+    assert tuple(bark.matrix_world.translation)[:2] == pytest.approx((1e6, 2e6), abs=20)
+    assert max(abs(number) for vertex in bark.data.vertices for number in vertex.co) < 20
+
+
+def test_textures_elsewhere_are_read_only_where_that_is_allowed(tmp_path):
+    secret = bpy.data.images.new("secret", 2, 2)
+    secret.filepath_raw, secret.file_format = str(tmp_path / "secret.png"), "PNG"
+    secret.save()
+    bpy.data.images.remove(secret)
+    folder = tmp_path / "packs" / "maple"
+    folder.mkdir(parents=True)
+    (folder / "maple.mtl").write_text("newmtl bark\nmap_Kd ../../secret.png\n")
+    text = MAPLE.read_text()
+    (folder / "maple.obj").write_text(f"mtllib maple.mtl\nusemtl bark\n{text}")
+
+    def images(**options):
+        bpy.ops.import_scene.xfrog_tree(filepath=str(folder / "maple.obj"), **options)
+        return {Path(image.filepath).name for image in bpy.data.images}
+
+    assert "secret.png" not in images()
+    assert "secret.png" in images(outside_files=True)

@@ -431,6 +431,52 @@ def test_the_button_says_why_nothing_can_be_drawn_in_the_background(ground, addo
     assert addon("session").preview is None
 
 
+ERRORS = [
+    RuntimeError("the driver was lost"),
+    ValueError("out of range"),
+    MemoryError("no room"),
+    KeyError("gone"),
+]
+
+
+@pytest.mark.parametrize("error", ERRORS, ids=lambda error: type(error).__name__)
+@pytest.mark.parametrize("when", ["frame", "edit", "setting"])
+def test_any_error_ends_it_and_is_shown(ground, preview, addon, monkeypatch, error, when):
+    running = preview()
+
+    def fail(*_arguments):
+        raise error
+
+    for name in ("go_to", "heed_scene", "heed_settings"):
+        monkeypatch.setattr(running.simulated, name, fail)
+    if when == "frame":
+        bpy.context.scene.frame_set(3)
+    elif when == "edit":
+        ground.location.z = 1.0
+        bpy.context.view_layer.update()
+    else:
+        assert addon("preview.live")._watch() is None
+    session = addon("session")
+    assert session.preview is None
+    assert session.last_outcome[0] == "ERROR"
+    assert "live preview has ended" in session.last_outcome[1] and error.args[0] in session.last_outcome[1]
+    bpy.context.scene.frame_set(4)  # and nothing of it is left behind
+
+
+@pytest.mark.parametrize("how", ["renamed", "removed"])
+def test_it_ends_with_its_scene(ground, preview, addon, how):
+    running, scene = preview(), bpy.context.scene
+    bpy.data.scenes.new("Other")
+    if how == "renamed":
+        scene.name = "Shot"
+    else:
+        bpy.data.scenes.remove(scene)
+    assert addon("preview.live")._watch() is None
+    assert addon("session").preview is None
+    assert "'Scene' was removed or renamed" in addon("session").last_outcome[1]
+    assert running.simulated.simulation is None
+
+
 def test_it_sets_its_simulation_up_as_the_bake_does(addon, ground, preview, tmp_path, monkeypatch):
     """The same grid, the same objects, the same map and blur, from one function."""
     real, made = addon("native").load(), []

@@ -13,6 +13,7 @@ from ..cache.errors import CacheError, InputsChanged, LockLost, remedy_for
 from ..cache.files import EVER_COVERED, bake_files, digest, frame_file, state_file
 from ..cache.manifest import describe_changes, read_manifest, write_inputs, write_manifest
 from ..names import MAX_RESOLUTION, MIN_RESOLUTION
+from ..scene.uv_overlap import outside_share
 from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
 from . import plan
@@ -156,7 +157,7 @@ class BakedReceiver:
         self.frames = sidecar["frames"]
         try:
             self.covered = Coverage.unpack(self.resolution, sidecar["covered"])
-            state = native.read_checkpoint(str(self.folder / state_file(frame)))
+            state = native.read_checkpoint(str(self.folder / state_file(frame)), {self.key: self.resolution})
             own = state["objects"][self.key]
         except KeyError:
             raise CacheError(
@@ -218,9 +219,18 @@ def surface_and_uv_area(topology, positions):
     return 0.5 * float(np.sqrt((cross * cross).sum(axis=1)).sum()), 0.5 * float(np.abs(uv_cross).sum())
 
 
+def _check_uv(obj):
+    share = outside_share(obj.topology.corner_uv)
+    if share:
+        raise ValueError(
+            f"{share:.0%} of its UV map '{obj.uv_map}' lie outside 0 to 1, or nowhere: unwrap it, or pack its islands"
+        )
+
+
 def measure(obj, texel_size):
     """The BakedReceiver of a scene.pose.ObjectPose. Raises ValueError, naming it, for what has no area."""
     try:
+        _check_uv(obj)
         areas = surface_and_uv_area(obj.topology, obj.positions)
         per_map = plan.metres_per_map(*areas)
     except ValueError as error:

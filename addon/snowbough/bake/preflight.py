@@ -14,9 +14,10 @@ import numpy as np
 
 from .. import compat, native, session
 from ..cache import versions
+from ..names import FARTHEST
 from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
-from ..scene.pose import Topology, library_path, metres_per_unit, world_positions
+from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions
 from ..settings.preferences import preferred_engine
 from . import baked_receiver, changes_since_bake, plan
 from .cache_place import cache_directory, existing_cache
@@ -52,6 +53,7 @@ def check(scene, depsgraph):
             sizes.append(size)
     issues += _amounts(scene, [size for size in sizes if size])
     issues += _alpha(depsgraph)
+    issues += _outliers(scene, depsgraph)
     issues += [Issue(*trouble) for trouble in physics_caches.troubles(scene)]
     for text in [
         *changes_since_bake.settings_changes(scene),
@@ -66,13 +68,17 @@ def warnings(scene, depsgraph):
     """The texts of what would be baked but would not look right."""
     enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
     issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
-    issues += [*_alpha(depsgraph), *(Issue(*trouble) for trouble in physics_caches.troubles(scene))]
+    issues += [
+        *_alpha(depsgraph),
+        *_outliers(scene, depsgraph),
+        *(Issue(*trouble) for trouble in physics_caches.troubles(scene)),
+    ]
     return [issue.text for issue in issues if issue.severity == "WARNING"]
 
 
-def _alpha(depsgraph):
-    """Materials whose alpha snow cannot follow, and objects that lack the UVs for one that it can."""
-    alphas, seen, issues = {}, set(), []
+def _shown_meshes(depsgraph):
+    """(object, world matrix) of what snow meets, as evaluated, each mesh once."""
+    seen = set()
     for instance in depsgraph.object_instances:
         obj = instance.object
         if obj.type != "MESH" or obj.original.hide_render or not obj.original.snowbough.occlude:
@@ -81,6 +87,25 @@ def _alpha(depsgraph):
         if obj.original.snowbough.is_shell or pointers in seen:
             continue
         seen.add(pointers)
+        yield obj, np.array(instance.matrix_world)
+
+
+def _outliers(scene, depsgraph):
+    """Meshes of which a bake leaves vertices out."""
+    for obj, matrix in _shown_meshes(depsgraph):
+        lost = outliers(world_positions(compat.read_positions(obj.data), matrix, metres_per_unit(scene)))
+        if lost is not None:
+            text = (
+                f"{lost.sum()} of {len(lost)} vertices of '{obj.name}' are beyond {FARTHEST / 1000:g} km or nowhere, "
+                f"the first is number {lost.argmax()}: they and their faces are left out; move or delete them"
+            )
+            yield Issue("WARNING", text, obj.name)
+
+
+def _alpha(depsgraph):
+    """Materials whose alpha snow cannot follow, and objects that lack the UVs for one that it can."""
+    alphas, issues = {}, []
+    for obj, _ in _shown_meshes(depsgraph):
         for material in mesh_record.materials_of(obj, obj.data):
             if material is None:
                 continue

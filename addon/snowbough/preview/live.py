@@ -5,11 +5,12 @@ It simulates what the viewport shows (playback) and draws the snow over it (draw
 nothing is in the outliner, in renders, in undo or in files; baked snow is out of sight meanwhile (hidden).
 """
 
+import functools
 import time
 
 import bpy
 
-from .. import session
+from .. import native, session
 from ..names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
 from . import drawing, hidden
@@ -17,6 +18,7 @@ from .playback import QUICK_STEPS, STEPS, Playback
 
 # Seconds between looks at the settings: Blender tells nobody when one of an add-on's changes.
 INTERVAL = 0.08
+ENDED = "The live preview has ended"
 # Seconds after a setting's last change in which what was laid quickly is laid well.
 PAUSE = 0.4
 
@@ -112,11 +114,10 @@ class Preview:
             return  # which shows this snow in its own picture
         try:
             self.drawn.draw(shading.type == "WIREFRAME" or (shading.type == "SOLID" and shading.show_xray))
-        except Exception:
+        except Exception as error:
             # Once, and not with every redraw; the handler cannot go while it runs.
             self.drawn = None
-            bpy.app.timers.register(stop, first_interval=0.0)
-            raise
+            bpy.app.timers.register(functools.partial(_end_with, error), first_interval=0.0)
 
     def watch(self, scene, depsgraph, now):
         """Follows the settings, and undo. now: time.monotonic()."""
@@ -157,6 +158,8 @@ def start(scene, depsgraph, draws=True):
     if reason:
         raise ValueError(reason)
     session.preview = Preview(scene, depsgraph, draws)
+    if session.last_outcome[1].startswith(ENDED):
+        session.last_outcome = session.NO_OUTCOME
     bpy.app.handlers.frame_change_post.append(_on_frame)
     bpy.app.handlers.depsgraph_update_post.append(_on_update)
     bpy.app.timers.register(_watch, first_interval=INTERVAL)
@@ -202,9 +205,20 @@ def _running(scene):
 
 
 def _end_with(error):
-    """Nothing to snow on any more, or no snowfall: a bake would say so, too."""
-    print(f"Snowbough: the live preview has ended: {error}")
+    """Ends the preview and lets the panel show why."""
+    text = f"{ENDED}: {native.error_text(error)}"
+    print(f"Snowbough: {text}")
+    session.last_outcome = ("ERROR", text)
     stop()
+
+
+def _end_without_scene():
+    """Ends a preview whose scene was removed or renamed. Returns whether it did."""
+    name = session.preview.scene_name
+    is_gone = name not in bpy.data.scenes
+    if is_gone:
+        _end_with(ValueError(f"the scene '{name}' was removed or renamed: start it again"))
+    return is_gone
 
 
 @bpy.app.handlers.persistent
@@ -215,7 +229,7 @@ def _on_frame(scene, depsgraph=None):
     try:
         preview.simulated.go_to(scene, depsgraph)
         preview.show()
-    except ValueError as error:
+    except Exception as error:  # whatever it is, the next frame would raise it again
         _end_with(error)
 
 
@@ -230,18 +244,20 @@ def _on_update(scene, depsgraph):
     try:
         if preview.simulated.heed_scene(scene, depsgraph):
             preview.show()
-    except ValueError as error:
+    except Exception as error:  # whatever it is, the next frame would raise it again
         _end_with(error)
 
 
 def _watch():
     """Timer: follows the settings."""
+    if session.preview is None or _end_without_scene():
+        return None
     context = bpy.context
     preview = _running(context.scene)
     if preview is not None:
         try:
             preview.watch(context.scene, context.evaluated_depsgraph_get(), time.monotonic())
-        except ValueError as error:
+        except Exception as error:
             _end_with(error)
     return None if session.preview is None else INTERVAL
 
@@ -261,11 +277,10 @@ def _before_save(*_):
 def _put_right(*_):
     """After saving, undo and loading: what shall be hidden is, and nothing else; and the preview looks around."""
     preview = session.preview
-    scene = bpy.data.scenes.get(preview.scene_name) if preview is not None else None
-    if scene is None:
+    if preview is None or _end_without_scene():
         hidden.show_again()
     else:
-        hidden.hide(scene)
+        hidden.hide(bpy.data.scenes[preview.scene_name])
         preview.was_undone = True
 
 

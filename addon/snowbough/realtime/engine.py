@@ -9,6 +9,7 @@ import weakref
 import bpy
 
 from .. import compat, native, session
+from ..names import FARTHEST
 from ..names import REALTIME_ENGINE as ENGINE
 from . import lights, viewport
 from .final import FinalRenderer
@@ -45,18 +46,27 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
         scene = depsgraph.scene_eval
         camera = self.camera_override or scene.camera
         if camera is None:
-            self.error_set("The scene has no camera: add one to render")
+            self._fail("The scene has no camera: add one to render")
             return
         try:
             self.update_stats("Snowbough", "Drawing")
-            picture = _final_renderer().render(depsgraph, camera.evaluated_get(depsgraph))
-        except (RuntimeError, ValueError, OSError) as error:
-            self.error_set(f"Snowbough Realtime: {error}")
+            renderer = _final_renderer()
+            picture = renderer.render(depsgraph, camera.evaluated_get(depsgraph))
+        except Exception as error:  # an exception that leaves render() would only be printed
+            self._fail(native.error_text(error))
             return
+        if renderer.left_out:
+            names = ", ".join(sorted(renderer.left_out))
+            self.report({"WARNING"}, f"Objects or faces beyond {FARTHEST:g} units are left out: {names}")
         height, width = picture.shape[:2]
         result = self.begin_result(0, 0, width, height, layer=depsgraph.view_layer_eval.name)
         compat.set_pass_pixels(result.layers[0].passes["Combined"], picture)
         self.end_result(result)
+
+    def _fail(self, text):
+        """Ends the render: a report makes it fail in scripts and on the command line, and nothing is written."""
+        self.error_set(f"Snowbough Realtime: {text}")
+        self.report({"ERROR"}, f"Snowbough Realtime: {text}")
 
     # -- 3D view ----------------------------------------------------------------------------------------
 
@@ -76,7 +86,10 @@ class SNOWBOUGH_REALTIME(bpy.types.RenderEngine):
 
     def _read(self, context, depsgraph):
         space = context.space_data
-        self._view.update(self._reader.read(depsgraph, lambda obj: obj.visible_in_viewport_get(space)))
+        try:
+            self._view.update(self._reader.read(depsgraph, lambda obj: obj.visible_in_viewport_get(space)))
+        except Exception as error:  # the picture stays as it was, and says why
+            self.update_stats("Snowbough", native.error_text(error))
 
     def view_draw(self, context, depsgraph):
         if self._view is None:

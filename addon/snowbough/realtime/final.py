@@ -8,6 +8,9 @@ from .flakes import flakes_of
 from .reader import Reader
 from .records import View
 
+# Edge of what is drawn at a time, in pixels: a texture of floats of that size takes 256 MiB.
+LARGEST_TILE = 4096
+
 
 class FinalRenderer:
     """Draws scenes as Blender's render evaluates them; what does not change from frame to frame stays uploaded."""
@@ -16,6 +19,8 @@ class FinalRenderer:
         self._native = native
         self._renderer = native.Renderer()
         self._sync = sync.Sync(self._renderer)
+        self.left_out = set()
+        """See Reader, of the last picture."""
 
     def render(self, depsgraph, camera):
         """(height, width, 4) float32, row 0 at the bottom: scene-linear light, premultiplied, as Blender wants it.
@@ -23,7 +28,9 @@ class FinalRenderer:
         camera: the evaluated object that is looked through. Of a border, only that is there.
         """
         scene = depsgraph.scene_eval
-        content = Reader(self._native).read(depsgraph)
+        reader = Reader(self._native)
+        content = reader.read(depsgraph)
+        self.left_out = reader.left_out
         self._sync.update(content)
         options = scene.snowbough_realtime
         settings = sync.settings(
@@ -33,11 +40,19 @@ class FinalRenderer:
         if transparent:
             settings.background = (0.0, 0.0, 0.0)
         view = final_view(scene.render, camera, depsgraph)
-        rgba = self._renderer.render_light(sync.camera(self._native, view), settings, options.samples)
+        columns, rows = border_of(scene.render, view.width, view.height)
+        rgba = np.empty((rows.stop - rows.start, columns.stop - columns.start, 4), np.float32)
+        for low in range(rows.start, rows.stop, LARGEST_TILE):
+            for left in range(columns.start, columns.stop, LARGEST_TILE):
+                wide = slice(left, min(left + LARGEST_TILE, columns.stop))
+                high = slice(low, min(low + LARGEST_TILE, rows.stop))
+                part = sync.camera(self._native, view.part(wide, high))
+                drawn = self._renderer.render_light(part, settings, options.samples)
+                at = (high.start - rows.start, wide.start - columns.start)
+                rgba[at[0] : at[0] + drawn.shape[0], at[1] : at[1] + drawn.shape[1]] = drawn
         if not transparent:
             rgba[..., 3] = 1.0
-        columns, rows = border_of(scene.render, view.width, view.height)
-        return np.ascontiguousarray(rgba[rows, columns])
+        return rgba
 
     def close(self):
         self._renderer.close()

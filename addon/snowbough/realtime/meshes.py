@@ -5,6 +5,7 @@ import numpy as np
 
 from .. import compat
 from ..scene.mesh_record import materials_of
+from ..scene.pose import outliers
 from .records import Paint, Shape
 
 
@@ -20,6 +21,15 @@ class MeshArrays:
         flat = np.empty(3 * len(mesh.loop_triangles), dtype=np.int32)
         mesh.loop_triangles.foreach_get("loops", flat)
         self.triangle_corners = flat.reshape(-1, 3)
+        self.positions = compat.read_positions(mesh)
+        """(N, 3) float32; of vertices beyond names.FARTHEST, or nowhere, 0: their triangles are left out."""
+        self._kept = slice(None)
+        lost = outliers(self.positions)
+        self.has_outliers = lost is not None
+        if self.has_outliers:
+            self._kept = ~lost[self.triangles].any(axis=1)
+            self.triangle_corners = self.triangle_corners[self._kept]
+            self.positions[lost] = 0.0
         self._uv = {}
 
     @property
@@ -34,9 +44,9 @@ class MeshArrays:
 
     def materials(self, count):
         """(T,) int32 indices below `count`."""
-        indices = np.empty(len(self.triangle_corners), dtype=np.int32)
+        indices = np.empty(len(self._mesh.loop_triangles), dtype=np.int32)
         self._mesh.loop_triangles.foreach_get("material_index", indices)
-        return np.clip(indices, 0, count - 1)
+        return np.clip(indices, 0, count - 1)[self._kept]
 
     def uv(self, name):
         """(T, 3, 2) float32 of a UV map, of that for rendering where the name is empty; None without."""
@@ -78,7 +88,6 @@ def looks_of(obj, mesh, look_of, plain):
     return [look_of(material) for material in materials_of(obj, mesh)] or [plain]
 
 
-def shape_of(mesh, looks):
-    """The Shape of a mesh whose materials have these Looks."""
-    arrays = MeshArrays(mesh)
-    return Shape(compat.read_positions(mesh), arrays.triangles, arrays.normals, *painted(arrays, looks))
+def shape_of(arrays, looks):
+    """The Shape of MeshArrays whose materials have these Looks."""
+    return Shape(arrays.positions, arrays.triangles, arrays.normals, *painted(arrays, looks))

@@ -14,7 +14,7 @@ import numpy as np
 from mathutils import Vector
 
 from ..names import DISPLACE_MODIFIER
-from ..scene.pose import library_path
+from ..scene.pose import library_path, outliers
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
 from .records import Mesh, Scene, Shape
@@ -40,6 +40,8 @@ class Reader:
         self._leaves = {}
         self._coats = {}
         self._places = {}
+        self.left_out = set()
+        """Names of objects that are left out, or faces of theirs: they are too far away, or nowhere."""
 
     def forget(self, depsgraph):
         """Drops what the depsgraph says has changed."""
@@ -178,6 +180,9 @@ class Reader:
     def _add_shape(self, obj, place, carrier):
         """Draws an evaluated object in a place. carrier: where snow lies on it there, else None."""
         original = obj.original
+        if outliers(place[:3]) is not None:
+            self.left_out.add(original.name)
+            return
         data = original.data.name if original.data is not None else ""
         # Instances that geometry nodes make of nothing but a mesh share their object, not their mesh.
         key = (
@@ -214,10 +219,12 @@ class Reader:
                 looks = [materials.SNOW]
             else:
                 looks = meshes.looks_of(obj, mesh, self._look, materials.PLAIN)
-            shape = meshes.shape_of(mesh, looks)
+            read = meshes.MeshArrays(mesh)
+            if read.has_outliers:
+                self.left_out.add(obj.original.name)
+            shape = meshes.shape_of(read, looks)
             shape.is_displaced = _is_displaced(obj.original, self._switch)
-            arrays = _KeptUvs(meshes.MeshArrays(mesh), mesh) if carries else None
-            return shape, shape.print, arrays
+            return shape, shape.print, _KeptUvs(read, mesh) if carries else None
         finally:
             if temporary:
                 obj.to_mesh_clear()

@@ -200,3 +200,14 @@ class View:
         """The same picture in fewer pixels."""
         size = (max(1, -(-self.width // divisor)), max(1, -(-self.height // divisor)))
         return View(self.view, self.projection, *size)
+
+    def part(self, columns, rows):
+        """The pixels of two slices as a picture of its own, row 0 at the bottom."""
+        clip = np.array(self.projection, np.float64)
+        for axis, span, size in ((0, columns, self.width), (1, rows, self.height)):
+            # From -1 to 1 over the part: x' = stretch * x + shift, of x / w.
+            stretch = size / (span.stop - span.start)
+            shift = (size - span.start - span.stop) / (span.stop - span.start)
+            clip[axis] = stretch * clip[axis] + shift * clip[3]
+        projection = tuple(tuple(row) for row in clip.tolist())
+        return View(self.view, projection, columns.stop - columns.start, rows.stop - rows.start)

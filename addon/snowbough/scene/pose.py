@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import receiver_key
+from ..names import FARTHEST, receiver_key
 from .inputs import fingerprint
 
 
@@ -163,12 +163,19 @@ def metres_per_unit(scene):
     return scene.unit_settings.scale_length
 
 
+def outliers(positions):
+    """Which of the vertices (V, 3) in metres lie beyond names.FARTHEST or nowhere: (V,) bool, None where none does."""
+    inside = (np.abs(positions) <= FARTHEST).all(axis=1)
+    return None if inside.all() else ~inside
+
+
 def world_positions(local, matrix, scale_length):
     """local (V, 3) float32 through matrix (4, 4) float64, in metres, as float32. Element by element: a
     matrix product would leave the order of additions to the linear algebra library."""
     x, y, z = (local[:, axis].astype(np.float64) for axis in range(3))
     world = np.empty_like(local)
-    for row in range(3):
-        a, b, c, d = matrix[row]
-        world[:, row] = (((x * a + y * b) + z * c) + d) * scale_length
+    with np.errstate(invalid="ignore", over="ignore"):  # outliers() finds them
+        for row in range(3):
+            a, b, c, d = matrix[row]
+            world[:, row] = (((x * a + y * b) + z * c) + d) * scale_length
     return world

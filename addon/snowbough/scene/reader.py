@@ -12,6 +12,7 @@ holds numpy arrays and texts only, nothing that Blender could free.
 - Positions are world positions in metres: Blender units times ``unit_settings.scale_length``, worked out
   with the same elementary operations everywhere, so that machines that share a bake agree in every bit.
 - Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
+- Vertices beyond names.FARTHEST or nowhere are left out with their triangles: one would stretch the grid.
 - An object that stands still is not read again; topology is read once and again when it changes. A
   receiver keeps the UV map of its first pose: one that has lost it is refused.
 - Frame handlers may edit meshes or give objects other ones: who has another mesh, or whose geometry Blender has
@@ -24,7 +25,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..names import UV_TOLERANCE, receiver_key
+from ..names import FARTHEST, UV_TOLERANCE, receiver_key
 from .inputs import fingerprint
 from .local_meshes import LocalMeshes
 from .mesh_record import join_alphas, join_shadings
@@ -34,8 +35,10 @@ from .pose import (
     SceneError,
     ScenePose,
     Topology,
+    TopologyAlpha,
     library_path,
     member_key,
+    outliers,
     own_key,
     world_positions,
 )
@@ -55,6 +58,10 @@ class _Known:
     matrices: np.ndarray = None
     transform_print: str = ""
     positions: np.ndarray = None
+    lost: np.ndarray = None
+    """pose.outliers of the vertices."""
+    left_out: np.ndarray = None
+    """The same of those whose triangles the topology lacks."""
     flips: tuple = ()
     uv_map: str = ""
     layers: list = field(default_factory=list)
@@ -207,7 +214,6 @@ class SceneReader:
         matrices = np.stack([item[1] for item in group.instances])
         flips = tuple(bool(np.linalg.det(matrix[:3, :3]) < 0) for matrix in matrices)
 
-        self._update_topology(known, group, records, flips, frame)
         locals_ = [item[2] for item in group.instances]
         moved = known.matrices is None or not np.array_equal(known.matrices, matrices)
         deformed = known.local is None or not _same_arrays(known.local, locals_)
@@ -220,9 +226,15 @@ class SceneReader:
         if moved or deformed:
             parts = [world_positions(local, m, self._scale) for local, m in zip(locals_, matrices)]
             known.positions = np.concatenate(parts) if len(parts) > 1 else parts[0]
-            if not np.isfinite(known.positions).all():
-                raise SceneError(f"'{group.shown}' has vertices at no finite place at frame {frame}")
+            known.lost = outliers(known.positions)
+            if known.lost is not None and not known.lost.all():
+                known.positions[known.lost] = known.positions[~known.lost][0]
             known.positions.flags.writeable = False
+        if known.lost is not None and known.lost.all():
+            if group.receiver is not None:
+                raise SceneError(f"'{group.label}' is beyond {FARTHEST:g} m at frame {frame}: move it nearer")
+            return _empty_pose(key, group)
+        self._update_topology(known, group, records, flips, frame)
         prints = (
             known.transform_print, known.shape_print, known.topology.print, *known.topology.alpha_prints
         )  # fmt: skip
@@ -234,7 +246,7 @@ class SceneReader:
         """(positions in the space of the receiver or its instancer, the matrix from there to metres in the world)."""
         to_world = group.parent * self._scale
         to_world[3, 3] = 1.0
-        if len(known.local) == 1 and np.array_equal(group.parent, known.matrices[0]):
+        if known.lost is None and len(known.local) == 1 and np.array_equal(group.parent, known.matrices[0]):
             return known.local[0], to_world
         if not np.linalg.det(to_world[:3, :3]):
             return known.positions, np.eye(4)
@@ -248,7 +260,8 @@ class SceneReader:
 
     def _update_topology(self, known, group, records, flips, frame):
         counts = tuple(record.counts for record in records)
-        if known.topology is not None and known.counts == counts and known.flips == flips:
+        same_parts = known.counts == counts and known.flips == flips
+        if known.topology is not None and same_parts and np.array_equal(known.left_out, known.lost):
             if not any(record.is_another for record in records):
                 if not any(record.may_change for record in records):
                     return
@@ -277,10 +290,15 @@ class SceneReader:
                 f"map '{known.uv_map}' from 0 to 1: apply the modifier that makes them, or take "
                 f"'{group.shown}' off the list of receivers"
             )
-        known.counts, known.flips = counts, flips
+        known.counts, known.flips, known.left_out = counts, flips, known.lost
         known.corners = [record.corners() for record in records]
         alpha = join_alphas(alphas)
         shading = join_shadings(shadings, [record.counts[1] for record in records])
+        if known.lost is not None:
+            keep = ~known.lost[triangles].any(axis=1)
+            triangles, uv = triangles[keep], uv[keep] if receiver else uv
+            shading = None if shading is None else shading[keep]
+            alpha = TopologyAlpha(alpha.uv[keep], alpha.image[keep], alpha.images) if alpha else None
         parts = [] if shading is None else [shading]
         parts += [alpha.uv, alpha.image] if alpha else []
         made = Topology(triangles, uv, offset, fingerprint(triangles, uv, *parts), alpha, shading)

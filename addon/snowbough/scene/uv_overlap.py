@@ -20,20 +20,21 @@ TOLERANCE = 0.005
 def overlap_share(corner_uv, grid=GRID):
     """Share (0 to 1) of the drawn cells that more than one triangle claims.
 
-    corner_uv: (T, 3, 2) in 0..1; what lies outside is left out. Triangles much smaller than a cell seldom
-    hold a cell's centre, so a share only says something on layouts that fill at least a few cells.
+    corner_uv: (T, 3, 2) in 0..1; what lies outside or is no number is left out. Triangles much smaller than a
+    cell seldom hold a cell's centre, so a share only says something on layouts that fill at least a few cells.
     """
-    drawn, claimed_twice = _count_cells(np.asarray(corner_uv, dtype=np.float64) * grid, grid)
+    points = np.asarray(corner_uv, dtype=np.float64) * grid
+    drawn, claimed_twice = _count_cells(points[np.isfinite(points).all(axis=(1, 2))], grid)
     return claimed_twice / drawn if drawn else 0.0
 
 
 def outside_share(corner_uv):
-    """Share of the corners that lie outside the map by more than names.UV_TOLERANCE."""
+    """Share of the corners that lie outside the map by more than names.UV_TOLERANCE, or are no numbers."""
     uv = np.asarray(corner_uv)
     if not uv.size:
         return 0.0
-    outside = ((uv < -UV_TOLERANCE) | (uv > 1 + UV_TOLERANCE)).any(axis=-1)
-    return float(outside.mean())
+    inside = ((uv >= -UV_TOLERANCE) & (uv <= 1 + UV_TOLERANCE)).all(axis=-1)
+    return 1.0 - float(inside.mean())
 
 
 def _count_cells(points, grid):

@@ -56,6 +56,12 @@ class ImportProperties:
         min=0.0,
         soft_max=40.0,
     )
+    outside_files: BoolProperty(
+        name="Files Elsewhere",
+        description="Also read material libraries and textures that the file names outside of its own folder and "
+        "the one above it. Leave it off for files that you do not trust",
+        default=False,
+    )
     levels: StringProperty(
         name="Level Names",
         description="Names of groups from the trunk on, separated by commas; empty: found from the names themselves",
@@ -166,7 +172,7 @@ ImportOptions = options_class("ImportOptions", ImportProperties)
 
 # Headings of the options in dialogs, and what stands under each. `lod` is for scripts.
 SECTIONS = (
-    ("file", "File", ("up_axis", "unit", "height", "levels")),
+    ("file", "File", ("up_axis", "unit", "height", "levels", "outside_files")),
     ("surface", "Surface", ("detail", "lod_chain", "simplify", "tolerance", "width", "species")),
     ("bones", "Bones", ("max_bones", "max_bone_level", "show_bones")),
     ("foliage", "Foliage", ("foliage", "foliage_names")),

@@ -156,7 +156,9 @@ def create_trees(context, trees, options):
             shift = 0.0 if end is None else end + ROW_GAP * (high - low) - low
             end = shift + high + ROW_GAP * (high - low)
             rig = next(obj for obj in collections[-1].objects if obj.type == "ARMATURE")
-            rig.location.x = shift
+            # Blender's own precision is enough for one place, though not for the points around it.
+            x, y, z = trees[0][1].skeleton.origin
+            rig.location = (x + shift, y, z)
         for obj in made:
             obj.select_set(True)
     return collections

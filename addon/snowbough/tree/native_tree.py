@@ -149,6 +149,7 @@ def read_native(path, options, progress=None, metre=1.0):
         simplify=options.simplify,
         tolerance=options.tolerance,
         **size_settings(options, metre),
+        outside_files=options.outside_files,
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=part(0.0, 0.4),
     )

@@ -21,6 +21,7 @@ OF_THE_FILE = {
     "unit",
     "height",
     "levels",
+    "outside_files",
     "foliage_names",
     "snow_resolution",
     "show_bones",

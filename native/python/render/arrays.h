@@ -48,6 +48,7 @@ std::vector<Element> elements(const InputArray<Scalar>& array) {
 
 inline std::vector<glm::mat4> matrices_of(const InputArray<float>& rows) {
   require_shape(rows, {-1, 4, 4}, "matrices");
+  require_finite(rows, "matrices");
   std::vector<glm::mat4> matrices = elements<glm::mat4>(rows);
   for (glm::mat4& matrix : matrices) matrix = glm::transpose(matrix);
   return matrices;

@@ -65,6 +65,7 @@ void matrix_field(OptionsClass<Options>& to, const char* name,
         if (value.is_none()) return;
         const auto rows = py::cast<InputArray<float>>(value);
         require_shape(rows, {4, 4}, "a matrix");
+        require_finite(rows, "a matrix");
         self.*member = glm::transpose(elements<glm::mat4>(rows)[0]);
       },
       doc);

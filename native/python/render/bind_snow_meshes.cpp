@@ -26,6 +26,7 @@ void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object
     const auto map = py::cast<InputArray<float>>(heights);
     const auto corners = py::cast<InputArray<float>>(uv);
     require_shape(map, {-1, -1}, "heights");
+    require_finite(map, "heights");
     require_shape(corners, {-1, 3, 2}, "uv");
     snow = {elements<glm::vec2>(corners), static_cast<int32_t>(map.shape(1)),
             static_cast<int32_t>(map.shape(0)), elements<float>(map)};
@@ -68,6 +69,7 @@ void set_snow_pose(Renderer& renderer, const std::string& name, const InputArray
 
 void set_snow(Renderer& renderer, const std::string& name, const InputArray<float>& height) {
   require_shape(height, {-1, -1}, "height");
+  require_finite(height, "height");
   const HeightMap map{static_cast<int32_t>(height.shape(1)), static_cast<int32_t>(height.shape(0)),
                       elements<float>(height)};
   const py::gil_scoped_release release;

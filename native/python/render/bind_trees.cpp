@@ -42,6 +42,7 @@ void set_leaves(Renderer& renderer, const std::string& tree, const InputArray<fl
                 const InputArray<int32_t>& bones, const py::object& uv, const py::object& materials,
                 const std::vector<Vec3>& colors, const std::vector<py::object>& images) {
   require_shape(triangles, {-1, 3, 3}, "triangles");
+  require_finite(triangles, "triangles");
   const py::ssize_t count = triangles.shape(0);
   require_shape(bones, {count}, "bones");
   LeafSource source;

@@ -120,6 +120,7 @@ inline render::TreeSource tree_source(const pybind11::dict& arrays) {
     if (!right) {
       throw std::invalid_argument(std::string("a tree's array '") + name + "' has another shape");
     }
+    require_finite(array, std::string("a tree's array '") + name + "'");
     return array;
   };
   render::TreeSource source;

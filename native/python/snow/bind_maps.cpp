@@ -44,6 +44,10 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
   if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
     throw std::invalid_argument("height must have shape (resolution, resolution)");
   }
+  require_finite(height, "height");
+  if (!std::isfinite(blur_radius) || blur_radius < 0.0f) {
+    throw std::invalid_argument("blur_radius must be 0 metres or more");
+  }
   const auto resolution = static_cast<int32_t>(height.shape(0));
   snow::MapTopology topology = map_topology(triangles, uv, resolution);
   const auto points = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");

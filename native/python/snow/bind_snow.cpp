@@ -122,10 +122,12 @@ struct LentMap {
 };
 
 py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
-  snow::MapOutput result = without_gil([&] { return snapshot.output(); });
-  const int32_t resolution = snapshot.resolution();
+  // Moved while the GIL is held, so that of two threads that call this one gets the map.
+  snow::OutputSnapshot taken = std::move(snapshot);
+  snow::MapOutput result = without_gil([&] { return taken.output(); });
+  const int32_t resolution = taken.resolution();
   py::dict dict;
-  auto map = std::make_unique<LentMap>(std::move(result.height), snapshot.memory());
+  auto map = std::make_unique<LentMap>(std::move(result.height), taken.memory());
   float* const heights = map->heights.data();
   dict["height"] = owned_numpy(std::move(map), heights, {resolution, resolution});
   if (!result.normal.empty()) {
@@ -203,7 +205,9 @@ void bind_snow(py::module_& module) {
   using namespace py::literals;
   py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
-      .def("output", &snapshot_output, "The dict that SnowSimulation.output gave at that moment.");
+      .def("output", &snapshot_output,
+           "The dict that SnowSimulation.output gave at that moment. RuntimeError for a second "
+           "call.");
 
   py::class_<SnowSimulation, Holder>(
       module, "SnowSimulation",

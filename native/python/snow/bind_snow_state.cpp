@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cstring>
+#include <map>
+#include <optional>
 
 #include "python/bindings.h"
 #include "python/numpy_arrays.h"
@@ -76,8 +78,21 @@ void write_checkpoint(const std::string& path, const py::dict& given,
   snow::save_checkpoint(path, checkpoint);
 }
 
-py::dict read_checkpoint(const std::string& path) {
-  snow::Checkpoint checkpoint = without_gil([&] { return snow::load_checkpoint(path); });
+py::dict read_checkpoint(const std::string& path,
+                         const std::optional<std::map<std::string, int32_t>>& receivers) {
+  snow::Checkpoint checkpoint = without_gil([&] {
+    return snow::load_checkpoint(path, [&](const snow::CheckpointOutline& outline) {
+      for (const auto& [name, resolution] : outline.maps) {
+        if (!receivers) return;
+        const auto found = receivers->find(name);
+        if (found == receivers->end() || found->second != resolution) {
+          throw std::invalid_argument(path + " holds a map of '" + name + "' with " +
+                                      std::to_string(resolution) +
+                                      " texels a side, which was not asked for");
+        }
+      }
+    });
+  });
   py::dict result = to_dict(std::move(checkpoint.state));
   result["description"] = checkpoint.description;
   return result;
@@ -101,10 +116,11 @@ void bind_snow_state(py::module_& module) {
       "does (docs/formats.md), whole or not at all. `description`: a text that says whose it\n"
       "is. RuntimeError with path and reason.");
   module.def(
-      "read_checkpoint", &read_checkpoint, "path"_a,
+      "read_checkpoint", &read_checkpoint, "path"_a, "receivers"_a = py::none(),
       "What write_checkpoint or SnowSimulation.save wrote, bit for bit: a state with\n"
-      "'description' beside it. RuntimeError for a file that is missing, of another version,\n"
-      "truncated or damaged.");
+      "'description' beside it. receivers: {name: resolution} of the maps that it may hold;\n"
+      "ValueError for another, before memory is taken for it. RuntimeError for a file that is\n"
+      "missing, of another version, truncated or damaged.");
 }
 
 }  // namespace snowbough::python

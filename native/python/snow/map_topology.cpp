@@ -1,6 +1,7 @@
 #include "map_topology.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace snowbough::python {
 
@@ -20,6 +21,9 @@ snow::MapTopology map_topology(const InputArray<int32_t>& triangles, const Input
   const auto* corners = reinterpret_cast<const glm::vec2*>(uv.data());
   topology.corner_uv.assign(corners, corners + triangles.size());
   for (const int32_t index : topology.triangles) {
+    if (index < 0 || index == std::numeric_limits<int32_t>::max()) {
+      throw std::invalid_argument(who + "a triangle has the vertex index " + std::to_string(index));
+    }
     topology.vertex_count = std::max(topology.vertex_count, index + 1);
   }
   return topology;

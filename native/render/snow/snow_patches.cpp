@@ -129,7 +129,8 @@ std::vector<NearestEdge> nearest_edges(const SnowPatches& mesh,
   std::priority_queue<Offer, std::vector<Offer>, std::greater<>> offers;
   const auto offer = [&](int32_t edge, int32_t vertex) {
     const NearestEdge found = measured(mesh, edge, vertex);
-    if (found.away >= nearest[vertex].away) return;
+    // Refuses NaN as well, which would be handed on for ever.
+    if (!(found.away < nearest[vertex].away)) return;
     nearest[vertex] = found;
     offers.push({found.away, vertex, edge});
   };

@@ -120,6 +120,10 @@ std::string unpack(std::string_view packed, size_t size) {
   return data;
 }
 
+size_t mask_bytes(const ObjectState& object) {
+  return (size_t(object.resolution) * object.resolution + 7) / 8;
+}
+
 void write_object(Writer& body, const ObjectState& object) {
   const std::string mask = pack(mask_of(object.height));
   body.text(object.name);
@@ -132,8 +136,16 @@ void write_object(Writer& body, const ObjectState& object) {
   }
 }
 
-ObjectState read_object(Reader& reader) {
-  ObjectState object;
+/// A map as it stands in the file.
+struct PackedObject {
+  ObjectState object;  // without its heights
+  std::string_view mask;
+  std::string_view heights;
+};
+
+PackedObject read_object(Reader& reader) {
+  PackedObject packed;
+  ObjectState& object = packed.object;
   object.name = reader.text();
   const auto resolution = reader.number<uint32_t>();
   if (resolution == 0 || resolution > kLargestResolution) {
@@ -141,28 +153,52 @@ ObjectState read_object(Reader& reader) {
   }
   object.resolution = static_cast<int32_t>(resolution);
   reader.doubles(object.sums);
-  object.height.resize(size_t{resolution} * resolution);
-  const auto mask_bytes = reader.number<uint64_t>();
-  const std::string mask = unpack(reader.raw(mask_bytes), (object.height.size() + 7) / 8);
+  packed.mask = reader.raw(reader.number<uint64_t>());
+  uint64_t covered = 0;
+  for (const char byte : unpack(packed.mask, mask_bytes(object))) {
+    covered += static_cast<uint64_t>(std::popcount(static_cast<unsigned char>(byte)));
+  }
+  packed.heights = reader.raw(sizeof(float) * covered);
+  return packed;
+}
+
+ObjectState with_heights(PackedObject&& packed) {
+  ObjectState object = std::move(packed.object);
+  const std::string mask = unpack(packed.mask, mask_bytes(object));
+  Reader heights(packed.heights);
+  object.height.resize(size_t(object.resolution) * object.resolution);
   for (size_t i = 0; i < object.height.size(); ++i) {
-    if (is_set(mask, i)) object.height[i] = std::bit_cast<float>(reader.number<uint32_t>());
+    if (is_set(mask, i)) object.height[i] = std::bit_cast<float>(heights.number<uint32_t>());
   }
   return object;
 }
 
-Checkpoint parse(std::string_view body) {
+Checkpoint parse(std::string_view body,
+                 const std::function<void(const CheckpointOutline&)>& check) {
   Reader reader(body);
   Checkpoint checkpoint;
   checkpoint.description = reader.text();
   checkpoint.state.step_number = reader.number<uint32_t>();
+  CheckpointOutline outline{checkpoint.description, {}};
+  std::vector<PackedObject> objects;
   for (auto count = reader.number<uint32_t>(); count > 0; --count) {
-    checkpoint.state.objects.push_back(read_object(reader));
+    objects.push_back(read_object(reader));
+    const ObjectState& object = objects.back().object;
+    if (!outline.maps.empty() && object.name <= outline.maps.back().first) {
+      throw std::runtime_error("its maps are not in the order of their names");
+    }
+    outline.maps.emplace_back(object.name, object.resolution);
   }
   if (!reader.at_end()) throw std::runtime_error("there is more in it than there should be");
+  if (check) check(outline);
+  for (PackedObject& packed : objects) {
+    checkpoint.state.objects.push_back(with_heights(std::move(packed)));
+  }
   return checkpoint;
 }
 
-Checkpoint check_and_parse(std::string_view file) {
+Checkpoint check_and_parse(std::string_view file,
+                           const std::function<void(const CheckpointOutline&)>& check) {
   if (!file.starts_with(kMagic.substr(0, std::min(file.size(), kMagic.size()))) || file.empty()) {
     throw std::runtime_error("it is not a Snowbough checkpoint");
   }
@@ -184,7 +220,7 @@ Checkpoint check_and_parse(std::string_view file) {
   if (body.size() > bytes || check_sum(body) != expected_sum) {
     throw std::runtime_error("it is damaged: the check sum does not match");
   }
-  return parse(body);
+  return parse(body, check);
 }
 
 }  // namespace
@@ -213,10 +249,13 @@ void save_checkpoint(const std::string& path, const Checkpoint& checkpoint) {
   image::atomic_write(path, file.bytes());
 }
 
-Checkpoint load_checkpoint(const std::string& path) {
+Checkpoint load_checkpoint(const std::string& path,
+                           const std::function<void(const CheckpointOutline&)>& check) {
   const std::string file = image::read_file(path);
   try {
-    return check_and_parse(file);
+    return check_and_parse(file, check);
+  } catch (const std::invalid_argument&) {
+    throw;  // of `check`
   } catch (const std::exception& error) {
     throw std::runtime_error("the checkpoint '" + path + "' cannot be used: " + error.what());
   }

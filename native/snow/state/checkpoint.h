@@ -2,7 +2,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace snowbough::snow {
@@ -40,9 +42,19 @@ struct Checkpoint {
 /// std::runtime_error with path and reason when the disk refuses.
 void save_checkpoint(const std::string& path, const Checkpoint& checkpoint);
 
+/// What a checkpoint says of itself, known before memory is taken for its maps.
+struct CheckpointOutline {
+  std::string description;
+  /// Name and resolution of each map.
+  std::vector<std::pair<std::string, int32_t>> maps;
+};
+
 /// Reads a checkpoint back, bit for bit.
+/// @param check  sees the outline first and throws std::invalid_argument for a file that belongs to
+/// something else: a few bytes can stand for a large bare map.
 /// @throws std::runtime_error with the path and what is wrong: not there, not a Snowbough
-/// checkpoint, written by another version, truncated, or damaged.
-Checkpoint load_checkpoint(const std::string& path);
+/// checkpoint, written by another version, truncated, or damaged; what `check` throws.
+Checkpoint load_checkpoint(const std::string& path,
+                           const std::function<void(const CheckpointOutline&)>& check = {});
 
 }  // namespace snowbough::snow

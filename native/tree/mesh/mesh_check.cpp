@@ -178,16 +178,20 @@ void join_faces(const std::vector<glm::vec3>& vertices, const std::vector<Quad>&
 
 }  // namespace
 
-MeshCheck check_mesh(const std::vector<glm::vec3>& vertices, const std::vector<Quad>& quads) {
-  const auto vertex_count = static_cast<int32_t>(vertices.size());
+void require_corners(const std::vector<Quad>& quads, size_t vertex_count) {
   for (size_t f = 0; f < quads.size(); ++f) {
-    for (int32_t v : quads[f]) {
-      if (v < 0 || v >= vertex_count) {
+    for (const int32_t v : quads[f]) {
+      if (v < 0 || static_cast<size_t>(v) >= vertex_count) {
         throw std::invalid_argument("quad " + std::to_string(f) + " uses vertex " +
                                     std::to_string(v) + " of " + std::to_string(vertex_count));
       }
     }
   }
+}
+
+MeshCheck check_mesh(const std::vector<glm::vec3>& vertices, const std::vector<Quad>& quads) {
+  const auto vertex_count = static_cast<int32_t>(vertices.size());
+  require_corners(quads, vertices.size());
   MeshCheck check;
   const HalfEdges halves(quads, vertices.size(), check);
 

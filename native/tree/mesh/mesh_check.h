@@ -35,6 +35,9 @@ struct MeshCheck {
   }
 };
 
+/// @throws std::invalid_argument for corner indices out of range.
+void require_corners(const std::vector<Quad>& quads, size_t vertex_count);
+
 /// Counts edges by their end points and walks around every vertex; what is no clean surface is
 /// joined face by face in OpenMesh.
 /// @throws std::invalid_argument for corner indices out of range.

@@ -6,8 +6,10 @@
 #include <cmath>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <string_view>
 
 #include "tree/obj/text.h"
@@ -80,6 +82,15 @@ TextureStatement read_texture_statement(std::string_view rest) {
   return statement;
 }
 
+/// What is added to "is missing" where a name leads elsewhere.
+std::string where_it_may_be(const fs::path& root, const std::string& name) {
+  const fs::path path(name);
+  const bool leads_out =
+      path.is_absolute() || std::find(path.begin(), path.end(), fs::path("..")) != path.end();
+  if (root.empty() || !leads_out) return "";
+  return " below " + root.string() + " (files elsewhere are read only where that is allowed)";
+}
+
 /// Whether one of the words of a file's name says that it is a map of normals, or its last one is a
 /// mere n.
 bool is_normal_map(const std::string& path) {
@@ -103,15 +114,20 @@ bool is_normal_map(const std::string& path) {
 class MaterialReader {
  public:
   /// @param obj_folder where the OBJ file is.
-  MaterialReader(fs::path obj_folder, const std::set<std::string>& used,
+  /// @param root what lies elsewhere is not read; empty: all may be.
+  MaterialReader(fs::path obj_folder, fs::path root, const std::set<std::string>& used,
                  std::map<std::string, ObjMaterial>& materials, std::vector<std::string>& warnings)
       : obj_folder_(std::move(obj_folder)),
+        root_(std::move(root)),
         used_(used),
         materials_(materials),
         warnings_(warnings) {}
 
   void read(const fs::path& file) {
-    std::ifstream stream(file, std::ios::binary);
+    std::ifstream bytes(file, std::ios::binary);
+    std::string text{std::istreambuf_iterator<char>(bytes), {}};
+    end_lines_by_newline(text.data(), text.data() + text.size());
+    std::istringstream stream(std::move(text));
     std::string line;
     current_ = nullptr;
     for (int number = 1; std::getline(stream, line); ++number) {
@@ -184,14 +200,15 @@ class MaterialReader {
     const TextureStatement statement = read_texture_statement(rest);
     if (statement.name.empty()) return {};
     const std::vector<fs::path> folders = {folder, obj_folder_};
-    MaterialTexture found{find_texture(folders, statement.name), statement.scale, statement.offset};
+    MaterialTexture found{find_texture(folders, statement.name, root_), statement.scale,
+                          statement.offset};
     if (!found.path.empty()) return found;
-    found.path = find_converted_texture(folders, statement.name);
+    found.path = find_converted_texture(folders, statement.name, root_);
     // Under whatever path and case a file is named, it is missing but once.
     if (missing_.insert(lower_case(fs::path(statement.name).filename().string())).second) {
       const std::string instead = fs::path(found.path).filename().string();
       warnings_.push_back("texture '" + statement.name + "' of material '" + current_->name +
-                          "' is missing" +
+                          "' is missing" + where_it_may_be(root_, statement.name) +
                           (found.path.empty() ? "" : ": '" + instead + "' is taken for it"));
     }
     return found;
@@ -202,6 +219,7 @@ class MaterialReader {
   }
 
   fs::path obj_folder_;
+  fs::path root_;
   const std::set<std::string>& used_;
   std::map<std::string, ObjMaterial>& materials_;
   std::vector<std::string>& warnings_;
@@ -210,18 +228,31 @@ class MaterialReader {
   std::set<std::string> missing_;
 };
 
+/// The folder above that of an OBJ file, as packs have their textures there; not the root of all.
+fs::path folder_to_stay_in(const fs::path& folder) {
+  fs::path own = fs::absolute(folder).lexically_normal();
+  if (!own.has_filename()) own = own.parent_path();
+  const fs::path above = own.parent_path();
+  return above == above.root_path() ? own : above;
+}
+
 /// The files that a statement `mtllib` names: one may name several, and names may hold blanks.
-std::vector<fs::path> find_libraries(const fs::path& folder, const std::string& statement) {
+std::vector<fs::path> find_libraries(const fs::path& folder, const fs::path& root,
+                                     const std::string& statement) {
   std::string name = statement;
   std::replace(name.begin(), name.end(), '\\', '/');
-  fs::path file = find_below(folder, fs::path(name).relative_path());
-  if (file.empty()) file = find_below(folder, fs::path(name).filename());
+  const auto find = [&](const fs::path& relative) {
+    const fs::path found = find_below(folder, relative);
+    return found.empty() || !lies_below(root, found) ? fs::path() : found;
+  };
+  fs::path file = find(fs::path(name).relative_path());
+  if (file.empty()) file = find(fs::path(name).filename());
   if (!file.empty()) return {file};
   std::vector<fs::path> files;
   std::string_view rest(statement);
   while (!trim(rest).empty()) {
     const std::string_view token = next_token(rest);
-    file = token.empty() ? fs::path() : find_below(folder, fs::path(token));
+    file = token.empty() ? fs::path() : find(fs::path(token));
     if (!file.empty()) files.push_back(file);
   }
   return files;
@@ -232,17 +263,19 @@ std::vector<fs::path> find_libraries(const fs::path& folder, const std::string& 
 std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
                                                   const std::vector<std::string>& libraries,
                                                   const std::set<std::string>& used,
+                                                  bool outside_files,
                                                   std::vector<std::string>& warnings) {
   std::map<std::string, ObjMaterial> materials;
   fs::path folder = fs::path(obj_path).parent_path();
   if (folder.empty()) folder = ".";
-  MaterialReader reader(folder, used, materials, warnings);
+  const fs::path root = outside_files ? fs::path() : folder_to_stay_in(folder);
+  MaterialReader reader(folder, root, used, materials, warnings);
   std::set<std::string> done;
   std::vector<std::string> missing;
   bool any = false;
   for (const std::string& library : libraries) {
     if (!done.insert(library).second) continue;
-    const std::vector<fs::path> files = find_libraries(folder, library);
+    const std::vector<fs::path> files = find_libraries(folder, root, library);
     for (const fs::path& file : files) reader.read(file);
     any = any || !files.empty();
     if (files.empty()) missing.push_back(library);
@@ -250,12 +283,13 @@ std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
   // The OBJ was renamed, or its maker forgot to name the library.
   fs::path own;
   if (!any) own = find_below(folder, fs::path(obj_path).stem().concat(".mtl"));
-  if (!own.empty()) {
+  if (!own.empty() && lies_below(root, own)) {
     reader.read(own);
     return materials;
   }
   for (const std::string& library : missing) {
-    warnings.push_back("material library '" + library + "' is missing");
+    warnings.push_back("material library '" + library + "' is missing" +
+                       where_it_may_be(root, library));
   }
   return materials;
 }

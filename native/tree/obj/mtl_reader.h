@@ -24,6 +24,8 @@ namespace snowbough::tree {
 /// @param obj_path the OBJ file.
 /// @param libraries as the OBJ names them.
 /// @param used names of the materials that are wanted: what others lack is nobody's loss.
+/// @param outside_files whether files are read that lie, links followed, neither below the OBJ's
+///   folder nor below the folder above it: a downloaded library may name any file.
 /// @param warnings receives one line for every library and texture that is missing, with its name
 ///   and what is taken for it, and for every malformed line, with file and line.
 /// @return materials by name; of a name that comes twice, the first.
@@ -32,6 +34,7 @@ namespace snowbough::tree {
 std::map<std::string, ObjMaterial> read_materials(const std::string& obj_path,
                                                   const std::vector<std::string>& libraries,
                                                   const std::set<std::string>& used,
+                                                  bool outside_files,
                                                   std::vector<std::string>& warnings);
 
 }  // namespace snowbough::tree

@@ -89,6 +89,7 @@ void ObjAssembler::append(std::vector<ObjFragment> fragments, double share, int 
     const ObjScene& part = fragments[i].scene;
     const Begin& begin = begins[i];
     const auto copy = [](const auto& from, auto& to, size_t at) {
+      if (from.empty()) return;  // `to` may have no memory then
       std::copy(from.begin(), from.end(), to.begin() + static_cast<ptrdiff_t>(at));
     };
     copy(part.positions, scene_.positions, begin.position);

@@ -123,8 +123,11 @@ struct BadLine {
 
 class FragmentParser {
  public:
-  explicit FragmentParser(const ObjCounts& known)
-      : known_(known), groups_(scene_.names), materials_(scene_.materials) {}
+  FragmentParser(const ObjCounts& known, const glm::dvec3& origin)
+      : known_(known),
+        origin_(origin),
+        groups_(scene_.names),
+        materials_(scene_.materials) {}
 
   ObjFragment take() { return std::move(fragment_); }
 
@@ -148,9 +151,9 @@ class FragmentParser {
     const std::string_view keyword = line.token();
     if (keyword.empty() || keyword[0] == '#') return;
     if (keyword == "v") {
-      const float x = number(line);
-      const float y = number(line);
-      const float z = number(line);
+      const float x = number(line, origin_.x);
+      const float y = number(line, origin_.y);
+      const float z = number(line, origin_.z);
       scene_.positions.emplace_back(x, y, z);
     } else if (keyword == "vt") {
       const float u = number(line);
@@ -194,7 +197,7 @@ class FragmentParser {
     return value;
   }
 
-  static float number(Line& line) {
+  static float number(Line& line, double origin = 0.0) {
     line.skip_blanks();
     const char* begin = line.at;
     double value = 0.0;
@@ -204,7 +207,7 @@ class FragmentParser {
       const char* end = begin + token.size();
       value = any_number(*begin == '+' ? begin + 1 : begin, end, token);
     }
-    const auto single = static_cast<float>(value);
+    const auto single = static_cast<float>(value - origin);
     if (!std::isfinite(single)) {
       fail("number '" + std::string(begin, line.at) + "' is not finite");
     }
@@ -312,6 +315,7 @@ class FragmentParser {
   ObjScene& scene_ = fragment_.scene;
   FaceRun& run_ = fragment_.last;
   ObjCounts known_;
+  glm::dvec3 origin_;
   NameTable groups_;
   NameTable materials_;
 };
@@ -337,8 +341,9 @@ char* join_logical_line(char* begin, char* end, int64_t& breaks_joined) {
 
 }  // namespace
 
-ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known) {
-  FragmentParser parser(known);
+ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known,
+                              const glm::dvec3& origin) {
+  FragmentParser parser(known, origin);
   while (begin != end) {
     int64_t joined = 0;
     char* stop = join_logical_line(begin, end, joined);

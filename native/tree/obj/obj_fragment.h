@@ -61,6 +61,8 @@ struct ObjFragment {
 /// Reads the lines of [begin, end); only the last may lack its line break. The text is changed:
 /// continued lines are joined in place.
 /// @param known  what at least stands before the fragment, which spares remembering most indices.
-ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known);
+/// @param origin  taken off every vertex before it is rounded to single precision.
+ObjFragment read_obj_fragment(char* begin, char* end, const ObjCounts& known,
+                              const glm::dvec3& origin = glm::dvec3(0.0));
 
 }  // namespace snowbough::tree

@@ -13,6 +13,7 @@
 #include "base/parallel_for.h"
 #include "tree/obj/obj_assembler.h"
 #include "tree/obj/obj_fragment.h"
+#include "tree/obj/text.h"
 
 namespace snowbough::tree {
 namespace {
@@ -67,7 +68,9 @@ struct Chunk {
     if (std::memchr(buffer.data() + held, '\0', got) != nullptr) {
       throw std::invalid_argument(name + ": is no text file, hence no Wavefront OBJ");
     }
+    char* const from = buffer.data() + held - (held > 0 ? 1 : 0);
     held += got;
+    end_lines_by_newline(from, buffer.data() + held);
     at_end = got == 0 || stream.eof();
     if (at_end) buffer[held++] = '\n';
   }
@@ -76,8 +79,9 @@ struct Chunk {
 /// Reads whole lines, the pieces at once, and adds them to what was read before.
 /// @param share  of the file that ends with them; 0 = unknown.
 /// @param beside  work that one thread does at the same time.
-void read_lines(char* begin, char* end, double share, int threads,
+void read_lines(char* begin, char* end, double share, const ObjReadOptions& options,
                 const std::function<void()>& beside, ObjAssembler& all) {
+  const int threads = options.threads;
   const std::vector<char*> cuts = cut_pieces(begin, end);
   const ObjCounts known = all.counts();
   std::vector<ObjFragment> fragments(cuts.size() - 1);
@@ -85,7 +89,7 @@ void read_lines(char* begin, char* end, double share, int threads,
     if (block == 0) {
       beside();
     } else {
-      fragments[block - 1] = read_obj_fragment(cuts[block - 1], cuts[block], known);
+      fragments[block - 1] = read_obj_fragment(cuts[block - 1], cuts[block], known, options.origin);
     }
   });
   all.append(std::move(fragments), share, threads);
@@ -115,7 +119,7 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
     char* cut = now.at_end ? end : last_line_end(begin, end);
     if (now.at_end) {
       read_lines(
-          begin, cut, share, options.threads, [] {}, all);
+          begin, cut, share, options, [] {}, all);
       return all.finish();
     }
     if ((first && now.held < 3) || cut == begin) {
@@ -134,7 +138,7 @@ ObjScene read_obj(std::istream& stream, const std::string& name, const ObjReadOp
         error = std::current_exception();
       }
     };
-    read_lines(begin, cut, share, options.threads, read_on, all);
+    read_lines(begin, cut, share, options, read_on, all);
     if (error) std::rethrow_exception(error);
     first = false;
     std::swap(now, next);

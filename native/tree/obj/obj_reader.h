@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <glm/vec3.hpp>
 #include <istream>
 #include <string>
 
@@ -19,11 +20,14 @@ struct ObjReadOptions {
   /// Threads that share the work, the calling one included; 0 = one a core. The scene and the
   /// errors do not depend on it.
   int threads = 0;
+  /// Taken off every vertex before it is rounded to single precision.
+  glm::dvec3 origin{0.0};
 };
 
 /// Reads a Wavefront OBJ in one pass through two small buffers; the text is never held as a whole.
 ///
-/// Takes what real files hold: double and trailing blanks, tabs, LF or CRLF, line continuation by
+/// Takes what real files hold: double and trailing blanks, tabs, LF, CRLF or CR, line continuation
+/// by
 /// `\`, bare `g`, names with blanks, `v`, `v/vt`, `v//vn` and `v/vt/vn`, negative (relative) and
 /// forward indices, exponents, a leading `+`, vertex colours, a byte order mark, unknown keywords.
 ///

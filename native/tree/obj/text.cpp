@@ -1,6 +1,7 @@
 #include "tree/obj/text.h"
 
 #include <cstdint>
+#include <cstring>
 
 namespace snowbough::tree {
 namespace {
@@ -64,6 +65,15 @@ std::string lower_case(std::string_view text) {
     }
   }
   return lower;
+}
+
+void end_lines_by_newline(char* begin, char* end) {
+  while (begin != end) {
+    auto* at = static_cast<char*>(std::memchr(begin, '\r', static_cast<size_t>(end - begin)));
+    if (at == nullptr || at + 1 == end) return;
+    if (at[1] != '\n') *at = '\n';
+    begin = at + 1;
+  }
 }
 
 }  // namespace snowbough::tree

@@ -12,4 +12,8 @@ std::string to_utf8(std::string_view text);
 /// In small letters: those of ASCII and, in UTF-8, of Latin-1.
 std::string lower_case(std::string_view text);
 
+/// Ends lines by `\n` that end by a mere `\r`, as old Macs' do. One at the very end stays: a `\n`
+/// may follow.
+void end_lines_by_newline(char* begin, char* end);
+
 }  // namespace snowbough::tree

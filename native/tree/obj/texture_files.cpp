@@ -41,6 +41,11 @@ fs::path find_any_below(const fs::path& folder, const fs::path& relative) {
   return at;
 }
 
+bool is_inside(const fs::path& root, const fs::path& path) {
+  return root.empty() ||
+         std::mismatch(root.begin(), root.end(), path.begin(), path.end()).first == root.end();
+}
+
 /// The folders in a folder, in the order of their names.
 std::vector<fs::path> folders_in(const fs::path& folder) {
   std::vector<fs::path> found;
@@ -53,14 +58,18 @@ std::vector<fs::path> folders_in(const fs::path& folder) {
 }
 
 /// The folders in which a texture may lie, the likeliest first.
-std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, const fs::path& path) {
+std::vector<fs::path> texture_folders(const std::vector<fs::path>& folders, const fs::path& path,
+                                      const fs::path& root) {
   std::vector<fs::path> places;
   const auto add = [&](const fs::path& folder, const fs::path& relative) {
     std::error_code error;
     const fs::path found = find_any_below(folder, relative);
     if (fs::is_directory(found, error)) places.push_back(found);
   };
-  if (path.is_absolute()) add("/", path.parent_path().relative_path());
+  // Elsewhere may be another computer, which then hears of it.
+  if (path.is_absolute() && is_inside(root, path.lexically_normal())) {
+    add("/", path.parent_path().relative_path());
+  }
   for (const fs::path& folder : folders) {
     add(folder, path.parent_path().relative_path());
     add(folder, {});
@@ -100,24 +109,34 @@ fs::path find_below(const fs::path& folder, const fs::path& relative) {
   return fs::is_regular_file(found, error) ? found : fs::path();
 }
 
-std::string find_texture(const std::vector<fs::path>& folders, const std::string& name) {
+bool lies_below(const fs::path& root, const fs::path& file) {
+  if (root.empty()) return true;
+  std::error_code error;
+  const fs::path whole_root = fs::weakly_canonical(root, error);
+  const fs::path whole = error ? fs::path() : fs::weakly_canonical(file, error);
+  return !error && is_inside(whole_root, whole);
+}
+
+std::string find_texture(const std::vector<fs::path>& folders, const std::string& name,
+                         const fs::path& root) {
   const fs::path path(name);
-  for (const fs::path& folder : texture_folders(folders, path)) {
+  for (const fs::path& folder : texture_folders(folders, path, root)) {
     const fs::path found = find_below(folder, path.filename());
-    if (!found.empty()) return plain_path(found);
+    if (!found.empty() && lies_below(root, found)) return plain_path(found);
   }
   return {};
 }
 
-std::string find_converted_texture(const std::vector<fs::path>& folders, const std::string& name) {
+std::string find_converted_texture(const std::vector<fs::path>& folders, const std::string& name,
+                                   const fs::path& root) {
   const fs::path path(name);
   const std::string stem = lower_case(path.stem().string());
   std::set<std::string> found;
-  for (const fs::path& folder : texture_folders(folders, path)) {
+  for (const fs::path& folder : texture_folders(folders, path, root)) {
     std::error_code error;
     for (const fs::directory_entry& entry : fs::directory_iterator(folder, error)) {
       const fs::path& file = entry.path();
-      if (entry.is_regular_file(error) && is_image(file) &&
+      if (entry.is_regular_file(error) && is_image(file) && lies_below(root, file) &&
           lower_case(to_utf8(file.stem().string())) == stem) {
         found.insert(plain_path(file));
       }

@@ -11,6 +11,9 @@
 namespace snowbough::tree {
 namespace {
 
+/// Branches are counted by level, in an array.
+constexpr int32_t kHighestLevel = 1000;
+
 bool finite(const glm::vec3& p) {
   return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z);
 }
@@ -34,7 +37,10 @@ void check_branch(const Branch& branch, size_t index) {
   if (std::any_of(branch.areas.begin(), branch.areas.end(), bad)) {
     fail("has an area that is negative or not finite");
   }
-  if (branch.level < 0) fail("has a negative level");
+  if (branch.level < 0 || branch.level > kHighestLevel) {
+    fail("has the level " + std::to_string(branch.level) + ", which must be from 0 to " +
+         std::to_string(kHighestLevel));
+  }
   if (branch.parent < -1 || branch.parent >= static_cast<int32_t>(index)) {
     fail("must come after its parent (parent " + std::to_string(branch.parent) + ")");
   }
@@ -110,6 +116,7 @@ void scale_skeleton(Skeleton& skeleton, double factor) {
     std::for_each(points.begin(), points.end(), grow);
   }
   lengthen(skeleton.height);
+  skeleton.origin *= factor;
 }
 
 }  // namespace snowbough::tree

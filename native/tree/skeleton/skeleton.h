@@ -120,6 +120,9 @@ struct Skeleton {
   OriginalWood wood;
   /// Extent of the wood along Z in metres: every tolerance is relative to it.
   float height = 0.0f;
+  /// Where the origin of all points lies in the file's space, in metres, Z up: a tree far from the
+  /// file's origin has an origin of its own, as single precision has no room for both.
+  glm::dvec3 origin{0.0};
   ImportReport report;
 };
 

@@ -333,3 +333,28 @@ def test_the_mesh_does_not_depend_on_threads():
         assert np.array_equal(getattr(one, name), getattr(three, name)), name
     with pytest.raises(ValueError, match="threads"):
         native.build_tree_mesh(small_tree(), threads=-1)
+
+
+@pytest.mark.parametrize("far", [1e4, 1e6, 1e7, -3e8])
+def test_a_tree_far_from_the_origin_is_the_same_tree_there(tmp_path, far):
+    maple = Path(__file__).resolve().parents[2] / "data" / "small_maple.obj"
+    lines = maple.read_text().splitlines()
+    moved = [
+        "v "
+        + " ".join(f"{float(number) + by:.6f}" for number, by in zip(line.split()[1:], (far, 2 * far, -far)))
+        if line.startswith("v ")
+        else line
+        for line in lines
+    ]
+    (tmp_path / "far.obj").write_text("\n".join(moved))
+    here, there = native.read_tree(str(maple)), native.read_tree(str(tmp_path / "far.obj"))
+    assert here.origin == (0.0, 0.0, 0.0)
+    assert "far from the file's origin" in " ".join(there.report["warnings"])
+    expected, mesh = native.build_tree_mesh(here), native.build_tree_mesh(there)
+    assert len(mesh.quads) == len(expected.quads)
+    assert mesh.report["zero_area_faces"] == 0 and mesh.report["closed"]
+    # Of the Y up file: x, -z, y.
+    to_there = np.array(there.origin) - np.array([far, far, 2 * far])
+    assert np.abs(to_there).max() < 100.0
+    middle, moved_middle = (np.mean(np.array(m.vertices, np.float64), axis=0) for m in (expected, mesh))
+    assert moved_middle + to_there == pytest.approx(middle, abs=1e-3)

@@ -27,9 +27,11 @@ class Materials : public testing::Test {
     std::filesystem::create_directories((folder_ / name).parent_path());
     std::ofstream(folder_ / name, std::ios::binary) << text;
   }
-  std::map<std::string, ObjMaterial> read(const std::vector<std::string>& libraries) {
-    return read_materials((folder_ / "tree.obj").string(), libraries, {"a", "b", "leaf", "bark"},
-                          warnings_);
+  std::map<std::string, ObjMaterial> read(const std::vector<std::string>& libraries,
+                                          const std::string& obj = "tree.obj",
+                                          bool outside_files = false) {
+    return read_materials((folder_ / obj).string(), libraries, {"a", "b", "leaf", "bark"},
+                          outside_files, warnings_);
   }
 
   std::filesystem::path folder_;
@@ -184,6 +186,52 @@ TEST_F(Materials, AMalformedLineIsAWarningWithItsPlace) {
   write("a.mtl", "newmtl leaf\nKd x\nd 0.5\n");
   EXPECT_FLOAT_EQ(read({"a.mtl"})["leaf"].opacity, 0.5f);
   EXPECT_THAT(warnings_, ElementsAre(HasSubstr("a.mtl:2")));
+}
+
+TEST_F(Materials, ALibraryMayEndItsLinesByCarriageReturnsAlone) {
+  write("a.mtl", "newmtl leaf\rd 0.5\rnewmtl bark\rd 0.25\r");
+  auto materials = read({"a.mtl"});
+  EXPECT_FLOAT_EQ(materials["leaf"].opacity, 0.5f);
+  EXPECT_FLOAT_EQ(materials["bark"].opacity, 0.25f);
+}
+
+TEST_F(Materials, TexturesElsewhereAreReadOnlyWhereThatIsAllowed) {
+  write("secret.png", "");
+  const std::string absolute = (folder_ / "secret.png").string();
+  write("packs/oak/a.mtl", "newmtl leaf\nmap_Kd ../../secret.png\nnewmtl bark\nmap_Kd " + absolute);
+  const std::string obj = "packs/oak/tree.obj";
+  auto materials = read({"a.mtl"}, obj);
+  EXPECT_EQ(materials["leaf"].diffuse_texture.path, "");
+  EXPECT_EQ(materials["bark"].diffuse_texture.path, "");
+  EXPECT_THAT(warnings_,
+              ElementsAre(HasSubstr("files elsewhere are read only where that is allowed")));
+  warnings_.clear();
+  materials = read({"a.mtl"}, obj, true);
+  EXPECT_EQ(materials["leaf"].diffuse_texture.path, absolute);
+  EXPECT_EQ(materials["bark"].diffuse_texture.path, absolute);
+  EXPECT_THAT(warnings_, IsEmpty());
+}
+
+TEST_F(Materials, ALinkLeadsNowhereElseEither) {
+  write("secret/a.mtl", "newmtl leaf\nd 0.5\n");
+  write("secret/leaf.png", "");
+  write("packs/oak/b.mtl", "newmtl leaf\nmap_Kd leaf.png\n");
+  std::filesystem::create_symlink(folder_ / "secret", folder_ / "packs/oak/textures");
+  std::filesystem::create_symlink(folder_ / "secret/a.mtl", folder_ / "packs/oak/a.mtl");
+  const std::string obj = "packs/oak/tree.obj";
+  EXPECT_EQ(read({"b.mtl"}, obj)["leaf"].diffuse_texture.path, "");
+  EXPECT_TRUE(read({"a.mtl"}, obj).empty());
+  EXPECT_TRUE(read({"../../secret/a.mtl"}, obj).empty());
+  EXPECT_THAT(read({"b.mtl"}, obj, true)["leaf"].diffuse_texture.path, HasSubstr("leaf.png"));
+  EXPECT_FLOAT_EQ(read({"../../secret/a.mtl"}, obj, true)["leaf"].opacity, 0.5f);
+}
+
+TEST_F(Materials, ATextureInTheFolderAboveIsFoundByItsWay) {
+  write("pack/obj/a.mtl", "newmtl leaf\nmap_Kd ../art/leaf.png\n");
+  write("pack/art/leaf.png", "");
+  EXPECT_THAT(read({"a.mtl"}, "pack/obj/tree.obj")["leaf"].diffuse_texture.path,
+              HasSubstr("art/leaf.png"));
+  EXPECT_THAT(warnings_, IsEmpty());
 }
 
 }  // namespace

@@ -285,5 +285,30 @@ TEST(Parts, NumbersPartsByTheirFirstFace) {
   EXPECT_THAT(parts.run, ElementsAre(0, 1));
 }
 
+TEST(ReadObj, LinesMayEndByCarriageReturnsAlone) {
+  const std::string text = "g a\n" + kTriangle + "vt 0 1\nf 1/1 2/1 3/1\nv 1 2 \\\n3\nf -1 2 3\n";
+  const auto with_ends = [&](const std::string& end) {
+    std::string changed;
+    for (const char c : text) changed += c == '\n' ? end : std::string(1, c);
+    return changed;
+  };
+  const ObjScene expected = parse(text);
+  for (const size_t buffer : {1, 2, 3, 5, 8, 13, 21, 1 << 16}) {
+    for (const char* end : {"\r", "\r\n"}) {
+      expect_same(parse(with_ends(end), buffer), expected, "buffer of " + std::to_string(buffer));
+    }
+  }
+  EXPECT_THAT(error_of("v 0 0 0\rv 1 0\rf 1 1 1\r"), HasSubstr("t.obj:2: a number is missing"));
+}
+
+TEST(ReadObj, AnOriginIsTakenOffBeforeNumbersAreRounded) {
+  std::istringstream stream("v 10000000.25 0 -3\nv 10000000.5 0 -3\nv 10000000.5 1 -3\nf 1 2 3\n");
+  ObjReadOptions options;
+  options.origin = {1e7, 0.0, -3.0};
+  const ObjScene scene = read_obj(stream, "t.obj", options);
+  EXPECT_THAT(scene.positions,
+              ElementsAre(glm::vec3(0.25f, 0, 0), glm::vec3(0.5f, 0, 0), glm::vec3(0.5f, 1, 0)));
+}
+
 }  // namespace
 }  // namespace snowbough::tree
