@@ -24,7 +24,7 @@ FLOORS = {
 # can be named like a room; where it is not, it stands above all rooms. In folders that are not listed, rooms
 # need only be free of circles.
 ROOMS = {
-    "native/snow": "state texels seams scene repose output step",
+    "native/snow": "state texels seams scene repose output surface step",
     "native/tree": "skeleton obj rings welded read surface crossings mesh tubes rims detail uv leaves original",
 }
 

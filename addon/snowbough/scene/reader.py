@@ -232,7 +232,7 @@ class SceneReader:
             known.positions.flags.writeable = False
         if known.lost is not None and known.lost.all():
             if group.receiver is not None:
-                raise SceneError(f"'{group.label}' is beyond {FARTHEST:g} m at frame {frame}: move it nearer")
+                raise SceneError(f"'{group.shown}' is beyond {FARTHEST:g} m at frame {frame}: move it nearer")
             return _empty_pose(key, group)
         self._update_topology(known, group, records, flips, frame)
         prints = (
