@@ -1,9 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the snow of receivers over a 3D view with Blender's ``gpu`` module (3.4 to 5.2; OpenGL, Vulkan, Metal).
 
-Heights are a texture of one float a texel, positions and normals of the receiver's own vertices two textures, and the
-points of its surface_mesh look up in them where they are: nothing as fine as the snow is made or sent again while the
-timeline plays. What is handed over is sent when it is next drawn.
+Points and normals of a receiver's surface (receiver_surface) are sent when they have changed and are next drawn.
 """
 
 import bpy
@@ -11,14 +9,11 @@ import gpu
 import numpy as np
 from mathutils import Matrix, Vector
 
-from . import interface, surface_mesh
-from .normals import NormalTable
+from . import interface
 
-# Texels that an edge of what is drawn is long.
-TEXELS_PER_EDGE = 2.0
-MOST_TRIANGLES = 1_000_000
-# Where the processor draws: so many take about a fifth of the time in which it draws Blender's window without them.
-MOST_TRIANGLES_SOFTWARE = 30_000
+# Points of all surfaces together, and the factor on lengths of edges; the second where the processor draws.
+MOST_POINTS, SCALE = 200_000, 1.0
+MOST_POINTS_SOFTWARE, SCALE_SOFTWARE = 15_000, 2.0
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
 # Where light comes from, in the view: left, above and from behind the one who looks.
 LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
@@ -51,8 +46,6 @@ def _shader():
     info = gpu.types.GPUShaderCreateInfo()
     for location, (name, kind, _, _) in enumerate(interface.ATTRIBUTES):
         info.vertex_in(location, kind, name)
-    for slot, name in enumerate(interface.TABLES):
-        info.sampler(slot, "FLOAT_2D", name)
     for kind, name in interface.CONSTANTS:
         info.push_constant(kind, name)
     varyings = gpu.types.GPUStageInterfaceInfo("snowbough_preview")
@@ -67,114 +60,43 @@ def _shader():
     return gpu.shader.create_from_info(info)
 
 
-def _texture(values, width, format):
-    """A texture of (N, C) float32 in rows of `width` texels, filled up with zeros."""
-    channels = values.shape[1]
-    height = max(1, -(-len(values) // width))
-    filled = np.zeros(height * width * channels, dtype=np.float32)
-    filled[: values.size] = values.reshape(-1)
-    buffer = gpu.types.Buffer("FLOAT", filled.size, filled)
-    return gpu.types.GPUTexture((width, height), format=format, data=buffer)
-
-
-def _table(values):
-    """A texture of (N, 3) or (N, 4) values, one a texel."""
-    padded = np.zeros((max(len(values), 1), 4), dtype=np.float32)
-    padded[: len(values), : values.shape[1]] = values
-    return _texture(padded, interface.ROW, "RGBA32F")
-
-
-def _further_rows(entries):
-    """(4 N, 4): four texels an entry, as add_further in the vertex shader reads them."""
-    rows = np.zeros((len(entries), 4, 4), dtype=np.float32)
-    rows[:, 0, :3], rows[:, 0, 3] = entries.corners, entries.weights[:, 0]
-    rows[:, 1, :3], rows[:, 1, 3] = entries.normals, entries.weights[:, 1]
-    rows[:, 2, :2] = entries.uv
-    rows[:, 3] = entries.tangents
-    return rows.reshape(-1, 4)
-
-
 class ReceiverDrawing:
-    """The snow of one receiver: what is known of it, and what of that the driver has.
+    """The snow of one receiver: its surface, and what of that the driver has."""
 
-    topology: scene.pose.Topology; positions (V, 3) metres of its first pose; resolution: of its map; most_triangles:
-    that it may take.
-    """
-
-    def __init__(self, topology, positions, resolution, most_triangles):
-        self.topology = topology
-        self.resolution = resolution
+    def __init__(self, surface):
+        self.surface = surface
         self.is_there = True
         """Whether the object is in the view."""
-        self._most_triangles = most_triangles
-        self._normals = NormalTable(topology)
-        self.mesh = surface_mesh.build(
-            topology, positions, self._normals.corners, TEXELS_PER_EDGE, resolution, most_triangles
-        )
-        self._batch = None
-        self._textures = {}
-        self._unsent = {"further": _further_rows(self.mesh.more)}
-        self._positions = None
-        self.set_positions(positions)
-        self.set_heights(np.zeros((resolution, resolution), dtype=np.float32))
+        self._unsent = None
+        self._triangles = self._indices = self._batch = None
 
-    def set_positions(self, positions):
-        """The pose to draw on, (V, 3) metres; the same array again costs nothing."""
-        if positions is not self._positions:
-            self._positions = positions
-            self._unsent["positions"] = positions
-
-    def with_topology(self, topology, positions):
-        """The same snow on another mesh."""
-        other = ReceiverDrawing(topology, positions, self.resolution, self._most_triangles)
-        other.set_heights(self._heights)
-        return other
-
-    def set_heights(self, heights):
-        """(H, H) metres along the normal, row 0 = v 0, negative on the back."""
-        self._heights = self._unsent["heights"] = heights
+    def set_snow(self, heights, open_depth, positions, style):
+        """What ReceiverSurface.points takes."""
+        self._unsent = self.surface.points(heights, open_depth, positions, style)
 
     def _send(self):
         """Hands over to the driver what it does not have yet."""
-        if "positions" in self._unsent:
-            self._textures["normals"] = _table(self._normals.compute(self._positions))
-            self._textures["positions"] = _table(self._unsent.pop("positions"))
-        if "heights" in self._unsent:
-            heights = np.ascontiguousarray(self._unsent.pop("heights"), dtype=np.float32)
-            self._textures["heights"] = _texture(heights.reshape(-1, 1), self.resolution, "R32F")
-        if "further" in self._unsent:
-            self._textures["further"] = _table(self._unsent.pop("further"))
-        if self._batch is None:
-            self._batch = self._make_batch()
-
-    def _make_batch(self):
-        mesh, first = self.mesh, self.mesh.first
+        if self._unsent is None:
+            return
+        places, normals = self._unsent
+        self._unsent = None
         vertex_format = gpu.types.GPUVertFormat()
         for name, _, component, length in interface.ATTRIBUTES:
-            fetch = "INT" if component == "I32" else "FLOAT"
-            vertex_format.attr_add(id=name, comp_type=component, len=length, fetch_mode=fetch)
-        values = {
-            "corners": first.corners,
-            "corner_normals": first.normals,
-            "weights": np.concatenate([first.weights, mesh.inside[:, None]], axis=1),
-            "uv": first.uv,
-            "tangents": first.tangents,
-            "more": mesh.more_range,
-        }
-        vertices = gpu.types.GPUVertBuf(len=len(first), format=vertex_format)
-        for name, array in values.items():
-            vertices.attr_fill(id=name, data=np.ascontiguousarray(array))
-        return gpu.types.GPUBatch(
-            type="TRIS", buf=vertices, elem=gpu.types.GPUIndexBuf(type="TRIS", seq=mesh.triangles)
-        )
+            vertex_format.attr_add(id=name, comp_type=component, len=length, fetch_mode="FLOAT")
+        vertices = gpu.types.GPUVertBuf(len=max(len(places), 1), format=vertex_format)
+        if len(places):
+            for name, values in (("place", places), ("normal", normals)):
+                vertices.attr_fill(id=name, data=np.ascontiguousarray(values, dtype=np.float32))
+        if self._triangles is not self.surface.triangles:
+            self._triangles = self.surface.triangles
+            self._indices = gpu.types.GPUIndexBuf(type="TRIS", seq=self._triangles)
+        self._batch = gpu.types.GPUBatch(type="TRIS", buf=vertices, elem=self._indices)
 
     def draw(self, shader):
         """With the shader bound and its view set."""
         self._send()
-        for name in interface.TABLES:
-            shader.uniform_sampler(name, self._textures[name])
-        shader.uniform_float("map_size", float(self.resolution))
-        self._batch.draw(shader)
+        if self._batch is not None and len(self._triangles):
+            self._batch.draw(shader)
 
 
 class Drawing:

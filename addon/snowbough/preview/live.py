@@ -13,8 +13,10 @@ import bpy
 from .. import native, session
 from ..names import REALTIME_ENGINE
 from ..scene.pose import metres_per_unit
+from ..surface.compute import seed_of
 from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
+from .receiver_surface import ReceiverSurface
 
 # Seconds between looks at the settings: Blender tells nobody when one of an add-on's changes.
 INTERVAL = 0.08
@@ -26,14 +28,21 @@ PAUSE = 0.4
 def make_drawing(simulated, metres):
     """The drawing.Drawing of a playback.Playback, without snow yet. metres: a Blender unit."""
     drawn = drawing.Drawing(metres)
-    most = drawing.MOST_TRIANGLES_SOFTWARE if drawing.is_software() else drawing.MOST_TRIANGLES
+    software = drawing.is_software()
+    most = drawing.MOST_POINTS_SOFTWARE if software else drawing.MOST_POINTS
+    scale = drawing.SCALE_SOFTWARE if software else drawing.SCALE
     # What is larger gets more of them.
     extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
     for key, own in simulated.maps.items():
-        pose = simulated.pose.objects[key]
         share = int(most * extent[key] / sum(extent.values()))
-        drawn.receivers[key] = drawing.ReceiverDrawing(pose.topology, pose.positions, own.resolution, share)
+        drawn.receivers[key] = drawing.ReceiverDrawing(
+            _surface(simulated.pose.objects[key], share, scale)
+        )
     return drawn
+
+
+def _surface(pose, most_points, scale):
+    return ReceiverSurface(native.load(), pose.topology, seed_of(pose.label), most_points, scale)
 
 
 class Preview:
@@ -88,21 +97,16 @@ class Preview:
         if self._shown is not self.simulation:
             self._shown = self.simulation
             self.drawn = make_drawing(self.simulated, self._metres)
+        styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.wishes.styles}
+        depth = self.simulated.wishes.total(self.simulated.frame)
         for key, receiver in self.drawn.receivers.items():
-            receiver.set_heights(self.heights(key))
-        self._show_poses()
-
-    def _show_poses(self):
-        for key, pose in self.simulated.pose.objects.items():
-            receiver = self.drawn.receivers.get(key)
-            if receiver is None:
+            pose = self.simulated.pose.objects.get(key)
+            receiver.is_there = pose is not None
+            if pose is None:
                 continue
-            if not receiver.topology.is_same(pose.topology):
-                self.drawn.receivers[key] = receiver.with_topology(pose.topology, pose.positions)
-            else:
-                receiver.set_positions(pose.positions)
-        for key in self.drawn.receivers:
-            self.drawn.receivers[key].is_there = key in self.simulated.pose.objects
+            receiver.surface = receiver.surface.on(pose.topology)
+            style = styles.get((pose.receiver.name, pose.receiver.library))
+            receiver.set_snow(self.heights(key), depth, pose.positions, style)
         _redraw()
 
     def _draw(self):

@@ -48,7 +48,9 @@ class Wishes:
     """Texels of a bake's map."""
     texel_size: float
     specs: tuple
-    """scene.pose.ReceiverSpec."""
+    """scene.pose.ReceiverSpec, without styles: these change nothing of the simulation."""
+    styles: tuple
+    """The same with styles."""
     winds: tuple
     """(fall angle, bearing) of every frame of the shot; empty where only evaluating the scene can tell."""
 
@@ -66,6 +68,7 @@ class Wishes:
             snow_of(settings),
             settings.blur_radius,
             settings.texel_size,
+            tuple(replace(spec, surface=None) for spec in receiver_specs(scene)),
             tuple(receiver_specs(scene)),
             () if None in winds else tuple(zip(*winds)),
         )

@@ -79,6 +79,15 @@ py::array_t<float> points(const snow::SnowSurface& surface, const InputArray<flo
   return to_numpy<float>(std::move(result), {count, 3});
 }
 
+py::array_t<float> point_normals(const InputArray<float>& points,
+                                 const InputArray<int32_t>& triangles) {
+  const auto places = rows_from_numpy<glm::vec3, float, 3>(points, "points");
+  const auto faces = rows_from_numpy<glm::ivec3, int32_t, 3>(triangles, "triangles");
+  std::vector<glm::vec3> normals = without_gil([&] { return snow::point_normals(places, faces); });
+  const auto count = static_cast<py::ssize_t>(normals.size());
+  return to_numpy<float>(std::move(normals), {count, 3});
+}
+
 }  // namespace
 
 void bind_surface(py::module_& module) {
@@ -87,6 +96,9 @@ void bind_surface(py::module_& module) {
              "About how many points a SnowSurface of a receiver would like to have at the default "
              "detail under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading "
              "(T, 3) or None: receivers share the points of a scene by it.");
+  module.def("point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
+             "Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. "
+             "ValueError for triangles that name no points.");
   py::class_<snow::SnowSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),

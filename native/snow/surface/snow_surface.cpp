@@ -200,4 +200,22 @@ std::vector<float> SnowSurface::shown_heights(const SurfaceFrame& frame) const {
   return shown;
 }
 
+std::vector<glm::vec3> point_normals(const std::vector<glm::vec3>& points,
+                                     const std::vector<glm::ivec3>& triangles) {
+  const auto count = static_cast<int32_t>(points.size());
+  std::vector<glm::vec3> normals(points.size(), glm::vec3(0.0f));
+  for (const glm::ivec3& t : triangles) {
+    if (std::min({t.x, t.y, t.z}) < 0 || std::max({t.x, t.y, t.z}) >= count) {
+      throw std::invalid_argument("triangles must name rows of points");
+    }
+    const glm::vec3 cross = glm::cross(points[t.y] - points[t.x], points[t.z] - points[t.x]);
+    for (int k = 0; k < 3; ++k) normals[t[k]] += cross;
+  }
+  for (glm::vec3& normal : normals) {
+    const float length = glm::length(normal);
+    normal = length > 0.0f ? normal / length : glm::vec3(0.0f, 0.0f, 1.0f);
+  }
+  return normals;
+}
+
 }  // namespace snowbough::snow

@@ -123,4 +123,9 @@ class SnowSurface {
   std::vector<glm::vec4> front_weight_;
 };
 
+/// Unit normals of points: the mean over their triangles, by area; straight up where there is none.
+/// @throws std::invalid_argument for triangles that name no points.
+std::vector<glm::vec3> point_normals(const std::vector<glm::vec3>& points,
+                                     const std::vector<glm::ivec3>& triangles);
+
 }  // namespace snowbough::snow

@@ -17,8 +17,6 @@ def declarations(stage):
     yield "#version 450 core"
     for name, value in interface.DEFINES.items():
         yield f"#define {name} {value}"
-    for slot, name in enumerate(interface.TABLES):
-        yield f"layout(binding = {slot}) uniform sampler2D {name};"
     for kind, name in interface.CONSTANTS:
         yield f"uniform {GLSL[kind]} {name};"
     for location, (kind, name) in enumerate(interface.VARYINGS):
@@ -42,8 +40,3 @@ def test_both_stages_compile_and_fit_together(tmp_path):
 
 def test_constants_fit_into_what_every_driver_takes():
     assert sum(BYTES[kind] for kind, _ in interface.CONSTANTS) <= 128
-
-
-def test_a_row_of_a_table_holds_whole_entries():
-    """An entry is four texels (drawing), which the shader takes one by one but never from two rows' ends at once."""
-    assert interface.ROW % 4 == 0
