@@ -66,6 +66,10 @@ def _forget_loaded_modules():
 
 
 def register():
+    if _blocks():  # a bake has kept all there is
+        sys.modules[f"{__package__}.session"].enabled = True
+        return
+    _unregister_modules()
     _forget_loaded_modules()
     for name in MODULES:
         module = importlib.import_module(f".{name}", __package__)
@@ -73,6 +77,36 @@ def register():
         _registered.append(module)
 
 
+# How often an add-on that was switched off in the middle of a bake looks for the bake's end.
+POLL_SECONDS = 0.1
+
+
 def unregister():
+    """While a bake runs within a call of its operator, as in the background, that operator's class must stay, and so
+    does all else: the bake is asked to stop, and the rest goes after it, or stays until Blender ends."""
+    if not _blocks():
+        _unregister_modules()
+        return
+    import bpy
+
+    session = sys.modules[f"{__package__}.session"]
+    session.enabled, session.bake.stop_requested = False, True
+    bpy.app.timers.register(_unregister_later, first_interval=POLL_SECONDS)
+
+
+def _blocks():
+    session = sys.modules.get(f"{__package__}.session")
+    return session is not None and session.bake is not None and session.bake.blocks
+
+
+def _unregister_later():
+    if _blocks():
+        return POLL_SECONDS
+    if not sys.modules[f"{__package__}.session"].enabled:
+        _unregister_modules()
+    return None
+
+
+def _unregister_modules():
     while _registered:
         _registered.pop().unregister()

@@ -70,6 +70,8 @@ class RunningBake:
         self.error = None
         self.cancelled = False
         self.stop_requested = False
+        self.blocks = False
+        """Whether a call of run() waits for it."""
         self.begun = time.monotonic()
         self.shown = 0.0
         self.in_render = False
@@ -240,6 +242,7 @@ def _restore_switching():
 def run(context, running):
     """Bakes and returns when it is done, in the background or in a script. The outcome is in `running`."""
     _begin(context, running)
+    running.blocks = True
     try:
         bpy.ops.render.render(scene=context.scene.name)
     finally:
