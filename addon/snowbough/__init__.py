@@ -77,21 +77,14 @@ def register():
         _registered.append(module)
 
 
-# How often an add-on that was switched off in the middle of a bake looks for the bake's end.
-POLL_SECONDS = 0.1
-
-
 def unregister():
     """While a bake runs within a call of its operator, as in the background, that operator's class must stay, and so
     does all else: the bake is asked to stop, and the rest goes after it, or stays until Blender ends."""
     if not _blocks():
         _unregister_modules()
         return
-    import bpy
-
-    session = sys.modules[f"{__package__}.session"]
-    session.enabled, session.bake.stop_requested = False, True
-    bpy.app.timers.register(_unregister_later, first_interval=POLL_SECONDS)
+    sys.modules[f"{__package__}.session"].enabled = False
+    sys.modules[f"{__package__}.bake.engine"].stop_and_call(_unregister_later)
 
 
 def _blocks():
@@ -100,8 +93,9 @@ def _blocks():
 
 
 def _unregister_later():
+    """Timer: waits for the bake's end."""
     if _blocks():
-        return POLL_SECONDS
+        return 0.1
     if not sys.modules[f"{__package__}.session"].enabled:
         _unregister_modules()
     return None

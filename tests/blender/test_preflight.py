@@ -216,9 +216,8 @@ def test_the_panel_tells_the_memory_that_the_module_tells(addon, tmp_path, resol
         simulation.add_object("a", triangles, uv, resolution=resolution)
         told = simulation.memory_estimate()["total"]
     memory = addon("bake.memory")
-    assert memory.estimate([memory.MapSize(resolution, len(triangles))], math.radians(65.0)) == pytest.approx(
-        told, rel=0.1
-    )
+    estimated = memory.estimate([memory.MapSize(resolution, len(triangles))], math.radians(65.0))
+    assert estimated == pytest.approx(told, rel=0.1)
     shown = next(text for text in texts(addon, "INFO") if "of memory" in text)
     assert int(shown.split()[-4]) == pytest.approx(told / 2**20, rel=0.1)
 

@@ -275,6 +275,12 @@ def stop():
         session.bake.stop_requested = True
 
 
+def stop_and_call(action):
+    """Asks the running bake to stop, and makes a timer of Blender's of action()."""
+    stop()
+    bpy.app.timers.register(action, first_interval=POLL_SECONDS)
+
+
 def _poll():
     """Waits in the main thread for the job's end."""
     global _finished

@@ -274,10 +274,8 @@ def _amounts(scene, maps):
     except (ValueError, OSError):
         return
     if free < disk:
-        yield Issue(
-            "WARNING",
-            f"Only {memory.text(free)} are free in {existing}; the bake may take {memory.text(disk)}",
-        )
+        text = f"Only {memory.text(free)} are free in {existing}; the bake may take {memory.text(disk)}"
+        yield Issue("WARNING", text)
 
 
 @bpy.app.handlers.persistent
