@@ -70,6 +70,10 @@ def _forget_loaded_modules():
 
 
 def register():
+    if _blocks():  # a bake has kept all there is
+        sys.modules[f"{__package__}.session"].enabled = True
+        return
+    _unregister_modules()
     _forget_loaded_modules()
     for name in MODULES:
         module = importlib.import_module(f".{name}", __package__)
@@ -78,5 +82,29 @@ def register():
 
 
 def unregister():
+    """While a bake runs within a call of its operator, as in the background, that operator's class must stay, and so
+    does all else: the bake is asked to stop, and the rest goes after it, or stays until Blender ends."""
+    if not _blocks():
+        _unregister_modules()
+        return
+    sys.modules[f"{__package__}.session"].enabled = False
+    sys.modules[f"{__package__}.bake.engine"].stop_and_call(_unregister_later)
+
+
+def _blocks():
+    session = sys.modules.get(f"{__package__}.session")
+    return session is not None and session.bake is not None and session.bake.blocks
+
+
+def _unregister_later():
+    """Timer: waits for the bake's end."""
+    if _blocks():
+        return 0.1
+    if not sys.modules[f"{__package__}.session"].enabled:
+        _unregister_modules()
+    return None
+
+
+def _unregister_modules():
     while _registered:
         _registered.pop().unregister()

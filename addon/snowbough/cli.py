@@ -21,7 +21,7 @@ import sys
 def parser():
     """The parser of all subcommands; `args.command` says which."""
     from .bake import cli as bake_cli
-    from .bake import surface_cli
+    from .ui import surface_cli
     from .gltf import cli as gltf_cli
     from .tree import cli as tree_cli
 
@@ -51,7 +51,7 @@ def run(arguments):
 
             return bake_cli.run(args)
         if args.command == "surface":
-            from .bake import surface_cli
+            from .ui import surface_cli
 
             return surface_cli.run(args)
         if args.command == "export":

@@ -10,6 +10,16 @@
 
 namespace snowbough::gpu {
 
+namespace {
+
+[[noreturn]] void refuse_forked() {
+  throw std::runtime_error(
+      "this process was forked from one that uses OpenGL: start it anew instead (multiprocessing's "
+      "'spawn'), or use the engine CPU");
+}
+
+}  // namespace
+
 std::shared_ptr<GpuThread> GpuThread::shared(const std::string& device) {
   std::shared_ptr<GpuThread> thread = begin(device);
   thread->info();
@@ -20,11 +30,16 @@ std::shared_ptr<GpuThread> GpuThread::begin(const std::string& device) {
   // Never destroyed: a simulation that outlives main must not find it gone.
   static auto* mutex = new std::mutex();
   static auto* threads = new std::map<std::string, std::weak_ptr<GpuThread>>();
+  static const base::ProcessMark made_in;
+  // Drivers have threads and locks of their own, which a forked process lacks or finds closed.
+  if (!made_in.is_here()) refuse_forked();
   const std::scoped_lock lock(*mutex);
   std::weak_ptr<GpuThread>& slot = (*threads)[device];
   std::shared_ptr<GpuThread> thread = slot.lock();
   if (thread == nullptr) {
-    thread = std::make_shared<GpuThread>(device);
+    thread = std::shared_ptr<GpuThread>(new GpuThread(device), [](GpuThread* done) {
+      if (done->is_in_this_process()) delete done;
+    });
     slot = thread;
   }
   return thread;
@@ -61,7 +76,12 @@ bool GpuThread::is_ready() const {
   return info_.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
 }
 
+void GpuThread::require_own_process() const {
+  if (!is_in_this_process()) refuse_forked();
+}
+
 void GpuThread::enqueue(std::function<void()> task) {
+  require_own_process();
   {
     const std::scoped_lock lock(mutex_);
     queue_.push_back(std::move(task));

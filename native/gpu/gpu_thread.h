@@ -13,6 +13,7 @@
 #include <type_traits>
 #include <typeindex>
 
+#include "base/process.h"
 #include "gpu/egl_context.h"
 
 namespace snowbough::gpu {
@@ -38,13 +39,15 @@ class GpuThread {
 
   /// Runs `work` on the thread, waits, and returns its result or throws its exception. A GL error
   /// that it leaves behind becomes a std::runtime_error. Called on the thread itself it just runs.
-  /// Without a context it throws what `info` throws.
+  /// Without a context it throws what `info` throws; in a forked process, which has not the thread,
+  /// a std::runtime_error.
   template <typename Work>
   std::invoke_result_t<Work> run(Work&& work) {
     using Result = std::invoke_result_t<Work>;
     if (is_current()) {
       return work();
     }
+    require_own_process();
     info();
     // Shared, because the thread is still inside the task when the caller has its result.
     auto task = std::make_shared<std::packaged_task<Result()>>([&work]() -> Result {
@@ -80,16 +83,23 @@ class GpuThread {
     return *static_cast<T*>(slot.get());
   }
 
+  /// Whether the process has the thread: a forked one has not. There, what lies on it is left.
+  bool is_in_this_process() const { return made_in_.is_here(); }
   /// True on the thread itself.
   bool is_current() const { return std::this_thread::get_id() == thread_.get_id(); }
   /// Waits for the context. @throws std::runtime_error where none could be made.
-  const GpuInfo& info() const { return info_.get(); }
+  const GpuInfo& info() const {
+    require_own_process();
+    return info_.get();
+  }
 
  private:
   static void throw_gl_errors();
+  void require_own_process() const;
   void enqueue(std::function<void()> task);
   void loop(const std::string& device, std::promise<GpuInfo> started);
 
+  base::ProcessMark made_in_;
   std::mutex mutex_;
   std::condition_variable wake_;
   std::deque<std::function<void()>> queue_;

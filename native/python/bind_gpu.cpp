@@ -20,7 +20,7 @@ namespace {
 class HeldGpu {
  public:
   explicit HeldGpu(const std::string& device) {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     base::start_thread_pool();
     thread_ = gpu::GpuThread::begin(device);
   }
@@ -32,13 +32,13 @@ class HeldGpu {
     if (thread == nullptr) {
       throw std::runtime_error("the GPU is closed: make a new Gpu");
     }
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     return thread->info();
   }
 
   void close() {
     std::shared_ptr<gpu::GpuThread> thread = std::move(thread_);
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     thread.reset();
   }
 

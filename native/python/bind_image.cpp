@@ -64,14 +64,14 @@ void write_exr(const std::string& path, const InputArray<float>& pixels,
   layout.compression = compression_named(compression);
   layout.attributes = attributes;
   const float* data = pixels.data();
-  py::gil_scoped_release unlocked;
+  ReleasedGil unlocked;
   image::write_exr(path, layout, data);
 }
 
 py::tuple read_exr(const std::string& path) {
   image::ExrImage image;
   {
-    py::gil_scoped_release unlocked;
+    ReleasedGil unlocked;
     image = image::read_exr(path);
   }
   const image::ExrLayout& layout = image.layout;
@@ -89,12 +89,12 @@ void write_png(const std::string& path, const py::array& pixels) {
   if (py::isinstance<py::array_t<uint8_t>>(pixels)) {
     const auto samples = InputArray<uint8_t>::ensure(pixels);
     const uint8_t* data = samples.data();
-    py::gil_scoped_release unlocked;
+    ReleasedGil unlocked;
     image::write_png8(path, shape.width, shape.height, shape.channels, data);
   } else if (py::isinstance<py::array_t<uint16_t>>(pixels)) {
     const auto samples = InputArray<uint16_t>::ensure(pixels);
     const uint16_t* data = samples.data();
-    py::gil_scoped_release unlocked;
+    ReleasedGil unlocked;
     image::write_png16(path, shape.width, shape.height, shape.channels, data);
   } else {
     throw std::invalid_argument("a PNG image needs an array of uint8 or uint16");

@@ -169,7 +169,7 @@ void bind_mesh_functions(py::module_& module) {
   module.def(
       "reduce_bones",
       [](const BoundMesh& source, int max_bones, int max_bone_level) {
-        py::gil_scoped_release release;
+        ReleasedGil release;
         auto bound = std::make_unique<BoundMesh>(source);
         ReducedBones reduced = reduce_bones(source.mesh.bones, {max_bones, max_bone_level});
         remap_weights(reduced.bone_map, bound->mesh.bone_indices, bound->mesh.bone_weights);
@@ -188,7 +188,7 @@ void bind_mesh_functions(py::module_& module) {
       [](const Skeleton& skeleton, const BoundMesh& mesh) {
         std::vector<int32_t> bones;
         {
-          py::gil_scoped_release release;
+          ReleasedGil release;
           bones = leaf_bones(skeleton, mesh.mesh.bones);
         }
         const py::ssize_t count = size(bones.size());
@@ -226,7 +226,7 @@ void bind_mesh_functions(py::module_& module) {
         require_corners(faces, points.size());
         std::vector<int32_t> pairs;
         {
-          py::gil_scoped_release release;
+          ReleasedGil release;
           std::vector<int32_t> all(faces.size());
           std::iota(all.begin(), all.end(), 0);
           for (const auto& [f, g] : crossing_quads(places, faces, all)) {
@@ -247,7 +247,7 @@ void bind_mesh_functions(py::module_& module) {
         const auto faces = rows_from_numpy<Quad, int32_t, 4>(quads, "quads");
         MeshCheck check;
         {
-          py::gil_scoped_release release;
+          ReleasedGil release;
           check = check_mesh(points, faces);
         }
         return check_dict(check);

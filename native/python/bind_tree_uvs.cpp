@@ -71,7 +71,7 @@ py::dict measure_uv_layout(const InputArray<float>& uv, const InputArray<float>&
   }
   UvLayoutMeasure measure;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     measure = tree::measure_uv_layout(surface, resolution);
   }
   py::dict result;

@@ -4,13 +4,19 @@
 
 #include <memory>
 
+#include "base/process.h"
+#include "python/released_gil.h"
+
 namespace snowbough::python {
 
-/// Deletes what waits for the GPU thread, without the GIL.
+/// Deletes what waits for the GPU thread, without the GIL. A forked process leaves it where it is.
 struct ReleaseGil {
+  base::ProcessMark made_in;
+
   template <typename Owner>
   void operator()(Owner* owner) const {
-    const pybind11::gil_scoped_release release;
+    if (!made_in.is_here()) return;
+    const ReleasedGil release;
     delete owner;
   }
 };
@@ -21,7 +27,7 @@ using HeldWithoutGil = std::unique_ptr<Owner, ReleaseGil>;
 /// What `work` returns, which runs without the GIL and so touches nothing of Python's.
 template <typename Work>
 auto without_gil(Work&& work) {
-  const pybind11::gil_scoped_release release;
+  const ReleasedGil release;
   return work();
 }
 

@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/progress.h"
+#include "python/released_gil.h"
 
 namespace snowbough::python {
 
@@ -19,7 +20,8 @@ class PythonProgress {
   explicit PythonProgress(py::object callback) : callback_(std::move(callback)) {}
 
   bool operator()(float share) {
-    py::gil_scoped_acquire gil;
+    std::optional<py::gil_scoped_acquire> gil;
+    take_gil([&gil] { gil.emplace(); });
     if (PyErr_CheckSignals() != 0) {
       raised_ = std::make_unique<py::error_already_set>();
       return false;
@@ -54,7 +56,7 @@ auto run_cancellable(const py::object& callback, const Work& work) {
   const base::Progress asked = [&progress](float share) { return progress(share); };
   std::optional<decltype(work(asked))> result;
   {
-    py::gil_scoped_release release;
+    ReleasedGil release;
     try {
       result.emplace(work(asked));
     } catch (const base::Cancelled&) {

@@ -47,6 +47,11 @@ Renderer::~Renderer() {
 
 void Renderer::close() {
   if (thread_ == nullptr) return;
+  if (!thread_->is_in_this_process()) {
+    static_cast<void>(drawing_.release());
+    thread_.reset();
+    return;
+  }
   try {
     // Behind all that was handed in before, so that nothing of it finds the scene gone.
     thread_->run([&] { drawing_->destroy(); });

@@ -195,3 +195,38 @@ def test_the_frame_range_follows_the_scene_until_it_is_set():
     assert scene.snowbough.frame_end == 15
     scene.snowbough.use_scene_range = True
     assert scene.snowbough.frame_end == 30
+
+
+@pytest.mark.parametrize("resolution", [256, 512, 1024])
+@pytest.mark.parametrize("kind", ["square", "sphere"])
+def test_the_panel_tells_the_memory_that_the_module_tells(addon, tmp_path, resolution, kind):
+    if kind == "square":
+        obj = s.square("Ground")
+    else:
+        bpy.ops.mesh.primitive_uv_sphere_add(segments=64, ring_count=32)
+        obj = bpy.context.object
+    s.receive(obj, resolution=resolution)
+    s.settings(tmp_path).repose = math.radians(65.0)
+    mesh, module = obj.data, addon("native").load()
+    mesh.calc_loop_triangles()
+    corners = [list(triangle.loops) for triangle in mesh.loop_triangles]
+    uv = [[tuple(mesh.uv_layers[0].data[corner].uv) for corner in triangle] for triangle in corners]
+    with module.SnowSimulation(engine="CPU", repose=math.radians(65.0)) as simulation:
+        triangles = [list(triangle.vertices) for triangle in mesh.loop_triangles]
+        simulation.add_object("a", triangles, uv, resolution=resolution)
+        told = simulation.memory_estimate()["total"]
+    memory = addon("bake.memory")
+    estimated = memory.estimate([memory.MapSize(resolution, len(triangles))], math.radians(65.0))
+    assert estimated == pytest.approx(told, rel=0.1)
+    shown = next(text for text in texts(addon, "INFO") if "of memory" in text)
+    assert int(shown.split()[-4]) == pytest.approx(told / 2**20, rel=0.1)
+
+
+def test_a_bake_that_does_not_fit_is_refused_before_anything_is_made(addon, tmp_path, monkeypatch):
+    s.receive(s.square("Ground"), resolution=1024)
+    s.settings(tmp_path / "cache")
+    monkeypatch.setattr(addon("bake.memory"), "available", lambda: 2**20)
+    assert any("1 MiB are free: lower the resolution" in text for text in texts(addon, "ERROR"))
+    with pytest.raises(RuntimeError, match="of memory and 1 MiB are free"):
+        s.bake()
+    assert not (tmp_path / "cache").exists()

@@ -92,3 +92,56 @@ def test_changed_code_runs_after_a_reload(addon, tmp_path, way):
     for name in ("handlers", "menu", "folders"):
         assert after[name] == before[name], name
     assert after["outcome"] == ["INFO", "kept"]
+
+
+DISABLED = """
+import sys
+from pathlib import Path
+import bpy
+sys.path.insert(0, TESTS)
+import snow_scene
+bpy.ops.preferences.addon_enable(module="snowbough")
+bpy.ops.wm.read_homefile(use_empty=True)
+bpy.ops.preferences.addon_enable(module="snowbough")
+snow_scene.receive(snow_scene.square("Ground"))
+snow_scene.settings(Path(CACHE), frames=(1, 8))
+
+def switch_off(scene, _depsgraph=None):
+    if scene.frame_current == 4:
+        bpy.app.handlers.frame_change_post.remove(switch_off)
+        bpy.ops.preferences.addon_disable(module="snowbough")
+        AGAIN
+
+bpy.app.handlers.frame_change_post.append(switch_off)
+try:
+    bpy.ops.snowbough.bake()
+except RuntimeError as error:
+    print(error)
+print("the script goes on")
+bpy.context.scene.frame_set(2)
+"""
+
+
+@pytest.mark.parametrize("again", ["pass", 'bpy.ops.preferences.addon_enable(module="snowbough")'])
+def test_the_add_on_may_be_switched_off_in_the_middle_of_a_bake(addon, tmp_path, again):
+    source, scripts = Path(addon("cli").__file__).parent, tmp_path / "scripts"
+    shutil.copytree(source, scripts / "addons" / "snowbough", ignore=shutil.ignore_patterns("__pycache__"))
+    program = DISABLED.replace("TESTS", repr(str(Path(__file__).parent))).replace("AGAIN", again)
+    program = program.replace("CACHE", repr(str(tmp_path / "cache")))
+    if not bpy.app.binary_path:
+        pytest.skip("needs a Blender program")
+    command = [
+        bpy.app.binary_path,
+        "-b",
+        "--factory-startup",
+        "--python-exit-code",
+        "1",
+        "--python-expr",
+        program,
+    ]
+    environment = {**os.environ, "BLENDER_USER_SCRIPTS": str(scripts)}
+    done = subprocess.run(command, env=environment, capture_output=True, text=True, timeout=120)
+    assert done.returncode == 0 and "Traceback" not in done.stderr, done.stdout + done.stderr
+    assert "the script goes on" in done.stdout
+    assert list(tmp_path.glob("cache/*/v001/*/height_0003.exr"))
+    assert not list(tmp_path.glob("cache/*/v001/*/height_0008.exr"))

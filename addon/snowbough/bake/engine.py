@@ -70,6 +70,8 @@ class RunningBake:
         self.error = None
         self.cancelled = False
         self.stop_requested = False
+        self.blocks = False
+        """Whether a call of run() waits for it."""
         self.begun = time.monotonic()
         self.shown = 0.0
         self.in_render = False
@@ -250,6 +252,7 @@ def _restore_switching():
 def run(context, running):
     """Bakes and returns when it is done, in the background or in a script. The outcome is in `running`."""
     _begin(context, running)
+    running.blocks = True
     try:
         bpy.ops.render.render(scene=context.scene.name)
     finally:
@@ -280,6 +283,12 @@ def stop():
     """Asks the running bake to stop after the frame it works on."""
     if session.bake is not None:
         session.bake.stop_requested = True
+
+
+def stop_and_call(action):
+    """Asks the running bake to stop, and makes a timer of Blender's of action()."""
+    stop()
+    bpy.app.timers.register(action, first_interval=POLL_SECONDS)
 
 
 def _poll():

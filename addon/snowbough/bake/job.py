@@ -24,7 +24,7 @@ from ..cache.files import digest, make_folder
 from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.manifest import read_inputs, read_manifest
 from ..scene.tracker import SceneTracker
-from . import plan, resuming, simulation
+from . import memory, plan, resuming, simulation
 from .choice import choose_receivers
 from .frames import FrameBaker
 from .log import open_log
@@ -166,6 +166,13 @@ class BakeJob:
         }
         for receiver in self.receivers:
             receiver.share = wanted.get(receiver.key, 0.0) / max(sum(wanted.values()), 1.0)
+        sizes = [
+            memory.MapSize(own.resolution, len(pose.objects[own.key].topology.triangles))
+            for own in self.receivers
+        ]
+        shortage = memory.shortage(sizes, self.request.snow["repose"])
+        if shortage:
+            raise RuntimeError(shortage)
 
     # -- settings, version, checkpoint -----------------------------------------------------------------
 

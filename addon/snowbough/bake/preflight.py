@@ -19,7 +19,7 @@ from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
 from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions
 from ..settings.preferences import preferred_engine
-from . import baked_receiver, changes_since_bake, plan
+from . import baked_receiver, changes_since_bake, memory, plan
 from .cache_place import cache_directory, existing_cache
 from .from_scene import constant_rates
 from .outcome import one_line
@@ -50,8 +50,9 @@ def check(scene, depsgraph):
         if entry.object is not None and entry.enabled:
             own, size = _receiver(scene, entry, depsgraph)
             issues += own
-            sizes.append(size)
-    issues += _amounts(scene, [size for size in sizes if size])
+            if size:
+                sizes.append(memory.MapSize(size, _triangle_count(entry.object, depsgraph)))
+    issues += _amounts(scene, sizes)
     issues += _alpha(depsgraph)
     issues += _outliers(scene, depsgraph)
     issues += [Issue(*trouble) for trouble in physics_caches.troubles(scene)]
@@ -228,6 +229,13 @@ def _receiver(scene, entry, depsgraph):
     return issues, receivers.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
 
 
+def _triangle_count(obj, depsgraph):
+    if obj.type != "MESH":
+        return 0
+    mesh = obj.evaluated_get(depsgraph).data
+    return len(mesh.loops) - 2 * len(mesh.polygons)
+
+
 def _automatic_size(scene, obj, mesh, uv):
     compat.ensure_triangles(mesh)
     triangles = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
@@ -243,20 +251,22 @@ def _automatic_size(scene, obj, mesh, uv):
         return None
 
 
-def _amounts(scene, sizes):
-    """Disk and memory that the maps take."""
-    if not sizes:
+def _amounts(scene, maps):
+    """Disk and memory that the maps take; maps: memory.MapSize."""
+    if not maps:
         return
+    repose = scene.snowbough.repose
+    shortage = memory.shortage(maps, repose)
+    if shortage:
+        yield Issue("ERROR", shortage)
+    sizes = [size.resolution for size in maps]
     texels = sum(size * size for size in sizes)
     frames = scene.snowbough.frame_end - scene.snowbough.frame_start + 1
     disk = texels * 4 * PACKED_SHARE * frames
-    # A texel of a receiver takes about 100 bytes while snow falls (positions, targets, maps), on the GPU where
-    # that does it.
-    memory = texels * 100
     yield Issue(
         "INFO",
-        f"{len(sizes)} maps, up to {max(sizes)} texels a side: at most about {_size(disk)} on disk for {frames} "
-        f"frames, {_size(memory)} of memory",
+        f"{len(sizes)} maps, up to {max(sizes)} texels a side: at most about {memory.text(disk)} on disk for {frames} "
+        f"frames, {memory.text(memory.estimate(maps, repose))} of memory",
     )
     try:
         folder = Path(cache_directory(scene))
@@ -265,11 +275,8 @@ def _amounts(scene, sizes):
     except (ValueError, OSError):
         return
     if free < disk:
-        yield Issue("WARNING", f"Only {_size(free)} are free in {existing}; the bake may take {_size(disk)}")
-
-
-def _size(count):
-    return f"{count / 2**30:.1f} GiB" if count >= 2**30 else f"{max(1, round(count / 2**20))} MiB"
+        text = f"Only {memory.text(free)} are free in {existing}; the bake may take {memory.text(disk)}"
+        yield Issue("WARNING", text)
 
 
 @bpy.app.handlers.persistent

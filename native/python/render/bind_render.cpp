@@ -28,13 +28,13 @@ void add_mesh(Renderer& renderer, const std::string& name, const InputArray<floa
     source.material = elements<int32_t>(array);
   }
   source.materials = materials_of(colors.empty() ? std::vector<Vec3>{color} : colors, images);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.add_mesh(name, source);
 }
 
 void set_places(Renderer& renderer, const std::string& mesh, const InputArray<float>& matrices) {
   const std::vector<glm::mat4> columns = matrices_of(matrices);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_places(mesh, columns);
 }
 
@@ -42,7 +42,7 @@ py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
                                 const RenderSettings& settings, int32_t samples) {
   LightPicture picture;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     picture = renderer.render_light(camera, settings, samples);
   }
   return to_numpy<float>(std::move(picture.rgba), {picture.height, picture.width, 4});
@@ -51,7 +51,7 @@ py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
 py::object take_frame(Renderer& renderer) {
   std::optional<PackedFrame> frame;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     frame = renderer.take_frame();
   }
   if (!frame) return py::none();
@@ -63,7 +63,7 @@ py::array_t<uint8_t> render_picture(Renderer& renderer, const Camera& camera,
                                     const RenderSettings& settings) {
   Picture picture;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     picture = renderer.render(camera, settings);
   }
   return to_numpy<uint8_t>(std::move(picture.rgba), {picture.height, picture.width, 4});
@@ -72,7 +72,7 @@ py::array_t<uint8_t> render_picture(Renderer& renderer, const Camera& camera,
 py::dict statistics(const Renderer& renderer) {
   FrameStatistics frame;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     frame = renderer.statistics();
   }
   py::dict dict;
@@ -100,7 +100,7 @@ py::array_t<float> triangles(Renderer& renderer, const std::string& tree, const 
                              const RenderSettings& settings) {
   std::vector<glm::vec3> corners;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     corners = renderer.triangles(tree, camera, settings);
   }
   const auto count = static_cast<py::ssize_t>(corners.size() / 3);
@@ -124,7 +124,7 @@ void bind_render(py::module_& module) {
   renderer
       .def(
           py::init([](const std::string& device, bool waits) {
-            const py::gil_scoped_release release;
+            const ReleasedGil release;
             base::start_thread_pool();
             return HeldWithoutGil<Renderer>(new Renderer(device, waits));
           }),
@@ -142,7 +142,7 @@ void bind_render(py::module_& module) {
           "one material of `color`.")
       .def("set_places", &set_places, "mesh"_a, "matrices"_a,
            "Where a mesh is: (P, 4, 4), a matrix a place from its own space to the world.")
-      .def("remove", &Renderer::remove, "name"_a, py::call_guard<py::gil_scoped_release>(),
+      .def("remove", &Renderer::remove, "name"_a, py::call_guard<ReleasedGil>(),
            "Takes a tree or a mesh away.")
       .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
            "A picture, (height, width, 4) uint8: sRGB, alpha 255 where something was drawn, row 0 "
@@ -155,7 +155,7 @@ void bind_render(py::module_& module) {
            "the rest shows the\nbackground's light.")
       .def(
           "request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
-          py::call_guard<py::gil_scoped_release>(),
+          py::call_guard<ReleasedGil>(),
           "Asks for a picture and returns its ticket at once; one that was asked for before and is "
           "not begun\nis forgotten.")
       .def("take_frame", &take_frame,
@@ -183,13 +183,13 @@ void bind_render(py::module_& module) {
             return info.renderer + ", " + info.version;
           },
           "Renderer and version of the driver.")
-      .def("close", &Renderer::close, py::call_guard<py::gil_scoped_release>(),
+      .def("close", &Renderer::close, py::call_guard<ReleasedGil>(),
            "Releases everything. Further calls raise RuntimeError.")
       .def(
           "__enter__", [](Renderer& self) -> Renderer& { return self; },
           py::return_value_policy::reference_internal)
       .def("__exit__", [](Renderer& self, const py::args&) {
-        const py::gil_scoped_release release;
+        const ReleasedGil release;
         self.close();
       });
   bind_render_trees(module, renderer);

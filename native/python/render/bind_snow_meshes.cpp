@@ -31,7 +31,7 @@ void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object
     snow = {elements<glm::vec2>(corners), static_cast<int32_t>(map.shape(1)),
             static_cast<int32_t>(map.shape(0)), elements<float>(map)};
   }
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_mesh_snow(mesh, snow);
 }
 
@@ -55,7 +55,7 @@ void add_snow_mesh(Renderer& renderer, const std::string& name, const InputArray
                    bool draws_base) {
   SnowSource source = snow_source(positions, triangles, uv, normals, color, resolution);
   source.draws_base = draws_base;
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.add_snow_mesh(name, source);
 }
 
@@ -63,7 +63,7 @@ void set_snow_pose(Renderer& renderer, const std::string& name, const InputArray
                    const py::object& normals) {
   const auto moved = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
   const auto corners = corner_normals(normals);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_snow_pose(name, moved, corners);
 }
 
@@ -72,13 +72,13 @@ void set_snow(Renderer& renderer, const std::string& name, const InputArray<floa
   require_finite(height, "height");
   const HeightMap map{static_cast<int32_t>(height.shape(1)), static_cast<int32_t>(height.shape(0)),
                       elements<float>(height)};
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_snow(name, map);
 }
 
 bool take_snow(Renderer& renderer, const std::string& name, snow::SnowSimulation& simulation,
                const std::string& object) {
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   const std::string& from = object.empty() ? name : object;
   const auto heights = simulation.live_output(from);
   if (heights != nullptr && renderer.share_snow(name, *heights)) return true;
@@ -90,7 +90,7 @@ bool take_snow(Renderer& renderer, const std::string& name, snow::SnowSimulation
 py::dict snow_levels(const Renderer& renderer, const std::string& mesh) {
   SnowLevels found;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     found = renderer.snow_levels(mesh);
   }
   const auto count = static_cast<py::ssize_t>(found.classes.size());

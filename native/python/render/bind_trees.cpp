@@ -17,13 +17,13 @@ void add_tree(Renderer& renderer, const std::string& name, const py::object& tre
   const TreeSource source = py::isinstance<py::dict>(tree)
                                 ? tree_source(py::cast<py::dict>(tree))
                                 : tree_source(py::cast<const BoundMesh&>(tree).mesh);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.add_tree(name, source, {bark_depth, to_vec3(bark_dark), to_vec3(bark_light)});
 }
 
 void set_pose(Renderer& renderer, const std::string& tree, const InputArray<float>& matrices) {
   const std::vector<glm::mat4> columns = matrices_of(matrices);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_pose(tree, columns);
 }
 
@@ -34,7 +34,7 @@ void set_bark(Renderer& renderer, const std::string& tree, const InputArray<floa
   require_shape(materials, {uv.shape(0)}, "materials");
   const BarkSource source{elements<std::array<glm::vec2, 4>>(uv), elements<int32_t>(materials),
                           materials_of(colors, images)};
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_bark(tree, source);
 }
 
@@ -61,14 +61,14 @@ void set_leaves(Renderer& renderer, const std::string& tree, const InputArray<fl
     source.material = elements<int32_t>(array);
   }
   source.materials = materials_of(colors, images);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   renderer.set_leaves(tree, source);
 }
 
 py::dict levels(const Renderer& renderer, const std::string& tree) {
   TreeLevels found;
   {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     found = renderer.levels(tree);
   }
   const auto count = static_cast<py::ssize_t>(found.classes.size());

@@ -16,7 +16,7 @@ class HeldEngine {
  public:
   HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
     const snow::EngineChoice::Wish wish{snow::engine_kind(engine), mapping_from(mapping), device};
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     base::start_thread_pool();
     choice_ = std::make_unique<snow::EngineChoice>(wish);
   }
@@ -32,7 +32,7 @@ class HeldEngine {
   }
 
   void close() {
-    const py::gil_scoped_release release;
+    const ReleasedGil release;
     choice_.reset();
   }
 

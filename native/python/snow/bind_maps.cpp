@@ -15,7 +15,7 @@ py::dict texel_table(const InputArray<int32_t>& triangles, const InputArray<floa
   const snow::MapTopology topology = map_topology(triangles, uv, resolution);
   snow::TexelTable table;
   {
-    py::gil_scoped_release unlocked;
+    ReleasedGil unlocked;
     table = snow::build_texel_table(topology);
   }
   const auto texels = static_cast<py::ssize_t>(table.texel.size());
@@ -55,7 +55,7 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
   std::vector<float> stored(height.data(), height.data() + height.size());
   snow::MapOutput output;
   {
-    py::gil_scoped_release unlocked;
+    ReleasedGil unlocked;
     const snow::TexelTable table = snow::build_texel_table(topology);
     const snow::SeamTable seams = snow::build_seam_table(topology, table, points);
     // Only the surface's own texels count.

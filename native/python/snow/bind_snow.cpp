@@ -37,7 +37,7 @@ Holder make_simulation(double pixel_size, double noise_density, double flutter, 
                                     snow::engine_kind(engine),
                                     device,
                                     wait_for_gpu};
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   return Holder(new SnowSimulation(settings));
 }
 
@@ -50,7 +50,7 @@ void give_object(SnowSimulation& simulation, const std::string& name,
                  const py::object& shading, const std::string& sides) {
   snow::ObjectDescription description = describe_object(
       name, triangles, uv, resolution, receive, occlude, rest, blur_radius, alpha, shading, sides);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   (simulation.*give)(std::move(description));
 }
 
@@ -70,7 +70,7 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
                  static_cast<size_t>(array.shape(0))};
     arrays.push_back(std::move(array));
   }
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
 }
 
@@ -87,7 +87,7 @@ void change_settings(SnowSimulation& simulation, std::optional<double> noise_den
   settings.repose = repose.value_or(settings.repose);
   settings.cohesion = cohesion.value_or(settings.cohesion);
   settings.seed = static_cast<uint32_t>(seed.value_or(settings.seed));
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   simulation.change_settings(settings);
 }
 
@@ -103,7 +103,7 @@ py::array_t<float> map_of(SnowSimulation& simulation, const std::string& name) {
 }
 
 snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& name, bool normal) {
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   return simulation.snapshot(name, normal);
 }
 
@@ -293,7 +293,7 @@ void bind_snow(py::module_& module) {
           "Takes other settings from the next step on, in the constructor's units; the snow that\n"
           "lies stays, and so do settings that are not named. ValueError for what is out of range.")
       .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
-           py::call_guard<py::gil_scoped_release>(),
+           py::call_guard<ReleasedGil>(),
            "Another sigma in metres for the blur of a receiver's output; the stored map stays.")
       .def("height", &map_of<&SnowSimulation::height>, "name"_a,
            "Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative "
@@ -308,21 +308,20 @@ void bind_snow(py::module_& module) {
            "thread, also while the simulation goes on or when it is closed.")
       .def(
           "prepare_output", &SnowSimulation::prepare_output, "name"_a,
-          py::call_guard<py::gil_scoped_release>(),
+          py::call_guard<ReleasedGil>(),
           "Begins with what output of a receiver needs to build first, beside the next steps, and\n"
           "returns at once; changes no result. ValueError before its rest pose is known.")
-      .def("save", &SnowSimulation::save, "path"_a, py::call_guard<py::gil_scoped_release>(),
+      .def("save", &SnowSimulation::save, "path"_a, py::call_guard<ReleasedGil>(),
            "Writes a checkpoint atomically.")
       .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
-           py::call_guard<py::gil_scoped_release>(),
+           py::call_guard<ReleasedGil>(),
            "Takes a checkpoint of a simulation with the same settings and objects, and goes on bit "
            "for\n"
            "bit. RuntimeError for a file that is none or is damaged, ValueError naming what "
            "differs.")
       .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
            "Area in m2 that each texel covers now, (H, W) float32, 0 where there is no surface.")
-      .def("measure_passes", &SnowSimulation::measure_passes, "on"_a,
-           py::call_guard<py::gil_scoped_release>(),
+      .def("measure_passes", &SnowSimulation::measure_passes, "on"_a, py::call_guard<ReleasedGil>(),
            "Whether the engine GL measures its passes from now on.")
       .def("pass_costs", &pass_costs,
            "What the passes of the engine GL took since the last call, by name: 'calls', "
@@ -334,13 +333,13 @@ void bind_snow(py::module_& module) {
           "volumes in m3, areas in m2.")
       .def("memory_estimate", &memory_estimate,
            "What the simulation takes, in bytes by kind, and as a line of text.")
-      .def("close", &SnowSimulation::close, py::call_guard<py::gil_scoped_release>(),
+      .def("close", &SnowSimulation::close, py::call_guard<ReleasedGil>(),
            "Releases everything. Further calls raise RuntimeError.")
       .def(
           "__enter__", [](SnowSimulation& self) -> SnowSimulation& { return self; },
           py::return_value_policy::reference_internal)
       .def("__exit__", [](SnowSimulation& self, const py::args&) {
-        const py::gil_scoped_release release;
+        const ReleasedGil release;
         self.close();
       });
 }

@@ -67,14 +67,14 @@ py::dict state_of(SnowSimulation& simulation) {
 
 void set_state(SnowSimulation& simulation, const py::dict& given) {
   const snow::SimulationState state = from_dict(given);
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   simulation.set_state(state);
 }
 
 void write_checkpoint(const std::string& path, const py::dict& given,
                       const std::string& description) {
   const snow::Checkpoint checkpoint{description, from_dict(given)};
-  const py::gil_scoped_release release;
+  const ReleasedGil release;
   snow::save_checkpoint(path, checkpoint);
 }
 

@@ -27,8 +27,8 @@ inline uint8_t noted_link(uint16_t link, float own, float beside) {
   const float other = linked ? beside : 0.0f;
   const float one = linked ? std::fabs(own) : 0.0f;
   const float two = std::fabs(other);
-  const int32_t own_edge = (one >= two) & (one > 0.0f) ? kOwnEdge : 0;
-  const int32_t other_edge = (two >= one) & (two > 0.0f) ? kOtherEdge : 0;
+  const int32_t own_edge = ((one >= two) & (one > 0.0f)) ? kOwnEdge : 0;
+  const int32_t other_edge = ((two >= one) & (two > 0.0f)) ? kOtherEdge : 0;
   const int32_t edges = own_edge | other_edge;
   return static_cast<uint8_t>(is_open(own, other) ? kOpenLink : edges);
 }

@@ -77,7 +77,7 @@ inline void move_row(int32_t cells, float* __restrict gain, int32_t* __restrict 
     gain[i] = 0.0f;
     const float now = held[i] + static_cast<float>(come[i]);
     top[i] = z[i] + lift[i] * now;
-    gives[i] = (now > 0.0f) & (lift[i] > 0.0f) ? now : 0.0f;
+    gives[i] = ((now > 0.0f) & (lift[i] > 0.0f)) ? now : 0.0f;
   }
 }
 
@@ -88,7 +88,7 @@ inline bool is_row_over(int32_t step, const float* __restrict top, const float* 
   for (int32_t i = 0; i < kReposeBlock; ++i) {
     const float fall = top[i] - top[i + step];
     const float had = fall < 0.0f ? gives[i + step] : gives[i];
-    over |= (std::abs(fall) > limit[i]) & (had >= 1.0f) ? 1 : 0;
+    over |= ((std::abs(fall) > limit[i]) & (had >= 1.0f)) ? 1 : 0;
   }
   return over != 0;
 }

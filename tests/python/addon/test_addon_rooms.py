@@ -76,6 +76,7 @@ WITHOUT_BLENDER = (
     "gltf.texels",
     "gltf.thinning",
     "gltf.tree_file",
+    "bake.memory",
     "bake.plan",
     "bake.request",
     "bake.log",

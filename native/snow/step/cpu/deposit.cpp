@@ -219,7 +219,7 @@ class GroupGather {
     uint32_t others = 0;
     for (uint32_t k = 0; k < count; ++k) {
       others_[others] = k;
-      others += !(clearance_[k] >= -hair) & (most_[k] > 0.0f) ? 1 : 0;
+      others += int{!(clearance_[k] >= -hair)} & int{most_[k] > 0.0f};
     }
     if (others > 0) find_partly_seen(run, others);
     add_gained(run, count);

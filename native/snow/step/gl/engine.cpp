@@ -41,7 +41,12 @@ class GlEngine final : public Engine {
   GlEngine(std::shared_ptr<gpu::GpuThread> thread, DepositMapping mapping)
       : thread_(std::move(thread)), by_geometry_(mapping == DepositMapping::kGeometry) {}
   ~GlEngine() override {
-    if (passes_ != nullptr) thread_->run([this] { passes_.reset(); });
+    if (passes_ == nullptr) return;
+    if (thread_->is_in_this_process()) {
+      thread_->run([this] { passes_.reset(); });
+    } else {
+      static_cast<void>(passes_.release());
+    }
   }
   GlEngine(const GlEngine&) = delete;
   GlEngine& operator=(const GlEngine&) = delete;

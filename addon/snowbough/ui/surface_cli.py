@@ -13,8 +13,8 @@ from ..names import EXIT_FAILED, EXIT_OK
 from ..result import surface_preview
 from ..surface import compute
 from ..surface.style import DETAILS
-from .cli import exit_code
-from .outcome import one_line
+from ..bake.cli import exit_code
+from ..bake.outcome import one_line
 
 
 def add_arguments(parser):
