@@ -173,21 +173,21 @@ class BoundSweep {
     return rows;
   }
 
-  /// Up and down in turns until nothing changes.
+  /// Over links, up and down in turns until nothing changes; then over quads, and so on.
   void sweep(uint64_t rows) {
     while ((rows | quads_) != 0) {
       fresh_ = 0;
       for (int32_t row = 0; row < TileWindow::kRows; ++row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
-        pass_over_quads(row - 1);
       }
       rows = fresh_;
       fresh_ = 0;
       for (int32_t row = TileWindow::kRows - 1; row >= 0; --row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
-        pass_over_quads(row);
       }
       rows = fresh_;
+      for (int32_t row = 0; rows == 0 && row < kReposeBlock; ++row) pass_over_quads(row);
+      rows |= fresh_;
     }
   }
 
