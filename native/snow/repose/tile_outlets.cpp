@@ -42,16 +42,17 @@ inline bool lower_row(const float* __restrict passed, const float* __restrict li
   return changes != 0;
 }
 
-/// A row of quads seen from two of their corners, across from the sides A to B: a side's length, its
-/// distance from the corners, and A's place along it from the foot of the first corner (the other's
-/// is a length less). In metres that the bound may rise on the way; all 0: there is no quad.
+/// A row of quads seen from two of their corners, across from the sides A to B: a side's length,
+/// its distance from the corners, and A's place along it from the foot of the first corner (the
+/// other's is a length less). In metres that the bound may rise on the way; all 0: there is no
+/// quad.
 struct Sides {
   std::array<float, kReposeBlock> length, away, place;
 };
 
-/// Measures a row's quads, of a cell and its neighbours to the right, above, and above on the right:
-/// the sides up the map, and along it. The limits of a quad's links are the lengths of its sides and
-/// of its diagonal.
+/// Measures a row's quads, of a cell and its neighbours to the right, above, and above on the
+/// right: the sides up the map, and along it. The limits of a quad's links are the lengths of its
+/// sides and of its diagonal.
 inline void measure_row(const float* __restrict right, const float* __restrict above,
                         const float* __restrict diagonal, Sides& up, Sides& along) {
   // Part of its sides' product below which a quad is a line, seen from above.
@@ -77,9 +78,9 @@ inline void measure_row(const float* __restrict right, const float* __restrict a
 /// Lowers the bounds of the first or the second of the corners from which a row of quads is seen to
 /// what comes over the side from `a` to `b`, between which bounds rise evenly: along the way on
 /// which they rise least, where that meets the side (Hopf and Lax's formula on a triangle: F.
-/// Bornemann and C. Rasch, Finite-element discretization of static Hamilton-Jacobi equations based on
-/// a local variational principle, 2006). `sign`: -1, the side is that on the other side of the quads.
-/// Returns whether any of either changed.
+/// Bornemann and C. Rasch, Finite-element discretization of static Hamilton-Jacobi equations based
+/// on a local variational principle, 2006). `sign`: -1, the side is that on the other side of the
+/// quads. Returns whether any of either changed.
 inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const float* __restrict b,
                                               const Sides& sides, float sign, const float* z,
                                               float* bound, size_t first, size_t second) {
@@ -172,21 +173,21 @@ class BoundSweep {
     return rows;
   }
 
-  /// Up and down in turns until nothing changes.
+  /// Over links, up and down in turns until nothing changes; then over quads, and so on.
   void sweep(uint64_t rows) {
     while ((rows | quads_) != 0) {
       fresh_ = 0;
       for (int32_t row = 0; row < TileWindow::kRows; ++row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
-        pass_over_quads(row - 1);
       }
       rows = fresh_;
       fresh_ = 0;
       for (int32_t row = TileWindow::kRows - 1; row >= 0; --row) {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
-        pass_over_quads(row);
       }
       rows = fresh_;
+      for (int32_t row = 0; rows == 0 && row < kReposeBlock; ++row) pass_over_quads(row);
+      rows |= fresh_;
     }
   }
 

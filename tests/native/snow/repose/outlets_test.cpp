@@ -24,6 +24,36 @@ TEST(ReposeOutlets, CutALidOverARimToASlopeAtOnce) {
   EXPECT_FALSE(run_tile_rounds(tiles, 0, 1, rims, 0, 1).has_changed);
 }
 
+TEST(ReposeOutlets, BoundSnowByItsDistanceWhereNoLinkLeadsStraightToTheRim) {
+  ReposeTiles tiles = row_of(0);
+  ReposeTile& tile = *tiles[0];
+  std::vector<RimLink> rims;
+  // Each row lies half a texel further along: links up lead to the left or to the right.
+  for (int32_t cell = 0; cell < kTileCells; ++cell) {
+    const int32_t column = cell % kReposeBlock;
+    const int32_t row = cell / kReposeBlock;
+    const auto i = static_cast<size_t>(cell);
+    tile.x[i] = 0.01f * static_cast<float>(column) + 0.005f * static_cast<float>(row);
+    tile.y[i] = 0.01f * static_cast<float>(row);
+    tile.z[i] = 0.1f;
+    tile.normal_z[i] = tile.up[i] = 1.0f;
+    tile.area[i] = 1e-4f;
+    const bool is_right = column + 1 < kReposeBlock;
+    const bool is_above = row + 1 < kReposeBlock;
+    tile.forward[i] =
+        static_cast<uint8_t>((is_right ? 1 : 0) | (is_above ? 2 : 0) |
+                             (is_right && is_above ? 4 : 0) | (column > 0 && is_above ? 8 : 0));
+    if (row == 0) rims.push_back({cell, 0.1f, 0.005f, 1.0f});
+  }
+  cover(tiles, std::vector<float>(kTileCells, 0.6f));
+  lower_tile_bounds(tiles, 0, 1, rims);
+  for (int32_t row = 0; row < kReposeBlock; ++row) {
+    const float away = 0.01f * static_cast<float>(row) + 0.005f;
+    const auto middle = static_cast<size_t>(row * kReposeBlock + 16);
+    EXPECT_NEAR(tile.bound[middle], 0.1f + shared::kCuts * away, 0.006f * away) << row;
+  }
+}
+
 TEST(ReposeOutlets, LeaveAHeapInlandToTheRounds) {
   ReposeTiles tiles = row_of(32);
   std::vector<float> heights(32, 0.0f);

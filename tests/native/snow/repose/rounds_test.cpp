@@ -41,6 +41,17 @@ TEST(ReposeFlow, AllowsSoMuchFallAMetre) {
   EXPECT_FLOAT_EQ(shared::link_limit(0.01f, 2.0f / shared::kEven, 0.0f, 0.0f, 0.0f), 0.02f);
 }
 
+TEST(ReposeFlow, AllowsALinkDownTooSteepASurfaceItsPartOfASlope) {
+  const float slope = 2.0f / shared::kEven;
+  // On a surface with a slope of 3, at 45 degrees to the way straight down.
+  const float part = std::sqrt(0.5f);
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.03f * part, 3.0f, 0.5f), 0.02f * part);
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, -0.03f * part, 3.0f, 0.5f), 0.02f * part);
+  // Not on one that snow rests on, nor across it.
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.019f * part, 1.9f, 0.5f), 0.02f);
+  EXPECT_FLOAT_EQ(shared::link_limit(0.01f, slope, 0.001f, 3.0f, 0.5f), 0.02f);
+}
+
 TEST(ReposeFlow, ReckonsWithColumnsThatHoldAsMuchAsSnowAlongTheNormal) {
   EXPECT_FLOAT_EQ(shared::column_height(1.0f), 1.0f);
   EXPECT_FLOAT_EQ(shared::column_height(0.5f), 2.0f);
