@@ -166,7 +166,9 @@ def test_a_resumed_receiver_is_compared_with_the_finished_ones_beside_it(addon, 
     assert run_part(addon, 1, 12, ["Ground"]).error is None
     bpy.data.objects["Flag"].location.x = 0.0
     assert run_part(addon, 1, 6, ["Cart", "Flag"]).error is None
-    with pytest.raises(RuntimeError, match=r"not the one that Ground .*\(Flag: transform changed at frame 1\)"):
+    with pytest.raises(
+        RuntimeError, match=r"not the one that Ground .*\(Flag: transform changed at frame 1\)"
+    ):
         s.bake(resume=True)
 
 
