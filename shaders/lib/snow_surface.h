@@ -87,7 +87,7 @@ KERNEL_CONSTANT float kSink = 0.004f;
 /// Parts of the thickness.
 KERNEL_CONSTANT float kSag = 0.6f;
 KERNEL_CONSTANT float kSagVariation = 0.5f;
-KERNEL_CONSTANT float kRelief = 0.12f;
+KERNEL_CONSTANT float kRelief = 0.1f;
 KERNEL_CONSTANT float kBumps = 0.06f;
 
 // At rims; lengths as parts of the height behind the rim.
@@ -99,6 +99,9 @@ KERNEL_CONSTANT float kTuck = 0.002f;
 /// Height of the farthest point of the front.
 KERNEL_CONSTANT float kBelly = 0.38f;
 KERNEL_CONSTANT float kShoulder = 0.8f;
+/// Over a bridged gap snow lies so much lower, and each side reaches so far beyond the gap's middle.
+KERNEL_CONSTANT float kBridgeSag = 0.12f;
+KERNEL_CONSTANT float kBridgeOverlap = 0.1f;
 KERNEL_CONSTANT float kUpperExponent = 2.3f;
 KERNEL_CONSTANT float kLowerExponent = 2.1f;
 KERNEL_CONSTANT float kEaveExponent = 3.0f;
@@ -183,14 +186,16 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   const float fast = clamp(front.noise_fast * style.hem_variation, -1.3f, 1.3f);
   const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
   const float bridged = clamp(front.bridged * style.bridging, 0.0f, 1.0f);
-  const float height = inland * (1.0f - 0.10f * bridged);
+  const float height = inland * (1.0f - kBridgeSag * bridged);
+  // Beyond the middle, so that the two sides cross at a small angle and no edge is seen between them.
+  const float reach = front.half_gap + kBridgeOverlap * inland;
   const float eaves = 0.1f * max(slow, -0.5f) * front.eave;
   const float out = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
-  const float overhang = mix(height * min(out, 0.55f), front.half_gap, bridged);
+  const float overhang = mix(height * min(out, 0.55f), reach, bridged);
   const float hang = max(0.10f + 0.33f * fast * (1.0f + 0.8f * front.eave), 0.005f);
   const float drop = min(height * hang * (1.0f - 0.7f * bridged), 0.9f * front.far_zone);
   const float round = min(kShoulder * height * (1.0f + 0.25f * shoulder_noise), 0.62f * front.zone);
-  return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -front.half_gap, bridged));
+  return KERNEL_MAKE4(SnowProfile, height, overhang, drop, mix(round, -reach, bridged));
 }
 
 /// The way from the carrier to a point of the front. `inland`: height of the snow behind the rim; `normal` and `height`:

@@ -60,7 +60,7 @@ class Refiner {
         heights_(heights),
         unit_(density.depth * density.scale),
         depth_(density.depth),
-        most_(static_cast<size_t>(density.most_points) * 3),
+        most_(static_cast<size_t>(density.most_points) * 2),
         mesh_(receiver) {}
 
   SurfaceMesh run() {
@@ -179,6 +179,7 @@ class Refiner {
 
   /// Splits every edge where it crosses a line parallel to a rim. Whether any was.
   bool cut_parallel() {
+    if (is_full()) return false;
     const SurfaceEdges edges = surface_edges(mesh_.triangle);
     zones_.find(mesh_, zone_);
     const std::vector<RimZones::Zone>& zones = zone_;
@@ -302,7 +303,7 @@ class Refiner {
 /// Points that the faces which carry snow would like to have, by how level they are.
 double points_on_faces(const SurfaceMesh& mesh, double depth) {
   const double level = kLevelEdge * depth;
-  const double curved = kCurvedEdge * depth;
+  const double curved = kEndingEdge * depth;
   double points = 0.0;
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
     const auto& [a, b, c] = mesh.normal[t];
@@ -388,13 +389,15 @@ SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const
   if (wanted > density.most_points) {
     tried.scale *= static_cast<float>(std::sqrt(wanted / density.most_points));
   }
-  constexpr int kTries = 4;
+  constexpr int kTries = 3;
   for (int attempt = 1;; ++attempt) {
     Refiner refiner(rims, zones, heights, tried, receiver);
     SurfaceMesh mesh = refiner.run();
     const double ratio = static_cast<double>(mesh.position.size()) / density.most_points;
-    if (ratio <= 1.1 || attempt == kTries) return mesh;
-    tried.scale *= static_cast<float>(std::sqrt(ratio) * 1.1);
+    // What the receiver's own faces take cannot be saved.
+    const bool is_least = mesh.position.size() < 2 * receiver.position.size();
+    if (ratio <= 1.15 || is_least || attempt == kTries) return mesh;
+    tried.scale *= static_cast<float>(std::sqrt(ratio) * 1.15);
   }
 }
 

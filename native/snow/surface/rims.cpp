@@ -152,16 +152,39 @@ Rims::Rims(const SurfaceMesh& mesh, const base::TriangleTree& tree,
   for (const auto& triangle : mesh.triangle) part_of_triangle_.push_back(part[triangle[0]]);
 
   const RimFinder finder(mesh, shading);
-  std::vector<CellGrid::Box> boxes;
   for (size_t e = 0; e < edges.ends.size(); ++e) {
     Rim rim;
     if (!finder.find(edges.ends[e], faces[e], rim)) continue;
     rim.part = part[edges.ends[e][0]];
     rim.far_extent = far_extent(rim, tree, far_reach);
-    boxes.push_back({glm::min(rim.from, rim.to), glm::max(rim.from, rim.to)});
     rims_.push_back(rim);
   }
+  std::stable_sort(rims_.begin(), rims_.end(),
+                   [](const Rim& a, const Rim& b) { return a.part < b.part; });
+  part_begin_.assign(mesh.position.size() + 1, 0);
+  std::vector<CellGrid::Box> boxes;
+  for (const Rim& rim : rims_) {
+    ++part_begin_[static_cast<size_t>(rim.part) + 1];
+    boxes.push_back({glm::min(rim.from, rim.to), glm::max(rim.from, rim.to)});
+  }
+  for (size_t p = 0; p + 1 < part_begin_.size(); ++p) part_begin_[p + 1] += part_begin_[p];
   grid_ = CellGrid(boxes, reach);
+}
+
+template <typename Visit>
+void Rims::visit_near(const glm::vec3& point, int32_t part, const Visit& visit) const {
+  // A needle or a leaf has few, and thousands of others around it.
+  constexpr int32_t kFew = 48;
+  const int32_t begin = part_begin_[static_cast<size_t>(part)];
+  const int32_t end = part_begin_[static_cast<size_t>(part) + 1];
+  if (end - begin <= kFew) {
+    for (int32_t number = begin; number < end; ++number) visit(number);
+    return;
+  }
+  const glm::vec3 around(reach_);
+  grid_.visit(point - around, point + around, [&](int32_t number) {
+    if (rims_[static_cast<size_t>(number)].part == part) visit(number);
+  });
 }
 
 RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t part,
@@ -175,10 +198,8 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
   thread_local std::vector<Seen> seen;
   seen.clear();
   float nearest = reach_;
-  const glm::vec3 around(reach_);
-  grid_.visit(point - around, point + around, [&](int32_t number) {
+  visit_near(point, part, [&](int32_t number) {
     const Rim& rim = rims_[number];
-    if (rim.part != part) return;
     const float to_support = glm::dot(normal, rim.support);
     const float to_far = glm::dot(normal, rim.far_normal);
     const bool on_support = to_support >= to_far - 0.02f;
@@ -233,10 +254,8 @@ RimPlace Rims::place(const glm::vec3& point, const glm::vec3& normal, int32_t pa
 float Rims::distance(const glm::vec3& point, const glm::vec3& normal, int32_t part,
                      bool far_too) const {
   float nearest = reach_;
-  const glm::vec3 around(reach_);
-  grid_.visit(point - around, point + around, [&](int32_t number) {
+  visit_near(point, part, [&](int32_t number) {
     const Rim& rim = rims_[number];
-    if (rim.part != part) return;
     const bool may_carry = glm::dot(rim.support, normal) >= kSameFace;
     if (!may_carry && !(far_too && glm::dot(rim.far_normal, normal) >= kSameFace)) return;
     nearest = std::min(nearest, glm::distance(point, nearest_on(rim, point)));

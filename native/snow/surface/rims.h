@@ -73,7 +73,13 @@ class Rims {
   Opposite opposite(const RimPlace& place, float most) const;
 
  private:
+  /// Calls visit(index) for the rims of a part that may lie within `reach_` of a point, some of them twice.
+  template <typename Visit>
+  void visit_near(const glm::vec3& point, int32_t part, const Visit& visit) const;
+
+  /// Sorted by part; those of part p are from part_begin_[p] to part_begin_[p + 1].
   std::vector<Rim> rims_;
+  std::vector<int32_t> part_begin_;
   std::vector<int32_t> part_of_triangle_;
   float reach_;
   CellGrid grid_;

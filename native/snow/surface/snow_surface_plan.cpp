@@ -372,7 +372,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
       int32_t point;
     };
     std::vector<Found> found;
-    for (float reach = 0.15f * depth; reach < 3.0f * depth && found.size() < 4; reach *= 1.7f) {
+    for (float reach = 0.15f * depth; reach < depth && found.size() < 4; reach *= 1.7f) {
       found.clear();
       grid.visit(behind - reach, behind + reach, [&](int32_t i) {
         const int32_t q = inland[i];
