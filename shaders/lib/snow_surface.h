@@ -78,9 +78,9 @@ KERNEL_CONSTANT float kSteep = 0.45f;
 /// Part of the open depth that does not show on steep places and where shelter thins the snow, times 0.22 + 0.85 noise.
 KERNEL_CONSTANT float kSteepShare = 0.65f;
 KERNEL_CONSTANT float kShelterShare = 0.10f;
-/// Thinner snow is frost and does not show.
+/// Thinner snow, in metres and as a part of the open depth, is frost and does not show.
 KERNEL_CONSTANT float kFrost = 0.0025f;
-KERNEL_CONSTANT float kFrostOpenDepth = 0.02f;
+KERNEL_CONSTANT float kFrostShare = 0.05f;
 /// Height of the lip in which snow ends, as part of the open depth.
 KERNEL_CONSTANT float kLip = 0.22f;
 KERNEL_CONSTANT float kSink = 0.004f;
@@ -132,7 +132,7 @@ SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, 
   const float sheltered = eased(thickness / depth, 0.75f, 0.25f);
   const float share = max(kSteepShare * steep, kShelterShare * sheltered);
   const float threshold = share * depth * clamp(0.22f + 0.85f * point.patches, 0.0f, 1.4f) +
-                          kFrost * clamp(depth / kFrostOpenDepth, 0.0f, 1.0f);
+                          min(kFrost, kFrostShare * depth);
   const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * point.hem, 0.3f, 1.5f);
   const float sink = min(min(kSink, 0.3f * depth + 0.0008f), point.deepest);
   return KERNEL_MAKE3(SnowEdge, threshold, lip, sink);

@@ -32,8 +32,9 @@ constexpr float kGrowth = 0.35f;
 constexpr float kOffDeep = 0.04f;
 constexpr float kOffThin = 0.015f;
 constexpr float kThin = 0.3f;
-/// Snow over this height in metres, at any frame, is shown.
+/// Snow over this height in metres, or this part of the depth, is shown.
 constexpr float kShown = 0.0022f;
+constexpr float kShownShare = 0.02f;
 /// Rings of faces that are kept beyond.
 constexpr int kRings = 2;
 /// What is kept of the far face below rims.
@@ -60,6 +61,7 @@ class Refiner {
         heights_(heights),
         unit_(density.depth * density.scale),
         depth_(density.depth),
+        shown_(std::min(kShown, kShownShare * density.depth)),
         most_(static_cast<size_t>(density.most_points) * 2),
         mesh_(receiver) {}
 
@@ -108,7 +110,7 @@ class Refiner {
     const glm::vec3& b = mesh_.normal[triangle][next];
     const float height = height_at(heights_.last, uv);
     const float mean = (heights[ends[0]] + heights[ends[1]]) * 0.5f;
-    const bool covered = std::max(height, mean) > kShown || height_at(heights_.highest, uv) > kShown;
+    const bool covered = std::max(height, mean) > shown_ || height_at(heights_.highest, uv) > shown_;
     const bool bends = glm::distance(a, b) > kBends;
     const float up = std::min(a.z, b.z);
     float wanted = covered ? kLevelEdge * unit_ : kBareEdge * unit_;
@@ -244,8 +246,8 @@ class Refiner {
     for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
       for (int k = 0; k < 3; ++k) {
         const glm::vec2 between = (mesh_.uv[t][k] + mesh_.uv[t][(k + 1) % 3]) * 0.5f;
-        if (height_at(heights_.highest, mesh_.uv[t][k]) > kShown ||
-            height_at(heights_.highest, between) > kShown) {
+        if (height_at(heights_.highest, mesh_.uv[t][k]) > shown_ ||
+            height_at(heights_.highest, between) > shown_) {
           for (const int32_t p : mesh_.triangle[t]) keep[p] = 1;
         }
       }
@@ -293,6 +295,7 @@ class Refiner {
   const SurfaceHeights& heights_;
   float unit_;
   float depth_;
+  float shown_;
   size_t most_;
   SurfaceMesh mesh_;
   /// Of the points so far.
@@ -376,7 +379,8 @@ RimZones::Zone RimZones::at(const glm::vec3& point, const glm::vec3& normal, int
   zone.place = rims_.place(point, normal, part, 0.25f * depth_);
   if (zone.place.is_far_off) return zone;
   const float most = rim_zone(depth_);
-  zone.support = std::clamp(0.95f * rims_.room(zone.place, part, most), 0.1f * depth_, most);
+  zone.room = rims_.room(zone.place, part, most);
+  zone.support = std::clamp(0.95f * zone.room, 0.1f * depth_, most);
   zone.far = std::max(std::min(far_zone(depth_), zone.place.far_extent), 0.02f * depth_);
   zone.share = zone.place.distance / (zone.place.distance < 0.0f ? zone.far : zone.support);
   return zone;

@@ -42,6 +42,8 @@ class RimZones {
     /// Metres behind the rim and down the far face that a front may take there, both over 0.
     float support = 1.0f;
     float far = 1.0f;
+    /// Metres from the rim to the middle between it and those opposite.
+    float room = 0.0f;
     /// Distance as a part of its zone, negative on the far face.
     float share = 0.0f;
   };

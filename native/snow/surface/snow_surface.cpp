@@ -36,13 +36,6 @@ void for_blocks(size_t count, const Work& work) {
 
 }  // namespace
 
-/// What a frame's heights come to.
-struct SnowSurface::Heights {
-  /// Of the map, and of the shown snow, at the points.
-  std::vector<float> thickness;
-  std::vector<float> shown;
-};
-
 void SnowSurface::smooth(std::vector<float>& values, int rounds) const {
   std::vector<float> before(values.size());
   for (int round = 0; round < rounds; ++round) {
@@ -63,7 +56,7 @@ void SnowSurface::smooth(std::vector<float>& values, int rounds) const {
 
 SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
                                           const std::vector<glm::vec3>& normals) const {
-  const size_t count = point_count();
+  const size_t count = lying_points();
   const glm::vec3 up = frame.up;
   Heights heights;
   heights.thickness.resize(count);
@@ -110,9 +103,9 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
 }
 
 std::vector<glm::vec3> SnowSurface::offsets(const SurfaceFrame& frame,
-                                            const std::vector<glm::vec3>& normals) const {
-  const Heights heights = this->heights(frame, normals);
-  std::vector<glm::vec3> offsets(point_count());
+                                            const std::vector<glm::vec3>& normals,
+                                            const Heights& heights) const {
+  std::vector<glm::vec3> offsets(lying_points());
   for_blocks(offsets.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const glm::vec3& normal = normal_[p];
@@ -153,42 +146,50 @@ std::vector<glm::vec3> SnowSurface::offsets(const SurfaceFrame& frame,
 }
 
 std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
-  std::vector<glm::vec3> points(point_count());
-  if (frame.positions == nullptr) {
-    const std::vector<glm::vec3> offset = offsets(frame, normal_);
-    for_blocks(points.size(), [&](size_t, size_t begin, size_t end) {
+  const size_t lying = lying_points();
+  std::vector<glm::vec3> carrier = mesh_.position;
+  std::vector<glm::vec3> normals = normal_;
+  std::vector<glm::quat> turn;
+  if (frame.positions != nullptr) {
+    const std::vector<glm::quat> turns =
+        vertex_turns(triangles_, planned_positions_, frame.positions);
+    turn.resize(lying);
+    for_blocks(lying, [&](size_t, size_t begin, size_t end) {
       for (size_t p = begin; p < end; ++p) {
-        points[p] = glm::vec3(frame.to_result * glm::vec4(mesh_.position[p] + offset[p], 1.0f));
+        const int32_t* corner = &triangles_[static_cast<size_t>(carrier_triangle_[p]) * 3];
+        const glm::vec2 weight = carrier_weight_[p];
+        const glm::vec3 weights(1.0f - weight.x - weight.y, weight.x, weight.y);
+        glm::quat sum(0.0f, 0.0f, 0.0f, 0.0f);
+        carrier[p] = glm::vec3(0.0f);
+        for (int k = 0; k < 3; ++k) {
+          carrier[p] += weights[k] * frame.positions[corner[k]];
+          const glm::quat& one = turns[corner[k]];
+          sum = sum + one * (glm::dot(one, turns[corner[0]]) < 0.0f ? -weights[k] : weights[k]);
+        }
+        turn[p] = glm::normalize(sum);
+        normals[p] = turn[p] * normal_[p];
       }
     });
-    return points;
   }
-  const std::vector<glm::quat> turns =
-      vertex_turns(triangles_, planned_positions_, frame.positions);
-  std::vector<glm::quat> turn(points.size());
-  std::vector<glm::vec3> carrier(points.size());
-  std::vector<glm::vec3> normals(points.size());
-  for_blocks(points.size(), [&](size_t, size_t begin, size_t end) {
-    for (size_t p = begin; p < end; ++p) {
-      const int32_t* corner = &triangles_[static_cast<size_t>(carrier_triangle_[p]) * 3];
-      const glm::vec2 weight = carrier_weight_[p];
-      const glm::vec3 weights(1.0f - weight.x - weight.y, weight.x, weight.y);
-      glm::quat sum(0.0f, 0.0f, 0.0f, 0.0f);
-      carrier[p] = glm::vec3(0.0f);
-      for (int k = 0; k < 3; ++k) {
-        carrier[p] += weights[k] * frame.positions[corner[k]];
-        const glm::quat& one = turns[corner[k]];
-        sum = sum + one * (glm::dot(one, turns[corner[0]]) < 0.0f ? -weights[k] : weights[k]);
-      }
-      turn[p] = glm::normalize(sum);
-      normals[p] = turn[p] * normal_[p];
+  const Heights heights = this->heights(frame, normals);
+  const std::vector<glm::vec3> offset = offsets(frame, normals, heights);
+  const auto turned = [&](size_t p, const glm::vec3& way) { return turn.empty() ? way : turn[p] * way; };
+  std::vector<glm::vec3> points(point_count());
+  for_blocks(lying, [&](size_t, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) points[p] = carrier[p] + turned(p, offset[p]);
+  });
+  // Cushions grow with the snow that they hang on.
+  const float bridging = std::clamp(style_.bridging, 0.0f, 1.0f);
+  for_blocks(cushions_.anchor.size(), [&](size_t, size_t begin, size_t end) {
+    for (size_t c = begin; c < end; ++c) {
+      const auto p = static_cast<size_t>(cushions_.anchor[c]);
+      const float part = std::clamp(heights.thickness[p] / cushion_height_[c], 0.0f, 1.0f);
+      points[lying + c] = points[p] + turned(p, cushions_.way[c] * (bridging * part));
     }
   });
-  const std::vector<glm::vec3> offset = offsets(frame, normals);
   for_blocks(points.size(), [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
-      const glm::vec3 at = carrier[p] + turn[p] * offset[p];
-      points[p] = glm::vec3(frame.to_result * glm::vec4(at, 1.0f));
+      points[p] = glm::vec3(frame.to_result * glm::vec4(points[p], 1.0f));
     }
   });
   return points;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "shaders/lib/snow_surface.h"
+#include "snow/surface/cushions.h"
 #include "snow/surface/refine.h"
 #include "snow/surface/surface_mesh.h"
 
@@ -56,23 +57,28 @@ class SnowSurface {
               const std::vector<float>& highest, const SurfacePlan& plan);
 
   const SurfaceFaces& faces() const { return faces_; }
-  size_t point_count() const { return mesh_.position.size(); }
-  /// Faces of the receiver's triangles that points lie on, for whoever moves points by other means: per point the
-  /// triangle and the weights of its second and third corner.
-  const std::vector<int32_t>& carrier_triangles() const { return carrier_triangle_; }
-  const std::vector<glm::vec2>& carrier_weights() const { return carrier_weight_; }
-
+  size_t point_count() const { return mesh_.position.size() + cushions_.anchor.size(); }
   /// What an artist sets; faces do not depend on it.
   void set_style(const shared::SnowStyle& style) { style_ = style; }
 
   /// @return a point for each of the faces' points.
   std::vector<glm::vec3> points(const SurfaceFrame& frame) const;
 
-  /// Thickness of the snow at the points in metres as it shows in `frame`, 0 where it is bare.
-  std::vector<float> shown_heights(const SurfaceFrame& frame) const;
-
  private:
-  struct Heights;
+  /// Points that lie on the receiver; the others are the cushions'.
+  size_t lying_points() const { return mesh_.position.size(); }
+  /// Thickness of the snow at the points that lie on the receiver in metres as it shows in `frame`, 0 where it is bare.
+  std::vector<float> shown_heights(const SurfaceFrame& frame) const;
+  /// Drops faces of sheets that never show snow: behind a sheet nothing hides them.
+  void drop_bare_sheets(const std::vector<float>& highest, float depth);
+  void find_cushions(float depth, const std::vector<float>& last);
+  /// What a frame's heights come to at the points.
+  struct Heights {
+    /// Of the map, smoothed.
+    std::vector<float> thickness;
+    /// Of the shown snow.
+    std::vector<float> shown;
+  };
   void find_normals(float reach);
   void find_carriers(const SurfaceSource& source);
   void find_samples();
@@ -86,7 +92,8 @@ class SnowSurface {
   Heights heights(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals) const;
   void smooth(std::vector<float>& values, int rounds) const;
   std::vector<glm::vec3> offsets(const SurfaceFrame& frame,
-                                 const std::vector<glm::vec3>& normals) const;
+                                 const std::vector<glm::vec3>& normals,
+                                 const Heights& heights) const;
 
   SurfaceMesh mesh_;
   /// Unit normals of the points, the mean of their corners'.
@@ -116,6 +123,11 @@ class SnowSurface {
   /// m2 of the receiver's surface that a point stands for.
   std::vector<float> area_;
   std::vector<shared::SnowPoint> point_;
+  /// 1 for points of parts that have no other side.
+  std::vector<uint8_t> is_sheet_;
+  Cushions cushions_;
+  /// Thickness of the snow at the cushions' anchors in the last frame.
+  std::vector<float> cushion_height_;
   /// Points in the zones of rims: number, constants, four points behind the rim and their weights.
   std::vector<int32_t> front_point_;
   std::vector<shared::SnowFront> front_;

@@ -21,7 +21,7 @@ using shared::layered_noise;
 /// Part of the thickness below a point that bare places may sink into.
 constexpr float kSinkPart = 0.45f;
 /// A part of the receiver that has no other side counts as so much of its size thick.
-constexpr float kSheetThickness = 0.02f;
+constexpr float kSheetThickness = 0.012f;
 /// Smoothing over the surface reaches so far, as a part of the depth.
 constexpr float kSmoothing = 0.12f;
 /// And of normals.
@@ -126,11 +126,13 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   find_samples();
   find_neighbours(kSmoothing * depth);
   find_bumps(plan, points(frame));
+  if (are_needles(receiver, depth)) find_cushions(depth, last);
+  drop_bare_sheets(highest, depth);
   make_faces();
 }
 
 void SnowSurface::find_carriers(const SurfaceSource& source) {
-  const size_t count = point_count();
+  const size_t count = lying_points();
   carrier_triangle_.assign(count, -1);
   carrier_weight_.assign(count, glm::vec2(0.0f));
   curvature_.assign(count, glm::vec3(0.0f));
@@ -180,7 +182,7 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
 }
 
 void SnowSurface::find_samples() {
-  const size_t count = point_count();
+  const size_t count = lying_points();
   struct Sample {
     int32_t point;
     glm::vec2 uv;
@@ -238,12 +240,12 @@ void SnowSurface::find_samples() {
 
 void SnowSurface::find_neighbours(float reach) {
   const SurfaceEdges edges = surface_edges(mesh_.triangle);
-  neighbour_begin_.assign(point_count() + 1, 0);
+  neighbour_begin_.assign(lying_points() + 1, 0);
   for (const auto& [a, b] : edges.ends) {
     ++neighbour_begin_[a + 1];
     ++neighbour_begin_[b + 1];
   }
-  for (size_t p = 0; p < point_count(); ++p) neighbour_begin_[p + 1] += neighbour_begin_[p];
+  for (size_t p = 0; p < lying_points(); ++p) neighbour_begin_[p + 1] += neighbour_begin_[p];
   neighbour_.resize(edges.ends.size() * 2);
   neighbour_weight_.resize(neighbour_.size());
   std::vector<int32_t> next(neighbour_begin_.begin(), neighbour_begin_.end() - 1);
@@ -258,7 +260,7 @@ void SnowSurface::find_neighbours(float reach) {
 }
 
 void SnowSurface::find_normals(float reach) {
-  normal_.assign(point_count(), glm::vec3(0.0f));
+  normal_.assign(lying_points(), glm::vec3(0.0f));
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
     const glm::vec3 cross = triangle_cross(mesh_, t);
     const float area = glm::length(cross);
@@ -273,7 +275,7 @@ void SnowSurface::find_normals(float reach) {
   std::vector<glm::vec3> before;
   for (int round = 0; round < kRounds; ++round) {
     before = normal_;
-    base::for_each_item(point_count(), 1024, [&](size_t p) {
+    base::for_each_item(lying_points(), 1024, [&](size_t p) {
       glm::vec3 sum = before[p];
       for (int32_t i = neighbour_begin_[p]; i < neighbour_begin_[p + 1]; ++i) {
         const glm::vec3 way = mesh_.position[p] - mesh_.position[neighbour_[i]];
@@ -287,8 +289,8 @@ void SnowSurface::find_normals(float reach) {
 void SnowSurface::find_noise(const SurfacePlan& plan) {
   const float d = plan.density.depth;
   const glm::vec3 shift = noise_shift(plan);
-  point_.resize(point_count());
-  base::for_each_item(point_count(), 1024, [&](size_t p) {
+  point_.resize(lying_points());
+  base::for_each_item(lying_points(), 1024, [&](size_t p) {
     // Lengths in parts of the depth, so that noise is the same at any scale.
     const glm::vec3 at = mesh_.position[p] / d + shift;
     shared::SnowPoint& point = point_[p];
@@ -301,15 +303,17 @@ void SnowSurface::find_noise(const SurfacePlan& plan) {
 }
 
 void SnowSurface::find_thickness(const base::TriangleTree& tree) {
-  base::UnionFind joined(point_count());
+  base::UnionFind joined(lying_points());
   for (const auto& [a, b, c] : mesh_.triangle) joined.join(joined.join(a, b), c);
   const std::vector<int32_t> part = std::move(joined).all();
-  std::vector<float> part_area(point_count(), 0.0f);
-  for (size_t p = 0; p < point_count(); ++p) part_area[part[p]] += area_[p];
-  base::for_each_item(point_count(), 256, [&](size_t p) {
+  std::vector<float> part_area(lying_points(), 0.0f);
+  for (size_t p = 0; p < lying_points(); ++p) part_area[part[p]] += area_[p];
+  is_sheet_.assign(lying_points(), 0);
+  base::for_each_item(lying_points(), 256, [&](size_t p) {
     const glm::dvec3 way(-normal_[p]);
     const double below = tree.distance_along(0, glm::dvec3(mesh_.position[p]), way, 1e-5);
     const float sheet = kSheetThickness * std::sqrt(part_area[part[p]]);
+    is_sheet_[p] = std::isfinite(below) ? 0 : 1;
     const float thickness = std::isfinite(below) ? static_cast<float>(below) : sheet;
     point_[p].deepest = std::max(kSinkPart * thickness, 1e-5f);
   });
@@ -324,7 +328,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   // What lies behind rims.
   std::vector<CellGrid::Box> boxes;
   std::vector<int32_t> inland;
-  for (size_t p = 0; p < point_count(); ++p) {
+  for (size_t p = 0; p < lying_points(); ++p) {
     if (!zone[p].place.is_far_off && zone[p].share > kInland) {
       boxes.push_back({mesh_.position[p], mesh_.position[p]});
       inland.push_back(static_cast<int32_t>(p));
@@ -332,7 +336,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   }
   const CellGrid grid(boxes, 0.25f * depth);
 
-  for (size_t p = 0; p < point_count(); ++p) {
+  for (size_t p = 0; p < lying_points(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
     front_point_.push_back(static_cast<int32_t>(p));
   }
@@ -392,10 +396,11 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     if (found.empty()) weight[0] = 1.0f;
     front_inland_[f] = point;
     front_weight_[f] = weight / (weight.x + weight.y + weight.z + weight.w);
-    front.presence = 1.0f;
+    // A needle's tip is a rim on its own, too small for a front.
+    front.presence = eased(here.room / depth, 0.03f, 0.09f);
   });
   // On a cap shaded smooth, means of normals lean over the rim.
-  for (size_t p = 0; p < point_count(); ++p) {
+  for (size_t p = 0; p < lying_points(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
     const float near = eased(zone[p].share, 1.15f, 0.6f);
     normal_[p] = unit(glm::mix(normal_[p], zone[p].place.support, near));
@@ -411,16 +416,56 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
   for (size_t f = 0; f < front_.size(); ++f) {
     float inland = 0.0f;
     for (int k = 0; k < 4; ++k) inland += front_weight_[f][k] * shown[front_inland_[f][k]];
-    front_[f].presence = eased(inland / plan.density.depth, 0.06f, 0.3f);
+    front_[f].presence *= eased(inland / plan.density.depth, 0.06f, 0.3f);
   }
 }
 
 void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown) {
   const float d = plan.density.depth;
   const glm::vec3 shift = noise_shift(plan);
-  base::for_each_item(point_count(), 1024, [&](size_t p) {
+  base::for_each_item(lying_points(), 1024, [&](size_t p) {
     point_[p].bumps = layered_noise(shown[p] / d + shift + 70.0f, {1.1f, 0.5f, 0.0f}, 0.6f);
   });
+}
+
+void SnowSurface::drop_bare_sheets(const std::vector<float>& highest, float depth) {
+  SurfaceFrame frame;
+  frame.height = highest.data();
+  frame.open_depth = depth;
+  std::vector<uint8_t> shows(lying_points(), 0);
+  const std::vector<float> shown = shown_heights(frame);
+  // Heights that are negative on the back count there as well.
+  std::vector<float> below = highest;
+  for (float& height : below) height = -height;
+  frame.height = below.data();
+  const std::vector<float> shown_below = shown_heights(frame);
+  for (size_t p = 0; p < shows.size(); ++p) {
+    shows[p] = is_sheet_[p] == 0 || shown[p] > 0.0f || shown_below[p] > 0.0f ? 1 : 0;
+  }
+  SurfaceMesh kept = mesh_;
+  kept.triangle.clear();
+  kept.uv.clear();
+  kept.normal.clear();
+  kept.base.clear();
+  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+    const auto& [a, b, c] = mesh_.triangle[t];
+    if (shows[a] == 0 && shows[b] == 0 && shows[c] == 0) continue;
+    kept.triangle.push_back(mesh_.triangle[t]);
+    kept.uv.push_back(mesh_.uv[t]);
+    kept.normal.push_back(mesh_.normal[t]);
+    kept.base.push_back(mesh_.base[t]);
+  }
+  mesh_ = std::move(kept);
+}
+
+void SnowSurface::find_cushions(float depth, const std::vector<float>& last) {
+  SurfaceFrame frame;
+  frame.height = last.data();
+  frame.open_depth = depth;
+  // What is too thin to show on a needle alone counts.
+  const std::vector<float> thickness = heights(frame, normal_).thickness;
+  cushions_ = snow::find_cushions(mesh_, points(frame), thickness, depth);
+  for (const int32_t p : cushions_.anchor) cushion_height_.push_back(std::max(thickness[p], 1e-6f));
 }
 
 void SnowSurface::make_faces() {
@@ -493,6 +538,18 @@ void SnowSurface::make_faces() {
       add(a.triangle, a.k);
       add(b.triangle, b.k + 2);
       add(b.triangle, b.k);
+    }
+    faces_.begin.push_back(static_cast<int32_t>(faces_.corner.size()));
+  }
+  // A cushion has its anchor's place in the map.
+  std::vector<glm::vec2> uv(lying_points(), glm::vec2(0.0f));
+  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+    for (int k = 0; k < 3; ++k) uv[mesh_.triangle[t][k]] = mesh_.uv[t][k];
+  }
+  for (const auto& quad : cushions_.quads) {
+    for (const int32_t c : quad) {
+      faces_.corner.push_back(static_cast<int32_t>(lying_points()) + c);
+      faces_.uv.push_back(uv[cushions_.anchor[c]]);
     }
     faces_.begin.push_back(static_cast<int32_t>(faces_.corner.size()));
   }

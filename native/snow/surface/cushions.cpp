@@ -1,0 +1,354 @@
+#include "snow/surface/cushions.h"
+
+#include <algorithm>
+#include <cmath>
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <limits>
+
+#include "base/parallel_for.h"
+#include "base/union_find.h"
+#include "snow/surface/cell_grid.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// The radius by which snow is grown, as a part of the depth, and its bounds in metres.
+constexpr float kRadius = 0.35f;
+constexpr float kLeastRadius = 0.001f;
+constexpr float kMostRadius = 0.02f;
+/// Parts of the radius: what a body is thicker than; where its surface lies below that of the grown snow; how far above
+/// the snow a second layer lies, which makes a flat spray as thick as a body.
+constexpr float kCore = 1.15f;
+constexpr float kSurface = 0.78f;
+constexpr float kRaised = 0.75f;
+constexpr float kCellsPerRadius = 2.5f;
+/// Snow thinner than this part of the depth bridges nothing.
+constexpr float kThinnest = 0.02f;
+/// Grids of more cells are made coarser.
+constexpr double kMostCells = 6e7;
+
+/// What counts as needles: so many pieces, mostly so much longer than wide, and so thin beside the depth.
+constexpr size_t kLeastPieces = 50;
+constexpr double kMostly = 0.6;
+constexpr float kLengthToWidth = 4.0f;
+constexpr float kWidthOfDepth = 0.5f;
+
+/// Values on a regular grid in space.
+class Grid {
+ public:
+  Grid(const glm::vec3& low, const glm::vec3& high, float cell)
+      : low_(low), cell_(cell), size_(glm::ivec3(glm::ceil((high - low) / cell)) + 1) {}
+
+  glm::ivec3 size() const { return size_; }
+  float cell() const { return cell_; }
+  size_t count() const {
+    return static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y) * static_cast<size_t>(size_.z);
+  }
+  size_t index(const glm::ivec3& at) const {
+    return (static_cast<size_t>(at.z) * size_.y + at.y) * size_.x + at.x;
+  }
+  glm::vec3 place(const glm::vec3& at) const { return low_ + at * cell_; }
+  glm::vec3 cells(const glm::vec3& point) const { return (point - low_) / cell_; }
+
+ private:
+  glm::vec3 low_;
+  float cell_;
+  glm::ivec3 size_;
+};
+
+/// Steps on a grid that are no longer than a radius, with their lengths.
+struct Ball {
+  std::vector<glm::ivec3> step;
+  std::vector<float> length;
+};
+
+Ball ball(float cells) {
+  Ball found;
+  const int reach = static_cast<int>(std::ceil(cells));
+  for (int z = -reach; z <= reach; ++z) {
+    for (int y = -reach; y <= reach; ++y) {
+      for (int x = -reach; x <= reach; ++x) {
+        const float length = glm::length(glm::vec3(x, y, z));
+        if (length <= cells) {
+          found.step.emplace_back(x, y, z);
+          found.length.push_back(length);
+        }
+      }
+    }
+  }
+  return found;
+}
+
+/// Places that stand for the snow: its points and places along the edges between them.
+std::vector<glm::vec3> snow_places(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
+                                   const std::vector<float>& height, float least, float spacing) {
+  std::vector<glm::vec3> places;
+  for (size_t p = 0; p < shown.size(); ++p) {
+    if (height[p] > least) places.push_back(shown[p]);
+  }
+  for (const auto& [a, b] : surface_edges(mesh.triangle).ends) {
+    if (height[a] <= least || height[b] <= least) continue;
+    const auto parts = static_cast<int>(glm::distance(shown[a], shown[b]) / spacing);
+    for (int k = 1; k < parts; ++k) {
+      places.push_back(glm::mix(shown[a], shown[b], static_cast<float>(k) / static_cast<float>(parts)));
+    }
+  }
+  return places;
+}
+
+/// For each cell the distance in cells to the next one that is not within `radius` of a place, 0 there; at most `most`.
+std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>& places, float radius,
+                                  float most) {
+  std::vector<uint8_t> grown(grid.count(), 0);
+  const float reach = radius / grid.cell();
+  for (const glm::vec3& place : places) {
+    const glm::vec3 at = grid.cells(place);
+    const glm::ivec3 low = glm::max(glm::ivec3(glm::ceil(at - reach)), 0);
+    const glm::ivec3 high = glm::min(glm::ivec3(glm::floor(at + reach)), grid.size() - 1);
+    for (int z = low.z; z <= high.z; ++z) {
+      for (int y = low.y; y <= high.y; ++y) {
+        for (int x = low.x; x <= high.x; ++x) {
+          if (glm::distance(glm::vec3(x, y, z), at) <= reach) grown[grid.index({x, y, z})] = 1;
+        }
+      }
+    }
+  }
+  const Ball around = ball(most);
+  std::vector<float> depth(grid.count(), 0.0f);
+  const glm::ivec3 size = grid.size();
+  base::for_each_item(static_cast<size_t>(size.z), 1, [&](size_t slice) {
+    const auto z = static_cast<int>(slice);
+    for (int y = 0; y < size.y; ++y) {
+      for (int x = 0; x < size.x; ++x) {
+        const size_t here = grid.index({x, y, z});
+        if (grown[here] == 0) continue;
+        float nearest = most;
+        for (size_t i = 0; i < around.step.size(); ++i) {
+          if (around.length[i] >= nearest) continue;
+          const glm::ivec3 at = glm::ivec3(x, y, z) + around.step[i];
+          const bool outside = glm::any(glm::lessThan(at, glm::ivec3(0))) ||
+                               glm::any(glm::greaterThanEqual(at, size));
+          if (outside || grown[grid.index(at)] == 0) nearest = around.length[i];
+        }
+        depth[here] = nearest;
+      }
+    }
+  });
+  return depth;
+}
+
+/// Keeps of the depths those that lie near the core of a body.
+void open_bodies(const Grid& grid, std::vector<float>& depth, float core, float reach) {
+  const Ball around = ball(reach);
+  std::vector<uint8_t> near(depth.size(), 0);
+  const glm::ivec3 size = grid.size();
+  for (int z = 0; z < size.z; ++z) {
+    for (int y = 0; y < size.y; ++y) {
+      for (int x = 0; x < size.x; ++x) {
+        if (depth[grid.index({x, y, z})] < core) continue;
+        for (const glm::ivec3& step : around.step) {
+          const glm::ivec3 at = glm::ivec3(x, y, z) + step;
+          if (glm::all(glm::greaterThanEqual(at, glm::ivec3(0))) && glm::all(glm::lessThan(at, size))) {
+            near[grid.index(at)] = 1;
+          }
+        }
+      }
+    }
+  }
+  for (size_t i = 0; i < depth.size(); ++i) {
+    if (near[i] == 0) depth[i] = 0.0f;
+  }
+}
+
+/// The mean with the six neighbours, along one axis after the other.
+void blur(const Grid& grid, std::vector<float>& values) {
+  const glm::ivec3 size = grid.size();
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::vector<float> before = values;
+    glm::ivec3 step(0);
+    step[axis] = 1;
+    for (int z = 0; z < size.z; ++z) {
+      for (int y = 0; y < size.y; ++y) {
+        for (int x = 0; x < size.x; ++x) {
+          const glm::ivec3 at(x, y, z);
+          if (at[axis] == 0 || at[axis] + 1 == size[axis]) continue;
+          values[grid.index(at)] = 0.25f * (before[grid.index(at - step)] + before[grid.index(at + step)]) +
+                                   0.5f * before[grid.index(at)];
+        }
+      }
+    }
+  }
+}
+
+struct Net {
+  std::vector<glm::vec3> point;
+  std::vector<std::array<int32_t, 4>> quads;
+};
+
+/// The surface at which values equal `level`: a point in each cube of eight cells that it passes, in the mean of where
+/// it crosses the cube's edges, and a quad around each edge that it crosses.
+Net surface_net(const Grid& grid, const std::vector<float>& values, float level) {
+  Net net;
+  const glm::ivec3 size = grid.size();
+  std::vector<int32_t> number(grid.count(), -1);
+  const auto value = [&](const glm::ivec3& at) { return values[grid.index(at)] - level; };
+  for (int z = 0; z + 1 < size.z; ++z) {
+    for (int y = 0; y + 1 < size.y; ++y) {
+      for (int x = 0; x + 1 < size.x; ++x) {
+        const glm::ivec3 corner(x, y, z);
+        glm::vec3 sum(0.0f);
+        int crossings = 0;
+        for (int axis = 0; axis < 3; ++axis) {
+          for (int k = 0; k < 4; ++k) {
+            glm::ivec3 from = corner;
+            from[(axis + 1) % 3] += k & 1;
+            from[(axis + 2) % 3] += k >> 1;
+            glm::ivec3 to = from;
+            ++to[axis];
+            const float a = value(from);
+            const float b = value(to);
+            if ((a > 0.0f) == (b > 0.0f)) continue;
+            sum += glm::mix(glm::vec3(from), glm::vec3(to), a / (a - b));
+            ++crossings;
+          }
+        }
+        if (crossings == 0) continue;
+        number[grid.index(corner)] = static_cast<int32_t>(net.point.size());
+        net.point.push_back(grid.place(sum / static_cast<float>(crossings)));
+      }
+    }
+  }
+  for (int z = 1; z + 1 < size.z; ++z) {
+    for (int y = 1; y + 1 < size.y; ++y) {
+      for (int x = 1; x + 1 < size.x; ++x) {
+        const glm::ivec3 from(x, y, z);
+        for (int axis = 0; axis < 3; ++axis) {
+          glm::ivec3 to = from;
+          ++to[axis];
+          const bool inside = value(from) > 0.0f;
+          if (inside == (value(to) > 0.0f)) continue;
+          glm::ivec3 across(0);
+          across[(axis + 1) % 3] = 1;
+          glm::ivec3 up(0);
+          up[(axis + 2) % 3] = 1;
+          std::array<int32_t, 4> quad{number[grid.index(from - across - up)], number[grid.index(from - up)],
+                                      number[grid.index(from)], number[grid.index(from - across)]};
+          if (!inside) std::reverse(quad.begin(), quad.end());
+          net.quads.push_back(quad);
+        }
+      }
+    }
+  }
+  return net;
+}
+
+void relax(Net& net, int rounds) {
+  for (int round = 0; round < rounds; ++round) {
+    std::vector<glm::vec3> sum(net.point.size(), glm::vec3(0.0f));
+    std::vector<float> count(net.point.size(), 0.0f);
+    for (const auto& quad : net.quads) {
+      for (size_t k = 0; k < 4; ++k) {
+        sum[quad[k]] += net.point[quad[(k + 1) % 4]] + net.point[quad[(k + 3) % 4]];
+        count[quad[k]] += 2.0f;
+      }
+    }
+    for (size_t p = 0; p < net.point.size(); ++p) {
+      if (count[p] > 0.0f) net.point[p] = glm::mix(net.point[p], sum[p] / count[p], 0.5f);
+    }
+  }
+}
+
+}  // namespace
+
+bool are_needles(const SurfaceMesh& mesh, float depth) {
+  base::UnionFind joined(mesh.position.size());
+  for (const auto& [a, b, c] : mesh.triangle) joined.join(joined.join(a, b), c);
+  const std::vector<int32_t> part = std::move(joined).all();
+  struct Piece {
+    glm::vec3 low{std::numeric_limits<float>::max()};
+    glm::vec3 high{-std::numeric_limits<float>::max()};
+    float area = 0.0f;
+  };
+  std::vector<Piece> pieces(mesh.position.size());
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    Piece& piece = pieces[part[mesh.triangle[t][0]]];
+    piece.area += 0.5f * glm::length(triangle_cross(mesh, t));
+    for (const int32_t p : mesh.triangle[t]) {
+      piece.low = glm::min(piece.low, mesh.position[p]);
+      piece.high = glm::max(piece.high, mesh.position[p]);
+    }
+  }
+  size_t count = 0;
+  size_t thin = 0;
+  for (const Piece& piece : pieces) {
+    if (!(piece.area > 0.0f)) continue;
+    ++count;
+    const float length = glm::length(piece.high - piece.low);
+    const float width = piece.area / (3.14159f * length);
+    if (length > kLengthToWidth * width && width < kWidthOfDepth * depth) ++thin;
+  }
+  return count >= kLeastPieces && static_cast<double>(thin) > kMostly * static_cast<double>(count);
+}
+
+Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& shown,
+                       const std::vector<float>& height, float depth) {
+  Cushions cushions;
+  const float radius = std::clamp(kRadius * depth, kLeastRadius, kMostRadius);
+  const float least = kThinnest * depth;
+  std::vector<glm::vec3> places =
+      snow_places(mesh, shown, height, least, radius / kCellsPerRadius);
+  if (places.empty()) return cushions;
+  glm::vec3 low = places.front();
+  glm::vec3 high = places.front();
+  for (const glm::vec3& place : places) {
+    low = glm::min(low, place);
+    high = glm::max(high, place);
+  }
+  const size_t count = places.size();
+  for (size_t i = 0; i < count; ++i) {
+    places.push_back(places[i] + glm::vec3(0.0f, 0.0f, kRaised * radius));
+  }
+  low -= 1.5f * radius;
+  high += 2.5f * radius;
+  float cell = radius / kCellsPerRadius;
+  const glm::dvec3 extent(high - low);
+  cell = std::max(cell, static_cast<float>(std::cbrt(extent.x * extent.y * extent.z / kMostCells)));
+  if (cell > 0.7f * radius) return cushions;  // too coarse to be of any shape
+  const Grid grid(low, high, cell);
+  const float cells = radius / cell;
+  std::vector<float> inside = depth_in_grown(grid, places, radius, kCore * cells + 1.5f);
+  open_bodies(grid, inside, kCore * cells, (kCore - kSurface) * cells + 0.5f);
+  blur(grid, inside);
+  Net net = surface_net(grid, inside, kSurface * cells);
+  relax(net, 3);
+
+  std::vector<CellGrid::Box> boxes;
+  std::vector<int32_t> snowy;
+  for (size_t p = 0; p < shown.size(); ++p) {
+    if (height[p] <= least) continue;
+    boxes.push_back({shown[p], shown[p]});
+    snowy.push_back(static_cast<int32_t>(p));
+  }
+  const CellGrid near(boxes, radius);
+  cushions.anchor.assign(net.point.size(), snowy.front());
+  cushions.way.resize(net.point.size());
+  base::for_each_item(net.point.size(), 64, [&](size_t p) {
+    float best = std::numeric_limits<float>::max();
+    for (float reach = radius; reach < 8.0f * radius; reach *= 2.0f) {
+      near.visit(net.point[p] - reach, net.point[p] + reach, [&](int32_t i) {
+        const float distance = glm::distance(shown[snowy[i]], net.point[p]);
+        if (distance < best || (distance == best && snowy[i] < cushions.anchor[p])) {
+          best = distance;
+          cushions.anchor[p] = snowy[i];
+        }
+      });
+      if (best < reach) break;
+    }
+    cushions.way[p] = net.point[p] - shown[cushions.anchor[p]];
+  });
+  cushions.quads = std::move(net.quads);
+  return cushions;
+}
+
+}  // namespace snowbough::snow
