@@ -87,8 +87,8 @@ KERNEL_CONSTANT float kSink = 0.004f;
 /// Parts of the thickness.
 KERNEL_CONSTANT float kSag = 0.6f;
 KERNEL_CONSTANT float kSagVariation = 0.5f;
-KERNEL_CONSTANT float kRelief = 0.1f;
-KERNEL_CONSTANT float kBumps = 0.06f;
+KERNEL_CONSTANT float kRelief = 0.13f;
+KERNEL_CONSTANT float kBumps = 0.08f;
 
 // At rims; lengths as parts of the height behind the rim.
 /// Where on its zone (from the rim, 0 to 1) the front ends and the top begins.

@@ -21,6 +21,8 @@ constexpr float kBareEdge = 4.0f;
 constexpr float kEndingEdge = 0.1f;
 /// Snow thinner than that counts as ending.
 constexpr float kEnding = 0.45f;
+/// Level snow thinner than that is near its border.
+constexpr float kBorder = 0.15f;
 /// No edge is cut to less than that.
 constexpr float kLeastEdge = 0.085f;
 /// Edges near rims before the cuts along them, and along them afterwards.
@@ -118,6 +120,9 @@ class Refiner {
     if (covered && up < 0.93f && std::min(height, mean) < kEnding * depth_) {
       wanted = std::min(wanted, kEndingEdge * unit_);
     }
+    // Where shelter thins level snow out, its border needs as much.
+    const bool thins_out = std::min(height, mean) < kBorder * depth_ && std::max(height, mean) > shown_;
+    if (thins_out) wanted = std::min(wanted, kEndingEdge * unit_);
     const float off = std::abs(height - mean);
     if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
       wanted = std::min(wanted, std::max(0.6f * length, kLeastEdge * unit_));
