@@ -190,9 +190,9 @@ def test_remove_snow_takes_the_nodes_out_where_the_material_was_the_objects_own(
     assert shader.inputs["Roughness"].default_value == 0.125 and not output.inputs["Displacement"].links
 
 
-@pytest.mark.parametrize("selected", [["Ground"], ["Ground snow"], ["Ground", "Ground snow"]])
-def test_remove_snow_removes_an_appended_shell(snowy_file, selected):
-    append(snowy_file("SHELL"), "Ground snow", "Ground")
+@pytest.mark.parametrize("selected", [["Ground"], ["Ground Snow"], ["Ground", "Ground Snow"]])
+def test_remove_snow_removes_an_appended_surface(snowy_file, selected):
+    append(snowy_file("SHELL"), "Ground Snow", "Ground")
     for obj in bpy.context.scene.objects:
         obj.select_set(obj.name in selected)
     bpy.ops.snowbough.remove()

@@ -49,7 +49,7 @@ def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
     window.wait_until("len(bpy.context.scene.snowbough.receivers) == 2")
     snowy = window.run(LOOK)
     meshes = {name: (layers, modifiers, slots) for name, layers, modifiers, slots in snowy[1]}
-    # The shell, which is the default, comes with the first bake.
+    # The snow surface, which is the default, comes with the first bake.
     assert meshes["Plane"][0] == ["snow"] and meshes["Plane"][1] == []
     assert meshes["Plane"][2] == [["DATA", "Soil"]]
     assert_undone_and_redone(window, before, snowy)
