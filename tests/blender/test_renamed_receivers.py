@@ -161,8 +161,8 @@ def snowy_file(tmp_path):
             ground.material_slots[0].material = material
         s.receive(ground)
         s.settings(tmp_path / "cache", frames=(1, 2))
-        s.bake()
         bpy.ops.snowbough.setup_displacement(mode=mode)
+        s.bake()
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "snowy.blend"))
         bpy.ops.wm.read_homefile(use_empty=True)
         return tmp_path / "snowy.blend"

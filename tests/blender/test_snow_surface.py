@@ -52,7 +52,7 @@ def test_the_faces_stay_the_same_during_the_shot(ground):
 
 def test_it_covers_only_what_snow_ever_lies_on(tmp_path):
     """A roof shelters the right half of the ground."""
-    s.square("Roof", 2.0, z=1.0, x=1.0)
+    s.square("Roof", 4.0, z=1.0, x=2.0)
     (surface,) = bake_surfaces(tmp_path, s.square("Ground"), fall_angle=0.0)
     points = points_at(surface, 4)
     assert points[:, 0].min() == pytest.approx(-1.0, abs=0.05)
