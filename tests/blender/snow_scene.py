@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small scenes for tests of the bake, and their maps read back."""
 
+import hashlib
 import math
 from pathlib import Path
 
@@ -79,10 +80,10 @@ def height(native, root, name, frame, version=1):
 
 
 def files_of(root):
-    """{relative path: bytes} of everything in a cache but the logs and the name of the .blend."""
+    """{relative path: digest of its bytes} of everything in a cache but the logs and the name of the .blend."""
     root = Path(root)
     return {
-        str(path.relative_to(root)): path.read_bytes()
+        str(path.relative_to(root)): hashlib.blake2b(path.read_bytes(), digest_size=8).hexdigest()
         for path in sorted(root.rglob("*"))
         if path.is_file() and "logs" not in path.parts and path.name != "owner.json"
     }

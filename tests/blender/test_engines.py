@@ -59,7 +59,7 @@ def without_egl(tmp_path):
 
 def logs(root):
     """The lines of each bake's log, without their times, the oldest first."""
-    found = sorted((root / "Scene" / "logs").iterdir(), key=lambda path: path.stat().st_mtime_ns)
+    found = sorted(root.glob("Scene*/logs/*"), key=lambda path: path.stat().st_mtime_ns)
     return [[line.split(" ", 1)[1] for line in path.read_text().splitlines()] for path in found]
 
 
@@ -315,10 +315,12 @@ def shot(addon, engine, tmp_path):
     """The moving scene, saved as shot.blend with its cache in tmp/cache, and the bytes of its whole bake by the
     processor in this Blender."""
     s.moving_scene(tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0)
+    # Before the bake: a saved file gives its cache a name.
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     engine("CPU")
     s.bake()
     bpy.context.scene.snowbough.cache_directory = str(tmp_path / "cache")
-    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
+    bpy.ops.wm.save_mainfile()
     return s.files_of(tmp_path / "whole")
 
 
