@@ -518,6 +518,20 @@ def test_a_resumed_bake_writes_the_same_surfaces(addon, undisturbed, tmp_path, l
     assert s.files_of(tmp_path / "cache") == undisturbed
 
 
+def test_a_stopped_bake_has_surfaces_of_what_is_done(addon, undisturbed, tmp_path):
+    from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
+    running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))
+    running.on_frame = lambda result: engine.stop() if result.frame == 2 else None
+    engine.run(bpy.context, running)
+    addon("bake.outcome").conclude(bpy.context.scene, running)
+    last = running.job.results[-1].frame
+    assert running.cancelled and last < 6
+    assert surface_files(s.files_of(tmp_path / "cache")) == surface_files(undisturbed)
+    heights = inner(points_at(bpy.data.objects["Ground Snow"], last), 0.9)[:, 2]
+    assert heights.max() == pytest.approx(DEPTH * last / 6, rel=0.2)
+    assert np.array_equal(points_at(bpy.data.objects["Ground Snow"], 6)[:, 2].max(), heights.max())
+
+
 def test_a_bake_that_was_stopped_while_its_surfaces_were_made_resumes(addon, undisturbed, tmp_path):
     from_scene, engine = addon("bake.from_scene"), addon("bake.engine")
     running = from_scene.prepare_bake(bpy.context.scene, from_scene.make_request(bpy.context.scene))

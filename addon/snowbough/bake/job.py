@@ -122,7 +122,11 @@ class BakeJob:
                 writer=writer,
                 log=log,
             )
-            self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+            try:
+                self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+            except BakeCancelled:
+                self._make_surfaces(settings, shaping, lambda: False)  # of the frames that are done
+                raise
             if request.last < request.frame_end:
                 baker.stop()
             writer.flush()
