@@ -198,9 +198,7 @@ def assert_white_from_above(scene):
 # -- snow surfaces --------------------------------------------------------------------------------------
 
 
-def test_snow_surfaces_are_meshes_of_the_scene_and_no_layer_lies_below_them(
-    scene, read, instanced, tmp_path
-):
+def test_snow_surfaces_are_meshes_of_the_scene_and_no_layer_lies_below_them(scene, read, instanced, tmp_path):
     snow_scene.settings(tmp_path / "cache")
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     snow_scene.bake()

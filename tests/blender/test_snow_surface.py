@@ -32,7 +32,9 @@ def test_a_surface_is_a_child_of_its_receiver_that_reads_a_point_cache(ground, t
     assert ground.name == "Ground Snow" and ground.parent == bpy.data.objects["Ground"]
     (modifier,) = ground.modifiers
     assert (modifier.type, modifier.cache_format, modifier.interpolation) == ("MESH_CACHE", "PC2", "LINEAR")
-    assert bpy.path.abspath(modifier.filepath) == str(s.folder_of(tmp_path / "cache", "Ground") / "surface.pc2")
+    assert bpy.path.abspath(modifier.filepath) == str(
+        s.folder_of(tmp_path / "cache", "Ground") / "surface.pc2"
+    )
     assert not [group for group in bpy.data.node_groups if group.bl_idname == "GeometryNodeTree"]
 
 
@@ -237,7 +239,9 @@ def with_slider(surface, frame, name, value):
 def test_overhang_lets_snow_lean_out_farther(tmp_path):
     thing = box("Thing")
     bake_surfaces(tmp_path, thing, resolution=128)
-    reach = [np.abs(with_slider(thing, 4, "surface_overhang", value)[:, :2]).max() for value in (0.0, 1.0, 2.0)]
+    reach = [
+        np.abs(with_slider(thing, 4, "surface_overhang", value)[:, :2]).max() for value in (0.0, 1.0, 2.0)
+    ]
     assert 0.5 <= reach[0] + 0.005 < reach[1] < reach[2] - 0.005
     assert reach[2] < 0.5 + DEPTH
 

@@ -82,12 +82,15 @@ def test_undo_takes_back_the_surfaces_of_a_bake_and_redo_shows_them(window, tmp_
     window.wait_until(f"{SURFACES} == []")
     window.key("ctrl+shift+z")
     window.wait_until(f"{SURFACES} == ['Cube Snow', 'Plane Snow']")
-    assert window.run(
-        """
+    assert (
+        window.run(
+            """
 evaluated = bpy.data.objects["Plane Snow"].evaluated_get(bpy.context.evaluated_depsgraph_get())
 result = max(vertex.co.z for vertex in evaluated.data.vertices)
 """
-    ) > 0.05
+        )
+        > 0.05
+    )
 
 
 def test_a_deleted_receiver_takes_its_surface_along_and_undo_brings_both_back(window, tmp_path):
@@ -110,14 +113,18 @@ def test_update_surface_is_a_step_of_its_own(window, tmp_path):
     window.run(START)
     window.wait_for_bake()
     (before,) = [path.stat().st_mtime_ns for path in tmp_path.rglob("Plane-*/surface.pc2")]
-    window.run("bpy.context.scene.snowbough.surface_relief = 0.0\nbpy.ops.ed.undo_push(message='Relief')\nresult = 1")
+    window.run(
+        "bpy.context.scene.snowbough.surface_relief = 0.0\nbpy.ops.ed.undo_push(message='Relief')\nresult = 1"
+    )
     window.run(
         "window, area = view3d()\n"
         "with bpy.context.temp_override(window=window, area=area):\n"
         "    bpy.ops.snowbough.update_surface('INVOKE_DEFAULT')\n"
         "result = True"
     )
-    window.wait_until(f"max(p.stat().st_mtime_ns for p in __import__('pathlib').Path({str(tmp_path)!r}).rglob('Plane-*/surface.pc2')) > {before}")
+    window.wait_until(
+        f"max(p.stat().st_mtime_ns for p in __import__('pathlib').Path({str(tmp_path)!r}).rglob('Plane-*/surface.pc2')) > {before}"
+    )
     window.move(500, 500)
     window.key("ctrl+z")
     # What it wrote stays; the slider's own step is there still.
