@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Small scenes for tests of the bake, and their maps read back."""
 
+import hashlib
 import math
 from pathlib import Path
 
@@ -79,13 +80,45 @@ def height(native, root, name, frame, version=1):
 
 
 def files_of(root):
-    """{relative path: bytes} of everything in a cache but the logs and the name of the .blend."""
+    """{relative path: digest of its bytes} of everything in a cache but the logs and the name of the .blend."""
     root = Path(root)
     return {
-        str(path.relative_to(root)): path.read_bytes()
+        str(path.relative_to(root)): hashlib.blake2b(path.read_bytes(), digest_size=8).hexdigest()
         for path in sorted(root.rglob("*"))
         if path.is_file() and "logs" not in path.parts and path.name != "owner.json"
     }
+
+
+def strip(name, cells, upright=False):
+    """A row of quads from x = 0 to 1.5 at y = -1.5: level and 0.5 m wide, or upright and 0.2 m high."""
+    step = (0.0, 0.0, 0.2) if upright else (0.0, 0.5, 0.0)
+    points = [
+        (1.5 * i / cells, -1.5 + step[1] * j, 0.5 + step[2] * j) for j in range(2) for i in range(cells + 1)
+    ]
+    faces = [(i, i + 1, i + cells + 2, i + cells + 1) for i in range(cells)]
+    uv = [p for i in range(cells) for p in
+          ((i / cells, 0), ((i + 1) / cells, 0), ((i + 1) / cells, 1), (i / cells, 1))]  # fmt: skip
+    return mesh_object(name, points, faces, uv)
+
+
+def bend(obj, cells, *keys):
+    """Lets an armature bend and stretch a strip: it does not turn as one. keys: (frame, radians)."""
+    bone = bpy.data.objects.new("Bone", bpy.data.armatures.new("Bone"))
+    bpy.context.scene.collection.objects.link(bone)
+    bpy.context.view_layer.objects.active = bone
+    bpy.ops.object.mode_set(mode="EDIT")
+    edit = bone.data.edit_bones.new("Bone")
+    edit.head, edit.tail = (0, -1.5, 0.5), (1.5, -1.5, 0.5)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    group = obj.vertex_groups.new(name="Bone")
+    for i in range(cells + 1):
+        group.add([i, i + cells + 1], i / cells, "REPLACE")
+    obj.modifiers.new("Armature", "ARMATURE").object = bone
+    pose = bone.pose.bones["Bone"]
+    pose.rotation_mode = "XYZ"
+    for frame, angle in keys:
+        pose.rotation_euler = (0, angle, 0)
+        pose.keyframe_insert("rotation_euler", frame=frame)
 
 
 def moving_scene(folder, frames=(1, 12), **values):
@@ -94,29 +127,9 @@ def moving_scene(folder, frames=(1, 12), **values):
     cart = square("Cart", 1.0, z=1.0)
     key(cart, "location", (frames[0], (-1.0, 0.0, 0.0)), (frames[1], (1.0, 0.0, 0.0)))
     cells = 4
-    points = [(1.5 * i / cells, -1.5, 0.5 + 0.2 * j) for j in range(2) for i in range(cells + 1)]
-    faces = [(i, i + 1, i + cells + 2, i + cells + 1) for i in range(cells)]
-    uv = [p for i in range(cells) for p in
-          ((i / cells, 0), ((i + 1) / cells, 0), ((i + 1) / cells, 1), (i / cells, 1))]  # fmt: skip
-    flag = mesh_object("Flag", points, faces, uv)
+    flag = strip("Flag", cells, upright=True)
     flag.data.polygons.foreach_set("use_smooth", [True] * cells)
-    bone = bpy.data.objects.new("Bone", bpy.data.armatures.new("Bone"))
-    bpy.context.scene.collection.objects.link(bone)
-    bpy.context.view_layer.objects.active = bone
-    bpy.ops.object.mode_set(mode="EDIT")
-    edit = bone.data.edit_bones.new("Bone")
-    edit.head, edit.tail = (0, -1.5, 0.5), (1.5, -1.5, 0.5)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    group = flag.vertex_groups.new(name="Bone")
-    for i in range(cells + 1):  # the flag bends and stretches: it does not turn as one
-        group.add([i, i + cells + 1], i / cells, "REPLACE")
-    modifier = flag.modifiers.new("Armature", "ARMATURE")
-    modifier.object = bone
-    pose = bone.pose.bones["Bone"]
-    pose.rotation_mode = "XYZ"
-    for frame, angle in ((frames[0], 0.0), (frames[1], 1.0)):
-        pose.rotation_euler = (0, -angle, 0)
-        pose.keyframe_insert("rotation_euler", frame=frame)
+    bend(flag, cells, (frames[0], 0.0), (frames[1], -1.0))
     receive(ground, cart, flag)
     settings(folder, frames, **{"checkpoint_interval": 4, "repose": math.radians(65.0), **values})
     return ground, cart, flag

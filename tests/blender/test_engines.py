@@ -316,6 +316,8 @@ def shot(addon, engine, tmp_path):
     """The moving scene, saved as shot.blend with its cache in tmp/cache, and the bytes of its whole bake by the
     processor in this Blender."""
     s.moving_scene(tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0)
+    # Before the bake: a saved file gives its cache a name.
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     engine("CPU")
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "shot.blend"))
     s.bake()

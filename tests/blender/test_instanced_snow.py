@@ -7,7 +7,7 @@ import bpy
 import numpy as np
 import pytest
 import snow_scene as s
-from shell_scene import Geometry
+from surface_scene import points_of
 
 
 @pytest.fixture
@@ -36,25 +36,31 @@ def instance(tmp_path):
     return empty
 
 
-def test_every_member_has_its_own_shell_where_its_instance_stands(instance):
-    low, high = Geometry(bpy.data.objects["Low snow"]), Geometry(bpy.data.objects["High snow"])
-    assert high.points[:, 2].max() == pytest.approx(2.6, abs=0.02)
-    assert high.points[:, :2].mean(axis=0) == pytest.approx([5.0, 0.0], abs=0.02)
+def test_every_member_has_its_own_surface_where_its_instance_stands(instance):
+    low, high = points_of(bpy.data.objects["Low Snow"]), points_of(bpy.data.objects["High Snow"])
+    assert high[:, 2].max() == pytest.approx(2.6, abs=0.02)
+    assert high[:, :2].mean(axis=0) == pytest.approx([5.0, 0.0], abs=0.02)
     # Turned by 45 degrees, a corner of the square lies on the axis.
-    assert high.points[:, 0].max() == pytest.approx(5.0 + math.sqrt(0.5), abs=0.01)
+    assert high[:, 0].max() == pytest.approx(5.0 + math.sqrt(0.5), abs=0.05)
     # What lies below has the snow of its own map, and none where the other one shelters it.
-    middle = np.abs(low.points[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2
-    assert low.height.max() == pytest.approx(0.1, rel=0.03)
-    assert not middle.any() or low.height[middle].max() < 1e-4
-    assert high.height[np.abs(high.points[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2].min() > 0.09
+    middle = np.abs(low[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2
+    assert low[:, 2].max() == pytest.approx(1.6, abs=0.02)
+    assert (low[middle, 2] <= 1.5).all()
+    assert high[np.abs(high[:, :2] - [5.0, 0.0]).max(axis=1) < 0.2, 2].min() > 2.585
 
 
-def test_shells_follow_the_empty(instance):
-    before = Geometry(bpy.data.objects["High snow"]).points
+def test_surfaces_are_children_of_the_empty_and_follow_it(instance):
+    surface = bpy.data.objects["High Snow"]
+    assert surface.parent == instance
+    before = points_of(surface)
     instance.location.x += 1.0
     bpy.context.view_layer.update()
-    after = Geometry(bpy.data.objects["High snow"]).points
-    assert np.abs(after - before - [1.0, 0.0, 0.0]).max() < 1e-5
+    assert np.abs(points_of(surface) - before - [1.0, 0.0, 0.0]).max() < 1e-5
+
+
+def test_nothing_of_the_collection_is_changed(instance):
+    for obj in instance.instance_collection.objects:
+        assert not obj.modifiers and not obj.data.materials and not obj.children
 
 
 def test_removing_takes_all_of_them_off(instance):

@@ -29,6 +29,7 @@ NOT_UNDOABLE = {
     "export_scene.snowbough_tree": "writes files and changes nothing",
     "import_scene.xfrog_tree": "in a window snowbough.import_tree_job leaves the step",
     "snowbough.bake": "pushes its own step when the job has ended",
+    "snowbough.update_surface": "pushes its own step when the job has ended",
     "snowbough.stop_bake": "changes nothing but the running bake",
     "snowbough.lock_editing": "changes nothing",
     "snowbough.preflight": "only looks",

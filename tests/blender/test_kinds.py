@@ -6,21 +6,22 @@ import math
 import bpy
 import numpy as np
 import pytest
-import shell_scene
 import snow_scene as s
+from surface_scene import inner, points_of
 
 
 @pytest.fixture
-def receivers(addon, tmp_path):
-    """A ground with a shell and one whose own material is snowy."""
-    native = addon("native").load()
-    for name, mode in (("Shell", "SHELL"), ("Plain", "NONE")):
-        obj = s.square(name)
-        entry = bpy.context.scene.snowbough.receivers.add()
-        entry.object = obj
-        entry.folder = str(shell_scene.write_maps(native, tmp_path / name, [np.full((64, 64), 0.1)]))
-        addon("result.displacement").apply(bpy.context.scene, entry, mode)
-    return bpy.data.objects["Shell snow"], bpy.data.objects["Plain"]
+def receivers(tmp_path):
+    """A baked ground with a snow surface and one whose own material is snowy."""
+    surface, plain = s.square("Surface"), s.square("Plain", x=5.0)
+    s.receive(surface, plain)
+    s.settings(tmp_path)
+    for obj, mode in ((surface, "SHELL"), (plain, "NONE")):
+        bpy.ops.object.select_all(action="DESELECT")
+        obj.select_set(True)
+        bpy.ops.snowbough.setup_displacement(mode=mode, only_selected=True)
+    s.bake()
+    return bpy.data.objects["Surface Snow"], plain
 
 
 def slider(obj, name):
@@ -28,36 +29,41 @@ def slider(obj, name):
     return next(node for node in nodes if node.type == "GROUP").inputs[name].default_value
 
 
-def relief(addon, shell):
-    return addon("compat_nodes").modifier_input(shell.modifiers[0], "Relief")
-
-
 @pytest.mark.parametrize("kind", ["POWDER", "FRESH", "WET", "OLD"])
 def test_a_kind_sets_all_sliders(addon, receivers, kind):
-    shell, plain = receivers
     bpy.ops.snowbough.set_kind(kind=kind)
     look = addon("result.look").LOOKS[kind]
     for obj in receivers:
         for name, value in look.inputs().items():
             assert np.allclose(slider(obj, name), value), name
-    assert relief(addon, shell) == pytest.approx(look.relief)
+    # Fresh snow, whose relief is 0.6, has the surface's own slider at 1.
+    assert bpy.context.scene.snowbough.surface_relief == pytest.approx(look.relief / 0.6)
 
 
-def test_snow_that_is_made_later_is_of_the_scenes_kind(addon, receivers, tmp_path):
+def test_a_kind_shows_in_the_relief_of_the_current_frame(receivers):
+    surface, _ = receivers
+    reliefs = []
+    for kind in ("OLD", "WET"):
+        bpy.ops.snowbough.set_kind(kind=kind)
+        reliefs.append(inner(points_of(surface))[:, 2].std())
+    assert reliefs[0] > 2.0 * reliefs[1] > 0.0
+
+
+def test_snow_that_is_made_later_is_of_the_scenes_kind(receivers):
     bpy.ops.snowbough.set_kind(kind="WET")
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    assert slider(bpy.data.objects["Plain snow"], "Grain") == pytest.approx(0.5)
-    assert relief(addon, bpy.data.objects["Plain snow"]) == pytest.approx(0.4)
+    s.bake()
+    assert slider(bpy.data.objects["Plain Snow"], "Grain") == pytest.approx(0.5)
 
 
 def test_what_an_artist_sets_stays_until_another_kind_is_chosen(receivers):
-    shell, _ = receivers
-    node = next(node for node in shell.material_slots[0].material.node_tree.nodes if node.type == "GROUP")
+    surface, _ = receivers
+    node = next(node for node in surface.material_slots[0].material.node_tree.nodes if node.type == "GROUP")
     node.inputs["Sparkle"].default_value = 0.9
     bpy.context.scene.frame_set(5)
-    assert slider(shell, "Sparkle") == pytest.approx(0.9)
+    assert slider(surface, "Sparkle") == pytest.approx(0.9)
     bpy.ops.snowbough.set_kind(kind="OLD")
-    assert slider(shell, "Sparkle") == pytest.approx(0.15)
+    assert slider(surface, "Sparkle") == pytest.approx(0.15)
 
 
 def test_a_group_of_an_earlier_version_keeps_its_materials(addon):

@@ -78,19 +78,20 @@ def test_adding_snow_sets_the_object_up_and_a_bake_shows_its_files(addon, tmp_pa
     own.receivers[0].resolution = 64
     displacement = addon("result.displacement")
     assert displacement.mode_of(own.receivers[0]) == "SHELL"
-    assert "Ground snow" not in bpy.data.objects
+    assert "Ground Snow" not in bpy.data.objects
     for version in ("v001", "v002"):
         s.bake()
-        shell = bpy.data.objects["Ground snow"]
-        nodes = shell.modifiers[0].node_group.nodes
-        shown = [n.inputs["Image"].default_value for n in nodes if n.type == "IMAGE_TEXTURE"]
+        surface = bpy.data.objects["Ground Snow"]
+        assert version in surface.modifiers[0].filepath
+        nodes = surface.material_slots[0].material.node_tree.nodes
+        shown = [node.image for node in nodes if node.type == "TEX_IMAGE"]
         assert shown and all(version in image.filepath for image in shown)
     bpy.context.scene.frame_set(4)
     depsgraph = bpy.context.evaluated_depsgraph_get()
-    highest = max(v.co.z for v in shell.evaluated_get(depsgraph).data.vertices)
+    highest = max(v.co.z for v in surface.evaluated_get(depsgraph).data.vertices)
     assert highest == pytest.approx(0.1, abs=0.02)
     bpy.ops.snowbough.remove()
-    assert "Ground snow" not in bpy.data.objects
+    assert "Ground Snow" not in bpy.data.objects
     assert len(ground.modifiers) == 0 and not ground.material_slots
 
 

@@ -355,11 +355,11 @@ def test_it_adds_nothing_while_it_runs(ground, preview):
 
 @pytest.fixture
 def baked(ground, tmp_path):
-    """The ground with the shell of a bake."""
+    """The ground with the snow surface of a bake."""
     bpy.context.scene.snowbough.cache_directory = str(tmp_path)
     bpy.ops.snowbough.setup_displacement(mode="SHELL")
     bpy.ops.snowbough.bake()
-    return bpy.data.objects["Ground snow"]
+    return bpy.data.objects["Ground Snow"]
 
 
 def test_baked_snow_is_out_of_sight_meanwhile(baked, preview, addon):
@@ -370,7 +370,7 @@ def test_baked_snow_is_out_of_sight_meanwhile(baked, preview, addon):
     assert baked.snowbough.hidden_by_preview == ""
 
 
-def test_a_shell_that_was_hidden_before_stays_so(baked, preview, addon):
+def test_a_surface_that_was_hidden_before_stays_so(baked, preview, addon):
     baked.hide_viewport = True
     preview()
     addon("preview.live").stop()
@@ -384,8 +384,8 @@ def test_a_file_saved_meanwhile_is_as_without_it_and_the_preview_goes_on(baked, 
     bpy.ops.wm.save_as_mainfile(filepath=path, copy=True)
     assert addon("session").preview is not None and baked.hide_viewport
     with bpy.data.libraries.load(path) as (content, loaded):
-        assert sorted(content.objects) == ["Ground", "Ground snow"]
-        loaded.objects = ["Ground snow"]
+        assert sorted(content.objects) == ["Ground", "Ground Snow"]
+        loaded.objects = ["Ground Snow"]
     (saved,) = loaded.objects
     assert not saved.hide_viewport and saved.snowbough.hidden_by_preview == ""
 
@@ -400,7 +400,7 @@ def test_what_a_recovered_file_hides_is_shown_when_it_is_opened(baked, preview, 
     bpy.app.handlers.save_pre.append(handler)
     bpy.ops.wm.open_mainfile(filepath=path)
     assert addon("session").preview is None
-    assert not bpy.data.objects["Ground snow"].hide_viewport
+    assert not bpy.data.objects["Ground Snow"].hide_viewport
 
 
 def test_modifiers_of_a_bake_are_off_meanwhile(ground, preview, addon, tmp_path):

@@ -176,7 +176,6 @@ def test_live_snow_lies_on_what_an_empty_instances_and_on_no_other_instance(scen
 
 def test_baked_snow_lies_on_what_an_empty_instances(scene, read, instanced, tmp_path):
     snow_scene.settings(tmp_path / "cache")
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
     snow_scene.bake()
     scene.frame_set(4)
     found = snow_by_place(read())
@@ -185,8 +184,59 @@ def test_baked_snow_lies_on_what_an_empty_instances(scene, read, instanced, tmp_
         ("High", 5): pytest.approx(0.1, rel=0.05),
         ("Low", 0): None,
         ("High", 0): None,
-    }  # and no shell beside them
+    }
+    assert_white_from_above(scene)
+
+
+def assert_white_from_above(scene):
     camera_at((5.01, 0, 8), (5, 0, 0))
     picture = rendered(scene)
     assert pixel(picture, scene, (5, 0, 1.0))[:3].min() > 0.4
     assert pixel(picture, scene, (5.8, 0, 0))[:3].min() > 0.4
+
+
+# -- snow surfaces --------------------------------------------------------------------------------------
+
+
+def test_snow_surfaces_are_meshes_of_the_scene_and_no_layer_lies_below_them(scene, read, instanced, tmp_path):
+    snow_scene.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    snow_scene.bake()
+    scene.frame_set(4)
+    content = read()
+    surfaces = {bpy.data.objects[f"{name} Snow"] for name in ("Low", "High")}
+    keys = [mesh.key for mesh in content.meshes]
+    assert all(any(surface.name in key for key in keys) for surface in surfaces)
+    assert len(keys) == 4 and {mesh.snow for mesh in content.meshes} == {None}
+    assert_white_from_above(scene)
+
+
+def test_the_snow_surface_of_a_tree_stands_beside_the_bare_tree(scene, read, tmp_path):
+    bark, _rig = import_maple()
+    snow_scene.receive(bark, resolution=512)
+    snow_scene.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    snow_scene.bake()
+    scene.frame_set(4)
+    content = read()
+    (tree,) = content.trees
+    assert tree.snow is None
+    (surface,) = content.meshes
+    assert surface.snow is None and "small_maple_bark Snow" in surface.key
+
+
+def test_the_live_preview_draws_its_own_snow_instead_of_surfaces(scene, addon, read, tmp_path):
+    ground = snow_scene.square("Ground")
+    snow_scene.receive(ground)
+    snow_scene.settings(tmp_path / "cache")
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    snow_scene.bake()
+    assert len(read().meshes) == 2
+    live = addon("preview.live")
+    try:
+        live.start(scene, bpy.context.evaluated_depsgraph_get(), draws=False)
+        (mesh,) = read(live=True).meshes
+        assert mesh.snow is not None and mesh.snow.heights.max() > 0.01
+    finally:
+        live.stop()
+    assert len(read(live=True).meshes) == 2

@@ -161,8 +161,8 @@ def snowy_file(tmp_path):
             ground.material_slots[0].material = material
         s.receive(ground)
         s.settings(tmp_path / "cache", frames=(1, 2))
-        s.bake()
         bpy.ops.snowbough.setup_displacement(mode=mode)
+        s.bake()
         bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "snowy.blend"))
         bpy.ops.wm.read_homefile(use_empty=True)
         return tmp_path / "snowy.blend"
@@ -190,9 +190,9 @@ def test_remove_snow_takes_the_nodes_out_where_the_material_was_the_objects_own(
     assert shader.inputs["Roughness"].default_value == 0.125 and not output.inputs["Displacement"].links
 
 
-@pytest.mark.parametrize("selected", [["Ground"], ["Ground snow"], ["Ground", "Ground snow"]])
-def test_remove_snow_removes_an_appended_shell(snowy_file, selected):
-    append(snowy_file("SHELL"), "Ground snow", "Ground")
+@pytest.mark.parametrize("selected", [["Ground"], ["Ground Snow"], ["Ground", "Ground Snow"]])
+def test_remove_snow_removes_an_appended_surface(snowy_file, selected):
+    append(snowy_file("SHELL"), "Ground Snow", "Ground")
     for obj in bpy.context.scene.objects:
         obj.select_set(obj.name in selected)
     bpy.ops.snowbough.remove()

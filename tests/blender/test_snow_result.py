@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How baked maps get into the scene: materials, modifiers, shells, and how they are taken off again."""
+"""How baked maps get into the scene: materials and modifiers, and how they are taken off again. Snow surfaces are in
+test_snow_surface.py."""
 
 import json
 
 import bpy
 import numpy as np
 import pytest
-from shell_scene import set_slider
 
 SIZE = 64
 FIRST, LAST = 5, 8
@@ -56,14 +56,6 @@ def evaluated_points(obj):
     points = np.empty(len(mesh.vertices) * 3, dtype=np.float32)
     mesh.vertices.foreach_get("co", points)
     return points.reshape(-1, 3)
-
-
-def snow_points(addon, shell):
-    """The points of a shell without relief, away from its border."""
-    set_slider(addon, shell, "Relief", 0.0)
-    points = evaluated_points(shell)
-    low, high = points[:, :2].min(axis=0), points[:, :2].max(axis=0)
-    return points[((points[:, :2] > low + 0.1) & (points[:, :2] < high - 0.1)).all(axis=1)]
 
 
 def image_nodes(material):
@@ -135,18 +127,13 @@ def test_modifiers_raise_the_surface_by_the_height_in_metres(ground, write_bake,
     assert points[:, 2] * scale * unit == pytest.approx(depth_of(7), abs=1e-5)
 
 
-@pytest.mark.parametrize("mode", ["MODIFIER", "SHELL"])
 @pytest.mark.parametrize("frame, depth", [(1, 0.0), (FIRST - 1, 0.0), (FIRST, 0.1), (50, 0.4)])
-def test_no_snow_before_the_bake_and_the_last_depth_after_it(addon, ground, write_bake, mode, frame, depth):
+def test_no_snow_before_the_bake_and_the_last_depth_after_it(ground, write_bake, frame, depth):
     ground.folder = str(write_bake())
-    bpy.ops.snowbough.setup_displacement(mode=mode)
+    bpy.ops.snowbough.setup_displacement(mode="MODIFIER")
     bpy.context.scene.frame_set(frame)
-    sunk = 0.0004 if mode == "SHELL" and depth == 0.0 else 0.0
-    if mode == "SHELL":
-        points = snow_points(addon, bpy.data.objects["Ground snow"])
-    else:
-        points = evaluated_points(ground.object)
-    assert len(points) and points[:, 2] == pytest.approx(depth - sunk, abs=1e-5)
+    points = evaluated_points(ground.object)
+    assert len(points) and points[:, 2] == pytest.approx(depth, abs=1e-5)
 
 
 def test_material_shows_no_snow_before_the_first_file(ground, write_bake):
@@ -159,33 +146,7 @@ def test_material_shows_no_snow_before_the_first_file(ground, write_bake):
         assert switch.inputs[1].default_value == value
 
 
-@pytest.mark.parametrize("scale", [(-1, 1, 1), (-1, -1, 1), (2, 2, -2), (-1, -1, -1)])
-def test_a_shell_grows_outwards_from_a_mirrored_receiver(addon, ground, write_bake, scale):
-    ground.folder = str(write_bake())
-    ground.object.scale = scale
-    bpy.context.view_layer.update()
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    bpy.context.scene.frame_set(7)
-    (shell,) = addon("result.snow_shell").find(ground)
-    points = snow_points(addon, shell)
-    outside = 1.0 if scale[2] > 0 else -1.0
-    assert np.median(points[:, 2]) * outside == pytest.approx(depth_of(7), abs=2e-3)
-
-
-def test_a_shell_lies_on_the_back_where_heights_are_negative(addon, ground, write_bake):
-    folder = write_bake()
-    native = addon("native").load()
-    for path in folder.glob("height_*.exr"):
-        native.write_exr(str(path), -native.read_exr(str(path))[0])
-    ground.folder = str(folder)
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    bpy.context.scene.frame_set(7)
-    (shell,) = addon("result.snow_shell").find(ground)
-    points = snow_points(addon, shell)
-    assert np.median(points[:, 2]) == pytest.approx(-depth_of(7), abs=2e-3)
-
-
-def test_uneven_scale_is_refused_by_modifiers_and_gets_a_shell(ground, write_bake):
+def test_uneven_scale_is_refused_by_modifiers_and_gets_a_snow_surface(addon, ground, write_bake):
     ground.folder = str(write_bake())
     ground.object.scale = (1, 2, 1)
     bpy.context.view_layer.update()
@@ -193,54 +154,8 @@ def test_uneven_scale_is_refused_by_modifiers_and_gets_a_shell(ground, write_bak
         bpy.ops.snowbough.setup_displacement(mode="MODIFIER")
     assert not ground.object.modifiers and not ground.object.material_slots
     bpy.ops.snowbough.setup_displacement(mode="AUTO")
-    assert bpy.data.objects["Ground snow"].snowbough.is_shell
-
-
-def test_shell_lies_at_the_height_and_only_where_snow_ever_lay(addon, ground, write_bake):
-    ground.object.location = (3, 0, 1)
-    ground.folder = str(write_bake(covered=0.5))
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    shell = bpy.data.objects["Ground snow"]
-    bpy.context.scene.frame_set(6)
-    assert snow_points(addon, shell)[:, 2] == pytest.approx(1.0 + depth_of(6), abs=1e-5)
-    assert evaluated_points(shell)[:, 0].min() > 2.0 - depth_of(6) / 3.0  # shoulders reach over the rim
-    set_slider(addon, shell, "Shoulders", 0.0)
-    points = evaluated_points(shell)
-    assert points[:, 0].min() == pytest.approx(2.0)
-    assert points[:, 0].max() == pytest.approx(3.0, abs=2 * 2.0 / SIZE)
-
-
-def test_shell_keeps_its_topology_over_the_shot(ground, write_bake):
-    ground.folder = str(write_bake(covered=0.5))
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    counts = set()
-    for frame in (1, FIRST, LAST, 20):
-        bpy.context.scene.frame_set(frame)
-        counts.add(len(evaluated_points(bpy.data.objects["Ground snow"])))
-    assert len(counts) == 1
-
-
-def test_linked_meshes_get_a_shell_and_are_not_changed(ground, write_bake):
-    twin = bpy.data.objects.new("Twin", ground.object.data)
-    bpy.context.scene.collection.objects.link(twin)
-    ground.folder = str(write_bake())
-    bpy.ops.snowbough.setup_displacement(mode="AUTO")
-    assert not ground.object.data.materials and not ground.object.modifiers
-    assert "Ground snow" in bpy.data.objects
-
-
-def test_apply_at_frame_makes_plain_geometry(addon, ground, write_bake):
-    ground.folder = str(write_bake())
-    bpy.context.scene.frame_set(7)
-    bpy.ops.snowbough.apply_at_frame()
-    frozen = bpy.data.objects["Ground snow 0007"]
-    assert not frozen.modifiers
-    # With the relief that snow of that depth has at most.
-    inner = np.abs(evaluated_points(frozen)[:, :2]).max(axis=1) < 0.9
-    assert evaluated_points(frozen)[inner, 2] == pytest.approx(
-        depth_of(7), abs=addon("result.relief_nodes").highest(depth_of(7))
-    )
-    assert "Ground snow" not in bpy.data.objects
+    assert addon("result.displacement").mode_of(ground) == "SHELL"
+    assert not ground.object.modifiers and not ground.object.material_slots
 
 
 def state_of(obj):
@@ -260,7 +175,7 @@ def state_of(obj):
     )
 
 
-@pytest.mark.parametrize("mode", ["NONE", "ADAPTIVE", "MODIFIER", "SHELL"])
+@pytest.mark.parametrize("mode", ["NONE", "ADAPTIVE", "MODIFIER"])
 @pytest.mark.parametrize("slots", [0, 2])
 def test_remove_restores_the_object_exactly(ground, write_bake, mode, slots):
     for index in range(slots):
@@ -285,16 +200,6 @@ def test_material_before_a_bake_shows_no_snow_and_no_missing_image(ground):
     assert any(
         node.type == "GROUP" and node.node_tree.name == "Snowbough Snow" for node in material.node_tree.nodes
     )
-
-
-def test_a_muted_shell_costs_a_bake_nothing_and_comes_back(addon, ground, write_bake):
-    ground.folder = str(write_bake())
-    bpy.ops.snowbough.setup_displacement(mode="SHELL")
-    shells = [obj for obj in bpy.data.objects if obj.snowbough.is_shell]
-    assert len(shells) == 1
-    with addon("result.displacement").Muted(bpy.context.scene):
-        assert not shells[0].modifiers[0].show_render
-    assert shells[0].modifiers[0].show_render
 
 
 def test_muted_displacement_is_off_in_renders_and_comes_back(addon, ground, write_bake):

@@ -1,6 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Ctrl+Z and Ctrl+Shift+Z after the buttons that change the scene."""
 
+from snow_shot import SNOW_SCENE, START
 from window import ROOT
 
 # Two meshes to snow on: one without a UV map but with a material of its own, and Blender's cube.
@@ -49,7 +50,7 @@ def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
     window.wait_until("len(bpy.context.scene.snowbough.receivers) == 2")
     snowy = window.run(LOOK)
     meshes = {name: (layers, modifiers, slots) for name, layers, modifiers, slots in snowy[1]}
-    # The shell, which is the default, comes with the first bake.
+    # The snow surface, which is the default, comes with the first bake.
     assert meshes["Plane"][0] == ["snow"] and meshes["Plane"][1] == []
     assert meshes["Plane"][2] == [["DATA", "Soil"]]
     assert_undone_and_redone(window, before, snowy)
@@ -65,6 +66,70 @@ def test_undo_takes_back_all_of_add_snow_and_of_remove_snow(window):
     assert [name for name, *_ in bare[1]] == ["Cube", "Plane"]
     assert [slots for name, _, _, slots in bare[1] if name == "Plane"] == [[["DATA", "Soil"]]]
     assert_undone_and_redone(window, dressed, bare)
+
+
+SURFACES = "sorted(obj.name for obj in bpy.context.scene.objects if obj.snowbough.is_shell)"
+
+
+def test_undo_takes_back_the_surfaces_of_a_bake_and_redo_shows_them(window, tmp_path):
+    window.run(SNOW_SCENE.format(frames=3, resolution=256, path=str(tmp_path / "shot.blend")))
+    window.run("bpy.ops.ed.undo_push(message='Scene')\nresult = True")
+    window.run(START)
+    window.wait_for_bake()
+    window.wait_until(f"{SURFACES} == ['Cube Snow', 'Plane Snow']")
+    window.move(500, 500)
+    window.key("ctrl+z")
+    window.wait_until(f"{SURFACES} == []")
+    window.key("ctrl+shift+z")
+    window.wait_until(f"{SURFACES} == ['Cube Snow', 'Plane Snow']")
+    assert (
+        window.run(
+            """
+evaluated = bpy.data.objects["Plane Snow"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+result = max(vertex.co.z for vertex in evaluated.data.vertices)
+"""
+        )
+        > 0.05
+    )
+
+
+def test_a_deleted_receiver_takes_its_surface_along_and_undo_brings_both_back(window, tmp_path):
+    window.run(SNOW_SCENE.format(frames=3, resolution=256, path=str(tmp_path / "shot.blend")))
+    window.run(START)
+    window.wait_for_bake()
+    window.run(
+        "for obj in bpy.context.scene.objects: obj.select_set(obj.name == 'Cube')\n"
+        "bpy.ops.ed.undo_push(message='Select')\nresult = True"
+    )
+    window.move(500, 500)
+    window.key("Delete")
+    window.wait_until(f"{SURFACES} == ['Plane Snow']")
+    window.key("ctrl+z")
+    window.wait_until(f"'Cube' in bpy.context.scene.objects and {SURFACES} == ['Cube Snow', 'Plane Snow']")
+
+
+def test_update_surface_is_a_step_of_its_own(window, tmp_path):
+    window.run(SNOW_SCENE.format(frames=3, resolution=256, path=str(tmp_path / "shot.blend")))
+    window.run(START)
+    window.wait_for_bake()
+    (before,) = [path.stat().st_mtime_ns for path in tmp_path.rglob("Plane-*/surface.pc2")]
+    window.run(
+        "bpy.context.scene.snowbough.surface_relief = 0.0\nbpy.ops.ed.undo_push(message='Relief')\nresult = 1"
+    )
+    window.run(
+        "window, area = view3d()\n"
+        "with bpy.context.temp_override(window=window, area=area):\n"
+        "    bpy.ops.snowbough.update_surface('INVOKE_DEFAULT')\n"
+        "result = True"
+    )
+    window.wait_until(
+        f"max(p.stat().st_mtime_ns for p in __import__('pathlib').Path({str(tmp_path)!r}).rglob('Plane-*/surface.pc2')) > {before}"
+    )
+    window.move(500, 500)
+    window.key("ctrl+z")
+    # What it wrote stays; the slider's own step is there still.
+    window.wait_until(f"{SURFACES} == ['Cube Snow', 'Plane Snow']")
+    assert window.run("result = bpy.context.scene.snowbough.surface_relief") == 0.0
 
 
 def test_the_sidebar_lets_a_selected_tree_sway_and_undo_stops_it(window):

@@ -98,10 +98,10 @@ class RunningBake:
 
     def status(self):
         """One line for people: ``frame 12 of 1-48, 0:34 left``."""
-        if self.stop_requested:
-            return "stopping after this frame"
         if self.shaping is not None:
             return f"shaping the snow, {self.shaping:.0%}"
+        if self.stop_requested:
+            return "stopping after this frame"
         if self.last_result is None:
             return "preparing the bake"
         left = int(self.seconds_left() + 0.5)

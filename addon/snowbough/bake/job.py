@@ -61,9 +61,7 @@ class BakeJob:
 
     # -- the recipe ------------------------------------------------------------------------------------
 
-    def run(
-        self, evaluate, report=lambda result: None, cancelled=lambda: False, shaping=lambda share: None
-    ):
+    def run(self, evaluate, report=lambda result: None, cancelled=lambda: False, shaping=lambda share: None):
         """Bakes. evaluate(frame, subframe) -> scene.pose.ScenePose; report(FrameResult) after each
         frame; cancelled() is asked between frames; shaping(0 to 1) is called while surfaces are made.
 
@@ -122,7 +120,11 @@ class BakeJob:
                 writer=writer,
                 log=log,
             )
-            self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+            try:
+                self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
+            except BakeCancelled:
+                self._make_surfaces(settings, shaping, lambda: False)  # of the frames that are done
+                raise
             if request.last < request.frame_end:
                 baker.stop()
             writer.flush()
@@ -332,7 +334,9 @@ class BakeJob:
                     evaluating = clock() - evaluating
                     inputs = [list(entry) for entry in self._tracker.inputs.poses]
                     depth = snowfall.totals[frame - request.frame_start]
-                    pending.append((worker.submit(baker.bake, frame, work, inputs, depth, places), evaluating))
+                    pending.append(
+                        (worker.submit(baker.bake, frame, work, inputs, depth, places), evaluating)
+                    )
                     # Only now, so that the worker need not wait for the frame before to be reported.
                     if len(pending) > 1:
                         finish()

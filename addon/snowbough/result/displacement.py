@@ -12,7 +12,7 @@ import math
 import bpy
 
 from .. import compat
-from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER
+from ..names import DISPLACE_MODIFIER, OWN_MODIFIERS, SUBDIVISION_MODIFIER, SURFACE_MODIFIER
 from ..scene.pose import metres_per_unit
 from . import baked_images, original_state, snow_material, snow_surface
 
@@ -194,7 +194,7 @@ def remove(scene, receiver):
 
 
 class Muted:
-    """Context: our own displacement is off, so that snow does not fall on snow.
+    """Context: our own displacement is off, so that snow does not fall on snow, and surfaces read no points.
 
     switch: "show_render" for render evaluation, "show_viewport" for what the viewport shows.
     """
@@ -205,7 +205,7 @@ class Muted:
             (obj.name, modifier.name, getattr(modifier, switch))
             for obj in scene.objects
             for modifier in getattr(obj, "modifiers", ())
-            if modifier.name in OWN_MODIFIERS
+            if modifier.name in (*OWN_MODIFIERS, SURFACE_MODIFIER)
         ]
 
     def _set(self, value_of):

@@ -8,12 +8,11 @@ from . import snow_surface
 
 
 def _gone(scene):
-    """Receivers on the scene's list whose object is in no scene any more, but whose surface is."""
+    """Receivers on the scene's list whose object is gone, or in no scene any more, but whose surface is in one."""
     return [
         entry
         for entry in scene.snowbough.receivers
-        if entry.object is not None
-        and not entry.object.users_scene
+        if (entry.object is None or not entry.object.users_scene)
         and any(surface.users_scene for surface in snow_surface.find(entry))
     ]
 

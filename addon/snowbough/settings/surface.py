@@ -31,17 +31,17 @@ class SurfaceProperties:
 
     surface_overhang: _slider(
         "Overhang",
-        "How far snow leans out over rims and hangs down where it ends on slopes. 1 is fresh snow; 0 is none",
+        "How far snow leans out over rims and hangs down where it ends on slopes: 1 is fresh snow, 0 is none (no unit)",
     )
     surface_hem_variation: _slider(
         "Hem Variation",
-        "How unevenly the lower edge of snow runs along rims. 1 is fresh snow; 0 makes it straight",
+        "How unevenly the lower edge of snow runs along rims: 1 is fresh snow, 0 makes it straight (no unit)",
     )
     surface_bridging: _slider(
         "Bridging",
-        "How readily snow closes narrow gaps, such as those between boards or stones. 0 leaves all gaps open",
+        "How readily snow closes narrow gaps, such as those between boards or stones: 1 is fresh snow, 0 leaves all gaps open (no unit)",
     )
     surface_relief: _slider(
         "Relief Scale",
-        "Height of the waves and bumps of the surface. 1 is fresh snow; 0 is smooth",
+        "Height of the waves and bumps of the surface: 1 is fresh snow, 0 is smooth (no unit)",
     )

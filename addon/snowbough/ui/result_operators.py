@@ -26,7 +26,7 @@ def _unlisted(context):
         for scene in bpy.data.scenes
         for entry in scene.snowbough.receivers
         if entry.object is not None
-        for name in (entry.object.name, *(shell.name for shell in snow_surface.find(entry)))
+        for name in (entry.object.name, *(surface.name for surface in snow_surface.find(entry)))
     }
     return [obj for obj in context.selected_objects if obj.name not in listed and unlisted_snow.is_snowy(obj)]
 
@@ -108,11 +108,15 @@ class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
     def work(self, context, receiver):
         if baked_images.load_sequence(receiver.folder, "height") is None:
             raise ValueError(f"{receiver.object.name} has no baked snow: bake first")
-        snow_surface.freeze(context.scene, receiver, context.evaluated_depsgraph_get())
+        if not snow_surface.freeze(context.scene, receiver, context.evaluated_depsgraph_get()):
+            raise ValueError(
+                f"{receiver.object.name} has no snow surface to take the geometry from: choose Displacement > Snow Surface, "
+                "then bake"
+            )
 
 
 class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
-    """Takes the snow off again: materials, modifiers and shells are as they were; baked files stay. Also off selected
+    """Takes the snow off again: materials and modifiers are as they were, and snow surfaces go; baked files stay. Also off selected
     objects that were appended with it"""
 
     bl_idname = "snowbough.remove"
@@ -126,7 +130,7 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
     def execute(self, context):
         unlisted = _unlisted(context)
         for name in [obj.name for obj in unlisted]:
-            if name in bpy.data.objects:  # a shell goes with what it shows
+            if name in bpy.data.objects:  # a surface goes with its receiver
                 unlisted_snow.remove(bpy.data.objects[name])
         if unlisted and not _chosen(context, self.only_selected):
             self.report(
