@@ -166,3 +166,15 @@ def test_point_normals_are_unit_vectors_of_the_faces():
 def test_point_normals_refuse_what_does_not_fit(points, triangles, message):
     with pytest.raises(ValueError, match=message):
         native.point_normals(points, triangles)
+
+
+@pytest.mark.parametrize("resolution", [2, 63, 999])
+def test_a_map_of_another_resolution_is_refused(resolution):
+    with pytest.raises(ValueError, match=r"height must have shape \(64, 64\)"):
+        make().points(level(resolution=resolution), DEPTH)
+
+
+@pytest.mark.parametrize("count", [0, 1, 7, 9])
+def test_positions_of_another_mesh_are_refused(count):
+    with pytest.raises(ValueError, match="positions must have 8 rows"):
+        make().points(level(), DEPTH, positions=np.zeros((count, 3), np.float32))
