@@ -98,6 +98,11 @@ def read_mesh(path):
         end += 12 * points
         four = np.frombuffer(raw, records[0][0], quads, end)
         three = np.frombuffer(raw, records[1][0], faces - quads, end + four.nbytes)
+        if any(
+            len(rows) and not 0 <= rows["corner"].min() <= rows["corner"].max() < points
+            for rows in (four, three)
+        ):
+            raise ValueError("a face names points that are not there")
     except (OSError, ValueError, AttributeError) as error:
         raise CacheError(f"{path} cannot be read ({error}): bake again, or use Update Surface") from error
     return FileMesh(

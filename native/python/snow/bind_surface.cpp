@@ -1,5 +1,7 @@
 #include <pybind11/stl.h>
 
+#include <algorithm>
+#include <cmath>
 #include <glm/gtc/type_ptr.hpp>
 
 #include "map_topology.h"
@@ -19,40 +21,74 @@ std::vector<float> map_of(const InputArray<float>& height, const char* name) {
   return {height.data(), height.data() + height.size()};
 }
 
-std::unique_ptr<snow::SnowSurface> make_surface(
-    const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-    const InputArray<float>& positions, const InputArray<float>& last,
-    const InputArray<float>& highest, float depth, const std::optional<InputArray<int32_t>>& shading,
-    float scale, int32_t most_points, uint32_t seed, const std::array<float, 2>& wind) {
-  snow::SurfaceSource source;
+/// The receiver, whose triangles name rows of positions.
+snow::SurfaceSource surface_source(snow::MapTopology topology, const InputArray<float>& positions,
+                                   const std::optional<InputArray<int32_t>>& shading) {
+  snow::SurfaceSource source{
+      std::move(topology), rows_from_numpy<glm::vec3, float, 3>(positions, "positions"), {}};
+  const auto vertices = static_cast<int32_t>(source.positions.size());
+  if (source.topology.vertex_count > vertices) {
+    throw std::invalid_argument("triangles must name rows of positions");
+  }
+  source.topology.vertex_count = vertices;
+  if (shading) {
+    if (shading->size() != static_cast<py::ssize_t>(source.topology.triangles.size())) {
+      throw std::invalid_argument("shading must have shape (T, 3)");
+    }
+    source.shading.assign(shading->data(), shading->data() + shading->size());
+  }
+  return source;
+}
+
+void require_positive(double value, const char* name) {
+  if (!(value > 0.0 && std::isfinite(value))) {
+    throw std::invalid_argument(std::string(name) + " must be a number over 0");
+  }
+}
+
+/// A surface that knows which maps and positions fit it.
+struct BoundSurface {
+  snow::SnowSurface surface;
+  int32_t resolution;
+  py::ssize_t vertices;
+};
+
+std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
+                                           const InputArray<float>& uv,
+                                           const InputArray<float>& positions,
+                                           const InputArray<float>& last,
+                                           const InputArray<float>& highest, float depth,
+                                           const std::optional<InputArray<int32_t>>& shading,
+                                           float scale, int32_t most_points, uint32_t seed,
+                                           const std::array<float, 2>& wind) {
   const std::vector<float> heights = map_of(last, "last");
-  source.topology = map_topology(triangles, uv, static_cast<int32_t>(last.shape(0)));
-  source.positions = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
-  source.topology.vertex_count = static_cast<int32_t>(source.positions.size());
-  if (shading) source.shading.assign(shading->data(), shading->data() + shading->size());
+  require_finite(uv, "uv");
+  require_positive(depth, "depth");
+  require_positive(scale, "scale");
+  require_positive(most_points, "most_points");
+  const snow::SurfaceSource source = surface_source(
+      map_topology(triangles, uv, static_cast<int32_t>(last.shape(0))), positions, shading);
   const std::vector<float> most = map_of(highest, "highest");
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
-  return without_gil([&] { return std::make_unique<snow::SnowSurface>(source, heights, most, plan); });
+  return without_gil([&] {
+    return std::make_unique<BoundSurface>(
+        BoundSurface{snow::SnowSurface(source, heights, most, plan), source.topology.resolution,
+                     source.topology.vertex_count});
+  });
 }
 
 double wanted_points(const InputArray<int32_t>& triangles, const InputArray<float>& positions,
                      float depth, const std::optional<InputArray<int32_t>>& shading) {
-  snow::SurfaceSource source;
-  source.positions = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
-  source.topology.triangles.assign(triangles.data(), triangles.data() + triangles.size());
-  source.topology.corner_uv.resize(source.topology.triangles.size());
-  source.topology.vertex_count = static_cast<int32_t>(source.positions.size());
-  for (const int32_t v : source.topology.triangles) {
-    if (v < 0 || v >= source.topology.vertex_count) {
-      throw std::invalid_argument("triangles must name rows of positions");
-    }
-  }
-  if (shading) source.shading.assign(shading->data(), shading->data() + shading->size());
+  require_positive(depth, "depth");
+  InputArray<float> no_uv(std::vector<py::ssize_t>{triangles.size() / 3, 3, 2});
+  std::fill_n(no_uv.mutable_data(), no_uv.size(), 0.0f);
+  const snow::SurfaceSource source =
+      surface_source(map_topology(triangles, no_uv, 2), positions, shading);
   return without_gil([&] { return snow::wanted_points(source, depth); });
 }
 
-py::tuple faces(const snow::SnowSurface& surface) {
-  const snow::SurfaceFaces& faces = surface.faces();
+py::tuple faces(const BoundSurface& self) {
+  const snow::SurfaceFaces& faces = self.surface.faces();
   std::vector<int32_t> begin = faces.begin, corner = faces.corner;
   std::vector<glm::vec2> uv = faces.uv;
   const auto count = static_cast<py::ssize_t>(begin.size());
@@ -62,19 +98,31 @@ py::tuple faces(const snow::SnowSurface& surface) {
                         to_numpy<float>(std::move(uv), {corners, 2}));
 }
 
-py::array_t<float> points(const snow::SnowSurface& surface, const InputArray<float>& height,
+py::array_t<float> points(const BoundSurface& self, const InputArray<float>& height,
                           float open_depth, const std::optional<InputArray<float>>& positions,
                           const std::array<float, 3>& up,
                           const std::optional<InputArray<float>>& to_result) {
   const std::vector<float> heights = map_of(height, "height");
+  if (height.shape(0) != self.resolution) {
+    const std::string size = std::to_string(self.resolution);
+    throw std::invalid_argument("height must have shape (" + size + ", " + size + ")");
+  }
   std::vector<glm::vec3> places;
-  snow::SurfaceFrame frame{heights.data(), open_depth, nullptr, {up[0], up[1], up[2]}, glm::mat4(1.0f)};
+  snow::SurfaceFrame frame{
+      heights.data(), open_depth, nullptr, {up[0], up[1], up[2]}, glm::mat4(1.0f)};
   if (positions) {
+    if (positions->ndim() < 1 || positions->shape(0) != self.vertices) {
+      throw std::invalid_argument("positions must have " + std::to_string(self.vertices) + " rows");
+    }
     places = rows_from_numpy<glm::vec3, float, 3>(*positions, "positions");
     frame.positions = places.data();
   }
+  if (to_result &&
+      (to_result->ndim() != 2 || to_result->shape(0) != 4 || to_result->shape(1) != 4)) {
+    throw std::invalid_argument("to_result must have shape (4, 4)");
+  }
   if (to_result) frame.to_result = glm::transpose(glm::make_mat4(to_result->data()));
-  std::vector<glm::vec3> result = without_gil([&] { return surface.points(frame); });
+  std::vector<glm::vec3> result = without_gil([&] { return self.surface.points(frame); });
   const auto count = static_cast<py::ssize_t>(result.size());
   return to_numpy<float>(std::move(result), {count, 3});
 }
@@ -91,27 +139,30 @@ py::array_t<float> point_normals(const InputArray<float>& points,
 }  // namespace
 
 void bind_surface(py::module_& module) {
-  module.def("wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
-             py::arg("depth"), py::arg("shading") = py::none(),
-             "About how many points a SnowSurface of a receiver would like to have at the default "
-             "detail under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading "
-             "(T, 3) or None: receivers share the points of a scene by it.");
+  module.def(
+      "wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
+      py::arg("depth"), py::arg("shading") = py::none(),
+      "About how many points a SnowSurface of a receiver would like to have at the default "
+      "detail under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading "
+      "(T, 3) or None: receivers share the points of a scene by it.");
   module.def("point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
              "Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. "
              "ValueError for triangles that name no points.");
-  py::class_<snow::SnowSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
+  py::class_<BoundSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),
            py::arg("scale") = 1.0f, py::arg("most_points") = 200000, py::arg("seed") = 0,
            py::arg("wind") = std::array<float, 2>{0.0f, 0.0f})
       .def("faces", &faces)
-      .def("set_style",
-           [](snow::SnowSurface& self, float overhang, float hem, float bridging, float relief) {
-             self.set_style({overhang, hem, bridging, relief});
-           },
-           py::arg("overhang") = 1.0f, py::arg("hem_variation") = 1.0f, py::arg("bridging") = 1.0f,
-           py::arg("relief") = 1.0f)
-      .def_property_readonly("point_count", &snow::SnowSurface::point_count)
+      .def(
+          "set_style",
+          [](BoundSurface& self, float overhang, float hem, float bridging, float relief) {
+            self.surface.set_style({overhang, hem, bridging, relief});
+          },
+          py::arg("overhang") = 1.0f, py::arg("hem_variation") = 1.0f, py::arg("bridging") = 1.0f,
+          py::arg("relief") = 1.0f)
+      .def_property_readonly("point_count",
+                             [](const BoundSurface& self) { return self.surface.point_count(); })
       .def("points", &points, py::arg("height"), py::arg("open_depth"),
            py::arg("positions") = py::none(),
            py::arg("up") = std::array<float, 3>{0.0f, 0.0f, 1.0f},

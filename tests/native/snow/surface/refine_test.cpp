@@ -1,0 +1,147 @@
+#include "snow/surface/refine.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <map>
+#include <set>
+
+#include "native/snow/surface/shapes.h"
+
+namespace snowbough::snow {
+namespace {
+
+constexpr float kDepth = 0.12f;
+
+/// The refined mesh of a receiver under that map.
+SurfaceMesh refined(const SurfaceSource& source, const std::vector<float>& map,
+                    int32_t most_points = 200000, float scale = 1.0f) {
+  const RimmedMesh receiver(source, 1.15f * rim_zone(kDepth), far_zone(kDepth));
+  const RimZones zones(receiver.mesh, receiver.rims, kDepth);
+  return refined_surface(receiver.mesh, receiver.rims, zones, {map.data(), map.data(), kResolution},
+                         {kDepth, scale, most_points});
+}
+
+SurfaceMesh snowy_slab(int32_t most_points = 200000) {
+  const SurfaceSource source = slab(1.0f, 0.3f);
+  return refined(source, on_tops(source, kDepth), most_points);
+}
+
+TEST(RefinedSurface, HasAtMostTwoFacesAtAnEdge) {
+  for (const int32_t count : faces_at_edges(surface_edges(snowy_slab().triangle)))
+    EXPECT_LE(count, 2);
+}
+
+TEST(RefinedSurface, HasNoFacesWithoutArea) {
+  const SurfaceMesh mesh = snowy_slab();
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    float longest = 0.0f;
+    for (size_t k = 0; k < 3; ++k) {
+      longest = std::max(longest, glm::distance(mesh.position[mesh.triangle[t][k]],
+                                                mesh.position[mesh.triangle[t][(k + 1) % 3]]));
+    }
+    EXPECT_GT(glm::length(triangle_cross(mesh, t)), 1e-3f * longest * longest);
+  }
+}
+
+TEST(RefinedSurface, KeepsWithinItsPoints) {
+  for (const int32_t most : {500, 2000, 8000})
+    EXPECT_LE(snowy_slab(most).position.size(), 1.1 * most);
+}
+
+TEST(RefinedSurface, FacesAtUvSeamsSharePoints) {
+  const SurfaceMesh mesh = snowy_slab();
+  std::map<int32_t, std::set<int32_t>> charts;  // of each point
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    for (const int32_t p : mesh.triangle[t]) charts[p].insert(mesh.base[t] / 2);
+  }
+  int at_rim = 0;
+  for (const auto& [p, own] : charts) {
+    const glm::vec3& at = mesh.position[p];
+    if (at.z < -1e-6f || std::max(std::abs(at.x), std::abs(at.y)) < 0.5f) continue;
+    ++at_rim;
+    EXPECT_GE(own.size(), 2u);
+  }
+  EXPECT_GT(at_rim, 40);
+  std::set<std::array<float, 3>> places;
+  for (const glm::vec3& at : mesh.position) EXPECT_TRUE(places.insert({at.x, at.y, at.z}).second);
+}
+
+TEST(RefinedSurface, CutsRunParallelToAStraightRim) {
+  const SurfaceMesh mesh = snowy_slab();
+  // Points on top near the middle of the rim at x = 0.5, by their distance in hundredths of a
+  // millimetre.
+  std::map<int, int> rows;
+  for (const glm::vec3& at : mesh.position) {
+    const float distance = 0.5f - at.x;
+    if (std::abs(at.y) > 0.2f || at.z < -1e-6f || distance > 0.9f * rim_zone(kDepth)) continue;
+    ++rows[static_cast<int>(std::lround(distance * 1e5f))];
+  }
+  int in_rows = 0, all = 0;
+  for (const auto& [distance, count] : rows) {
+    all += count;
+    if (count >= 8) in_rows += count;
+  }
+  EXPECT_GT(all, 200);
+  EXPECT_GT(in_rows, 0.95 * all);
+}
+
+TEST(RefinedSurface, IsCoarseOnOpenGround) {
+  const SurfaceSource source = card(8.0f, 8.0f);
+  const SurfaceMesh mesh = refined(source, map_of(source, {kDepth}));
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    const glm::vec3 middle =
+        (mesh.position[mesh.triangle[t][0]] + mesh.position[mesh.triangle[t][1]] +
+         mesh.position[mesh.triangle[t][2]]) /
+        3.0f;
+    if (std::max(std::abs(middle.x), std::abs(middle.y)) > 3.0f) continue;
+    EXPECT_GT(0.5f * glm::length(triangle_cross(mesh, t)), 0.02f * kDepth * kDepth);
+  }
+  EXPECT_NEAR(area_of(mesh), 64.0f, 1e-3f);
+}
+
+TEST(RefinedSurface, IsFineWhereSnowEndsOnGround) {
+  const SurfaceSource source = card(8.0f, 8.0f);
+  std::vector<float> map(kResolution * kResolution, 0.0f);
+  for (size_t i = 0; i < map.size(); ++i)
+    map[i] = i % kResolution < kResolution / 2 ? kDepth : 0.0f;
+  const SurfaceMesh mesh = refined(source, map);
+  float least_at_border = 1.0f, least_in_the_open = 1.0f;
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    const glm::vec3& at = mesh.position[mesh.triangle[t][0]];
+    if (std::abs(at.y) > 3.0f || at.x < -3.0f) continue;
+    float& least = at.x > -0.2f ? least_at_border : least_in_the_open;
+    least = std::min(least, glm::length(triangle_cross(mesh, t)));
+  }
+  EXPECT_LT(4.0f * least_at_border, least_in_the_open);
+}
+
+TEST(RefinedSurface, LeavesOutWhatIsNeverCovered) {
+  const SurfaceSource source = card(8.0f, 8.0f);
+  std::vector<float> map(kResolution * kResolution, 0.0f);
+  for (size_t i = 0; i < map.size(); ++i)
+    map[i] = i % kResolution < kResolution / 4 ? kDepth : 0.0f;
+  for (const glm::vec3& at : refined(source, map).position) EXPECT_LT(at.x, 0.5f);
+}
+
+TEST(RefinedSurface, HasNoFacesOnABareReceiver) {
+  const SurfaceSource source = slab(1.0f, 0.3f);
+  EXPECT_TRUE(refined(source, on_tops(source, 0.0f)).triangle.empty());
+}
+
+TEST(RefinedSurface, ALargerScaleHasFewerPoints) {
+  const SurfaceSource source = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(source, kDepth);
+  EXPECT_LT(refined(source, map, 200000, 1.7f).position.size(),
+            refined(source, map).position.size());
+}
+
+TEST(WantedPoints, AreFewForAWiperAndManyForARoof) {
+  const double wiper = wanted_points(boxes({{{0, 0, 0}, {0.5f, 0.02f, 0.01f}}}), kDepth);
+  const double roof = wanted_points(slab(4.0f, 0.3f), kDepth);
+  EXPECT_LT(wiper, 1000.0);
+  EXPECT_GT(roof, 10.0 * wiper);
+}
+
+}  // namespace
+}  // namespace snowbough::snow

@@ -1,0 +1,148 @@
+#include "snow/surface/rims.h"
+
+#include <gtest/gtest.h>
+
+#include "native/snow/surface/shapes.h"
+
+namespace snowbough::snow {
+namespace {
+
+/// A level face of a metre and one that goes down from its edge at x = 0 by `degrees`.
+SurfaceSource bend(float degrees, bool smooth) {
+  const float turn = degrees * std::numbers::pi_v<float> / 180.0f;
+  const float x = std::cos(turn), z = -std::sin(turn);
+  SurfaceSource source = quads({{-1, 0, 0}, {0, 0, 0}, {0, 1, 0}, {-1, 1, 0}, {x, 0, z}, {x, 1, z}},
+                               {{0, 1, 2, 3}, {1, 4, 5, 2}});
+  if (smooth) source.shading = source.topology.triangles;
+  return source;
+}
+
+/// Rims of a mesh along x = 0.
+size_t rims_at_bend(const SurfaceSource& source) {
+  const RimmedMesh mesh(source);
+  size_t count = 0;
+  for (const Rim& rim : mesh.rims.all()) count += rim.from.x == 0.0f && rim.to.x == 0.0f ? 1 : 0;
+  return count;
+}
+
+TEST(Rims, ACubeHasFour) {
+  const RimmedMesh cube(slab(1.0f, 1.0f));
+  ASSERT_EQ(cube.rims.all().size(), 4u);
+  for (const Rim& rim : cube.rims.all()) {
+    EXPECT_EQ(rim.support, glm::vec3(0, 0, 1));
+    EXPECT_EQ(rim.down, glm::vec3(0, 0, -1));
+    EXPECT_EQ(rim.out, rim.far_normal);
+    EXPECT_EQ(rim.far_extent, 0.05f);
+  }
+}
+
+TEST(Rims, AClosedBallHasNone) {
+  EXPECT_TRUE(RimmedMesh(ball(0.5f, 48, 24)).rims.all().empty());
+}
+
+TEST(Rims, AnOpenCardHasFourWithoutAFarFace) {
+  const RimmedMesh open(card(1.0f, 1.0f));
+  ASSERT_EQ(open.rims.all().size(), 4u);
+  for (const Rim& rim : open.rims.all()) EXPECT_EQ(rim.far_normal, glm::vec3(0.0f));
+}
+
+TEST(Rims, OpenEdgesThatAreShadedSmoothAreNone) {
+  SurfaceSource source = card(1.0f, 1.0f);
+  source.shading = source.topology.triangles;
+  EXPECT_TRUE(RimmedMesh(source).rims.all().empty());
+}
+
+TEST(Rims, ARidgeIsNone) {
+  const SurfaceSource roof =
+      quads({{-1, 0, 0}, {-1, 1, 0}, {0, 1, 0.7f}, {0, 0, 0.7f}, {1, 0, 0}, {1, 1, 0}},
+            {{0, 3, 2, 1}, {3, 4, 5, 2}});
+  EXPECT_EQ(rims_at_bend(roof), 0u);
+}
+
+TEST(Rims, AFaceThatTurnsDownFlatEndsAtARim) {
+  EXPECT_EQ(rims_at_bend(bend(72.0f, false)), 1u);
+}
+
+TEST(Rims, ASlopeIsNone) {
+  EXPECT_EQ(rims_at_bend(bend(60.0f, false)), 0u);
+}
+
+TEST(Rims, SmoothEdgesBelow75DegreesAreNone) {
+  EXPECT_EQ(rims_at_bend(bend(72.0f, true)), 0u);
+  EXPECT_EQ(rims_at_bend(bend(78.0f, true)), 1u);
+}
+
+TEST(Rims, ABoardsFarFaceEndsWhereTheBoardDoes) {
+  const RimmedMesh board(slab(1.0f, 0.02f), 0.3f, 0.12f);
+  for (const Rim& rim : board.rims.all()) {
+    EXPECT_GE(rim.far_extent, 0.02f);
+    EXPECT_LE(rim.far_extent, 0.04f);
+  }
+}
+
+TEST(RimPlace, OnTopOfACubeIsInsideOfTheRim) {
+  const RimmedMesh cube(slab(1.0f, 1.0f));
+  const RimPlace place =
+      cube.rims.place({0.47f, 0.1f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], 0.01f);
+  ASSERT_FALSE(place.is_far_off);
+  EXPECT_NEAR(place.distance, 0.03f, 1e-6f);
+  EXPECT_LT(glm::distance(place.foot, glm::vec3(0.5f, 0.1f, 0.0f)), 1e-6f);
+  EXPECT_EQ(place.level_out, glm::vec3(1, 0, 0));
+}
+
+TEST(RimPlace, OnTheSideOfACubeIsBeyondTheRim) {
+  const RimmedMesh cube(slab(1.0f, 1.0f));
+  const RimPlace place =
+      cube.rims.place({0.5f, 0.1f, -0.02f}, {1, 0, 0}, cube.rims.parts()[0], 0.01f);
+  ASSERT_FALSE(place.is_far_off);
+  EXPECT_NEAR(place.distance, -0.02f, 1e-6f);
+}
+
+TEST(RimPlace, AtACornerPointsBetweenBothRims) {
+  const RimmedMesh cube(slab(1.0f, 1.0f));
+  const RimPlace place =
+      cube.rims.place({0.47f, 0.47f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], 0.03f);
+  EXPECT_NEAR(place.out.x, std::sqrt(0.5f), 1e-5f);
+  EXPECT_NEAR(place.out.y, std::sqrt(0.5f), 1e-5f);
+}
+
+TEST(RimPlace, BeyondTheReachIsFarOff) {
+  const RimmedMesh cube(slab(1.0f, 1.0f), 0.3f);
+  EXPECT_TRUE(
+      cube.rims.place({0.1f, 0.1f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], 0.01f).is_far_off);
+  EXPECT_EQ(cube.rims.distance({0.1f, 0.1f, 0.0f}, {0, 0, 1}, cube.rims.parts()[0], true), 0.3f);
+}
+
+TEST(RimPlace, RimsOfOtherPartsSayNothing) {
+  const RimmedMesh pair(boxes({{{0, 0, 0}, {1, 1, 1}}, {{1.05f, 0, 0}, {2.05f, 1, 1}}}));
+  const RimPlace place =
+      pair.rims.place({0.98f, 0.5f, 1.0f}, {0, 0, 1}, pair.rims.parts()[0], 0.05f);
+  EXPECT_NEAR(place.level_out.x, 1.0f, 1e-6f);
+}
+
+TEST(RimRoom, OfABoardReachesItsMiddle) {
+  const RimmedMesh board(boxes({{{0, 0, 0}, {1, 0.1f, 0.5f}}}));
+  const RimPlace place =
+      board.rims.place({0.5f, 0.0f, 0.5f}, {0, 0, 1}, board.rims.parts()[0], 0.001f);
+  EXPECT_NEAR(board.rims.room(place, board.rims.parts()[0], 0.2f), 0.05f, 0.0005f);
+}
+
+TEST(RimOpposite, SeesTheRimAcrossANarrowGap) {
+  const RimmedMesh pair(boxes({{{0, 0, 0}, {1, 1, 1}}, {{1.02f, 0, 0}, {2.02f, 1, 1.01f}}}));
+  const RimPlace place =
+      pair.rims.place({1.0f, 0.5f, 1.0f}, {0, 0, 1}, pair.rims.parts()[0], 0.001f);
+  const Rims::Opposite opposite = pair.rims.opposite(place, 0.05f);
+  EXPECT_NEAR(opposite.gap, 0.02f, 1e-6f);
+  EXPECT_NEAR(opposite.step, 0.01f, 1e-6f);
+  EXPECT_GT(opposite.nearness, 0.95f);
+}
+
+TEST(RimOpposite, DoesNotSeeBeyondItsReach) {
+  const RimmedMesh pair(boxes({{{0, 0, 0}, {1, 1, 1}}, {{1.06f, 0, 0}, {2.06f, 1, 1}}}));
+  const RimPlace place =
+      pair.rims.place({1.0f, 0.5f, 1.0f}, {0, 0, 1}, pair.rims.parts()[0], 0.001f);
+  EXPECT_EQ(pair.rims.opposite(place, 0.05f).nearness, 0.0f);
+}
+
+}  // namespace
+}  // namespace snowbough::snow

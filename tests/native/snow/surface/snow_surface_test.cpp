@@ -1,0 +1,318 @@
+#include "snow/surface/snow_surface.h"
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <glm/gtc/matrix_transform.hpp>
+#include <limits>
+
+#include "native/snow/surface/shapes.h"
+
+namespace snowbough::snow {
+namespace {
+
+constexpr float kDepth = 0.12f;
+/// Without noise and overhang.
+constexpr shared::SnowStyle kPlain{0.0f, 0.0f, 0.0f, 0.0f};
+constexpr shared::SnowStyle kUsual{1.0f, 1.0f, 1.0f, 1.0f};
+
+SurfacePlan plan_of(glm::vec2 wind = glm::vec2(0.0f)) {
+  SurfacePlan plan;
+  plan.density = {kDepth, 1.0f, 20000};
+  plan.seed = 3;
+  plan.wind = wind;
+  return plan;
+}
+
+SnowSurface surface_on(const SurfaceSource& source, const std::vector<float>& map,
+                       const shared::SnowStyle& style = kUsual, glm::vec2 wind = glm::vec2(0.0f)) {
+  SnowSurface surface(source, map, map, plan_of(wind));
+  surface.set_style(style);
+  return surface;
+}
+
+SurfaceFrame frame_of(const std::vector<float>& map, float open_depth = kDepth) {
+  SurfaceFrame frame;
+  frame.height = map.data();
+  frame.open_depth = open_depth;
+  return frame;
+}
+
+/// Highest or lowest coordinate of points.
+float most(const std::vector<glm::vec3>& points, int axis, float sign) {
+  float found = -std::numeric_limits<float>::infinity();
+  for (const glm::vec3& point : points) found = std::max(found, sign * point[axis]);
+  return sign * found;
+}
+
+TEST(SnowSurface, OnLevelGroundIsAsHighAsTheMap) {
+  const SurfaceSource ground = card(4.0f, 4.0f);
+  const std::vector<float> map = map_of(ground, {kDepth});
+  const SnowSurface surface = surface_on(ground, map, kPlain);
+  int inside = 0;
+  for (const glm::vec3& point : surface.points(frame_of(map))) {
+    if (std::max(std::abs(point.x), std::abs(point.y)) > 1.7f) continue;
+    ++inside;
+    EXPECT_NEAR(point.z, kDepth, 0.001f);
+  }
+  EXPECT_GT(inside, 500);
+}
+
+TEST(SnowSurface, ReliefWavesAboutTheMap) {
+  const SurfaceSource ground = card(4.0f, 4.0f);
+  const std::vector<float> map = map_of(ground, {kDepth});
+  const SnowSurface surface = surface_on(ground, map, kUsual);
+  std::vector<float> height;
+  for (const glm::vec3& point : surface.points(frame_of(map))) {
+    if (std::max(std::abs(point.x), std::abs(point.y)) < 1.7f) height.push_back(point.z);
+  }
+  const auto [low, high] = std::minmax_element(height.begin(), height.end());
+  EXPECT_LT(*low, 0.95f * kDepth);
+  EXPECT_GT(*high, 1.05f * kDepth);
+  EXPECT_GT(*low, 0.6f * kDepth);
+  EXPECT_LT(*high, 1.4f * kDepth);
+}
+
+TEST(SnowSurface, OfABareMapLiesBelowTheReceiver) {
+  const SurfaceSource board = slab(1.0f, 0.1f);
+  const std::vector<float> bare(kResolution * kResolution, 0.0f);
+  const SnowSurface surface = surface_on(board, on_tops(board, kDepth));
+  for (const glm::vec3& point : surface.points(frame_of(bare))) {
+    EXPECT_LE(point.z, 0.0f);
+    EXPECT_LE(std::max(std::abs(point.x), std::abs(point.y)), 0.5f);
+  }
+}
+
+TEST(SnowSurface, OfABareMapStaysInsideAThinBoard) {
+  const SurfaceSource board = slab(1.0f, 0.002f);
+  const std::vector<float> bare(kResolution * kResolution, 0.0f);
+  const SnowSurface surface = surface_on(board, on_tops(board, kDepth));
+  EXPECT_GT(most(surface.points(frame_of(bare)), 2, -1.0f), -0.002f);
+}
+
+TEST(SnowSurface, HangsOverARimThatHasSnow) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const std::vector<glm::vec3> points = surface_on(board, map).points(frame_of(map));
+  for (const int axis : {0, 1}) {
+    EXPECT_GT(most(points, axis, 1.0f), 0.5f + 0.1f * kDepth);
+    EXPECT_LT(most(points, axis, 1.0f), 0.5f + 0.6f * kDepth);
+  }
+  EXPECT_LT(most(points, 2, -1.0f), -0.01f * kDepth);
+}
+
+TEST(SnowSurface, HasNoHemOnABareRim) {
+  // Snow on the left half only.
+  const SurfaceSource board = slab(4.0f, 0.3f);
+  std::vector<float> map = on_tops(board, kDepth);
+  const int32_t half = kResolution / cells_across(6) / 2;
+  for (size_t i = 0; i < map.size(); ++i) {
+    if (static_cast<int32_t>(i % kResolution) > half) map[i] = 0.0f;
+  }
+  const std::vector<glm::vec3> points = surface_on(board, map).points(frame_of(map));
+  EXPECT_LE(most(points, 0, 1.0f), 2.0f);
+  EXPECT_LT(most(points, 0, -1.0f), -2.0f - 0.1f * kDepth);
+}
+
+TEST(SnowSurface, WithoutOverhangHasAnUprightHem) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const std::vector<glm::vec3> points = surface_on(board, map, kPlain).points(frame_of(map));
+  EXPECT_LT(most(points, 0, 1.0f), 0.5f + 0.001f);
+}
+
+TEST(SnowSurface, HemVariationMakesTheHemUneven) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const auto spread = [&](float variation) {
+    const std::vector<glm::vec3> points =
+        surface_on(board, map, {1.0f, variation, 0.0f, 0.0f}).points(frame_of(map));
+    // The farthest point in each tenth of the rim's middle.
+    std::vector<float> out(10, 0.0f);
+    for (const glm::vec3& point : points) {
+      const auto tenth = static_cast<int>(std::floor((point.y + 0.3f) / 0.06f));
+      if (tenth >= 0 && tenth < 10)
+        out[static_cast<size_t>(tenth)] = std::max(out[static_cast<size_t>(tenth)], point.x);
+    }
+    return *std::max_element(out.begin(), out.end()) - *std::min_element(out.begin(), out.end());
+  };
+  EXPECT_LT(spread(0.0f), 0.02f * kDepth);
+  EXPECT_GT(spread(1.0f), 0.05f * kDepth);
+}
+
+TEST(SnowSurface, LeansFurtherOnTheLeeSide) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const std::vector<glm::vec3> calm = surface_on(board, map).points(frame_of(map));
+  const std::vector<glm::vec3> windy =
+      surface_on(board, map, kUsual, {0.8f, 0.0f}).points(frame_of(map));
+  EXPECT_GT(most(windy, 0, 1.0f), most(calm, 0, 1.0f) + 0.1f * kDepth);
+  EXPECT_NEAR(most(windy, 0, -1.0f), most(calm, 0, -1.0f), 1e-4f);
+}
+
+/// Metres between the fronts on two boards 2 cm apart, away from their ends.
+float gap_between_boards(float bridging) {
+  const SurfaceSource boards = boxes(
+      {{{-1.0f, 0.0f, -0.3f}, {-0.01f, 1.0f, 0.0f}}, {{0.01f, 0.0f, -0.3f}, {1.0f, 1.0f, 0.0f}}});
+  const std::vector<float> map = on_tops(boards, kDepth);
+  const SnowSurface surface = surface_on(boards, map, {0.0f, 0.0f, bridging, 0.0f});
+  float left = -1.0f, right = 1.0f;
+  const std::vector<glm::vec3> points = surface.points(frame_of(map));
+  for (size_t p = 0; p < points.size(); ++p) {
+    if (points[p].y < 0.3f || points[p].y > 0.7f) continue;
+    const bool is_left = surface.carrier_triangles()[p] < 12;
+    if (is_left) {
+      left = std::max(left, points[p].x);
+    } else {
+      right = std::min(right, points[p].x);
+    }
+  }
+  return right - left;
+}
+
+TEST(SnowSurface, BridgesANarrowGap) {
+  EXPECT_LT(std::abs(gap_between_boards(1.0f)), 0.002f);
+}
+
+TEST(SnowSurface, LeavesAGapOpenWithoutBridging) {
+  EXPECT_GT(gap_between_boards(0.0f), 0.018f);
+}
+
+TEST(SnowSurface, HangsBelowACardWithSnowOnItsBack) {
+  const SurfaceSource sheet = card(1.0f, 1.0f);
+  const std::vector<float> map = map_of(sheet, {-kDepth});
+  const std::vector<glm::vec3> points = surface_on(sheet, map).points(frame_of(map));
+  ASSERT_FALSE(points.empty());
+  EXPECT_LT(most(points, 2, -1.0f), -0.03f);
+  EXPECT_LT(most(points, 2, 1.0f), 0.005f);
+}
+
+TEST(SnowSurface, GivesTheSamePointsTwice) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  EXPECT_EQ(surface_on(board, map).points(frame_of(map)),
+            surface_on(board, map).points(frame_of(map)));
+}
+
+TEST(SnowSurfaceDeathTest, GivesTheSamePointsOnOneThread) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const std::vector<glm::vec3> points = surface_on(board, map).points(frame_of(map));
+  // A forked process has none of the pool's threads.
+  EXPECT_EXIT(std::_Exit(surface_on(board, map).points(frame_of(map)) == points ? 0 : 1),
+              testing::ExitedWithCode(0), "");
+}
+
+TEST(SnowSurface, FollowsPositionsThatTurnAsAWhole) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const SnowSurface surface = surface_on(board, map);
+  const glm::mat4 turn =
+      glm::rotate(glm::translate(glm::mat4(1.0f), {0.5f, -0.2f, 0.1f}), 0.7f, glm::vec3(0, 0, 1));
+  std::vector<glm::vec3> positions;
+  for (const glm::vec3& position : board.positions)
+    positions.emplace_back(turn * glm::vec4(position, 1.0f));
+  SurfaceFrame moved = frame_of(map);
+  moved.positions = positions.data();
+  const std::vector<glm::vec3> expected = surface.points(frame_of(map)),
+                               found = surface.points(moved);
+  for (size_t p = 0; p < expected.size(); ++p) {
+    EXPECT_LT(glm::distance(found[p], glm::vec3(turn * glm::vec4(expected[p], 1.0f))), 1e-5f);
+  }
+}
+
+TEST(SnowSurface, ATiltedReceiverIsTheSameByPositionsAndByWhereUpIs) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const SnowSurface surface = surface_on(board, map);
+  const glm::mat4 turn = glm::rotate(glm::mat4(1.0f), 0.4f, glm::vec3(1, 0, 0));
+  std::vector<glm::vec3> positions;
+  for (const glm::vec3& position : board.positions)
+    positions.emplace_back(turn * glm::vec4(position, 1.0f));
+  SurfaceFrame by_positions = frame_of(map), by_up = frame_of(map);
+  by_positions.positions = positions.data();
+  by_up.up = glm::vec3(glm::transpose(turn) * glm::vec4(0, 0, 1, 0));
+  by_up.to_result = turn;
+  const std::vector<glm::vec3> one = surface.points(by_positions), other = surface.points(by_up);
+  for (size_t p = 0; p < one.size(); ++p) EXPECT_LT(glm::distance(one[p], other[p]), 1e-5f);
+}
+
+TEST(SnowSurface, PointsComeInTheSpaceThatIsAskedFor) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth);
+  const SnowSurface surface = surface_on(board, map);
+  SurfaceFrame frame = frame_of(map);
+  frame.to_result = glm::scale(glm::mat4(1.0f), glm::vec3(10.0f));
+  const std::vector<glm::vec3> metres = surface.points(frame_of(map)),
+                               tenths = surface.points(frame);
+  for (size_t p = 0; p < metres.size(); ++p)
+    EXPECT_LT(glm::distance(10.0f * metres[p], tenths[p]), 1e-5f);
+}
+
+TEST(SnowSurfaceFaces, HaveThreeOrFourCornersAndUseEveryPoint) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const SnowSurface surface = surface_on(board, on_tops(board, kDepth));
+  const SurfaceFaces& faces = surface.faces();
+  size_t quads = 0;
+  for (size_t f = 0; f + 1 < faces.begin.size(); ++f) {
+    const int32_t sides = faces.begin[f + 1] - faces.begin[f];
+    EXPECT_TRUE(sides == 3 || sides == 4);
+    quads += sides == 4 ? 1 : 0;
+  }
+  EXPECT_GT(3 * quads, faces.begin.size());
+  EXPECT_EQ(faces.uv.size(), faces.corner.size());
+  std::vector<int32_t> used = faces.corner;
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  ASSERT_EQ(used.size(), surface.point_count());
+  EXPECT_EQ(used.back(), static_cast<int32_t>(surface.point_count()) - 1);
+}
+
+TEST(SnowSurfaceFaces, OfAReceiverWithoutSnowAreNone) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const SnowSurface surface = surface_on(board, on_tops(board, 0.0f));
+  EXPECT_EQ(surface.point_count(), 0u);
+  EXPECT_THAT(surface.faces().begin, testing::ElementsAre(0));
+  EXPECT_TRUE(surface.points(frame_of(on_tops(board, 0.0f))).empty());
+}
+
+TEST(SnowSurfaceFaces, OfAReceiverWithoutFacesAreNone) {
+  SurfaceSource nothing;
+  nothing.topology.resolution = kResolution;
+  EXPECT_EQ(
+      surface_on(nothing, std::vector<float>(kResolution * kResolution, kDepth)).point_count(), 0u);
+}
+
+TEST(SnowSurface, RefusesWhatDoesNotFit) {
+  const SurfaceSource board = slab(1.0f, 0.3f);
+  const std::vector<float> map = on_tops(board, kDepth), small(16, 0.0f);
+  EXPECT_THROW(SnowSurface(board, small, map, plan_of()), std::invalid_argument);
+  EXPECT_THROW(SnowSurface(board, map, small, plan_of()), std::invalid_argument);
+  SurfaceSource short_one = board;
+  short_one.positions.pop_back();
+  EXPECT_THROW(SnowSurface(short_one, map, map, plan_of()), std::invalid_argument);
+  SurfaceSource shaded = board;
+  shaded.shading = {0, 1};
+  EXPECT_THROW(SnowSurface(shaded, map, map, plan_of()), std::invalid_argument);
+  for (const float depth : {0.0f, -1.0f, std::numeric_limits<float>::quiet_NaN()}) {
+    SurfacePlan plan = plan_of();
+    plan.density.depth = depth;
+    EXPECT_THROW(SnowSurface(board, map, map, plan), std::invalid_argument);
+  }
+}
+
+TEST(PointNormals, AreTheMeanOfFacesByArea) {
+  const std::vector<glm::vec3> points{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {5, 5, 5}};
+  const std::vector<glm::vec3> normals = point_normals(points, {{0, 1, 2}});
+  for (const glm::vec3& normal : normals) EXPECT_EQ(normal, glm::vec3(0, 0, 1));
+}
+
+TEST(PointNormals, RefuseTrianglesThatNameNoPoints) {
+  EXPECT_THROW(point_normals({{0, 0, 0}}, {{0, 0, 1}}), std::invalid_argument);
+  EXPECT_THROW(point_normals({{0, 0, 0}}, {{0, -1, 0}}), std::invalid_argument);
+}
+
+}  // namespace
+}  // namespace snowbough::snow
