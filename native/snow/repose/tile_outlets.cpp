@@ -15,11 +15,8 @@
 #define SNOWBOUGH_SWEEP SNOWBOUGH_WIDE
 #endif
 
-#include <cstdio>
 namespace snowbough::snow {
 namespace {
-std::atomic<long> C[12];
-struct Pr{~Pr(){for(auto&c:C)fprintf(stderr,"%ld ",c.load());fprintf(stderr,"\n");}} pr;
 
 /// What cells pass on to their neighbours; returns whether any does.
 inline bool pass_row(const float* __restrict bound, const float* __restrict top,
@@ -91,16 +88,16 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
   constexpr float kWorth = 4e-3f;
   const float* __restrict const length = sides.length.data();
   const float* __restrict const away = sides.away.data();
+  const float* __restrict const places = sides.place.data();
   // No way over a side is shorter than straight across.
   int32_t may_lower = 0;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
-    const float highest = std::max(bound[first + static_cast<size_t>(i)], bound[second + static_cast<size_t>(i)]);
+    const auto own = static_cast<size_t>(i);
+    const float highest = std::max(bound[first + own], bound[second + own]);
     const float least = std::min(a[i], b[i]) + (1.0f + kWorth) * away[i];
-    may_lower |= (length[i] > 0.0f) & (std::max(a[i], b[i]) < shared::kUnbounded) & (least < highest) ? 1 : 0;
+    may_lower |= (std::abs(b[i] - a[i]) < length[i]) & (least < highest) ? 1 : 0;
   }
   if (may_lower == 0) return {false, false};
-  ++C[9];
-  const float* __restrict const places = sides.place.data();
   std::array<float, kReposeBlock> over_first;
   std::array<float, kReposeBlock> over_second;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
@@ -198,10 +195,8 @@ class BoundSweep {
         if (((rows | fresh_) & bit(row)) != 0) pass_on(row);
       }
       rows = fresh_;
-      if (rows != 0) continue;
-      for (int32_t row = 0; row < kReposeBlock; ++row) pass_over_quads(row);
-      for (int32_t row = kReposeBlock - 1; row >= 0; --row) pass_over_quads(row);
-      rows = fresh_;
+      for (int32_t row = 0; rows == 0 && row < kReposeBlock; ++row) pass_over_quads(row);
+      rows |= fresh_;
     }
   }
 
@@ -264,7 +259,7 @@ class BoundSweep {
   /// To the right and to the left, as far as it goes: mostly nowhere. Returns whether the row
   /// passes anything on.
   bool within(int32_t row) {
-    while (++C[1],pass(row)) {
+    while (pass(row)) {
       if (row == kReposeBlock) return true;
       const size_t at = TileWindow::at(0, row);
       bool goes_on = lower_row(&passed_[at], limit(0, row), &z_[at + 1], &bound_[at + 1]);
@@ -283,15 +278,14 @@ class BoundSweep {
   /// What comes over the sides of a row of quads, if its corners pass on what they did not before.
   void pass_over_quads(int32_t row) {
     if (row < 0 || row >= kReposeBlock || (quads_ & bit(row)) == 0) return;
-    quads_ &= ~bit(row);++C[3];
+    quads_ &= ~bit(row);
     const bool passes = pass(row);
     if (!pass(row + 1) && !passes) return;
     if (!is_worth_a_look(limit(2, row), passed_.data(), bound_.data(), z_.data(),
                          TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
       return;
     }
-    measure(row);++C[4];
-    for(int g=0;g<4;++g){bool w=false;for(int i=8*g;i<8*g+8;++i){size_t l=TileWindow::at(i,row),h=TileWindow::at(i,row+1);int n=(passed_[l]<shared::kUnbounded)+(passed_[l+1]<shared::kUnbounded)+(passed_[h]<shared::kUnbounded)+(passed_[h+1]<shared::kUnbounded);bool hi=bound_[l]>z_[l]||bound_[l+1]>z_[l+1]||bound_[h]>z_[h]||bound_[h+1]>z_[h+1];if(limit(2,row)[i]<shared::kUnbounded&&n>=2&&hi)w=true;}C[8]+=w;}
+    measure(row);
     const Sides& up = up_[static_cast<size_t>(row)];
     const Sides& along = along_[static_cast<size_t>(row)];
     const size_t low = TileWindow::at(0, row);
@@ -308,15 +302,15 @@ class BoundSweep {
     const bool lowers_low = right.first | left.first | top.first | top.second;
     const bool lowers_high = right.second | left.second | base.first | base.second;
     const uint64_t lowered = (lowers_low ? bit(row) : 0) | (lowers_high ? bit(row + 1) : 0);
-    C[5]+=(lowered!=0);C[6]+=right.first+right.second+left.first+left.second+top.first+top.second+base.first+base.second;quads_ |= ((lowered | lowered >> 1) & kAllRows) & ~bit(row);fresh_ |= lowered;
+    fresh_ |= lowered;
     changed_ |= lowered;
   }
   /// All that a row passes on, to itself and to the rows beside it.
   void pass_on(int32_t row) {
-    ++C[0];const bool passes = within(row);
+    const bool passes = within(row);
     fresh_ &= ~bit(row);
     if (!passes) return;
-    ++C[2];quads_ |= (bit(row) | bit(row) >> 1) & kAllRows;
+    quads_ |= (bit(row) | bit(row) >> 1) & kAllRows;
     const float* const passed = &passed_[TileWindow::at(0, row)];
     bool up = false;
     bool down = false;
@@ -351,7 +345,7 @@ class BoundSweep {
 
 SNOWBOUGH_SWEEP TileBounds sweep_bounds(const TilesAround& around,
                                         const std::vector<RimLink>& rims) {
-  ++C[7];return BoundSweep(around).run(rims);
+  return BoundSweep(around).run(rims);
 }
 
 /// Whether any cell of a block's window has a bound.
