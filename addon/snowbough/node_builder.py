@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Shorthand for building node trees, geometry and shader alike: nodes, links, arithmetic, named inputs.
+"""Shorthand for building shader node trees: nodes, links, arithmetic, named inputs.
 
 Values are numbers, tuples or output sockets; a socket is linked and anything else becomes the input's default.
 """
@@ -78,12 +78,6 @@ class NodeBuilder:
         self.feed(node, Value=value, From_Min=low, From_Max=high, To_Min=start, To_Max=end)
         return node.outputs[0]
 
-    def keyed(self, values):
-        """A number that has those values, (frame, value), with straight lines between them."""
-        value = self.node("ShaderNodeValue").outputs[0]
-        compat_nodes.key_value(self.tree, value, values, "LINEAR")
-        return value
-
     # -- vectors ---------------------------------------------------------------------------------------
 
     def vector(self, operation, *values):
@@ -99,9 +93,6 @@ class NodeBuilder:
         self.set(node.inputs["Scale"], factor)
         return node.outputs[0]
 
-    def dot(self, a, b):
-        return self.vector("DOT_PRODUCT", a, b)
-
     def components(self, vector):
         node = self.node("ShaderNodeSeparateXYZ")
         self.set(node.inputs[0], vector)
@@ -112,26 +103,3 @@ class NodeBuilder:
         for socket, value in zip(node.inputs, (x, y, z)):
             self.set(socket, value)
         return node.outputs[0]
-
-    # -- geometry nodes --------------------------------------------------------------------------------
-
-    def attribute(self, name, data_type="FLOAT"):
-        """A named attribute of the geometry at hand."""
-        node = self.node("GeometryNodeInputNamedAttribute", data_type=data_type)
-        node.inputs["Name"].default_value = name
-        return next(s for s in node.outputs if s.enabled and s.name == "Attribute")
-
-    def on_domain(self, value, domain, data_type="FLOAT"):
-        """The value as it is on that domain, wherever it is asked for."""
-        node = self.node("GeometryNodeFieldOnDomain", data_type=data_type, domain=domain)
-        self.feed(node, Value=value)
-        return self.output(node)
-
-    def store(self, geometry, name, value, domain, data_type="FLOAT"):
-        node = self.node("GeometryNodeStoreNamedAttribute", data_type=data_type, domain=domain)
-        return self.feed(node, Geometry=geometry, Name=name, Value=value).outputs["Geometry"]
-
-    def switch(self, condition, otherwise, value, input_type):
-        """`value` where the condition holds. What is not chosen is not worked out, unless the condition is a field."""
-        node = self.node("GeometryNodeSwitch", input_type=input_type)
-        return self.output(self.feed(node, Switch=condition, False_=otherwise, True_=value))

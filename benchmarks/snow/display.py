@@ -14,6 +14,7 @@ import math
 import resource
 import statistics
 import struct
+import subprocess
 import sys
 import tempfile
 import time
@@ -123,9 +124,27 @@ def peer_frame_changes(scene, points, folder):
             stream.write(positions.tobytes())
     modifier = grid.modifiers.new("Cache", "MESH_CACHE")
     modifier.cache_format, modifier.filepath = "PC2", str(path)
+    for obj in snow_objects(scene):
+        obj.hide_viewport = True
     seconds = frame_changes(scene)
+    for obj in snow_objects(scene):
+        obj.hide_viewport = False
     bpy.data.objects.remove(grid)
     return seconds
+
+
+def cycles_peak(scene):
+    """MB that another Blender takes at most to render the last frame of the saved file, small."""
+    scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
+    scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
+    scene.collection.objects.link(scene.camera)
+    scene.camera.location, scene.camera.rotation_euler = (0.0, -8.0, 3.0), (1.25, 0.0, 0.0)
+    scene.render.resolution_x, scene.render.resolution_y = 64, 48
+    scene.frame_set(scene.frame_end)
+    bpy.ops.wm.save_mainfile()
+    command = [bpy.app.binary_path, "-b", bpy.data.filepath, "-o", f"{bpy.data.filepath}_", "-f", str(scene.frame_end)]
+    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
+    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
 
 
 def snow_objects(scene):
@@ -188,16 +207,8 @@ def main():
             rows.append(("a slider's next movement, s", f"{time.perf_counter() - began:.3f}"))
             files = list(Path(folder).glob("cache/**/surface.pc2"))
             rows.append(("surface.pc2, MB a frame", f"{sum(f.stat().st_size for f in files) / 1e6 / (options.frames + 1):.2f}"))
-        bpy.ops.wm.save_mainfile()
+        rows.append(("peak memory with Cycles, MB", f"{cycles_peak(scene):.0f}"))
         rows.append((".blend, MB", f"{Path(bpy.data.filepath).stat().st_size / 1e6:.1f}"))
-        scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
-        scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
-        scene.collection.objects.link(scene.camera)
-        scene.camera.location, scene.camera.rotation_euler = (0.0, -8.0, 3.0), (1.25, 0.0, 0.0)
-        scene.render.resolution_x, scene.render.resolution_y = 64, 48
-        scene.render.filepath = str(Path(folder) / "picture.png")
-        bpy.ops.render.render(write_still=True)
-        rows.append(("peak memory with Cycles, MB", f"{resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024:.0f}"))
     print(f"\n{options.scene}, {options.frames} frames, Blender {bpy.app.version_string}, {options.root}")
     for name, value in rows:
         print(f"  {name:48s} {value:>10s}")

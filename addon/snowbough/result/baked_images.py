@@ -13,7 +13,6 @@ from pathlib import Path
 
 import bpy
 
-from ..cache.files import EVER_COVERED
 from ..cache.manifest import read_manifest
 
 HEADER_BYTES = 4096
@@ -96,24 +95,10 @@ def load_sequence(folder, kind):
     return BakedSequence(image, frames[0], len(frames), _width(path))
 
 
-def load_ever_covered(folder):
-    """The image that says where snow ever lay during the bake, or None where it is not there."""
-    if not folder:
-        return None
-    path = Path(bpy.path.abspath(folder)) / EVER_COVERED
-    return _load(path, f"{path.parent.name} ever covered") if path.is_file() else None
-
-
 def baked_uv_map(folder):
     """The UV map that the maps in `folder` were baked in; empty where the folder does not say."""
     manifest = read_manifest(Path(bpy.path.abspath(folder))) if folder else None
     return manifest["settings"]["receiver"]["uv_map"] if manifest else ""
-
-
-def baked_depths(folder):
-    """((frame, metres of snow on open ground), ...) of the bake in `folder`; empty where the folder does not say."""
-    manifest = read_manifest(Path(bpy.path.abspath(folder))) if folder else None
-    return tuple((entry["frame"], entry["depth"]) for entry in manifest["frames"]) if manifest else ()
 
 
 def folders_of_members(folder, instancer):
