@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The live preview's frame rate, against the way it was shown before: RGBA pixels into an image, geometry nodes.
+"""The live preview's frame rate.
 
     xvfb-run -a -s "-screen 0 960x600x24" blender --factory-startup --window-geometry 0 0 960 600 \\
         -P benchmarks/realtime/preview.py -- [--resolution 256] [--frames 20] [--engine AUTO]
 
 Needs a window (a real one does as well). One scene, a ground, a box and two round things, is played once; the maps
-of every frame are kept, and both ways show the same ones, frame by frame. Drawing and simulation are told apart:
+of every frame are kept and shown, frame by frame. Drawing and simulation are measured apart:
 
-show       what a frame's maps cost until the view can be drawn: images filled and nodes evaluated, or maps handed over
-draw       a redraw of the window, less one without any snow; new textures go to the driver here
+show       what a frame's maps cost until the view can be drawn: the points of the surface
+draw       a redraw of the window, less one without any snow; new points go to the driver here
 step       the simulation of a frame, with the moment that is kept for scrubbing
-output     its maps smoothed, as both ways show them
+output     its maps smoothed
 
 Seconds on the wall are what a user feels; seconds of the processor are beside them, since they say the same on a busy
 machine. Rates are of the wall's: frames a second of show and draw, and of all together.
@@ -131,42 +131,7 @@ def play(scene, clock):
     return playback, maps
 
 
-# -- the two ways --------------------------------------------------------------------------------------
-
-
-class ThroughNodes:
-    """An image and a shell with geometry nodes for every receiver, as the preview was up to version 0.1."""
-
-    def __init__(self, scene, playback):
-        from snowbough.result import shell_nodes, snow_shell
-
-        self.images, self.shells = {}, {}
-        for key, own in playback.maps.items():
-            pose = playback.pose.objects[key]
-            obj = bpy.data.objects[pose.name]
-            name = f"{obj.name} pixels"
-            size = own.resolution
-            image = bpy.data.images.new(name, size, size, float_buffer=True, is_data=True)
-            material = snow_shell.make_material(scene, name)
-            source = snow_shell.source_of(scene, obj, pose.uv_map, image, size, material, relief=False)
-            tree = shell_nodes.build_tree(name, source)
-            self.images[key] = image
-            self.shells[key] = snow_shell.make_object(scene, name, tree, material, scene.collection)
-
-    def show(self, maps):
-        for key, height in maps.items():
-            pixels = np.ones((*height.shape, 4), dtype=np.float32)
-            pixels[..., :3] = height[..., None]
-            self.images[key].pixels.foreach_set(pixels.reshape(-1))
-            self.images[key].update()
-            self.shells[key].update_tag()
-        bpy.context.view_layer.update()
-
-    def end(self):
-        from snowbough.result import snow_shell
-
-        for shell in self.shells.values():
-            snow_shell.delete_object(shell)
+# -- drawing --------------------------------------------------------------------------------------
 
 
 class Drawn:
@@ -175,6 +140,7 @@ class Drawn:
     def __init__(self, scene, playback):
         from snowbough.preview import drawing, live
 
+        self.playback = playback
         self.drawn = live.make_drawing(playback, scene.unit_settings.scale_length)
         self.handle = bpy.types.SpaceView3D.draw_handler_add(
             lambda: self.drawn.draw(False), (), "WINDOW", "POST_VIEW"
@@ -183,7 +149,9 @@ class Drawn:
 
     def show(self, maps):
         for key, height in maps.items():
-            self.drawn.receivers[key].set_heights(height)
+            pose = self.playback.pose.objects[key]
+            depth = float(np.abs(height).max())
+            self.drawn.receivers[key].set_snow(height, depth, pose.positions, None)
 
     def end(self):
         bpy.types.SpaceView3D.draw_handler_remove(self.handle, "WINDOW")
@@ -200,9 +168,9 @@ def measure(way, maps, clock, name):
 
 
 def rows(clock):
-    """Markdown rows, one a way."""
+    """A Markdown row."""
     step, output = clock.of("step"), clock.of("output")
-    for name, text in (("nodes", "image and nodes"), ("drawn", "draw handler")):
+    for name, text in (("drawn", "draw handler"),):
         show, bare = clock.of(f"{name} show"), clock.of(f"{name} bare")
         draw = [max(0.0, value - empty) for value, empty in zip(clock.of(f"{name} draw"), bare)]
         shown = show[0] + draw[0]
@@ -222,7 +190,7 @@ def work():
     fill_window()
     clock = Clock()
     playback, maps = play(scene, clock)
-    for way, name in ((ThroughNodes, "nodes"), (Drawn, "drawn")):
+    for way, name in ((Drawn, "drawn"),):
         redraw()
         for _ in range(5):
             clock.measure(f"{name} bare", redraw)

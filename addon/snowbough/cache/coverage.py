@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where snow ever lay on a map during the bake. No ``bpy``.
 
-The geometry-nodes shell is cut by this mask and not by the frame's own height, so that its topology stays
-the same over the shot (motion blur and denoisers need that).
+It is an image for compositors and for materials of one's own: white where there is snow in any frame.
 """
 
 import base64
