@@ -19,7 +19,7 @@ KILLS = int(os.environ.get("SNOWBOUGH_TEST_KILLS", 3))
 
 @pytest.fixture
 def undisturbed(addon, tmp_path):
-    """The moving scene with snow surfaces, saved, and the bytes of its whole bake. In the scene the cache is tmp/cache."""
+    """The moving scene with snow surfaces, saved, and the bytes of its whole bake. The cache is tmp/cache then."""
     s.moving_scene(
         tmp_path / "whole", noise_density=0.5, substeps=2, blur_radius=2.0, flutter=0.05, directions=48,
         surface_detail="DRAFT",

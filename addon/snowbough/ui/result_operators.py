@@ -110,14 +110,14 @@ class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
             raise ValueError(f"{receiver.object.name} has no baked snow: bake first")
         if not snow_surface.freeze(context.scene, receiver, context.evaluated_depsgraph_get()):
             raise ValueError(
-                f"{receiver.object.name} has no snow surface to take the geometry from: choose Displacement > Snow Surface, "
-                "then bake"
+                f"{receiver.object.name} has no snow surface to take the geometry from: "
+                "choose Displacement > Snow Surface, then bake"
             )
 
 
 class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
-    """Takes the snow off again: materials and modifiers are as they were, and snow surfaces go; baked files stay. Also off selected
-    objects that were appended with it"""
+    """Takes the snow off again: materials and modifiers are as they were, and snow surfaces go; baked files stay. Also
+    off selected objects that were appended with it"""
 
     bl_idname = "snowbough.remove"
     bl_label = "Remove Snow"
