@@ -69,7 +69,8 @@ SNOWBOUGH_SHARED_FUNCTION float column_height(float up) { return 1.0f / max(up, 
 SNOWBOUGH_SHARED_FUNCTION float link_limit(float way, float slope, float fall, float steep, float leads_down) {
   float part = min(abs(fall) / max(way * steep, 1e-12f), 1.0f);
   float even = kEven * slope;
-  return even * way * (steep > even && part >= leads_down ? part : 1.0f);
+  float led = part >= leads_down ? part : 1.0f;
+  return even * way * (steep > even ? led : 1.0f);
 }
 /// Tangent of a surface's slope. `up`: upward part of its normal.
 SNOWBOUGH_SHARED_FUNCTION float bare_slope(float up) {

@@ -1,4 +1,6 @@
 // The links of a tile: their limits.
+#include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -21,10 +23,11 @@ struct alignas(64) Bare {
   TileWindow::Plane wall;
 };
 
-/// The limits of the links of a row of cells to those `step` cells away. Nothing moves on walls,
-/// and what lies at the foot of one leans against it.
-SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const uint8_t* forward,
-                               int32_t k, const ReposeLimits& limits, float* __restrict limit) {
+/// The limits of the links of a row of cells to those `step` cells away, where `linked` is 1, else
+/// 0. Nothing moves on walls, and what lies at the foot of one leans against it.
+SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step,
+                               const float* __restrict linked, const ReposeLimits& limits,
+                               float* __restrict limit) {
   const float* const x = bare.x.data() + at;
   const float* const y = bare.y.data() + at;
   const float* const z = bare.z.data() + at;
@@ -44,12 +47,25 @@ SNOWBOUGH_WIDE void set_up_row(const Bare& bare, size_t at, int32_t step, const 
         shared::held_slope(slope_at_rest, cohesion, 0.5f * (curvature[i] + curvature[j]));
     const float way = std::sqrt(way_x * way_x + way_y * way_y);
     const float allowed = shared::link_limit(way, slope, falls, steepness, shared::kLeadsDown);
-    // One of them a wall, and the other not over it; or both.
-    const float over_wall = wall[j] > wall[i] ? falls : (wall[i] > wall[j] ? -falls : 1.0f);
-    const bool is_open = (over_wall > 0.0f) & (wall[i] + wall[j] < 1.5f) & (area[i] > 0.0f) &
-                         (area[j] > 0.0f) & (((forward[i] >> k) & 1) != 0);
-    limit[i] = is_open ? allowed : kNoLink;
+    // The least of numbers that are over 0 where the link is open: truth values of several kinds
+    // would keep the compiler from doing several links at once. One of them may be a wall, and the
+    // other over it; not both.
+    const float over_wall = (wall[j] - wall[i]) * falls + (wall[j] == wall[i] ? 1.0f : 0.0f);
+    const float there = std::min(std::min(area[i], area[j]), linked[i]);
+    const float open = std::min(std::min(over_wall, there), 1.5f - (wall[i] + wall[j]));
+    limit[i] = open > 0.0f ? allowed : kNoLink;
   }
+}
+
+/// Turns the upward parts of the normals of a window's row into slopes.
+SNOWBOUGH_WIDE void find_slopes(float* __restrict up) {
+  for (int32_t i = 0; i < kReposeBlock + 2; ++i) up[i] = shared::bare_slope(up[i]);
+}
+
+/// 1 for each byte that has the bit, else 0.
+SNOWBOUGH_WIDE void spread_bit(const uint8_t* __restrict bytes, size_t count, uint8_t bit,
+                               float* __restrict to) {
+  for (size_t i = 0; i < count; ++i) to[i] = (bytes[i] & bit) != 0 ? 1.0f : 0.0f;
 }
 
 }  // namespace
@@ -64,23 +80,28 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
     TileWindow::copy_row(around, row, &ReposeTile::z, bare.z, 0.0f);
     TileWindow::copy_row(around, row, &ReposeTile::area, bare.area, 0.0f);
     TileWindow::copy_row(around, row, &ReposeTile::curvature, bare.curvature, 0.0f);
-    TileWindow::for_row(
-        around, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-          const size_t at = TileWindow::at(column, row);
-          for (size_t i = 0; i < count; ++i) {
-            const uint8_t kind = tile != nullptr ? tile->kind[cell + i] : 0;
-            bare.steep[at + i] = shared::bare_slope(tile != nullptr ? tile->up[cell + i] : 1.0f);
-            bare.wall[at + i] = (kind & kWall) != 0 ? 1.0f : 0.0f;
-          }
-        });
+    TileWindow::copy_row(around, row, &ReposeTile::up, bare.steep, 1.0f);
+    find_slopes(&bare.steep[TileWindow::at(-1, row)]);
+    TileWindow::for_row(around, row,
+                        [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+                          float* const wall = bare.wall.data() + TileWindow::at(column, row);
+                          if (tile == nullptr) {
+                            std::fill_n(wall, count, 0.0f);
+                          } else {
+                            spread_bit(tile->kind.data() + cell, count, kWall, wall);
+                          }
+                        });
   }
   ReposeTile& tile = *around.at(0, 0);
   tile.has_links = true;
   for (int32_t row = 0; row < kReposeBlock; ++row) {
     const auto cells = static_cast<size_t>(row * kReposeBlock);
     for (int32_t k = 0; k < kForwardLinks; ++k) {
-      set_up_row(bare, TileWindow::at(0, row), TileWindow::step(k), tile.forward.data() + cells, k,
-                 limits, tile.limit[static_cast<size_t>(k)].data() + cells);
+      std::array<float, kReposeBlock> linked;
+      spread_bit(tile.forward.data() + cells, kReposeBlock, static_cast<uint8_t>(1 << k),
+                 linked.data());
+      set_up_row(bare, TileWindow::at(0, row), TileWindow::step(k), linked.data(), limits,
+                 tile.limit[static_cast<size_t>(k)].data() + cells);
     }
   }
 }
