@@ -89,6 +89,15 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
   const float* __restrict const length = sides.length.data();
   const float* __restrict const away = sides.away.data();
   const float* __restrict const places = sides.place.data();
+  // No way over a side is shorter than straight across.
+  int32_t may_lower = 0;
+  for (int32_t i = 0; i < kReposeBlock; ++i) {
+    const auto own = static_cast<size_t>(i);
+    const float highest = std::max(bound[first + own], bound[second + own]);
+    const float least = std::min(a[i], b[i]) + (1.0f + kWorth) * away[i];
+    may_lower |= (std::abs(b[i] - a[i]) < length[i]) & (least < highest) ? 1 : 0;
+  }
+  if (may_lower == 0) return {false, false};
   std::array<float, kReposeBlock> over_first;
   std::array<float, kReposeBlock> over_second;
   for (int32_t i = 0; i < kReposeBlock; ++i) {
