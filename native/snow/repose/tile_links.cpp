@@ -82,15 +82,15 @@ void set_up_tile_links(const ReposeTiles& tiles, int32_t block, int32_t blocks_a
     TileWindow::copy_row(around, row, &ReposeTile::curvature, bare.curvature, 0.0f);
     TileWindow::copy_row(around, row, &ReposeTile::up, bare.steep, 1.0f);
     find_slopes(&bare.steep[TileWindow::at(-1, row)]);
-    TileWindow::for_row(
-        around, row, [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
-          float* const wall = bare.wall.data() + TileWindow::at(column, row);
-          if (tile == nullptr) {
-            std::fill_n(wall, count, 0.0f);
-          } else {
-            spread_bit(tile->kind.data() + cell, count, kWall, wall);
-          }
-        });
+    TileWindow::for_row(around, row,
+                        [&](const ReposeTile* tile, size_t cell, int32_t column, size_t count) {
+                          float* const wall = bare.wall.data() + TileWindow::at(column, row);
+                          if (tile == nullptr) {
+                            std::fill_n(wall, count, 0.0f);
+                          } else {
+                            spread_bit(tile->kind.data() + cell, count, kWall, wall);
+                          }
+                        });
   }
   ReposeTile& tile = *around.at(0, 0);
   tile.has_links = true;
