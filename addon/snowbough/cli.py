@@ -32,7 +32,9 @@ def parser():
 
     tree_cli.add_arguments(commands.add_parser("import", help="import an OBJ tree and save a .blend"))
     bake_cli.add_arguments(commands.add_parser("bake", help="bake the snow of the loaded file"))
-    surface_cli.add_arguments(commands.add_parser("surface", help="compute the snow surfaces of baked maps again"))
+    surface_cli.add_arguments(
+        commands.add_parser("surface", help="compute the snow surfaces of baked maps again")
+    )
     gltf_cli.add_arguments(commands.add_parser("export", help="write an imported tree for game engines"))
     return top
 

@@ -142,7 +142,15 @@ def cycles_peak(scene):
     scene.render.resolution_x, scene.render.resolution_y = 64, 48
     scene.frame_set(scene.frame_end)
     bpy.ops.wm.save_mainfile()
-    command = [bpy.app.binary_path, "-b", bpy.data.filepath, "-o", f"{bpy.data.filepath}_", "-f", str(scene.frame_end)]
+    command = [
+        bpy.app.binary_path,
+        "-b",
+        bpy.data.filepath,
+        "-o",
+        f"{bpy.data.filepath}_",
+        "-f",
+        str(scene.frame_end),
+    ]
     subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
     return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
 
@@ -195,7 +203,10 @@ def main():
             ("frame change without snow, ms", f"{1e3 * without:.1f}"),
             ("frame change with snow, ms", f"{1e3 * with_snow:.1f}"),
             ("points", f"{total}"),
-            ("frame change, Mesh Cache of as many points, ms", f"{1e3 * peer_frame_changes(scene, total, folder):.1f}"),
+            (
+                "frame change, Mesh Cache of as many points, ms",
+                f"{1e3 * peer_frame_changes(scene, total, folder):.1f}",
+            ),
         ]
         if hasattr(bpy.ops.snowbough, "update_surface") and "SNOWBOUGH_OT_update_surface" in dir(bpy.types):
             began = time.perf_counter()
@@ -206,7 +217,12 @@ def main():
             scene.snowbough.surface_overhang = 1.1
             rows.append(("a slider's next movement, s", f"{time.perf_counter() - began:.3f}"))
             files = list(Path(folder).glob("cache/**/surface.pc2"))
-            rows.append(("surface.pc2, MB a frame", f"{sum(f.stat().st_size for f in files) / 1e6 / (options.frames + 1):.2f}"))
+            rows.append(
+                (
+                    "surface.pc2, MB a frame",
+                    f"{sum(f.stat().st_size for f in files) / 1e6 / (options.frames + 1):.2f}",
+                )
+            )
         rows.append(("peak memory with Cycles, MB", f"{cycles_peak(scene):.0f}"))
         rows.append((".blend, MB", f"{Path(bpy.data.filepath).stat().st_size / 1e6:.1f}"))
     print(f"\n{options.scene}, {options.frames} frames, Blender {bpy.app.version_string}, {options.root}")

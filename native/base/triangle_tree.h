@@ -33,8 +33,8 @@ class TriangleTree {
   /// Of equally near ones the triangle with the smallest index.
   Nearest nearest(int32_t group, const glm::dvec3& p) const;
 
-  /// The distance from `from` along the unit vector `way` to the first triangle of the group that is farther than
-  /// `least`, from either side; infinity where there is none.
+  /// The distance from `from` along the unit vector `way` to the first triangle of the group that
+  /// is farther than `least`, from either side; infinity where there is none.
   ///
   /// Method: T. Moeller, B. Trumbore, "Fast, Minimum Storage Ray-Triangle Intersection", 1997.
   double distance_along(int32_t group, const glm::dvec3& from, const glm::dvec3& way,

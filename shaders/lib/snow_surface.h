@@ -52,8 +52,8 @@ struct SnowFront {
   float eave;
   /// 1 where a face goes down from the rim, 0 where the surface ends.
   float has_far;
-  /// 0 in the open, 1 where the far side of a gap is so near that snow bridges it; half the gap's width; half of how
-  /// much higher its far side is.
+  /// 0 in the open, 1 where another rim lies opposite across a gap; half the gap's width; half of how much higher the
+  /// other rim is.
   float bridged;
   float half_gap;
   float half_step;
@@ -99,6 +99,9 @@ KERNEL_CONSTANT float kTuck = 0.002f;
 /// Height of the farthest point of the front.
 KERNEL_CONSTANT float kBelly = 0.38f;
 KERNEL_CONSTANT float kShoulder = 0.8f;
+/// Gaps as wide as this part of the snow's height are open, those of the second part are bridged.
+KERNEL_CONSTANT float kBridgedGap = 0.45f;
+KERNEL_CONSTANT float kSurelyBridged = 0.34f;
 /// Over a bridged gap snow lies so much lower, and each side reaches so far beyond the gap's middle.
 KERNEL_CONSTANT float kBridgeSag = 0.12f;
 KERNEL_CONSTANT float kBridgeOverlap = 0.1f;
@@ -172,6 +175,14 @@ SNOWBOUGH_SHARED_FUNCTION vec3 quarter(vec3 centre, vec3 from, vec3 to, float tu
          (to - centre) * pow(max(sin(angle), 0.0f), power);
 }
 
+/// Whether snow that is `inland` high behind a rim bridges the gap beyond it, 0 to 1.
+SNOWBOUGH_SHARED_FUNCTION float bridged_part(KERNEL_CONST_REF(SnowFront) front, KERNEL_CONST_REF(SnowStyle) style,
+                                             float inland) {
+  const float height = max(inland, 1e-5f);
+  return clamp(front.bridged * style.bridging, 0.0f, 1.0f) *
+         eased(2.0f * front.half_gap, kBridgedGap * height, kSurelyBridged * height);
+}
+
 /// Lengths of a front whose snow is `height` high.
 struct SnowProfile {
   float height;
@@ -185,7 +196,7 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   const float slow = clamp(front.noise_slow * style.hem_variation, -1.3f, 1.3f);
   const float fast = clamp(front.noise_fast * style.hem_variation, -1.3f, 1.3f);
   const float shoulder_noise = clamp(front.noise_shoulder * style.hem_variation, -1.3f, 1.3f);
-  const float bridged = clamp(front.bridged * style.bridging, 0.0f, 1.0f);
+  const float bridged = bridged_part(front, style, inland);
   const float height = inland * (1.0f - kBridgeSag * bridged);
   // Beyond the middle, so that the two sides cross at a small angle and no edge is seen between them.
   const float reach = front.half_gap + kBridgeOverlap * inland;
@@ -204,7 +215,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
                                             float inland, vec3 normal, float height, float bumps, float sink) {
   const vec3 up = vec3(0.0f, 0.0f, 1.0f);
   const SnowProfile profile = front_profile(front, style, inland);
-  const float bridged = clamp(front.bridged * style.bridging, 0.0f, 1.0f);
+  const float bridged = bridged_part(front, style, inland);
   const vec3 lift = front.lift * profile.height + up * (front.half_step * bridged);
   const vec3 belly = up * (kBelly * profile.height);
   const vec3 farthest = front.level_out * profile.overhang + belly;

@@ -92,7 +92,9 @@ def test_instances_alone_are_refused_by_name_and_number(addon):
     scatter(ground, s.square("Stone", 0.2), realize=False)
     count = sum(i.is_instance for i in bpy.context.evaluated_depsgraph_get().object_instances)
     assert count > 50
-    with pytest.raises(RuntimeError, match=rf"scatter {count} instances \('Stone' {count}\).*Realize Instances"):
+    with pytest.raises(
+        RuntimeError, match=rf"scatter {count} instances \('Stone' {count}\).*Realize Instances"
+    ):
         add_snow(ground)
 
 

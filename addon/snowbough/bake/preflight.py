@@ -218,12 +218,16 @@ def _receiver(scene, entry, depsgraph):
         )
     if min(obj.matrix_world.to_scale()) <= 0 or obj.matrix_world.determinant() < 0:
         issues.append(
-            Issue("WARNING", f"'{name}' has a negative scale: apply it (Ctrl+A), or use the snow surface", name)
+            Issue(
+                "WARNING", f"'{name}' has a negative scale: apply it (Ctrl+A), or use the snow surface", name
+            )
         )
     elif displacement.uniform_scale(obj) is None:
         issues.append(
             Issue(
-                "WARNING", f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use the snow surface", name
+                "WARNING",
+                f"'{name}' is scaled unevenly: apply the scale (Ctrl+A), or use the snow surface",
+                name,
             )
         )
     return issues, receivers.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)

@@ -35,9 +35,7 @@ def make_drawing(simulated, metres):
     extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
     for key, own in simulated.maps.items():
         share = int(most * extent[key] / sum(extent.values()))
-        drawn.receivers[key] = drawing.ReceiverDrawing(
-            _surface(simulated.pose.objects[key], share, scale)
-        )
+        drawn.receivers[key] = drawing.ReceiverDrawing(_surface(simulated.pose.objects[key], share, scale))
     return drawn
 
 

@@ -68,5 +68,8 @@ class ReceiverSurface:
         )
         begin, corners, _ = self._surface.faces()
         sides = np.diff(begin)
-        fans = [corners[begin[:-1][:, None] + (0, 1, 2)], corners[begin[:-1][sides == 4][:, None] + (0, 2, 3)]]
+        fans = [
+            corners[begin[:-1][:, None] + (0, 1, 2)],
+            corners[begin[:-1][sides == 4][:, None] + (0, 2, 3)],
+        ]
         self.triangles = np.ascontiguousarray(np.concatenate(fans), dtype=np.int32)

@@ -133,7 +133,10 @@ def find(receiver):
     parents = [receiver.object] if receiver.object is not None else []
     # Renamed by the artist, or left by an undo.
     children = [
-        child for parent in parents for child in parent.children if child.snowbough.is_shell and not child.library
+        child
+        for parent in parents
+        for child in parent.children
+        if child.snowbough.is_shell and not child.library
     ]
     return list(dict.fromkeys(obj for obj in named + children if obj.snowbough.is_shell))
 
@@ -205,4 +208,3 @@ def folders(scene):
         objects = {obj.name.removesuffix(" Snow"): obj for obj in find(receiver)}
         for member in _members(receiver):
             yield receiver, objects.get(member.obj.name), member.folder
-

@@ -31,7 +31,10 @@ def _kept(folder, style):
     if known is None or known[0] != (stamp, style.detail):
         while len(session.surfaces) >= MOST_KEPT:
             session.surfaces.pop(next(iter(session.surfaces)))
-        known = session.surfaces[folder] = ((stamp, style.detail), compute.Surface(native.load(), folder, style))
+        known = session.surfaces[folder] = (
+            (stamp, style.detail),
+            compute.Surface(native.load(), folder, style),
+        )
     surface = known[1]
     surface.set_style(style)
     return surface

@@ -57,7 +57,12 @@ def _shells_of(obj):
         for shell in bpy.data.objects
         if shell.library is None
         and shell.snowbough.is_shell
-        and (shell.parent == obj or any(_shows(modifier.node_group, obj) for modifier in shell.modifiers if modifier.type == "NODES"))
+        and (
+            shell.parent == obj
+            or any(
+                _shows(modifier.node_group, obj) for modifier in shell.modifiers if modifier.type == "NODES"
+            )
+        )
     ]
 
 

@@ -250,8 +250,10 @@ class SceneReader:
             return known.local[0], to_world
         if not np.linalg.det(to_world[:3, :3]):
             return known.positions, np.eye(4)
-        if known.in_parent is None or known.in_parent[0] is not known.positions or not np.array_equal(
-            known.in_parent[1], to_world
+        if (
+            known.in_parent is None
+            or known.in_parent[0] is not known.positions
+            or not np.array_equal(known.in_parent[1], to_world)
         ):
             inverse = np.linalg.inv(to_world)
             local = (known.positions @ inverse[:3, :3].T + inverse[:3, 3]).astype(np.float32)

@@ -51,9 +51,16 @@ class SurfaceInputs:
             )
         self.mesh = read_mesh(self.folder / RECEIVER)
         self.local = read_point_cache(self.folder / POSITIONS)
-        if self.local.shape[1] != len(self.mesh.positions) or self.local.shape[0] not in (1, len(self.frames)):
-            raise CacheError(f"{self.folder / POSITIONS} does not fit its bake: free the bake, then bake again")
-        self._matrices = [np.array(entry["to_world"], dtype=np.float64).reshape(4, 4) for entry in self.frames]
+        if self.local.shape[1] != len(self.mesh.positions) or self.local.shape[0] not in (
+            1,
+            len(self.frames),
+        ):
+            raise CacheError(
+                f"{self.folder / POSITIONS} does not fit its bake: free the bake, then bake again"
+            )
+        self._matrices = [
+            np.array(entry["to_world"], dtype=np.float64).reshape(4, 4) for entry in self.frames
+        ]
 
     @property
     def first(self):

@@ -59,7 +59,9 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
 class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.remove_receiver"
     bl_label = "Take off the List"
-    bl_description = "Take the active line off the list, with its snow in the scene; the object and the baked files stay"
+    bl_description = (
+        "Take the active line off the list, with its snow in the scene; the object and the baked files stay"
+    )
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

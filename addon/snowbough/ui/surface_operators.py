@@ -58,7 +58,9 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
     def _begin(self, context):
         tasks = surface_preview.tasks(context.scene)
         if not tasks:
-            raise ValueError("No receiver shows its snow as a surface: choose Displacement > Snow Surface first")
+            raise ValueError(
+                "No receiver shows its snow as a surface: choose Displacement > Snow Surface first"
+            )
         return _Update(native.load(), tasks)
 
     def _end(self, context, update):

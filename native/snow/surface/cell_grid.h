@@ -7,8 +7,8 @@
 
 namespace snowbough::snow {
 
-/// Boxes sorted into the cells of a regular grid in space, by a hash of the cell: what lies near a point is found
-/// without looking at all of them. A box may be visited more than once.
+/// Boxes sorted into the cells of a regular grid in space, by a hash of the cell: what lies near a
+/// point is found without looking at all of them. A box may be visited more than once.
 class CellGrid {
  public:
   struct Box {
@@ -19,7 +19,8 @@ class CellGrid {
   /// @param size metres a cell, over 0.
   CellGrid(const std::vector<Box>& boxes, float size);
 
-  /// Calls visit(index) for all boxes that reach into the cells from `low` to `high`, in a fixed order.
+  /// Calls visit(index) for all boxes that reach into the cells from `low` to `high`, in a fixed
+  /// order.
   template <typename Visit>
   void visit(const glm::vec3& low, const glm::vec3& high, const Visit& visit) const {
     if (begin_.empty()) return;

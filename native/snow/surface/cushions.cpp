@@ -17,8 +17,8 @@ namespace {
 constexpr float kRadius = 0.35f;
 constexpr float kLeastRadius = 0.001f;
 constexpr float kMostRadius = 0.02f;
-/// Parts of the radius: what a body is thicker than; where its surface lies below that of the grown snow; how far above
-/// the snow a second layer lies, which makes a flat spray as thick as a body.
+/// Parts of the radius: what a body is thicker than; where its surface lies below that of the grown
+/// snow; how far above the snow a second layer lies, which makes a flat spray as thick as a body.
 constexpr float kCore = 1.15f;
 constexpr float kSurface = 0.78f;
 constexpr float kRaised = 0.75f;
@@ -28,7 +28,8 @@ constexpr float kThinnest = 0.02f;
 /// Grids of more cells are made coarser.
 constexpr double kMostCells = 6e7;
 
-/// What counts as needles: so many pieces, mostly so much longer than wide, and so thin beside the depth.
+/// What counts as needles: so many pieces, mostly so much longer than wide, and so thin beside the
+/// depth.
 constexpr size_t kLeastPieces = 50;
 constexpr double kMostly = 0.6;
 constexpr float kLengthToWidth = 4.0f;
@@ -43,7 +44,8 @@ class Grid {
   glm::ivec3 size() const { return size_; }
   float cell() const { return cell_; }
   size_t count() const {
-    return static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y) * static_cast<size_t>(size_.z);
+    return static_cast<size_t>(size_.x) * static_cast<size_t>(size_.y) *
+           static_cast<size_t>(size_.z);
   }
   size_t index(const glm::ivec3& at) const {
     return (static_cast<size_t>(at.z) * size_.y + at.y) * size_.x + at.x;
@@ -91,15 +93,17 @@ std::vector<glm::vec3> snow_places(const SurfaceMesh& mesh, const std::vector<gl
     if (height[a] <= least || height[b] <= least) continue;
     const auto parts = static_cast<int>(glm::distance(shown[a], shown[b]) / spacing);
     for (int k = 1; k < parts; ++k) {
-      places.push_back(glm::mix(shown[a], shown[b], static_cast<float>(k) / static_cast<float>(parts)));
+      places.push_back(
+          glm::mix(shown[a], shown[b], static_cast<float>(k) / static_cast<float>(parts)));
     }
   }
   return places;
 }
 
-/// For each cell the distance in cells to the next one that is not within `radius` of a place, 0 there; at most `most`.
-std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>& places, float radius,
-                                  float most) {
+/// For each cell the distance in cells to the next one that is not within `radius` of a place, 0
+/// there; at most `most`.
+std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>& places,
+                                  float radius, float most) {
   std::vector<uint8_t> grown(grid.count(), 0);
   const float reach = radius / grid.cell();
   for (const glm::vec3& place : places) {
@@ -149,7 +153,8 @@ void open_bodies(const Grid& grid, std::vector<float>& depth, float core, float 
         if (depth[grid.index({x, y, z})] < core) continue;
         for (const glm::ivec3& step : around.step) {
           const glm::ivec3 at = glm::ivec3(x, y, z) + step;
-          if (glm::all(glm::greaterThanEqual(at, glm::ivec3(0))) && glm::all(glm::lessThan(at, size))) {
+          if (glm::all(glm::greaterThanEqual(at, glm::ivec3(0))) &&
+              glm::all(glm::lessThan(at, size))) {
             near[grid.index(at)] = 1;
           }
         }
@@ -173,8 +178,9 @@ void blur(const Grid& grid, std::vector<float>& values) {
         for (int x = 0; x < size.x; ++x) {
           const glm::ivec3 at(x, y, z);
           if (at[axis] == 0 || at[axis] + 1 == size[axis]) continue;
-          values[grid.index(at)] = 0.25f * (before[grid.index(at - step)] + before[grid.index(at + step)]) +
-                                   0.5f * before[grid.index(at)];
+          values[grid.index(at)] =
+              0.25f * (before[grid.index(at - step)] + before[grid.index(at + step)]) +
+              0.5f * before[grid.index(at)];
         }
       }
     }
@@ -186,8 +192,8 @@ struct Net {
   std::vector<std::array<int32_t, 4>> quads;
 };
 
-/// The surface at which values equal `level`: a point in each cube of eight cells that it passes, in the mean of where
-/// it crosses the cube's edges, and a quad around each edge that it crosses.
+/// The surface at which values equal `level`: a point in each cube of eight cells that it passes,
+/// in the mean of where it crosses the cube's edges, and a quad around each edge that it crosses.
 Net surface_net(const Grid& grid, const std::vector<float>& values, float level) {
   Net net;
   const glm::ivec3 size = grid.size();
@@ -232,8 +238,9 @@ Net surface_net(const Grid& grid, const std::vector<float>& values, float level)
           across[(axis + 1) % 3] = 1;
           glm::ivec3 up(0);
           up[(axis + 2) % 3] = 1;
-          std::array<int32_t, 4> quad{number[grid.index(from - across - up)], number[grid.index(from - up)],
-                                      number[grid.index(from)], number[grid.index(from - across)]};
+          std::array<int32_t, 4> quad{number[grid.index(from - across - up)],
+                                      number[grid.index(from - up)], number[grid.index(from)],
+                                      number[grid.index(from - across)]};
           if (!inside) std::reverse(quad.begin(), quad.end());
           net.quads.push_back(quad);
         }
@@ -296,8 +303,7 @@ Cushions find_cushions(const SurfaceMesh& mesh, const std::vector<glm::vec3>& sh
   Cushions cushions;
   const float radius = std::clamp(kRadius * depth, kLeastRadius, kMostRadius);
   const float least = kThinnest * depth;
-  std::vector<glm::vec3> places =
-      snow_places(mesh, shown, height, least, radius / kCellsPerRadius);
+  std::vector<glm::vec3> places = snow_places(mesh, shown, height, least, radius / kCellsPerRadius);
   if (places.empty()) return cushions;
   glm::vec3 low = places.front();
   glm::vec3 high = places.front();

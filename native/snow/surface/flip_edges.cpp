@@ -23,7 +23,8 @@ class Flipper {
  public:
   Flipper(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) : mesh_(mesh), shown_(shown) {}
 
-  /// Turns the edge that starts at corner a and, in the other triangle, at corner b. Whether it did.
+  /// Turns the edge that starts at corner a and, in the other triangle, at corner b. Whether it
+  /// did.
   bool flip(const Corner& a, const Corner& b) {
     const size_t s = static_cast<size_t>(a.triangle), t = static_cast<size_t>(b.triangle);
     if (mesh_.base[s] != mesh_.base[t]) return false;
@@ -37,8 +38,8 @@ class Flipper {
     const glm::vec3 normal = triangle_cross(mesh_, s) + triangle_cross(mesh_, t);
     const float area = glm::dot(normal, normal);
     const auto part = [&](int32_t p, int32_t q, int32_t r) {
-      const glm::vec3 cross = glm::cross(mesh_.position[q] - mesh_.position[p],
-                                         mesh_.position[r] - mesh_.position[p]);
+      const glm::vec3 cross =
+          glm::cross(mesh_.position[q] - mesh_.position[p], mesh_.position[r] - mesh_.position[p]);
       return glm::dot(cross, normal);
     };
     if (part(from, right, left) < kLeastArea * area || part(to, left, right) < kLeastArea * area) {

@@ -14,7 +14,8 @@ namespace {
 // Lengths are parts of the depth on open ground.
 constexpr float kRimZone = 1.25f;
 constexpr float kFarZone = 0.34f;
-/// Edges of level snow, of smooth deep snow, of bare faces, of snow that ends on steep or curved places.
+/// Edges of level snow, of smooth deep snow, of bare faces, of snow that ends on steep or curved
+/// places.
 constexpr float kLevelEdge = 0.45f;
 constexpr float kCurvedEdge = 0.17f;
 constexpr float kBareEdge = 4.0f;
@@ -30,13 +31,14 @@ constexpr float kRimEdge = 1.1f;
 constexpr float kAlongRim = 0.26f;
 /// How much longer edges may be for each metre away from a rim's zone.
 constexpr float kGrowth = 0.35f;
-/// By how much the height in the middle of an edge may differ from the mean of its ends, for deep and thin snow.
+/// By how much the height in the middle of an edge may differ from the mean of its ends, for deep
+/// and thin snow.
 constexpr float kOffDeep = 0.04f;
 constexpr float kOffThin = 0.015f;
 constexpr float kThin = 0.3f;
 /// Snow over this height in metres, or this part of the depth, is shown.
 constexpr float kShown = 0.0022f;
-constexpr float kShownShare = 0.02f;
+constexpr float kShownShare = 0.04f;
 /// Rings of faces that are kept beyond.
 constexpr int kRings = 2;
 /// What is kept of the far face below rims.
@@ -112,7 +114,8 @@ class Refiner {
     const glm::vec3& b = mesh_.normal[triangle][next];
     const float height = height_at(heights_.last, uv);
     const float mean = (heights[ends[0]] + heights[ends[1]]) * 0.5f;
-    const bool covered = std::max(height, mean) > shown_ || height_at(heights_.highest, uv) > shown_;
+    const bool covered =
+        std::max(height, mean) > shown_ || height_at(heights_.highest, uv) > shown_;
     const bool bends = glm::distance(a, b) > kBends;
     const float up = std::min(a.z, b.z);
     float wanted = covered ? kLevelEdge * unit_ : kBareEdge * unit_;
@@ -121,7 +124,8 @@ class Refiner {
       wanted = std::min(wanted, kEndingEdge * unit_);
     }
     // Where shelter thins level snow out, its border needs as much.
-    const bool thins_out = std::min(height, mean) < kBorder * depth_ && std::max(height, mean) > shown_;
+    const bool thins_out =
+        std::min(height, mean) < kBorder * depth_ && std::max(height, mean) > shown_;
     if (thins_out) wanted = std::min(wanted, kEndingEdge * unit_);
     const float off = std::abs(height - mean);
     if (off > kOffDeep * depth_ || (off > kOffThin * depth_ && height < kThin * depth_)) {
@@ -167,7 +171,8 @@ class Refiner {
     std::vector<uint8_t> marked(edges.ends.size(), 0);
     std::vector<int32_t> seen_from(edges.ends.size(), -1);
     for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
-      for (int k = 0; k < 3; ++k) seen_from[edges.of_triangle[t][k]] = static_cast<int32_t>(t * 3 + k);
+      for (int k = 0; k < 3; ++k)
+        seen_from[edges.of_triangle[t][k]] = static_cast<int32_t>(t * 3 + k);
     }
     base::for_each_item(edges.ends.size(), 1024, [&](size_t e) {
       const auto& ends = edges.ends[e];

@@ -11,7 +11,8 @@ namespace snowbough::snow {
 
 /// The heights that decide where the surface is fine, and where it is at all.
 struct SurfaceHeights {
-  /// Of the last frame and the greatest of the whole shot, metres, negative on the back; resolution x resolution.
+  /// Of the last frame and the greatest of the whole shot, metres, negative on the back; resolution
+  /// x resolution.
   const float* last = nullptr;
   const float* highest = nullptr;
   int32_t resolution = 0;
@@ -49,8 +50,8 @@ class RimZones {
   };
   /// `normal`: of the face that the point lies on.
   Zone at(const glm::vec3& point, const glm::vec3& normal, int32_t part) const;
-  /// The zones of a refined mesh's points, each on the face of its that is nearest to a rim; on the rim itself the
-  /// carrying face counts. Those that `zones` holds already are left alone.
+  /// The zones of a refined mesh's points, each on the face of its that is nearest to a rim; on the
+  /// rim itself the carrying face counts. Those that `zones` holds already are left alone.
   void find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const;
   /// The connected part of the receiver that a triangle of the source belongs to.
   int32_t part(int32_t base) const { return part_of_base_[static_cast<size_t>(base)]; }
@@ -61,15 +62,15 @@ class RimZones {
   std::vector<int32_t> part_of_base_;
 };
 
-/// Cuts the receiver's faces finely where snow is shaped finely and coarsely elsewhere, and leaves out what never has
-/// snow but for a few rings. Along straight rims the cuts are parallel to them.
+/// Cuts the receiver's faces finely where snow is shaped finely and coarsely elsewhere, and leaves
+/// out what never has snow but for a few rings. Along straight rims the cuts are parallel to them.
 ///
 /// @param receiver receiver_mesh. @param rims of it.
 SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const RimZones& zones,
                             const SurfaceHeights& heights, const SurfaceDensity& density);
 
-/// About how many points the snow of a receiver would take at default detail, before any is known: what it shares the
-/// scene's points by.
+/// About how many points the snow of a receiver would take at default detail, before any is known:
+/// what it shares the scene's points by.
 double wanted_points(const SurfaceMesh& receiver, const Rims& rims, float depth);
 double wanted_points(const SurfaceSource& source, float depth);
 

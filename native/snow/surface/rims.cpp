@@ -15,10 +15,12 @@ constexpr float kCarries = 0.3f;
 constexpr float kGoesDown = 0.35f;
 /// The far face turns down by at least so much more.
 constexpr float kTurnsDown = 0.45f;
-/// Cosine of the least angle between the faces at a rim, 50 degrees, and where they are shaded smooth, 75.
+/// Cosine of the least angle between the faces at a rim, 50 degrees, and where they are shaded
+/// smooth, 75.
 constexpr float kSharp = 0.643f;
 constexpr float kSharpSmooth = 0.259f;
-/// A point on whose face the normal is nearer than this (a cosine) to a rim's carrying or far face belongs to it.
+/// A point on whose face the normal is nearer than this (a cosine) to a rim's carrying or far face
+/// belongs to it.
 constexpr float kSameFace = 0.5f;
 /// How far a point may lie off the plane of the rim's face, as a part of its distance.
 constexpr float kOffPlane = 0.55f;
@@ -279,6 +281,7 @@ float Rims::room(const RimPlace& place, int32_t part, float most) const {
 
 Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
   Opposite found;
+  float best = 0.0f;
   const glm::vec3 around(most);
   grid_.visit(place.foot - around, place.foot + around, [&](int32_t number) {
     const Rim& rim = rims_[number];
@@ -289,10 +292,14 @@ Rims::Opposite Rims::opposite(const RimPlace& place, float most) const {
     if (gap < 0.0f || gap >= most) return;
     const float aside = glm::length(glm::vec3(across.x, across.y, 0.0f) - gap * place.level_out);
     // All fade, so that bridges have no torn ends.
-    const float nearness = eased(gap, most, 0.75f * most) * eased(aside, 0.5f * most, 0.1f * most) *
+    const float nearness = eased(aside, 0.5f * most, 0.1f * most) *
                            eased(std::abs(across.z), most, 0.4f * most) *
                            eased(against, 0.5f, 0.85f);
-    if (nearness > found.nearness) found = {nearness, gap, across.z};
+    const float worth = nearness * (1.0f - gap / most);
+    if (worth > best) {
+      best = worth;
+      found = {nearness, gap, across.z};
+    }
   });
   return found;
 }

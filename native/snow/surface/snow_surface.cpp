@@ -64,8 +64,8 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
     for (size_t p = begin; p < end; ++p) {
       float sum = 0.0f;
       for (int32_t i = sample_begin_[p]; i < sample_begin_[p + 1]; ++i) {
-        sum += sample_weight_[i] * map_value(frame.height, resolution_,
-                                             {sample_texel_[i], sample_share_[i]});
+        sum += sample_weight_[i] *
+               map_value(frame.height, resolution_, {sample_texel_[i], sample_share_[i]});
       }
       heights.thickness[p] = std::max(sum * side_[p], 0.0f);
     }
@@ -75,7 +75,8 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
   for_blocks(count, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) {
       const float thickness = heights.thickness[p];
-      const SnowEdge edge = snow_edge(point_[p], thickness, frame.open_depth, glm::dot(normals[p], up));
+      const SnowEdge edge =
+          snow_edge(point_[p], thickness, frame.open_depth, glm::dot(normals[p], up));
       heights.shown[p] = thin_snow(edge, thickness);
     }
   });
@@ -93,9 +94,9 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
   });
   glm::dvec2 volume(0.0);
   for (const glm::dvec2& one : volumes) volume += one;
-  const float factor = volume.y > 0.0
-                           ? std::clamp(static_cast<float>(volume.x / volume.y), kLeastFactor, kMostFactor)
-                           : 1.0f;
+  const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
+                                                   kLeastFactor, kMostFactor)
+                                      : 1.0f;
   for (float& shown : heights.shown) {
     if (shown > 0.0f) shown *= factor;
   }
@@ -137,8 +138,8 @@ std::vector<glm::vec3> SnowSurface::offsets(const SurfaceFrame& frame,
         inland += front_weight_[f][k] * std::max(heights.shown[front_inland_[f][k]], 0.0f);
       }
       const glm::vec3 drawn =
-          front_offset(front, style_, inland * 0.94f, normal_[p], heights.shown[p],
-                       point_[p].bumps, std::min(kSink, point_[p].deepest));
+          front_offset(front, style_, inland * 0.94f, normal_[p], heights.shown[p], point_[p].bumps,
+                       std::min(kSink, point_[p].deepest));
       offsets[p] = glm::mix(offsets[p], drawn, front.presence);
     }
   });
@@ -173,7 +174,9 @@ std::vector<glm::vec3> SnowSurface::points(const SurfaceFrame& frame) const {
   }
   const Heights heights = this->heights(frame, normals);
   const std::vector<glm::vec3> offset = offsets(frame, normals, heights);
-  const auto turned = [&](size_t p, const glm::vec3& way) { return turn.empty() ? way : turn[p] * way; };
+  const auto turned = [&](size_t p, const glm::vec3& way) {
+    return turn.empty() ? way : turn[p] * way;
+  };
   std::vector<glm::vec3> points(point_count());
   for_blocks(lying, [&](size_t, size_t begin, size_t end) {
     for (size_t p = begin; p < end; ++p) points[p] = carrier[p] + turned(p, offset[p]);

@@ -19,8 +19,8 @@ struct SurfacePlan {
   SurfaceDensity density;
   /// Noise differs from receiver to receiver.
   uint32_t seed = 0;
-  /// Horizontal part of the unit vector in which snow falls, on average over the shot: rims on the lee side get
-  /// cornices.
+  /// Horizontal part of the unit vector in which snow falls, on average over the shot: rims on the
+  /// lee side get cornices.
   glm::vec2 wind{0.0f};
 };
 
@@ -39,20 +39,23 @@ struct SurfaceFrame {
   const float* height = nullptr;
   /// Metres of snow on open level ground.
   float open_depth = 0.0f;
-  /// The receiver's vertices in metres in the world, or null while it is as in the plan but for moving as a whole.
+  /// The receiver's vertices in metres in the world, or null while it is as in the plan but for
+  /// moving as a whole.
   const glm::vec3* positions = nullptr;
   /// Where up is in the plan's pose: for a receiver that moves as a whole and tilts.
   glm::vec3 up{0.0f, 0.0f, 1.0f};
-  /// From metres in the world (with `positions`), or in the plan's pose (without), to what points are wanted in.
+  /// From metres in the world (with `positions`), or in the plan's pose (without), to what points
+  /// are wanted in.
   glm::mat4 to_result{1.0f};
 };
 
-/// The surface of the snow on one receiver: DESIGN 4.6. Faces are made once, from the receiver as it is in the shot's
-/// last frame and the heights that lie there then; each frame gives their points by shaders/lib/snow_surface.h.
-/// Same input, same points, whatever the number of threads.
+/// The surface of the snow on one receiver: DESIGN 4.6. Faces are made once, from the receiver as
+/// it is in the shot's last frame and the heights that lie there then; each frame gives their
+/// points by shaders/lib/snow_surface.h. Same input, same points, whatever the number of threads.
 class SnowSurface {
  public:
-  /// @throws std::invalid_argument for a map of other than resolution^2 texels or positions that do not fit.
+  /// @throws std::invalid_argument for a map of other than resolution^2 texels or positions that do
+  /// not fit.
   SnowSurface(const SurfaceSource& source, const std::vector<float>& last,
               const std::vector<float>& highest, const SurfacePlan& plan);
 
@@ -67,7 +70,8 @@ class SnowSurface {
  private:
   /// Points that lie on the receiver; the others are the cushions'.
   size_t lying_points() const { return mesh_.position.size(); }
-  /// Thickness of the snow at the points that lie on the receiver in metres as it shows in `frame`, 0 where it is bare.
+  /// Thickness of the snow at the points that lie on the receiver in metres as it shows in `frame`,
+  /// 0 where it is bare.
   std::vector<float> shown_heights(const SurfaceFrame& frame) const;
   /// Drops faces of sheets that never show snow: behind a sheet nothing hides them.
   void drop_bare_sheets(const std::vector<float>& highest, float depth);
@@ -91,8 +95,7 @@ class SnowSurface {
   void make_faces();
   Heights heights(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals) const;
   void smooth(std::vector<float>& values, int rounds) const;
-  std::vector<glm::vec3> offsets(const SurfaceFrame& frame,
-                                 const std::vector<glm::vec3>& normals,
+  std::vector<glm::vec3> offsets(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals,
                                  const Heights& heights) const;
 
   SurfaceMesh mesh_;

@@ -28,8 +28,6 @@ constexpr float kSmoothing = 0.12f;
 constexpr float kCrease = 0.3f;
 /// Overhang on the lee side in a horizontal wind, as a part of the height.
 constexpr float kLee = 0.4f;
-/// Gaps narrower than so much of the depth are bridged.
-constexpr float kBridgedGap = 0.4f;
 /// Points at least so far into their zone say how high the snow behind a rim is.
 constexpr float kInland = 0.6f;
 /// Half of Phong tessellation is exact on a sphere.
@@ -52,7 +50,8 @@ glm::vec3 noise_shift(const SurfacePlan& plan) {
 void check(const SurfaceSource& source, const std::vector<float>& map) {
   const auto texels = static_cast<size_t>(source.topology.resolution) * source.topology.resolution;
   if (source.topology.resolution < 2 || map.size() != texels) {
-    throw std::invalid_argument("a height map must have as many texels as the receiver's resolution says");
+    throw std::invalid_argument(
+        "a height map must have as many texels as the receiver's resolution says");
   }
   if (source.positions.size() < static_cast<size_t>(source.topology.vertex_count)) {
     throw std::invalid_argument("positions must have a row for each vertex");
@@ -71,10 +70,12 @@ SurfaceMesh snow_side_out(SurfaceMesh mesh, const std::vector<float>& last, int3
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
     float sum = 0.0f;
     for (int k = 0; k < 3; ++k) {
-      const glm::vec2 inside = (mesh.uv[t][k] * 2.0f + mesh.uv[t][(k + 1) % 3] + mesh.uv[t][(k + 2) % 3]) * 0.25f;
+      const glm::vec2 inside =
+          (mesh.uv[t][k] * 2.0f + mesh.uv[t][(k + 1) % 3] + mesh.uv[t][(k + 2) % 3]) * 0.25f;
       sum += map_value(last.data(), resolution, map_place(inside, resolution));
     }
-    volume[part[mesh.triangle[t][0]]] += static_cast<double>(sum) * glm::length(triangle_cross(mesh, t));
+    volume[part[mesh.triangle[t][0]]] +=
+        static_cast<double>(sum) * glm::length(triangle_cross(mesh, t));
   }
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
     if (volume[part[mesh.triangle[t][0]]] >= 0.0) continue;
@@ -155,13 +156,13 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
     }
   }
   if (source.shading.empty()) return;
-  // Half of Phong tessellation: T. Boubekeur, M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008. Normals of the
-  // receiver's vertices are those that the surface has there.
+  // Half of Phong tessellation: T. Boubekeur, M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008.
+  // Normals of the receiver's vertices are those that the surface has there.
   std::vector<glm::vec3> normal(planned_positions_.size(), glm::vec3(0.0f));
   for (size_t c = 0; c < triangles_.size(); c += 3) {
-    const glm::vec3 cross = glm::cross(
-        planned_positions_[triangles_[c + 1]] - planned_positions_[triangles_[c]],
-        planned_positions_[triangles_[c + 2]] - planned_positions_[triangles_[c]]);
+    const glm::vec3 cross =
+        glm::cross(planned_positions_[triangles_[c + 1]] - planned_positions_[triangles_[c]],
+                   planned_positions_[triangles_[c + 2]] - planned_positions_[triangles_[c]]);
     for (size_t k = 0; k < 3; ++k) {
       if (source.shading[c + k] >= 0) normal[triangles_[c + k]] += cross;
     }
@@ -220,7 +221,8 @@ void SnowSurface::find_samples() {
     const auto first = sample_weight_.size();
     float sum = 0.0f;
     for (; i < samples.size() && samples[i].point == static_cast<int32_t>(p); ++i) {
-      const bool again = sample_weight_.size() > first && i > 0 && samples[i].uv == samples[i - 1].uv;
+      const bool again =
+          sample_weight_.size() > first && i > 0 && samples[i].uv == samples[i - 1].uv;
       if (!again) {
         const MapPlace place = map_place(samples[i].uv, resolution_);
         sample_texel_.push_back(place.texel);
@@ -365,7 +367,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
     const float lee = glm::dot(glm::vec2(here.place.level_out), plan.wind);
     front.lee = kLee * std::max(lee, 0.0f);
-    const Rims::Opposite opposite = rims.opposite(here.place, kBridgedGap * depth);
+    const Rims::Opposite opposite = rims.opposite(here.place, shared::kBridgedGap * depth);
     front.bridged = opposite.nearness;
     front.half_gap = 0.5f * opposite.gap + 0.0005f;
     front.half_step = 0.5f * opposite.step;
@@ -376,7 +378,10 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
       int32_t point;
     };
     std::vector<Found> found;
-    for (float reach = 0.15f * depth; reach < depth && found.size() < 4; reach *= 1.7f) {
+    // A needle's tip is a rim on its own, too small for a front.
+    front.presence = eased(here.room / depth, 0.03f, 0.09f);
+    const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
+    for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
       found.clear();
       grid.visit(behind - reach, behind + reach, [&](int32_t i) {
         const int32_t q = inland[i];
@@ -396,8 +401,6 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     if (found.empty()) weight[0] = 1.0f;
     front_inland_[f] = point;
     front_weight_[f] = weight / (weight.x + weight.y + weight.z + weight.w);
-    // A needle's tip is a rim on its own, too small for a front.
-    front.presence = eased(here.room / depth, 0.03f, 0.09f);
   });
   // On a cap shaded smooth, means of normals lean over the rim.
   for (size_t p = 0; p < lying_points(); ++p) {
@@ -469,7 +472,8 @@ void SnowSurface::find_cushions(float depth, const std::vector<float>& last) {
 }
 
 void SnowSurface::make_faces() {
-  // Two triangles that are nearly one plane and one chart become a quad, which takes a third less memory in Blender.
+  // Two triangles that are nearly one plane and one chart become a quad, which takes a third less
+  // memory in Blender.
   const SurfaceEdges edges = surface_edges(mesh_.triangle);
   const std::vector<glm::vec3> normals = triangle_normals(mesh_);
   struct Side {

@@ -30,9 +30,9 @@ float angle_at(const std::array<glm::vec3, 3>& corners, int k) {
   return std::acos(glm::clamp(glm::dot(a, b), -1.0f, 1.0f));
 }
 
-/// A normal for each corner of the source: smooth corners share the mean over their number, flat ones have their
-/// face's. Faces count by their angle at the corner (G. Thuermer, C. A. Wuethrich, Computing Vertex Normals from
-/// Polygonal Facets, JGT 3, 1998).
+/// A normal for each corner of the source: smooth corners share the mean over their number, flat
+/// ones have their face's. Faces count by their angle at the corner (G. Thuermer, C. A. Wuethrich,
+/// Computing Vertex Normals from Polygonal Facets, JGT 3, 1998).
 std::vector<glm::vec3> corner_normals(const SurfaceSource& source) {
   const size_t corners = source.topology.triangles.size();
   std::vector<glm::vec3> normals(corners);
@@ -57,7 +57,8 @@ std::vector<glm::vec3> corner_normals(const SurfaceSource& source) {
   return normals;
 }
 
-/// The parts of a triangle whose edges have middles: points and texture coordinates of its corners and middles.
+/// The parts of a triangle whose edges have middles: points and texture coordinates of its corners
+/// and middles.
 struct SplitTriangle {
   std::array<int32_t, 6> point;
   std::array<glm::vec2, 6> uv;
@@ -130,8 +131,8 @@ SurfaceMesh receiver_mesh(const SurfaceSource& source) {
   for (size_t t = 0; t < keep.size(); ++t) {
     const int32_t* corner = &topology.triangles[t * 3];
     mesh.triangle.push_back({corner[0], corner[1], corner[2]});
-    mesh.uv.push_back({topology.corner_uv[t * 3], topology.corner_uv[t * 3 + 1],
-                       topology.corner_uv[t * 3 + 2]});
+    mesh.uv.push_back(
+        {topology.corner_uv[t * 3], topology.corner_uv[t * 3 + 1], topology.corner_uv[t * 3 + 2]});
     mesh.normal.push_back({normals[t * 3], normals[t * 3 + 1], normals[t * 3 + 2]});
     mesh.base.push_back(static_cast<int32_t>(t));
     keep[t] = glm::length(triangle_cross(mesh, t)) > 0.0f ? 1 : 0;

@@ -21,8 +21,8 @@ struct SurfaceSource {
   std::vector<int32_t> shading;
 };
 
-/// A mesh that lies on a receiver's faces. Points are shared by faces that meet, whatever their charts do;
-/// texture coordinates belong to corners.
+/// A mesh that lies on a receiver's faces. Points are shared by faces that meet, whatever their
+/// charts do; texture coordinates belong to corners.
 struct SurfaceMesh {
   /// Metres.
   std::vector<glm::vec3> position;
@@ -49,18 +49,20 @@ glm::vec3 triangle_cross(const SurfaceMesh& mesh, size_t triangle);
 /// Unit normals, (0, 0, 0) for a triangle without area.
 std::vector<glm::vec3> triangle_normals(const SurfaceMesh& mesh);
 
-/// The receiver's own faces as a SurfaceMesh, without those that have no area; points in one place are one.
+/// The receiver's own faces as a SurfaceMesh, without those that have no area; points in one place
+/// are one.
 SurfaceMesh receiver_mesh(const SurfaceSource& source);
 
 /// Takes the triangles for which keep[t] is not 0, and the points that they use.
 SurfaceMesh kept_part(const SurfaceMesh& mesh, const std::vector<uint8_t>& keep);
 
 /// Splits edges, each at one place and both faces alike, so that no T-junctions appear.
-/// @param share of each edge, where to split it between its ends, 0 < share < 1; outside of that it stays whole.
+/// @param share of each edge, where to split it between its ends, 0 < share < 1; outside of that it
+/// stays whole.
 void split_edges(SurfaceMesh& mesh, const SurfaceEdges& edges, const std::vector<float>& share);
 
-/// Marks, in addition to `marked` edges, the longest edge of every triangle that has a marked one, until nothing
-/// changes: triangles that are halved there keep their angles.
+/// Marks, in addition to `marked` edges, the longest edge of every triangle that has a marked one,
+/// until nothing changes: triangles that are halved there keep their angles.
 ///
 /// Source: M.-C. Rivara, Algorithms for Refining Triangular Grids, IJNME 20, 1984.
 void mark_longest(const SurfaceMesh& mesh, const SurfaceEdges& edges, std::vector<uint8_t>& marked);
