@@ -21,9 +21,9 @@ import sys
 def parser():
     """The parser of all subcommands; `args.command` says which."""
     from .bake import cli as bake_cli
-    from .ui import surface_cli
     from .gltf import cli as gltf_cli
     from .tree import cli as tree_cli
+    from .ui import surface_cli
 
     top = argparse.ArgumentParser(
         prog="snowbough", description="Imports trees, bakes snow and exports for engines without a window."

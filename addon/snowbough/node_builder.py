@@ -6,8 +6,6 @@ Values are numbers, tuples or output sockets; a socket is linked and anything el
 
 import bpy
 
-from . import compat_nodes
-
 COLUMN = 190
 ROW = 180
 

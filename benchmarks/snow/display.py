@@ -4,7 +4,7 @@
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/snow/display.py -- [--scene monkeys] [--frames 24]
         [--root CHECKOUT]
 
-SCENE: monkeys (three of them and a plane), car (15 parts and a plane), hundred (100 receivers of 100 faces, 512 texels).
+SCENE: monkeys (three of them and a plane), car (15 parts and a plane), hundred (receivers of 100 faces, 512 texels).
 --root: another checkout, built, whose add-on is measured instead, such as one of an earlier commit. The peer is a Mesh
 Cache modifier on a plain grid of as many points: what Blender takes to read that many points from a file.
 """

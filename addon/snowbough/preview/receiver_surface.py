@@ -1,6 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow surface of one receiver in the live preview: planned from the snow that lies now, since nobody knows yet what
-will lie at the end of the shot, and planned again when that has become another. No ``bpy``."""
+"""The snow surface of one receiver in the live preview. No ``bpy``.
+
+It is planned from the snow that lies now, since the end of the shot is not known yet, and planned again when that snow
+has changed much."""
 
 import numpy as np
 

@@ -144,7 +144,9 @@ def clear(scene, receiver):
 
 
 def apply(scene, receiver, mode):
-    """Adds snow of that mode to the receiver, replacing what an earlier call made; materials of surfaces keep their sliders.
+    """Adds snow of that mode to the receiver, replacing what an earlier call made.
+
+    Materials of surfaces keep their sliders.
 
     Raises ValueError that says what to do when the mode does not suit the object; nothing is changed then.
     """

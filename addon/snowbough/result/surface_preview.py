@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Shows what the sliders of snow surfaces do: in the frame at hand while they are dragged, in all frames by update_all.
 
-For the frame at hand the surface's modifier reads a file of its own in Blender's temporary folder; the next frame change
-puts the bake's file back.
+For the frame at hand the surface's modifier reads a file of its own in Blender's temporary folder; the next change of
+the frame puts the bake's file back.
 """
 
 import hashlib

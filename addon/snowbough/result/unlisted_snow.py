@@ -2,7 +2,8 @@
 """Snow on objects that are on no list of receivers, such as those appended from another file.
 
 The record of what an object was like before stays with the list, in the scene that it came from. So what is ours is
-found by what it is: modifiers by their names, copies of materials by their node group, surfaces by their parent. A mesh still has its own materials under the copies; where it has none, our nodes come out of the copy.
+found by what it is: modifiers by their names, copies of materials by their node group, surfaces by their parent. A mesh
+still has its own materials under the copies; where it has none, our nodes come out of the copy.
 """
 
 import bpy

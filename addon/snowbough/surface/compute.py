@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """From a receiver's folder in the cache to the faces and points of its snow. No ``bpy``.
 
-The manifest, the maps, ``receiver.ply`` and ``positions.pc2`` are all that is read: no scene is evaluated and nothing is
-simulated. Written are ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one a frame) and
+The manifest, the maps, ``receiver.ply`` and ``positions.pc2`` are all that is read: no scene is evaluated, and nothing
+is simulated. Written are ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one a frame) and
 ``surface.json`` (what they were made with).
 """
 

@@ -9,12 +9,12 @@ import sys
 import bpy
 
 from .. import native
+from ..bake.cli import exit_code
+from ..bake.outcome import one_line
 from ..names import EXIT_FAILED, EXIT_OK
 from ..result import surface_preview
 from ..surface import compute
 from ..surface.style import DETAILS
-from ..bake.cli import exit_code
-from ..bake.outcome import one_line
 
 
 def add_arguments(parser):

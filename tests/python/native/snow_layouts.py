@@ -44,9 +44,11 @@ def box(size=1.0):
 
 def roof(degrees=36.0, width=1.0, length=1.0):
     """A gable roof: two slopes over a level floor, and its gables."""
-    w, l = 0.5 * width, 0.5 * length
+    w, half = 0.5 * width, 0.5 * length
     z = w * np.tan(np.radians(degrees))
-    positions = np.array([(-w, -l, 0), (w, -l, 0), (w, l, 0), (-w, l, 0), (0, -l, z), (0, l, z)])
+    positions = np.array(
+        [(-w, -half, 0), (w, -half, 0), (w, half, 0), (-w, half, 0), (0, -half, z), (0, half, z)]
+    )
     return positions, [(0, 4, 5, 3), (1, 2, 5, 4), (0, 1, 4), (2, 3, 5), (0, 3, 2, 1)]
 
 
