@@ -39,7 +39,7 @@ class SurfaceProperties:
     )
     surface_bridging: _slider(
         "Bridging",
-        "How readily snow closes narrow gaps, such as those between boards or stones: 1 is fresh snow, 0 leaves all gaps "
+        "How readily snow closes narrow gaps, as between boards or stones: 1 is fresh snow, 0 leaves all gaps "
         "open (no unit)",
     )
     surface_relief: _slider(

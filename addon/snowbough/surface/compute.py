@@ -2,8 +2,8 @@
 """From a receiver's folder in the cache to the faces and points of its snow. No ``bpy``.
 
 The manifest, the maps, ``receiver.ply`` and ``positions.pc2`` are all that is read: no scene is evaluated, and nothing
-is simulated. Written are ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one a frame) and
-``surface.json`` (what they were made with).
+is simulated. Written are ``surface.ply`` (faces), ``surface.pc2`` (points: one sample without snow, then one a frame)
+and ``surface.json`` (what they were made with).
 """
 
 import hashlib
