@@ -33,7 +33,7 @@ def make_drawing(simulated, metres):
     scale = drawing.SCALE_SOFTWARE if software else drawing.SCALE
     # What is larger gets more of them.
     extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
-    for key, own in simulated.maps.items():
+    for key in simulated.maps:
         share = int(most * extent[key] / sum(extent.values()))
         drawn.receivers[key] = drawing.ReceiverDrawing(_surface(simulated.pose.objects[key], share, scale))
     return drawn

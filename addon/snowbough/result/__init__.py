@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked maps in the scene: images, snow material, displacement, and shells."""
+"""Baked maps in the scene: images, snow material, displacement, and surfaces."""

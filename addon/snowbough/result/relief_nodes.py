@@ -2,13 +2,13 @@
 """The relief of lying snow: what wind and settling leave on a surface that maps of millimetres do not hold.
 
 Octaves of noise in the object's own space, in metres, so that relief stays where it is while the object moves and
-deforms and knows nothing of UV charts. It fades to nothing on thin snow and so at the snow's edge. The same nodes
-stand in shells (geometry nodes) and in materials that displace.
+deforms and knows nothing of UV charts. It fades to nothing on thin snow and so at the snow's edge. The nodes
+stand in materials that displace.
 """
 
 from .. import compat_nodes
 
-# The slider of shells and of materials that displace; 1 is OCTAVES as they stand, fresh snow has 0.6.
+# The slider of materials that displace; 1 is OCTAVES as they stand, fresh snow has 0.6.
 RELIEF_INPUT = "Relief"
 
 # (waves a metre, metres up and down)

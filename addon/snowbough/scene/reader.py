@@ -5,7 +5,7 @@ SceneReader.read is called by the hidden render engine after each of its ``frame
 holds numpy arrays and texts only, nothing that Blender could free.
 
 - All meshes that the render would show are there, and curves, texts and metaballs as the meshes that
-  the render makes of them. Objects with ``snowbough.occlude`` off and Snowbough's own shells are not.
+  the render makes of them. Objects with ``snowbough.occlude`` off and Snowbough's own surfaces are not.
 - A receiver is an object of the scene's list. Where that is an empty that instances a collection, every
   mesh instanced by it is a receiver of its own. All other instances of one object are gathered into one
   occluder, so that a lawn is one object and not ten thousand.

@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/union_find.h"
+#include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
 namespace {
@@ -26,11 +27,6 @@ constexpr float kSameFace = 0.5f;
 constexpr float kOffPlane = 0.55f;
 /// Rims farther than so many softnesses behind the nearest say nothing.
 constexpr float kHeard = 4.0f;
-
-glm::vec3 unit(const glm::vec3& v) {
-  const float length = glm::length(v);
-  return length > 1e-12f ? v / length : glm::vec3(0.0f);
-}
 
 float eased(float x, float from, float to) {
   const float t = std::clamp((x - from) / (to - from), 0.0f, 1.0f);

@@ -22,6 +22,11 @@ struct SurfacePlan {
   /// Horizontal part of the unit vector in which snow falls, on average over the shot: rims on the
   /// lee side get cornices.
   glm::vec2 wind{0.0f};
+
+  /// What is added to places in noise, in parts of the depth, so that receivers differ.
+  glm::vec3 noise_shift() const {
+    return glm::vec3(0.31f, 0.77f, 0.53f) * static_cast<float>(seed % 9973u);
+  }
 };
 
 /// Faces of three or four corners.

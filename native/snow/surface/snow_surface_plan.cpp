@@ -10,6 +10,7 @@
 #include "snow/surface/flip_edges.h"
 #include "snow/surface/map_sampler.h"
 #include "snow/surface/snow_surface.h"
+#include "snow/surface/vectors.h"
 
 // What SnowSurface knows of its points before any frame.
 
@@ -26,26 +27,8 @@ constexpr float kSheetThickness = 0.012f;
 constexpr float kSmoothing = 0.12f;
 /// And of normals.
 constexpr float kCrease = 0.3f;
-/// Overhang on the lee side in a horizontal wind, as a part of the height.
-constexpr float kLee = 0.4f;
-/// Points at least so far into their zone say how high the snow behind a rim is.
-constexpr float kInland = 0.6f;
 /// Half of Phong tessellation is exact on a sphere.
 constexpr float kCurvature = 0.5f;
-
-float eased(float x, float from, float to) {
-  return shared::eased(x, from, to);
-}
-
-glm::vec3 unit(const glm::vec3& v) {
-  const float length = glm::length(v);
-  return length > 1e-12f ? v / length : glm::vec3(0.0f);
-}
-
-/// What is added to places in noise, so that receivers differ.
-glm::vec3 noise_shift(const SurfacePlan& plan) {
-  return glm::vec3(3.1f, 7.7f, 5.3f) * static_cast<float>(plan.seed % 9973u) * 0.1f;
-}
 
 void check(const SurfaceSource& source, const std::vector<float>& map) {
   const auto texels = static_cast<size_t>(source.topology.resolution) * source.topology.resolution;
@@ -290,7 +273,7 @@ void SnowSurface::find_normals(float reach) {
 
 void SnowSurface::find_noise(const SurfacePlan& plan) {
   const float d = plan.density.depth;
-  const glm::vec3 shift = noise_shift(plan);
+  const glm::vec3 shift = plan.noise_shift();
   point_.resize(lying_points());
   base::for_each_item(lying_points(), 1024, [&](size_t p) {
     // Lengths in parts of the depth, so that noise is the same at any scale.
@@ -321,144 +304,12 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree) {
   });
 }
 
-void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan) {
-  if (rims.all().empty()) return;
-  const float depth = plan.density.depth;
-  std::vector<RimZones::Zone> zone;
-  zones.find(mesh_, zone);
-
-  // What lies behind rims.
-  std::vector<CellGrid::Box> boxes;
-  std::vector<int32_t> inland;
-  for (size_t p = 0; p < lying_points(); ++p) {
-    if (!zone[p].place.is_far_off && zone[p].share > kInland) {
-      boxes.push_back({mesh_.position[p], mesh_.position[p]});
-      inland.push_back(static_cast<int32_t>(p));
-    }
-  }
-  const CellGrid grid(boxes, 0.25f * depth);
-
-  for (size_t p = 0; p < lying_points(); ++p) {
-    if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
-    front_point_.push_back(static_cast<int32_t>(p));
-  }
-  front_.resize(front_point_.size());
-  front_inland_.resize(front_.size());
-  front_weight_.resize(front_.size());
-  const glm::vec3 shift = noise_shift(plan);
-  base::for_each_item(front_.size(), 64, [&](size_t f) {
-    const auto p = static_cast<size_t>(front_point_[f]);
-    const RimZones::Zone& here = zone[p];
-    shared::SnowFront& front = front_[f];
-    front.distance = here.place.distance;
-    front.zone = here.support;
-    front.far_zone = here.far;
-    front.has_far = here.place.has_far ? 1.0f : 0.0f;
-    front.out = here.place.out;
-    front.level_out = here.place.level_out;
-    front.down = here.place.down;
-    front.eave = std::clamp(-here.place.out.z, 0.0f, 1.0f) * front.has_far;
-    const glm::vec3 support = here.place.distance >= 0.0f ? here.place.support : glm::vec3(0, 0, 1);
-    const glm::vec3 lift = unit(0.7f * glm::vec3(0, 0, 1) + 0.3f * support);
-    front.lift = lift / std::max(glm::dot(lift, support), 0.5f);
-    const glm::vec3 at = here.place.foot / depth + shift;
-    front.noise_slow = std::clamp(layered_noise(at + 9.0f, {3.0f, 1.4f, 0.6f}, 0.75f), -1.3f, 1.3f);
-    front.noise_fast = std::clamp(layered_noise(at + 31.0f, {2.4f, 1.0f, 0.5f}, 0.8f), -1.3f, 1.3f);
-    front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
-    const float lee = glm::dot(glm::vec2(here.place.level_out), plan.wind);
-    front.lee = kLee * std::max(lee, 0.0f);
-    const Rims::Opposite opposite = rims.opposite(here.place, shared::kBridgedGap * depth);
-    front.bridged = opposite.nearness;
-    front.half_gap = 0.5f * opposite.gap + 0.0005f;
-    front.half_step = 0.5f * opposite.step;
-
-    const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
-    struct Found {
-      float distance;
-      int32_t point;
-    };
-    std::vector<Found> found;
-    // A needle's tip is a rim on its own, too small for a front.
-    front.presence = eased(here.room / depth, 0.03f, 0.09f);
-    const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
-    for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
-      found.clear();
-      grid.visit(behind - reach, behind + reach, [&](int32_t i) {
-        const int32_t q = inland[i];
-        const float distance = glm::distance(mesh_.position[q], behind);
-        if (distance < reach) found.push_back({distance, q});
-      });
-    }
-    std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
-      return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
-    });
-    glm::ivec4 point(static_cast<int32_t>(p));
-    glm::vec4 weight(0.0f);
-    for (int k = 0; k < 4 && k < static_cast<int>(found.size()); ++k) {
-      point[k] = found[k].point;
-      weight[k] = 1.0f / (found[k].distance + 0.025f * depth);
-    }
-    if (found.empty()) weight[0] = 1.0f;
-    front_inland_[f] = point;
-    front_weight_[f] = weight / (weight.x + weight.y + weight.z + weight.w);
-  });
-  // On a cap shaded smooth, means of normals lean over the rim.
-  for (size_t p = 0; p < lying_points(); ++p) {
-    if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
-    const float near = eased(zone[p].share, 1.15f, 0.6f);
-    normal_[p] = unit(glm::mix(normal_[p], zone[p].place.support, near));
-  }
-}
-
-void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float>& last) {
-  SurfaceFrame frame;
-  frame.height = last.data();
-  frame.open_depth = plan.density.depth;
-  // Fronts are only where snow lies behind the rim in the end.
-  const std::vector<float> shown = shown_heights(frame);
-  for (size_t f = 0; f < front_.size(); ++f) {
-    float inland = 0.0f;
-    for (int k = 0; k < 4; ++k) inland += front_weight_[f][k] * shown[front_inland_[f][k]];
-    front_[f].presence *= eased(inland / plan.density.depth, 0.06f, 0.3f);
-  }
-}
-
 void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown) {
   const float d = plan.density.depth;
-  const glm::vec3 shift = noise_shift(plan);
+  const glm::vec3 shift = plan.noise_shift();
   base::for_each_item(lying_points(), 1024, [&](size_t p) {
     point_[p].bumps = layered_noise(shown[p] / d + shift + 70.0f, {1.1f, 0.5f, 0.0f}, 0.6f);
   });
-}
-
-void SnowSurface::drop_bare_sheets(const std::vector<float>& highest, float depth) {
-  SurfaceFrame frame;
-  frame.height = highest.data();
-  frame.open_depth = depth;
-  std::vector<uint8_t> shows(lying_points(), 0);
-  const std::vector<float> shown = shown_heights(frame);
-  // Heights that are negative on the back count there as well.
-  std::vector<float> below = highest;
-  for (float& height : below) height = -height;
-  frame.height = below.data();
-  const std::vector<float> shown_below = shown_heights(frame);
-  for (size_t p = 0; p < shows.size(); ++p) {
-    shows[p] = is_sheet_[p] == 0 || shown[p] > 0.0f || shown_below[p] > 0.0f ? 1 : 0;
-  }
-  SurfaceMesh kept = mesh_;
-  kept.triangle.clear();
-  kept.uv.clear();
-  kept.normal.clear();
-  kept.base.clear();
-  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
-    const auto& [a, b, c] = mesh_.triangle[t];
-    if (shows[a] == 0 && shows[b] == 0 && shows[c] == 0) continue;
-    kept.triangle.push_back(mesh_.triangle[t]);
-    kept.uv.push_back(mesh_.uv[t]);
-    kept.normal.push_back(mesh_.normal[t]);
-    kept.base.push_back(mesh_.base[t]);
-  }
-  mesh_ = std::move(kept);
 }
 
 void SnowSurface::find_cushions(float depth, const std::vector<float>& last) {
@@ -469,94 +320,6 @@ void SnowSurface::find_cushions(float depth, const std::vector<float>& last) {
   const std::vector<float> thickness = heights(frame, normal_).thickness;
   cushions_ = snow::find_cushions(mesh_, points(frame), thickness, depth);
   for (const int32_t p : cushions_.anchor) cushion_height_.push_back(std::max(thickness[p], 1e-6f));
-}
-
-void SnowSurface::make_faces() {
-  // Two triangles that are nearly one plane and one chart become a quad, which takes a third less
-  // memory in Blender.
-  const SurfaceEdges edges = surface_edges(mesh_.triangle);
-  const std::vector<glm::vec3> normals = triangle_normals(mesh_);
-  struct Side {
-    int32_t triangle = -1;
-    int32_t k = 0;
-  };
-  std::vector<std::array<Side, 2>> sides(edges.ends.size());
-  std::vector<int32_t> count(edges.ends.size(), 0);
-  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
-    for (int k = 0; k < 3; ++k) {
-      const int32_t e = edges.of_triangle[t][k];
-      if (count[e] < 2) sides[e][count[e]] = {static_cast<int32_t>(t), k};
-      ++count[e];
-    }
-  }
-  struct Pair {
-    float cost;
-    int32_t edge;
-  };
-  std::vector<Pair> pairs;
-  for (size_t e = 0; e < edges.ends.size(); ++e) {
-    if (count[e] != 2) continue;
-    const auto [a, b] = sides[e];
-    if (glm::dot(normals[a.triangle], normals[b.triangle]) < 0.97f) continue;
-    const auto& uv = mesh_.uv;
-    if (uv[a.triangle][a.k] != uv[b.triangle][(b.k + 1) % 3] ||
-        uv[a.triangle][(a.k + 1) % 3] != uv[b.triangle][b.k]) {
-      continue;
-    }
-    // Corners of the quad, and how far its worst angle is from a right one.
-    const std::array<int32_t, 4> corner{
-        mesh_.triangle[a.triangle][(a.k + 2) % 3], mesh_.triangle[a.triangle][a.k],
-        mesh_.triangle[b.triangle][(b.k + 2) % 3], mesh_.triangle[b.triangle][b.k]};
-    float worst = 0.0f;
-    for (size_t k = 0; k < 4; ++k) {
-      const glm::vec3 in = unit(mesh_.position[corner[(k + 3) % 4]] - mesh_.position[corner[k]]);
-      const glm::vec3 out = unit(mesh_.position[corner[(k + 1) % 4]] - mesh_.position[corner[k]]);
-      const float turn = glm::dot(glm::cross(out, in), normals[a.triangle]);
-      worst = std::max(worst, turn > 0.1f ? std::abs(glm::dot(in, out)) : 9.0f);
-    }
-    if (worst < 0.9f) pairs.push_back({worst, static_cast<int32_t>(e)});
-  }
-  std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
-    return a.cost != b.cost ? a.cost < b.cost : a.edge < b.edge;
-  });
-  std::vector<int32_t> partner(mesh_.triangle.size(), -1);
-  for (const Pair& pair : pairs) {
-    const auto [a, b] = sides[pair.edge];
-    if (partner[a.triangle] >= 0 || partner[b.triangle] >= 0) continue;
-    partner[a.triangle] = pair.edge;
-    partner[b.triangle] = pair.edge;
-  }
-  faces_.begin.push_back(0);
-  const auto add = [&](int32_t t, int k) {
-    faces_.corner.push_back(mesh_.triangle[t][k % 3]);
-    faces_.uv.push_back(mesh_.uv[t][k % 3]);
-  };
-  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
-    const auto own = static_cast<int32_t>(t);
-    if (partner[t] < 0) {
-      for (int k = 0; k < 3; ++k) add(own, k);
-    } else {
-      const auto [a, b] = sides[partner[t]];
-      if (a.triangle != own) continue;
-      add(a.triangle, a.k + 2);
-      add(a.triangle, a.k);
-      add(b.triangle, b.k + 2);
-      add(b.triangle, b.k);
-    }
-    faces_.begin.push_back(static_cast<int32_t>(faces_.corner.size()));
-  }
-  // A cushion has its anchor's place in the map.
-  std::vector<glm::vec2> uv(lying_points(), glm::vec2(0.0f));
-  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
-    for (int k = 0; k < 3; ++k) uv[mesh_.triangle[t][k]] = mesh_.uv[t][k];
-  }
-  for (const auto& quad : cushions_.quads) {
-    for (const int32_t c : quad) {
-      faces_.corner.push_back(static_cast<int32_t>(lying_points()) + c);
-      faces_.uv.push_back(uv[cushions_.anchor[c]]);
-    }
-    faces_.begin.push_back(static_cast<int32_t>(faces_.corner.size()));
-  }
 }
 
 }  // namespace snowbough::snow

@@ -7,16 +7,12 @@
 
 #include "base/parallel_for.h"
 #include "snow/repose/welded.h"
+#include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
 namespace {
 
 using Triangle = std::array<int32_t, 3>;
-
-glm::vec3 unit(const glm::vec3& v) {
-  const float length = glm::length(v);
-  return length > 0.0f ? v / length : glm::vec3(0.0f);
-}
 
 uint64_t edge_key(int32_t a, int32_t b) {
   const auto low = static_cast<uint64_t>(std::min(a, b));

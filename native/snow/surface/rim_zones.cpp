@@ -1,0 +1,86 @@
+#include "snow/surface/rim_zones.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <glm/geometric.hpp>
+
+#include "base/parallel_for.h"
+
+namespace snowbough::snow {
+namespace {
+
+// Parts of the depth on open ground.
+constexpr float kRimZone = 1.25f;
+constexpr float kFarZone = 0.34f;
+
+}  // namespace
+
+float rim_zone(float depth) {
+  return kRimZone * depth;
+}
+
+float far_zone(float depth) {
+  return kFarZone * depth;
+}
+
+RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth)
+    : rims_(rims), depth_(depth) {
+  for (size_t t = 0; t < receiver.base.size(); ++t) {
+    const auto base = static_cast<size_t>(receiver.base[t]);
+    if (part_of_base_.size() <= base) part_of_base_.resize(base + 1, -1);
+    part_of_base_[base] = rims.parts()[t];
+  }
+}
+
+void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
+  const size_t known = zones.size();
+  zones.resize(mesh.position.size());
+  // Of each new point one face of each plane that it lies in.
+  constexpr size_t kPlanes = 4;
+  struct Planes {
+    std::array<int32_t, kPlanes> face;
+    size_t count = 0;
+  };
+  const std::vector<glm::vec3> normals = triangle_normals(mesh);
+  std::vector<Planes> planes(zones.size() - known);
+  for (size_t t = 0; t < mesh.triangle.size(); ++t) {
+    for (const int32_t p : mesh.triangle[t]) {
+      if (static_cast<size_t>(p) < known) continue;
+      Planes& own = planes[static_cast<size_t>(p) - known];
+      bool is_new = own.count < kPlanes;
+      for (size_t i = 0; i < own.count; ++i) {
+        is_new = is_new && glm::distance(normals[t], normals[own.face[i]]) > 0.05f;
+      }
+      if (is_new) own.face[own.count++] = static_cast<int32_t>(t);
+    }
+  }
+  base::for_each_item(planes.size(), 256, [&](size_t i) {
+    constexpr float kOnRim = 1e-4f;
+    Zone& best = zones[known + i];
+    for (size_t k = 0; k < planes[i].count; ++k) {
+      const int32_t t = planes[i].face[k];
+      const Zone zone = at(mesh.position[known + i], normals[t], part(mesh.base[t]));
+      if (zone.place.is_far_off) continue;
+      const float nearer = std::abs(best.share) - std::abs(zone.share);
+      if (best.place.is_far_off || nearer > kOnRim ||
+          (nearer > -kOnRim && zone.share >= 0.0f && best.share < 0.0f)) {
+        best = zone;
+      }
+    }
+  });
+}
+
+RimZones::Zone RimZones::at(const glm::vec3& point, const glm::vec3& normal, int32_t part) const {
+  Zone zone;
+  zone.place = rims_.place(point, normal, part, 0.25f * depth_);
+  if (zone.place.is_far_off) return zone;
+  const float most = rim_zone(depth_);
+  zone.room = rims_.room(zone.place, part, most);
+  zone.support = std::clamp(0.95f * zone.room, 0.1f * depth_, most);
+  zone.far = std::max(std::min(far_zone(depth_), zone.place.far_extent), 0.02f * depth_);
+  zone.share = zone.place.distance / (zone.place.distance < 0.0f ? zone.far : zone.support);
+  return zone;
+}
+
+}  // namespace snowbough::snow

@@ -1,0 +1,126 @@
+#include <algorithm>
+#include <glm/geometric.hpp>
+
+#include "base/parallel_for.h"
+#include "shaders/lib/snow_noise.h"
+#include "snow/surface/snow_surface.h"
+#include "snow/surface/vectors.h"
+
+// What SnowSurface knows of its points near rims.
+
+namespace snowbough::snow {
+namespace {
+
+using shared::eased;
+using shared::layered_noise;
+
+/// Overhang on the lee side in a horizontal wind, as a part of the height.
+constexpr float kLee = 0.4f;
+/// Points at least so far into their zone say how high the snow behind a rim is.
+constexpr float kInland = 0.6f;
+
+}  // namespace
+
+void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan) {
+  if (rims.all().empty()) return;
+  const float depth = plan.density.depth;
+  std::vector<RimZones::Zone> zone;
+  zones.find(mesh_, zone);
+
+  // What lies behind rims.
+  std::vector<CellGrid::Box> boxes;
+  std::vector<int32_t> inland;
+  for (size_t p = 0; p < lying_points(); ++p) {
+    if (!zone[p].place.is_far_off && zone[p].share > kInland) {
+      boxes.push_back({mesh_.position[p], mesh_.position[p]});
+      inland.push_back(static_cast<int32_t>(p));
+    }
+  }
+  const CellGrid grid(boxes, 0.25f * depth);
+
+  for (size_t p = 0; p < lying_points(); ++p) {
+    if (zone[p].place.is_far_off || zone[p].share >= 1.0f || zone[p].share < -1.6f) continue;
+    front_point_.push_back(static_cast<int32_t>(p));
+  }
+  front_.resize(front_point_.size());
+  front_inland_.resize(front_.size());
+  front_weight_.resize(front_.size());
+  const glm::vec3 shift = plan.noise_shift();
+  base::for_each_item(front_.size(), 64, [&](size_t f) {
+    const auto p = static_cast<size_t>(front_point_[f]);
+    const RimZones::Zone& here = zone[p];
+    shared::SnowFront& front = front_[f];
+    front.distance = here.place.distance;
+    front.zone = here.support;
+    front.far_zone = here.far;
+    front.has_far = here.place.has_far ? 1.0f : 0.0f;
+    front.out = here.place.out;
+    front.level_out = here.place.level_out;
+    front.down = here.place.down;
+    front.eave = std::clamp(-here.place.out.z, 0.0f, 1.0f) * front.has_far;
+    const glm::vec3 support = here.place.distance >= 0.0f ? here.place.support : glm::vec3(0, 0, 1);
+    const glm::vec3 lift = unit(0.7f * glm::vec3(0, 0, 1) + 0.3f * support);
+    front.lift = lift / std::max(glm::dot(lift, support), 0.5f);
+    const glm::vec3 at = here.place.foot / depth + shift;
+    front.noise_slow = std::clamp(layered_noise(at + 9.0f, {3.0f, 1.4f, 0.6f}, 0.75f), -1.3f, 1.3f);
+    front.noise_fast = std::clamp(layered_noise(at + 31.0f, {2.4f, 1.0f, 0.5f}, 0.8f), -1.3f, 1.3f);
+    front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
+    const float lee = glm::dot(glm::vec2(here.place.level_out), plan.wind);
+    front.lee = kLee * std::max(lee, 0.0f);
+    const Rims::Opposite opposite = rims.opposite(here.place, shared::kBridgedGap * depth);
+    front.bridged = opposite.nearness;
+    front.half_gap = 0.5f * opposite.gap + 0.0005f;
+    front.half_step = 0.5f * opposite.step;
+
+    const glm::vec3 behind = here.place.foot - here.place.out * (here.support * 1.02f);
+    struct Found {
+      float distance;
+      int32_t point;
+    };
+    std::vector<Found> found;
+    // A needle's tip is a rim on its own, too small for a front.
+    front.presence = eased(here.room / depth, 0.03f, 0.09f);
+    const float farthest = front.presence > 0.0f ? 3.0f * depth : 0.0f;
+    for (float reach = 0.15f * depth; reach < farthest && found.size() < 4; reach *= 1.7f) {
+      found.clear();
+      grid.visit(behind - reach, behind + reach, [&](int32_t i) {
+        const int32_t q = inland[i];
+        const float distance = glm::distance(mesh_.position[q], behind);
+        if (distance < reach) found.push_back({distance, q});
+      });
+    }
+    std::sort(found.begin(), found.end(), [](const Found& a, const Found& b) {
+      return a.distance != b.distance ? a.distance < b.distance : a.point < b.point;
+    });
+    glm::ivec4 point(static_cast<int32_t>(p));
+    glm::vec4 weight(0.0f);
+    for (int k = 0; k < 4 && k < static_cast<int>(found.size()); ++k) {
+      point[k] = found[k].point;
+      weight[k] = 1.0f / (found[k].distance + 0.025f * depth);
+    }
+    if (found.empty()) weight[0] = 1.0f;
+    front_inland_[f] = point;
+    front_weight_[f] = weight / (weight.x + weight.y + weight.z + weight.w);
+  });
+  // On a cap shaded smooth, means of normals lean over the rim.
+  for (size_t p = 0; p < lying_points(); ++p) {
+    if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
+    const float near = eased(zone[p].share, 1.15f, 0.6f);
+    normal_[p] = unit(glm::mix(normal_[p], zone[p].place.support, near));
+  }
+}
+
+void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float>& last) {
+  SurfaceFrame frame;
+  frame.height = last.data();
+  frame.open_depth = plan.density.depth;
+  // Fronts are only where snow lies behind the rim in the end.
+  const std::vector<float> shown = shown_heights(frame);
+  for (size_t f = 0; f < front_.size(); ++f) {
+    float inland = 0.0f;
+    for (int k = 0; k < 4; ++k) inland += front_weight_[f][k] * shown[front_inland_[f][k]];
+    front_[f].presence *= eased(inland / plan.density.depth, 0.06f, 0.3f);
+  }
+}
+
+}  // namespace snowbough::snow
