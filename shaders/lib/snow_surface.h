@@ -37,6 +37,8 @@ struct SnowPoint {
   float bumps;
   /// How far below the receiver's surface bare parts may lie.
   float deepest;
+  /// 0 on wide ground, 1 on tops and twigs so narrow that snow is thin there for want of room, not for shelter.
+  float narrow;
 };
 
 /// Constants of a point near a rim.
@@ -78,6 +80,12 @@ KERNEL_CONSTANT float kSteep = 0.45f;
 /// Part of the open depth that does not show on steep places and where shelter thins the snow, times 0.22 + 0.85 noise.
 KERNEL_CONSTANT float kSteepShare = 0.65f;
 KERNEL_CONSTANT float kShelterShare = 0.10f;
+/// Of these shares, what narrow places do without.
+KERNEL_CONSTANT float kNarrowKeeps = 0.85f;
+/// Walls, of a smaller upward part of the normal, show no snow thinner than this part of the open depth: what has just
+/// slid over a rim, or what comes through a map's gutter from the chart beside it.
+KERNEL_CONSTANT float kWall = 0.15f;
+KERNEL_CONSTANT float kWallShare = 0.1f;
 /// Thinner snow, in metres and as a part of the open depth, is frost and does not show.
 KERNEL_CONSTANT float kFrost = 0.0025f;
 KERNEL_CONSTANT float kFrostShare = 0.05f;
@@ -133,8 +141,9 @@ SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, 
   const float depth = max(open_depth, 1e-5f);
   const float steep = steepness(up);
   const float sheltered = eased(thickness / depth, 0.75f, 0.25f);
-  const float share = max(kSteepShare * steep, kShelterShare * sheltered);
+  const float share = max(kSteepShare * steep, kShelterShare * sheltered) * (1.0f - kNarrowKeeps * point.narrow);
   const float threshold = share * depth * clamp(0.22f + 0.85f * point.patches, 0.0f, 1.4f) +
+                          kWallShare * depth * eased(up, kWall, 0.0f) +
                           min(kFrost, kFrostShare * depth);
   const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * point.hem, 0.3f, 1.5f);
   const float sink = min(min(kSink, 0.3f * depth + 0.0008f), point.deepest);

@@ -59,6 +59,40 @@ class Grid {
   glm::ivec3 size_;
 };
 
+/// Which rows of a grid, by y and z, have a value over 0, or lie beside one that has: the others
+/// are skipped.
+class BusyRows {
+ public:
+  template <typename Value>
+  BusyRows(const Grid& grid, const std::vector<Value>& values) : size_(grid.size()) {
+    const auto rows = static_cast<size_t>(size_.y) * static_cast<size_t>(size_.z);
+    std::vector<uint8_t> busy(rows, 0);
+    const auto width = static_cast<size_t>(size_.x);
+    base::for_each_item(rows, 256, [&](size_t row) {
+      const Value* first = values.data() + row * width;
+      busy[row] = std::any_of(first, first + width, [](Value v) { return v > Value(0); }) ? 1 : 0;
+    });
+    near_.assign(rows, 0);
+    for (int z = 0; z < size_.z; ++z) {
+      for (int y = 0; y < size_.y; ++y) {
+        if (busy[row(y, z)] == 0) continue;
+        for (int dz = std::max(z - 1, 0); dz <= std::min(z + 1, size_.z - 1); ++dz) {
+          for (int dy = std::max(y - 1, 0); dy <= std::min(y + 1, size_.y - 1); ++dy) {
+            near_[row(dy, dz)] = 1;
+          }
+        }
+      }
+    }
+  }
+  bool has(int y, int z) const { return near_[row(y, z)] != 0; }
+
+ private:
+  size_t row(int y, int z) const { return static_cast<size_t>(z) * size_.y + y; }
+
+  glm::ivec3 size_;
+  std::vector<uint8_t> near_;
+};
+
 /// Steps on a grid that are no longer than a radius, with their lengths.
 struct Ball {
   std::vector<glm::ivec3> step;
@@ -119,11 +153,13 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
     }
   }
   const Ball around = ball(most);
+  const BusyRows rows(grid, grown);
   std::vector<float> depth(grid.count(), 0.0f);
   const glm::ivec3 size = grid.size();
   base::for_each_item(static_cast<size_t>(size.z), 1, [&](size_t slice) {
     const auto z = static_cast<int>(slice);
     for (int y = 0; y < size.y; ++y) {
+      if (!rows.has(y, z)) continue;
       for (int x = 0; x < size.x; ++x) {
         const size_t here = grid.index({x, y, z});
         if (grown[here] == 0) continue;
@@ -145,10 +181,12 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
 /// Keeps of the depths those that lie near the core of a body.
 void open_bodies(const Grid& grid, std::vector<float>& depth, float core, float reach) {
   const Ball around = ball(reach);
+  const BusyRows rows(grid, depth);
   std::vector<uint8_t> near(depth.size(), 0);
   const glm::ivec3 size = grid.size();
   for (int z = 0; z < size.z; ++z) {
     for (int y = 0; y < size.y; ++y) {
+      if (!rows.has(y, z)) continue;
       for (int x = 0; x < size.x; ++x) {
         if (depth[grid.index({x, y, z})] < core) continue;
         for (const glm::ivec3& step : around.step) {
@@ -171,10 +209,13 @@ void blur(const Grid& grid, std::vector<float>& values) {
   const glm::ivec3 size = grid.size();
   for (int axis = 0; axis < 3; ++axis) {
     const std::vector<float> before = values;
+    const BusyRows rows(grid, before);
     glm::ivec3 step(0);
     step[axis] = 1;
-    for (int z = 0; z < size.z; ++z) {
+    base::for_each_item(static_cast<size_t>(size.z), 1, [&](size_t slice) {
+      const auto z = static_cast<int>(slice);
       for (int y = 0; y < size.y; ++y) {
+        if (!rows.has(y, z)) continue;
         for (int x = 0; x < size.x; ++x) {
           const glm::ivec3 at(x, y, z);
           if (at[axis] == 0 || at[axis] + 1 == size[axis]) continue;
@@ -183,7 +224,7 @@ void blur(const Grid& grid, std::vector<float>& values) {
               0.5f * before[grid.index(at)];
         }
       }
-    }
+    });
   }
 }
 
@@ -197,10 +238,12 @@ struct Net {
 Net surface_net(const Grid& grid, const std::vector<float>& values, float level) {
   Net net;
   const glm::ivec3 size = grid.size();
+  const BusyRows rows(grid, values);
   std::vector<int32_t> number(grid.count(), -1);
   const auto value = [&](const glm::ivec3& at) { return values[grid.index(at)] - level; };
   for (int z = 0; z + 1 < size.z; ++z) {
     for (int y = 0; y + 1 < size.y; ++y) {
+      if (!rows.has(y, z)) continue;
       for (int x = 0; x + 1 < size.x; ++x) {
         const glm::ivec3 corner(x, y, z);
         glm::vec3 sum(0.0f);
@@ -227,6 +270,7 @@ Net surface_net(const Grid& grid, const std::vector<float>& values, float level)
   }
   for (int z = 1; z + 1 < size.z; ++z) {
     for (int y = 1; y + 1 < size.y; ++y) {
+      if (!rows.has(y, z)) continue;
       for (int x = 1; x + 1 < size.x; ++x) {
         const glm::ivec3 from(x, y, z);
         for (int axis = 0; axis < 3; ++axis) {

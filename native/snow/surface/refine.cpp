@@ -334,14 +334,16 @@ SurfaceMesh refined_surface(const SurfaceMesh& receiver, const Rims& rims, const
   if (wanted > density.most_points) {
     tried.scale *= static_cast<float>(std::sqrt(wanted / density.most_points));
   }
-  constexpr int kTries = 3;
+  constexpr int kTries = 5;
   for (int attempt = 1;; ++attempt) {
     Refiner refiner(rims, zones, heights, tried, receiver);
     SurfaceMesh mesh = refiner.run();
     const double ratio = static_cast<double>(mesh.position.size()) / density.most_points;
     // What the receiver's own faces take cannot be saved.
-    const bool is_least = mesh.position.size() < 2 * receiver.position.size();
-    if (ratio <= 1.15 || is_least || attempt == kTries) return mesh;
+    const bool is_least =
+        static_cast<double>(receiver.position.size()) > 0.5 * density.most_points &&
+        mesh.position.size() < 2 * receiver.position.size();
+    if (ratio <= 1.1 || is_least || attempt == kTries) return mesh;
     tried.scale *= static_cast<float>(std::sqrt(ratio) * 1.15);
   }
 }

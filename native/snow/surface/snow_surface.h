@@ -93,7 +93,7 @@ class SnowSurface {
   void find_samples();
   void find_neighbours(float reach);
   void find_noise(const SurfacePlan& plan);
-  void find_thickness(const base::TriangleTree& tree);
+  void find_thickness(const base::TriangleTree& tree, float depth);
   void find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan);
   void find_presence(const SurfacePlan& plan, const std::vector<float>& last);
   void find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown);
@@ -139,6 +139,8 @@ class SnowSurface {
   /// Points in the zones of rims: number, constants, four points behind the rim and their weights.
   std::vector<int32_t> front_point_;
   std::vector<shared::SnowFront> front_;
+  /// Metres from their rim to the middle of the top.
+  std::vector<float> room_;
   std::vector<glm::ivec4> front_inland_;
   std::vector<glm::vec4> front_weight_;
 };

@@ -19,6 +19,10 @@ constexpr float kLee = 0.4f;
 /// Points at least so far into their zone say how high the snow behind a rim is.
 constexpr float kInland = 0.6f;
 
+/// A top with more room than the first part of the depth is wide, with less than the second narrow.
+constexpr float kWideRoom = 0.8f;
+constexpr float kNarrowRoom = 0.35f;
+
 }  // namespace
 
 void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan) {
@@ -102,6 +106,13 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     front_inland_[f] = point;
     front_weight_[f] = weight / (weight.x + weight.y + weight.z + weight.w);
   });
+  for (size_t p = 0; p < lying_points(); ++p) {
+    if (zone[p].place.is_far_off || zone[p].share < 0.0f) continue;
+    point_[p].narrow =
+        std::max(point_[p].narrow, eased(zone[p].room, kWideRoom * depth, kNarrowRoom * depth));
+  }
+  room_.resize(front_.size());
+  for (size_t f = 0; f < front_.size(); ++f) room_[f] = zone[front_point_[f]].room;
   // On a cap shaded smooth, means of normals lean over the rim.
   for (size_t p = 0; p < lying_points(); ++p) {
     if (zone[p].place.is_far_off || zone[p].share < -1e-4f) continue;
@@ -119,7 +130,8 @@ void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float
   for (size_t f = 0; f < front_.size(); ++f) {
     float inland = 0.0f;
     for (int k = 0; k < 4; ++k) inland += front_weight_[f][k] * shown[front_inland_[f][k]];
-    front_[f].presence *= eased(inland / plan.density.depth, 0.06f, 0.3f);
+    const float full = std::clamp(1.5f * room_[f], 0.05f * plan.density.depth, plan.density.depth);
+    front_[f].presence *= eased(inland, 0.06f * full, 0.3f * full);
   }
 }
 

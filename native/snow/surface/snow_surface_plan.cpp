@@ -17,12 +17,17 @@
 namespace snowbough::snow {
 namespace {
 
+using shared::eased;
 using shared::layered_noise;
 
 /// Part of the thickness below a point that bare places may sink into.
 constexpr float kSinkPart = 0.45f;
 /// A part of the receiver that has no other side counts as so much of its size thick.
 constexpr float kSheetThickness = 0.012f;
+/// What is thicker than the first part of the depth is wide, what is thinner than the second
+/// narrow.
+constexpr float kWide = 0.8f;
+constexpr float kNarrow = 0.3f;
 /// Smoothing over the surface reaches so far, as a part of the depth.
 constexpr float kSmoothing = 0.12f;
 /// And of normals.
@@ -99,7 +104,7 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   find_neighbours(kSmoothing * depth);
   find_normals(kCrease * depth);
   find_noise(plan);
-  find_thickness(tree);
+  find_thickness(tree, depth);
   find_fronts(rims, zones, plan);
   find_presence(plan, last);
   // Points stay, faces follow the snow.
@@ -284,10 +289,11 @@ void SnowSurface::find_noise(const SurfacePlan& plan) {
     point.relief = layered_noise(at + 21.0f, {4.0f, 1.7f, 0.8f}, 0.65f);
     point.bumps = 0.0f;
     point.deepest = 1e9f;
+    point.narrow = 0.0f;
   });
 }
 
-void SnowSurface::find_thickness(const base::TriangleTree& tree) {
+void SnowSurface::find_thickness(const base::TriangleTree& tree, float depth) {
   base::UnionFind joined(lying_points());
   for (const auto& [a, b, c] : mesh_.triangle) joined.join(joined.join(a, b), c);
   const std::vector<int32_t> part = std::move(joined).all();
@@ -301,6 +307,7 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree) {
     is_sheet_[p] = std::isfinite(below) ? 0 : 1;
     const float thickness = std::isfinite(below) ? static_cast<float>(below) : sheet;
     point_[p].deepest = std::max(kSinkPart * thickness, 1e-5f);
+    point_[p].narrow = eased(thickness, kWide * depth, kNarrow * depth);
   });
 }
 
