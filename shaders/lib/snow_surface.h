@@ -97,6 +97,7 @@ KERNEL_CONSTANT float kSag = 0.6f;
 KERNEL_CONSTANT float kSagVariation = 0.5f;
 KERNEL_CONSTANT float kRelief = 0.13f;
 KERNEL_CONSTANT float kBumps = 0.08f;
+KERNEL_CONSTANT float kMostRelief = 0.11f;
 
 // At rims; lengths as parts of the height behind the rim.
 /// Where on its zone (from the rim, 0 to 1) the front ends and the top begins.
@@ -163,7 +164,7 @@ SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float
 /// What relief adds to a height.
 SNOWBOUGH_SHARED_FUNCTION float surface_relief(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
                                                float height, float open_depth) {
-  const float wave = kRelief * point.relief + kBumps * point.bumps;
+  const float wave = clamp(kRelief * point.relief + kBumps * point.bumps, -kMostRelief, kMostRelief);
   return style.relief * wave * min(max(height, 0.0f), open_depth);
 }
 
