@@ -217,6 +217,7 @@ space = view3d()[1].spaces.active
 space.region_3d.view_rotation = Quaternion((0.7071, 0.7071, 0.0, 0.0))
 space.region_3d.view_distance = 0.5
 scene.snowbough.flutter = 0.0
+scene.snowbough.surface_relief = scene.snowbough.surface_hem_variation = 0.0
 scene.frame_set(50)
 result = True
 """
@@ -232,10 +233,14 @@ result = [region.x + places[0].x, places[0].y, places[1].y, region.y, region.hei
 """
     )
     screen = scene.screenshot("preview_thickness").convert("RGB")
-    column = [is_snow(screen.getpixel((int(x) + 40, 900 - int(y + up)))) for up in range(1, int(height) - 90)]
+    # The front of the snow is shaded; the background is far darker.
+    column = [
+        min(screen.getpixel((int(x) + 40, 900 - int(y + up)))) > 120 for up in range(1, int(height) - 90)
+    ]
     seen = [up for up, snow in enumerate(column, 1) if snow]
     assert seen, "no snow to be seen"
     pixels = top - ground
     assert pixels > 60
     assert max(seen) == pytest.approx(top, abs=2 + 0.02 * pixels)
-    assert min(seen) == pytest.approx(ground, abs=2 + 0.02 * pixels)
+    # The hem hangs a little below the sheet's edge.
+    assert ground - 0.15 * pixels < min(seen) < ground + 2 + 0.02 * pixels
