@@ -21,7 +21,7 @@ from ..surface.point_cache import PointCacheWriter
 from . import displacement, snow_surface
 
 # Folders whose surface is kept in memory, so that a slider need not plan it again at every movement.
-MOST_KEPT = 24
+MOST_KEPT = 256
 
 
 def _kept(folder, style):

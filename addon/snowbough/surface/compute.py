@@ -21,6 +21,8 @@ from .point_cache import PointCacheWriter, read_point_cache
 
 # Frames whose maps say where snow ever lies: so many, spread over the shot, and the last.
 LOOKED_AT = 8
+# Their maps are kept for the frames themselves while they are no more than so many bytes.
+MOST_KEPT_BYTES = 256 << 20
 # Maps that are read ahead.
 AHEAD = 3
 # Two linear maps whose scales differ by less are a turn of one another.
@@ -62,12 +64,17 @@ class SurfaceInputs:
             np.array(entry["to_world"], dtype=np.float64).reshape(4, 4) for entry in self.frames
         ]
 
+        # Index of a frame -> its map.
+        self._maps = {}
+
     @property
     def first(self):
         return self.frames[0]["frame"]
 
     def height(self, index):
-        """The map of the frame of that index, (R, R) float32 metres."""
+        """The map of the frame of that index, (R, R) float32 metres; not to be written to."""
+        if index in self._maps:
+            return self._maps[index]
         path = self.folder / frame_file("height", self.frames[index]["frame"])
         try:
             return self._native.read_exr(str(path))[0]
@@ -80,9 +87,11 @@ class SurfaceInputs:
         looked_at = sorted({round(i * (count - 1) / LOOKED_AT) for i in range(LOOKED_AT + 1)})
         with ThreadPoolExecutor(2) as pool:
             highest = None
-            for height in pool.map(self.height, looked_at):
-                np.abs(height, out=height)
-                highest = height if highest is None else np.maximum(highest, height, out=highest)
+            for index, height in zip(looked_at, pool.map(self.height, looked_at)):
+                if height.nbytes * len(looked_at) <= MOST_KEPT_BYTES:
+                    self._maps[index] = height
+                thickness = np.abs(height)
+                highest = thickness if highest is None else np.maximum(highest, thickness, out=highest)
         return highest
 
     def world(self, index):
@@ -118,14 +127,14 @@ class Surface:
     def __init__(self, native, folder, style):
         self.inputs = inputs = SurfaceInputs(native, folder)
         last = len(inputs.frames) - 1
-        height = inputs.height(last)
+        highest = inputs.highest()
         self.style = style
         self._native = native.SnowSurface(
             inputs.mesh.triangles,
             inputs.mesh.triangle_uv,
             inputs.world(last),
-            height,
-            inputs.highest(),
+            inputs.height(last),
+            highest,
             max(max(entry["depth"] for entry in inputs.frames), 1e-4),
             shading=inputs.mesh.smooth,
             scale=style.scale,
