@@ -67,7 +67,7 @@ struct SnowFront {
   float noise_shoulder;
   /// Out of the support in its plane, and the same made level; down the far face; up from the support and out of the
   /// middle between the support and the vertical (so long that 1 of it is 1 of height).
-  vec3 out;
+  vec3 outward;
   vec3 level_out;
   vec3 down;
   vec3 lift;
@@ -211,8 +211,8 @@ SNOWBOUGH_SHARED_FUNCTION SnowProfile front_profile(KERNEL_CONST_REF(SnowFront) 
   // Beyond the middle, so that the two sides cross at a small angle and no edge is seen between them.
   const float reach = front.half_gap + kBridgeOverlap * inland;
   const float eaves = 0.1f * max(slow, -0.5f) * front.eave;
-  const float out = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
-  const float overhang = mix(height * min(out, 0.55f), reach, bridged);
+  const float leaning = style.overhang * (max(0.10f + 0.14f * slow + 0.12f * fast, 0.02f) + eaves + front.lee);
+  const float overhang = mix(height * min(leaning, 0.55f), reach, bridged);
   const float hang = max(0.10f + 0.33f * fast * (1.0f + 0.8f * front.eave), 0.005f);
   const float drop = min(height * hang * (1.0f - 0.7f * bridged), 0.9f * front.far_zone);
   const float round = min(kShoulder * height * (1.0f + 0.25f * shoulder_noise), 0.62f * front.zone);
@@ -231,13 +231,13 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const vec3 farthest = front.level_out * profile.overhang + belly;
   const float rough = style.relief * kBumps * bumps * profile.height;
   // On a slope what is lifted moves up the slope, and must not pass what lies behind it.
-  const float behind = max(-dot(lift, front.out), 0.0f);
+  const float behind = max(-dot(lift, front.outward), 0.0f);
   const float shoulder = min(profile.shoulder, max(0.75f * front.zone - behind, 0.1f * front.zone));
   const float along = clamp(front.distance / front.zone, 0.0f, 1.0f);
   // Deep below bare rims nothing may stick out.
   const vec3 sunk = normal * (-sink * eased(profile.height, 0.008f, 0.0f));
   // From the carrier to the rim.
-  const vec3 to_rim = front.out * max(front.distance, 0.0f) - front.down * max(-front.distance, 0.0f);
+  const vec3 to_rim = front.outward * max(front.distance, 0.0f) - front.down * max(-front.distance, 0.0f);
 
   if (along >= kFrontPart) {
     const float part = (along - kFrontPart) / (1.0f - kFrontPart);
@@ -245,7 +245,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
     const float inwards = mix(shoulder, front.zone, part);
     const float own = mix(profile.height, height, eased(along, 0.8f, 1.0f));
     const vec3 way = mix(lift, normal * own, easing);
-    return front.out * (front.distance - inwards) + way + front.lift * (rough * (1.0f - easing)) + sunk;
+    return front.outward * (front.distance - inwards) + way + front.lift * (rough * (1.0f - easing)) + sunk;
   }
   // Without a far face the lower part of the front lies on the support, too.
   const float lower = (1.0f - front.has_far) * 0.3f;
@@ -253,7 +253,7 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const bool beyond = front.distance < 0.0f || on_front < lower;
   if (!beyond) {
     const float turn = clamp((on_front - lower) / (1.0f - lower), 0.0f, 1.0f);
-    const vec3 inside = front.out * -shoulder;
+    const vec3 inside = front.outward * -shoulder;
     const vec3 at = quarter(inside + belly, farthest, inside + lift, turn, kUpperExponent);
     const float angle = 1.5707963f * turn;
     return to_rim + at + (front.level_out * cos(angle) + front.lift * sin(angle)) * rough + sunk;

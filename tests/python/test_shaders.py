@@ -107,3 +107,33 @@ def test_every_switch_of_a_shader_is_set_by_a_pass():
     )
     assert len(switches) > 3
     assert {name for name in switches if f'"{name}"' not in passes and f'"{name} "' not in passes} == set()
+
+
+USES_THE_RULE = """
+layout(local_size_x = 8) in;
+layout(std430, binding = 0) buffer Shown { vec4 shown[]; };
+void main() {
+  const SnowStyle style = SnowStyle(1.0, 1.0, 1.0, 1.0);
+  const SnowPoint point = SnowPoint(0.1, 0.2, 0.1, 0.1, 1.0, 0.0);
+  const SnowEdge edge = snow_edge(point, 0.1, 0.1, 1.0);
+  const float height = thin_snow(edge, 0.1) + surface_relief(point, style, 0.1, 0.1) +
+                       sagging(point, style, edge, 0.1, 0.1, 0.5);
+  SnowFront front;
+  front.distance = height;
+  shown[0] = vec4(front_offset(front, style, 0.1, vec3(0.0, 0.0, 1.0), height, 0.0, 0.0), height);
+}
+"""
+
+
+def test_the_rule_of_the_snow_surface_compiles_as_glsl(tmp_path):
+    source = snowbough_native.shader_source("snow_surface.h") + USES_THE_RULE
+    assert complaints_of({"snow_surface.comp": source}, tmp_path) == []
+
+
+def test_the_noise_of_the_snow_surface_compiles_as_glsl(tmp_path):
+    source = snowbough_native.shader_source("snow_noise.h") + (
+        "layout(local_size_x = 8) in;\n"
+        "layout(std430, binding = 0) buffer Values { float values[]; };\n"
+        "void main() { values[0] = layered_noise(vec3(0.3), vec3(3.0, 1.4, 0.6), 0.5); }\n"
+    )
+    assert complaints_of({"snow_noise.comp": source}, tmp_path) == []

@@ -58,7 +58,7 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     front.zone = here.support;
     front.far_zone = here.far;
     front.has_far = here.place.has_far ? 1.0f : 0.0f;
-    front.out = here.place.out;
+    front.outward = here.place.out;
     front.level_out = here.place.level_out;
     front.down = here.place.down;
     front.eave = std::clamp(-here.place.out.z, 0.0f, 1.0f) * front.has_far;
