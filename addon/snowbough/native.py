@@ -64,6 +64,6 @@ def load():
 
 
 def error_text(error):
-    """What people are told of an exception: those that were foreseen explain themselves."""
+    """The text for people on an exception: foreseen ones explain themselves."""
     foreseen = (RuntimeError, ValueError, OSError)
     return str(error) if isinstance(error, foreseen) and str(error) else f"{type(error).__name__}: {error}"

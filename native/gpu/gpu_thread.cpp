@@ -14,7 +14,8 @@ namespace {
 
 [[noreturn]] void refuse_forked() {
   throw std::runtime_error(
-      "this process was forked from one that uses OpenGL: start it anew instead (multiprocessing's "
+      "this process was forked from one that uses OpenGL: start a new one instead "
+      "(multiprocessing's "
       "'spawn'), or use the engine CPU");
 }
 

@@ -34,7 +34,7 @@ def _recorded(root):
 
 def is_owner(root, blend):
     """Whether a scene's folder, which need not be there, belongs to a .blend: it was the first to bake there, or
-    that one is gone from where it was, moved or renamed. On another computer it cannot be told to be gone."""
+    that one is gone from where it was, moved or renamed. On another computer it cannot be known to be gone."""
     recorded = _recorded(root)
     if recorded is None:
         return True

@@ -41,7 +41,7 @@ class Reader:
         self._coats = {}
         self._places = {}
         self.left_out = set()
-        """Names of objects that are left out, or faces of theirs: they are too far away, or nowhere."""
+        """Names of objects that are left out, or some of whose faces are: they are too far away, or nowhere."""
 
     def forget(self, depsgraph):
         """Drops what the depsgraph says has changed."""

@@ -206,7 +206,7 @@ def update(native, folder, style, progress=lambda share: True, check=lambda: Non
             if not progress((index + 1) / count):
                 return False
         check()
-        # The points go last: a mesh and points of different surfaces are told by their number of points.
+        # The points go last: their number of points tells a mesh and points of different surfaces apart.
         write_mesh(folder / SURFACE_FACES, mesh)
         cache.publish()
         write_sealed(

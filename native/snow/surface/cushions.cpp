@@ -19,8 +19,8 @@ constexpr float kLeastRadius = 0.001f;
 constexpr float kMostRadius = 0.02f;
 /// Parts of the radius: what a body is thicker than; where its surface lies below that of the grown
 /// snow; how far above the snow a second layer lies, which makes a flat spray as thick as a body.
-constexpr float kCore = 1.15f;
-constexpr float kSurface = 0.78f;
+constexpr float kCore = 1.02f;
+constexpr float kSurface = 0.6f;
 constexpr float kRaised = 0.75f;
 constexpr float kCellsPerRadius = 2.5f;
 /// Snow thinner than this part of the depth bridges nothing.
@@ -171,7 +171,8 @@ std::vector<float> depth_in_grown(const Grid& grid, const std::vector<glm::vec3>
                                glm::any(glm::greaterThanEqual(at, size));
           if (outside || grown[grid.index(at)] == 0) nearest = around.length[i];
         }
-        depth[here] = nearest;
+        // The border lies between a cell that is grown and one that is not.
+        depth[here] = nearest - 0.5f;
       }
     }
   });
