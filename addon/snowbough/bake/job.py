@@ -32,6 +32,9 @@ from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
 from .snow_engine import driver_text, engine_info
 
+# Seconds that a bake which was stopped takes at most, or little more, to make surfaces of its frames.
+STOPPING_SECONDS = 4.0
+
 
 class BakeJob:
     """One bake. `native` is the module snowbough_native, or what stands in for it in tests."""
@@ -123,7 +126,10 @@ class BakeJob:
             try:
                 self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
             except BakeCancelled:
-                self._make_surfaces(settings, shaping, lambda: False)  # of the frames that are done
+                # Of the frames that are done, as far as whoever stops the bake wants to wait; Update Surface does the rest.
+                end = time.monotonic() + STOPPING_SECONDS
+                with contextlib.suppress(BakeCancelled):
+                    self._make_surfaces(settings, shaping, lambda: time.monotonic() > end)
                 raise
             if request.last < request.frame_end:
                 baker.stop()
