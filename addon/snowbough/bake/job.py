@@ -126,7 +126,7 @@ class BakeJob:
             try:
                 self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
             except BakeCancelled:
-                # Of the frames that are done, as far as whoever stops the bake wants to wait; Update Surface does the rest.
+                # Of the frames that are done, as long as somebody waits; Update Surface does the rest.
                 end = time.monotonic() + STOPPING_SECONDS
                 with contextlib.suppress(BakeCancelled):
                     self._make_surfaces(settings, shaping, lambda: time.monotonic() > end)
