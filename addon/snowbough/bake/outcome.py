@@ -10,6 +10,7 @@ from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
 from ..cache.manifest import read_manifest
 from ..result import displacement
+from ..result.snow_surface import blend_path
 from ..scene.pose import library_path
 
 
@@ -35,16 +36,6 @@ def one_line(error):
     return text or type(error).__name__
 
 
-def shown_folder(folder):
-    """A folder as Blender stores it: beside a saved .blend relative to it, so that both may move together."""
-    if bpy.data.filepath:
-        try:
-            return bpy.path.relpath(str(folder))
-        except ValueError:  # another drive on Windows
-            pass
-    return str(folder)
-
-
 def after_bake(scene, running):
     """What the scene learns from a bake: where the files of each receiver lie. What shows older ones is
     wired to the new ones, and images are read again. Returns what the artist should know of that, a list of texts."""
@@ -58,7 +49,7 @@ def after_bake(scene, running):
             continue
         folder = by_object.get((entry.object.name, library_path(entry.object)))
         if folder is not None and baked_frames(folder):
-            entry.folder = shown_folder(folder)
+            entry.folder = blend_path(folder)
             try:
                 displacement.refresh(scene, entry)
             except CacheError as error:
@@ -120,7 +111,7 @@ def heal_folders(*_):
             # <cache>/<scene>/<version>/<receiver>
             candidate = Path(used).joinpath(*Path(entry.folder.lstrip("/").replace("\\", "/")).parts[-3:])
             if candidate.is_dir():
-                entry.folder = shown_folder(candidate)
+                entry.folder = blend_path(candidate)
 
 
 def register():

@@ -68,8 +68,8 @@ def _fill_mesh(mesh, file):
     mesh.texspace_location, mesh.texspace_size = (0.0,) * 3, (1.0,) * 3
 
 
-def _blend_path(path):
-    """A file's path as the .blend stores it: relative where that is possible."""
+def blend_path(path):
+    """A path as the .blend stores it: beside a saved .blend relative to it, so that both may move together."""
     if bpy.data.filepath:
         try:
             return bpy.path.relpath(str(path))
@@ -81,7 +81,7 @@ def _blend_path(path):
 def show_points(obj, path, first):
     """Lets a surface's modifier read a point cache whose second sample is that of frame `first`."""
     modifier = obj.modifiers[SURFACE_MODIFIER]
-    modifier.filepath = _blend_path(path)
+    modifier.filepath = blend_path(path)
     modifier.frame_start = first - 1
     obj.update_tag()
 
