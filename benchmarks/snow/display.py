@@ -11,7 +11,6 @@ Cache modifier on a plain grid of as many points: what Blender takes to read tha
 
 import argparse
 import math
-import resource
 import statistics
 import struct
 import subprocess
@@ -142,17 +141,14 @@ def cycles_peak(scene):
     scene.render.resolution_x, scene.render.resolution_y = 64, 48
     scene.frame_set(scene.frame_end)
     bpy.ops.wm.save_mainfile()
-    command = [
-        bpy.app.binary_path,
-        "-b",
-        bpy.data.filepath,
-        "-o",
-        f"{bpy.data.filepath}_",
-        "-f",
-        str(scene.frame_end),
-    ]
-    subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-    return resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 1024
+    # The child reads its own peak: what the operating system says of children includes their parent's memory before
+    # exec.
+    report = "print([line for line in open('/proc/self/status') if line.startswith('VmHWM')][0])"
+    command = [bpy.app.binary_path, "-b", bpy.data.filepath, "-o", f"{bpy.data.filepath}_"]
+    command += ["-f", str(scene.frame_end), "--python-expr", report]
+    done = subprocess.run(command, check=True, stdout=subprocess.PIPE, text=True)
+    line = next(line for line in done.stdout.splitlines() if line.startswith("VmHWM"))
+    return int(line.split()[1]) / 1024
 
 
 def snow_objects(scene):

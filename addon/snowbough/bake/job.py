@@ -17,6 +17,7 @@ import collections
 import contextlib
 import time
 from concurrent.futures import ThreadPoolExecutor
+from functools import partial
 
 from ..cache import owner, versions
 from ..cache.errors import CacheError, CacheFinished
@@ -24,6 +25,7 @@ from ..cache.files import digest, make_folder
 from ..cache.lock import drop_dead_lock, lock_folder
 from ..cache.manifest import read_inputs, read_manifest
 from ..scene.tracker import SceneTracker
+from ..surface.side_by_side import run_side_by_side
 from . import memory, plan, resuming, simulation
 from .choice import choose_receivers
 from .frames import FrameBaker
@@ -141,14 +143,14 @@ class BakeJob:
 
     def _make_surfaces(self, settings, shaping, cancelled):
         """Since faces and edges of snow depend on the whole shot, after its last map."""
-        for index, receiver in enumerate(self.receivers):
 
-            def progress(share, index=index):
-                shaping((index + share) / len(self.receivers))
-                return not cancelled()
+        def progress(share):
+            shaping(share)
+            return not cancelled()
 
-            if not receiver.make_surface(settings, self.native, progress):
-                raise BakeCancelled
+        jobs = [partial(receiver.make_surface, settings, self.native) for receiver in self.receivers]
+        if not run_side_by_side(jobs, progress):
+            raise BakeCancelled
 
     def _plan(self, evaluate):
         request = self.request

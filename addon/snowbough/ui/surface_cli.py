@@ -5,6 +5,7 @@ evaluating the scene. Exit codes are those of ``bake``.
 
 import json
 import sys
+from functools import partial
 
 import bpy
 
@@ -14,6 +15,7 @@ from ..bake.outcome import one_line
 from ..names import EXIT_FAILED, EXIT_OK
 from ..result import surface_preview
 from ..surface import compute
+from ..surface.side_by_side import run_side_by_side
 from ..surface.style import DETAILS
 
 
@@ -33,8 +35,9 @@ def run(args):
         module, tasks = native.load(), surface_preview.tasks(scene, names)
         if not tasks:
             raise ValueError("There is no baked receiver that shows its snow as a surface: bake first")
-        for _, folder, style in tasks:
-            compute.update(module, folder, style)
+        jobs = [partial(compute.update, module, folder, style) for _, folder, style in tasks]
+        run_side_by_side(jobs, lambda share: True)
+        for _, folder, _ in tasks:
             summary = compute.read_summary(folder)
             print(
                 f"SNOWBOUGH surface={json.dumps(folder.name)} frames={summary['frames']} points={summary['points']}",

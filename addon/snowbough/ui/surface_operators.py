@@ -2,6 +2,7 @@
 """Operator ``snowbough.update_surface``."""
 
 import threading
+from functools import partial
 
 import bpy
 
@@ -9,6 +10,7 @@ from .. import native
 from ..cache.errors import CacheError
 from ..result import surface_preview
 from ..surface import compute
+from ..surface.side_by_side import run_side_by_side
 from .editing_lock import NotWhileBaking
 
 POLL_SECONDS = 0.05
@@ -20,23 +22,19 @@ class _Update:
 
     def __init__(self, module, tasks):
         self.receivers = [receiver.object.name for receiver, _, _ in tasks]
-        self._jobs = [(folder, style) for _, folder, style in tasks]
-        self._module = module
+        self._jobs = [partial(compute.update, module, folder, style) for _, folder, style in tasks]
         self.share = 0.0
         self.stop = False
         self.error = None
         self.thread = threading.Thread(target=self.run, name="snowbough-surface")
 
     def run(self):
+        def progress(share):
+            self.share = share
+            return not self.stop
+
         try:
-            for index, (folder, style) in enumerate(self._jobs):
-
-                def progress(share, index=index):
-                    self.share = (index + share) / len(self._jobs)
-                    return not self.stop
-
-                if not compute.update(self._module, folder, style, progress):
-                    return
+            run_side_by_side(self._jobs, progress)
         except FAILURES as error:
             self.error = error
 

@@ -1,0 +1,50 @@
+# SPDX-License-Identifier: GPL-3.0-or-later
+"""Runs the surfaces of several receivers at the same time. No ``bpy``.
+
+A small receiver keeps one core busy, because most of its work is in parts that cannot be split.
+"""
+
+import os
+import threading
+from concurrent.futures import ThreadPoolExecutor, wait
+
+# Each keeps a receiver's maps in memory.
+MOST_WORKERS = 4
+POLL_SECONDS = 0.05
+
+
+def run_side_by_side(jobs, progress):
+    """Calls each job(its own progress) in a worker thread. A job returns False if its progress told it to stop.
+
+    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to go on. Returns False if it
+    said no. Raises the error of the first job, in the order of the list, that failed; jobs that had not begun are left
+    out then.
+    """
+    shares = [0.0] * len(jobs)
+    stop = threading.Event()
+
+    def run(index):
+        if stop.is_set():
+            return False
+
+        def own_progress(share):
+            shares[index] = share
+            return not stop.is_set()
+
+        try:
+            finished = jobs[index](own_progress)
+        except BaseException:
+            stop.set()
+            raise
+        shares[index] = 1.0
+        return finished
+
+    with ThreadPoolExecutor(min(MOST_WORKERS, max(2, os.cpu_count() or 1))) as workers:
+        running = [workers.submit(run, index) for index in range(len(jobs))]
+        try:
+            while wait(running, POLL_SECONDS).not_done:
+                if not progress(sum(shares) / len(jobs)):
+                    stop.set()
+        finally:
+            stop.set()
+    return all([future.result() for future in running])
