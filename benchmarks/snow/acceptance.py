@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the snow core against what was asked of it and prints a table: item, asked, measured, holds.
+"""Measures the snow core against its requirements and prints a table: item, required, measured, holds.
 
     python3 benchmarks/snow/acceptance.py [--only conservation,place,...] [--engine GL] [--json FILE]
 

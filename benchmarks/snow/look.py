@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures what makes snow look like snow and prints a table: item, asked, measured, whether it holds.
+"""Measures the look of the snow and prints a table: item, required, measured, holds.
 
     python3 benchmarks/snow/look.py [--only box,twig,...] [--json FILE]
 
-Heights are the simulation's output (smoothed, as they are displaced); a displaced point is a texel's point plus its
-height along the normal that displacement uses. acceptance.py asks where snow lies and how much; pictures of whole
-scenes are look_scenes.py's.
+Heights are the simulation's output (smoothed, as for displacement). A displaced point is a texel's point plus its
+height along the displacement's normal. acceptance.py measures place and amount of snow; look_scenes.py renders whole
+scenes.
 """
 
 import argparse
@@ -43,7 +43,7 @@ class Scene:
 
     def __init__(self, receivers, occluders=None, shading=None, sides=None, **settings):
         settings = {"pixel_size": 0.004, "max_depth": 10.0, "cohesion": COHESION, **settings}
-        settings.setdefault("blur_radius", settings["pixel_size"])  # 0 would switch rounding off
+        settings.setdefault("blur_radius", settings["pixel_size"])  # 0 would switch smoothing off
         self.sim = native.SnowSimulation(**settings)
         self.meshes = {name: mesh for name, (mesh, _) in receivers.items()}
         for name, (mesh, resolution) in receivers.items():
@@ -130,7 +130,7 @@ def ball():
 
 
 def slopes():
-    """A ball's cap at rest: how much neighbouring texels take turns in height, which shows as grit at its edge."""
+    """A ball's cap at rest: alternation of height between neighbouring texels, which shows as grit at its edge."""
     mesh = sphere(0.4, 64, 32)
     scene = Scene({"it": (mesh, 256)}).fall(0.1, 24).fall(0.0, 4, seconds=4.0)
     held = scene.held("it")[:, 20:236]
@@ -261,7 +261,7 @@ def pile():
 
 
 def gable():
-    """A wall that stands under the open sky: flutter blows a veil on it, which does not stay."""
+    """A wall under the open sky: flutter puts a thin veil on it, which does not stay."""
     wall = grid(2.0, 1.0)
     wall = (rotated(wall[0], "x", 90), *wall[1:])
     scene = Scene({"it": (wall, 256)}, flutter=np.radians(3.0), sides={"it": "FRONT"}).fall(0.12, 24)
@@ -294,7 +294,7 @@ def steps():
     edges = {}
     for frames in (1, 12, 48, 250):
         scene = Scene({"it": (grid(3.0, 3.0), 256)}, {"roof": plate}, flutter=np.radians(3.0), repose=NONE)
-        # As a bake divides few frames.
+        # A bake divides few frames in this way.
         snowfall = plan.plan_snowfall(1, frames, 0.0, 0.1, [1] * frames)
         for frame in range(1, frames + 1):
             scene.fall(0.1 / frames, plan.frame_directions(snowfall, frame, 64))

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes for the snow measurements: positions (N, 3), triangles (T, 3), uv (T, 3, 2), Z up, metres.
 
-Those made elsewhere lie beside the checkout in shared/data; a measurement that needs one says so and goes on
+Meshes made elsewhere are in shared/data beside the checkout. A measurement whose mesh is missing says so and continues
 without it. The bunny has no UVs: Blender unwraps it once into build/snow.
 """
 

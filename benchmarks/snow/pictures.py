@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the snow core's work, to be looked at: simulates, displaces, renders with Cycles.
+"""Pictures of the snow core's results: simulates, displaces, renders with Cycles.
 
     python3 benchmarks/snow/pictures.py [--samples 24] [--only bunny,ball_before,...]
 
-Leaves build/snow/pictures/<name>.png. What is shown are the output maps: every vertex is moved along its
-normal by the height read at its UVs, at each corner by itself where `split` is on, so that a crack would be
-seen.
+Writes build/snow/pictures/<name>.png. The pictures show the output maps: every vertex is moved along its normal by the
+height at its UVs; with `split`, each corner is moved by itself, so that cracks would be visible.
 """
 
 import argparse

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether snow lies where rays arrive, and nowhere else: the part "place" of acceptance.py.
+"""Whether snow lies exactly where rays arrive: the part "place" of acceptance.py.
 
-Rays are asked on sub-samples of every texel's own surface (tests/python/native/snow_rays.py): a texel on an edge
-holds parts that the sky sees and parts that it does not, and its one sample point would tell half the truth.
+Rays start from sub-samples of every texel's own surface (tests/python/native/snow_rays.py): a texel at an edge has
+parts that see the sky and parts that do not, and its one sample point would be misleading.
 """
 
 import numpy as np
@@ -15,10 +15,10 @@ DOWN = (0.0, 0.0, -1.0)
 
 
 def reached_texels(table, mesh, resolution, snowed, scene, direction, margin):
-    """For every owned texel: which part of its surface rays reach, and whether not one ray reaches it.
+    """For every owned texel: the share of its surface that rays reach, and whether no ray reaches it.
 
-    3 x 3 rays a texel; texels that hold snow although none of these arrives are asked again with 16 x 16: an
-    edge that cuts off a texel's corner passes between nine rays."""
+    3 x 3 rays per texel. Texels with snow that none of them reaches are tested again with 16 x 16: an edge that
+    cuts off a texel's corner passes between nine rays."""
     share, _ = lit_shares(table, mesh, resolution, np.arange(len(snowed)), scene, direction, margin, 3)
     doubtful = np.flatnonzero(snowed & (share == 0.0))
     finer, _ = lit_shares(table, mesh, resolution, doubtful, scene, direction, margin, 16)

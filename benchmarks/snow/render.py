@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's half of pictures.py: renders the displaced meshes that a plan names. Run through pictures.py."""
+"""The part of pictures.py that runs in Blender: renders the displaced meshes of a plan. Run through pictures.py."""
 
 import json
 import sys

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far the snow of two sides of a seam lies apart: the part "seams" of acceptance.py."""
+"""Differences of height between the two sides of a seam: the part "seams" of acceptance.py."""
 
 import numpy as np
 from fallen import DOWN
@@ -10,7 +10,7 @@ from test_seams import read_map, seam_points
 
 
 def largest_read(height, uv):
-    """The highest of the four texels that a bilinear reader looks at."""
+    """The highest of the four texels of a bilinear sample."""
     size = height.shape[0]
     low = np.floor(uv * size - 0.5).astype(int)
     x0, y0 = np.clip(low, 0, size - 1).T

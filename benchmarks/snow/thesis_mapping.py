@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What laying a pixel's snow on its UV rectangle, as the thesis does, costs and loses beside our own sharing.
+"""Cost and losses of spreading a pixel's snow over its UV rectangle, as the thesis does, beside our deposit.
 
     PYTHONPATH=build/python python3 benchmarks/snow/thesis_mapping.py [--steps 16] [--only plane,twig,...]
 
-The thesis (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, chapter 4) knows of a
-pixel the UV at its centre and how far u and v run across it, |du/dx| + |du/dy| and |dv/dx| + |dv/dy|. It lays
-the pixel's snow on that rectangle of the map, additively: on every texel whose centre lies in it, whatever
-this texel shows. Here that is numpy; the core has no such mapping. Two readings of how thick it lies:
+In the thesis (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, chapter 4), a pixel knows the
+UV at its centre and the extent of u and v across it, |du/dx| + |du/dy| and |dv/dx| + |dv/dy|. It adds its snow to that
+rectangle of the map: to every texel whose centre lies in it, whatever surface that texel shows. Here this is numpy; the
+core has no such mapping. The thickness can be understood in two ways:
 
 THESIS        mass / (texels covered x area of a texel): a rectangle without a texel's centre loses its snow.
-THESIS, area  mass / area of the rectangle, whatever it covers: nothing is lost where rectangles tile the map.
+THESIS, area  mass / area of the rectangle, whatever it covers: nothing is lost if rectangles tile the map.
 
-Mass, jitter and back faces are as in the core (no slope factor, which the thesis has) and nothing slides, so
-that the sharing is all that differs. Columns: snow that is not on the map, of depth x visible area (negative:
-too much is); which part of the area that rays reach holds none, after the first step and after all; which
-part of the snow lies on texels that not one ray reaches, in shadow or facing away; the thickest texel over
-the mean of those with snow; texels written for a pixel that shows the object; median time of a step of the
-core (numpy's own time is no peer and is left out).
+Mass, jitter and back faces are as in the core (without the thesis's slope factor), and nothing slides, so only the
+spreading differs. Columns: share of depth x visible area that is not on the map (negative: too much is); share of the
+area that rays reach but that has no snow, after the first step and after all; share of the snow on texels that no ray
+reaches, in shadow or facing away; thickest texel divided by the mean of those with snow; texels written per pixel that
+shows the object; median time of a step of the core (numpy's own time is left out).
 """
 
 import argparse

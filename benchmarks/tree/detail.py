@@ -1,32 +1,30 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well each level of detail keeps to the trees it was made from, as one Markdown table.
+"""Deviation of each level of detail from the trees it was made from, as one Markdown table.
 
     PYTHONPATH=build/python python3 benchmarks/tree/detail.py [FOLDER] [--repeats 3] [--details DRAFT,DEFAULT]
 
-A row a tree of ../shared/data/trees (and the grown maple, unless a folder is given) and level. Columns:
+One row per tree of ../shared/data/trees (and the grown maple, unless a folder is given) and level. Columns:
 
 - faces, and sides of the thickest ring;
-- `tubes %`: distance of the exports' tubes from the rebuilt surface in percent of the local radius, median
-  and 95th percentile, over points spread evenly by area over the export's own faces where its rings have
-  eight and more corners (`-`: it has none), outside of forks;
-- `limbs %`: the same from round limbs with the export's centrelines and areas, whatever its rings, which any
-  tree has;
-- `turn`: the largest angle in degrees between the normals of two faces that follow one another along a limb,
-  and its 99.9th percentile. Outside of forks, and not beside caps;
+- `tubes %`: distance of the export's tubes from the rebuilt surface in percent of the local radius, median and 95th
+  percentile, over points spread evenly by area over the export's own faces where its rings have eight and more corners
+  (`-`: it has none), outside of forks;
+- `limbs %`: the same distance for round limbs with the export's centrelines and areas, which every tree has;
+- `turn`: the largest angle in degrees between the normals of two successive faces along a limb, and its 99.9th
+  percentile, outside of forks and not beside caps;
 - `crossings`: pairs of limbs whose faces cross, or one limb's own, of the four-sided base and of the level. The
-  export's own are those between two limbs of which none leaves the other and whose round tubes, along the
-  export's centrelines, cut each other (radii at least 2e-5 of the height, which is the thinnest we make); all
-  others are made here (wanted: 0);
-- `UV`: texels of the snow map that two charts share plus faces without positive area (wanted: 0), and the
-  ratio of its p95 to p5 of texels a m2 (wanted: below 2);
-- `closed`: one component a root, closed, of Euler characteristic 2, wound alike, weights of sum 1, no face
+  export's own crossings are those between two limbs that do not leave each other, whose round tubes along the export's
+  centrelines intersect (radii at least 2e-5 of the height, the thinnest that we make); all others are made here
+  (wanted: 0);
+- `UV`: texels of the snow map that two charts share plus faces without positive area (wanted: 0), and the ratio of its
+  p95 to p5 of texels per m2 (wanted: below 2);
+- `closed`: one component per root, closed, of Euler characteristic 2, consistently wound, weights of sum 1, no face
   without area;
-- seconds of processor time of build_tree_mesh on one thread, best of the repeats, and those of the four-sided
-  base.
+- processor seconds of build_tree_mesh on one thread, best of the repeats, and those of the four-sided base.
 
-A place is at a fork where a child's and its parent's surfaces are both nearer than twice the radius of the
-thinner one where they meet: the fillet between them is half as wide. All joints are kept (simplify NONE).
+A place is at a fork if a child's and its parent's surfaces are both nearer than twice the radius of the thinner one
+where they meet: the fillet between them is half as wide. All joints are kept (simplify NONE).
 """
 
 import argparse
