@@ -214,7 +214,7 @@ def not_inside_others(points, owners, branches, free):
 
 
 def ring_corners(branches):
-    """Per branch: corners of its rings, told from area over the square of the radius; 0 where it has none."""
+    """Per branch: corners of its rings, computed from area divided by radius squared; 0 if it has no rings."""
     corners = []
     k = np.arange(3, 40)
     share = k * np.sin(2 * np.pi / k) / (2 * np.pi)
