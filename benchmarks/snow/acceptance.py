@@ -26,7 +26,7 @@ from time_and_motion import independence, persistence, turning  # noqa: E402
 
 
 def extreme_wind():
-    """How far snow spills into a post's shadow, in footprints of a pixel on the ground."""
+    """Distance that snow spills into a post's shadow, in footprints of a pixel on the ground."""
     for angle in (80, 89):
         tangent = np.tan(np.radians(angle))
         pixel = 0.004 if angle == 80 else 0.0008

@@ -76,7 +76,7 @@ class Scene:
 
 
 def displaced(mesh, height, shading=None):
-    """(bare points, displaced points, heights) of every texel; normals are smooth where `shading` says so."""
+    """(bare points, displaced points, heights) of every texel, with smooth normals according to `shading`."""
     positions, triangles, uv = mesh
     table = native.texel_table(triangles, uv, len(height))
     corners = positions.astype(np.float64)[triangles]
@@ -272,7 +272,7 @@ def gable():
 
 
 def both_sides():
-    """A card that hangs face down: as much snow as on one that lies face up, on its back."""
+    """A card that faces down: it must carry as much snow, on its back, as one that faces up."""
     card = grid(0.2, 0.2)
     down = (rotated(card[0], "x", 180), *card[1:])
     heights = {}
@@ -288,7 +288,7 @@ def both_sides():
 
 
 def steps():
-    """The edge of a shadow under a fluttering fall: how far few frames are from 250, in parts of the depth."""
+    """The edge of a shadow with flutter: difference between a few frames and 250, as a share of the depth."""
     plate = grid(1.0, 1.0)
     plate[0][:, 2] = 1.0
     edges = {}

@@ -22,7 +22,7 @@ from snow_meshes import box, grid, rotated, sphere, wind  # noqa: E402, F401
 
 
 def use_engine(name):
-    """From now on simulations of this process run on that engine: AUTO, GL or CPU."""
+    """Sets the engine of all further simulations in this process: AUTO, GL or CPU."""
     native.SnowSimulation = functools.partial(native.SnowSimulation, engine=name)
 
 
@@ -36,7 +36,7 @@ def in_blender(script, *arguments):
 
 
 def unwrapped(name, scale):
-    """A mesh of shared/data/snow with a Smart UV layout, or None where it or Blender is absent."""
+    """A mesh of shared/data/snow with a Smart UV layout, or None if it or Blender is missing."""
     source, target = SHARED / "snow" / f"{name}.obj", BUILD / f"{name}.npz"
     if not target.is_file():
         if not source.is_file():

@@ -55,7 +55,7 @@ def vertex_normals(positions, triangles):
 
 
 def divided(mesh, times):
-    """Every triangle in four, `times` times over, so that height can move vertices."""
+    """Splits every triangle into four, `times` times, so that heights can move vertices."""
     positions, triangles, uv = mesh
     for _ in range(times):
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2)
@@ -92,7 +92,7 @@ def displaced(mesh, height, split=False):
 
 
 def welded(mesh):
-    """One vertex a place: the sphere of the tests has two along its meridian."""
+    """Merges vertices at one place: the sphere of the tests has two along its meridian."""
     positions, triangles, uv = mesh
     _, first, inverse = np.unique(np.round(positions, 5), axis=0, return_index=True, return_inverse=True)
     return positions[first], inverse.ravel()[triangles].astype(np.int32), uv

@@ -105,7 +105,7 @@ def lay_on_rectangles(centre, extent, volume, texel_area, resolution, by_area=Fa
 
 
 def facing_area(mesh, direction):
-    """Area in m2 that faces the fall, seen along it: of a convex mesh what is visible."""
+    """Area in m2 that faces the fall, projected along it: the visible area of a convex mesh."""
     corners = mesh[0][mesh[1]].astype(np.float64)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return 0.5 * float((-(normals @ np.asarray(direction))).clip(0.0).sum())
@@ -147,7 +147,7 @@ def core_steps(mesh, direction, resolution, pixel_size, steps, mapping):
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution)
         for _ in range(steps):
             started = time.perf_counter()
-            sim.step({"it": mesh[0]}, DEPTH, direction, 0.0)  # in no time, so that nothing slides
+            sim.step({"it": mesh[0]}, DEPTH, direction, 0.0)  # zero seconds, so that nothing slides
             sim.statistics()  # waits for the GPU
             taken.append(time.perf_counter() - started)
             first = sim.height("it") if first is None else first
@@ -190,8 +190,8 @@ def compare(name, mesh, direction, resolution, pixel_size, steps, visible):
 
 
 def twig(diameter, length, resolution, texel, sides=8):
-    """An open tube that leans, seam below; its strip on the map is as wide as its perimeter, two texels at
-    least, and runs along v."""
+    """A leaning open tube with its seam below. Its strip on the map is as wide as its perimeter, at least two texels,
+    and runs along v."""
     turn, rise = np.linspace(0.0, 2.0 * np.pi, sides + 1), np.array([-0.5, 0.5])
     r, t = (axis.ravel() for axis in np.meshgrid(rise, turn, indexing="ij"))
     positions = np.stack([r * length, -0.5 * diameter * np.sin(t), -0.5 * diameter * np.cos(t)], axis=1)

@@ -62,7 +62,7 @@ COLUMNS = [
 
 
 class Segments:
-    """Stretches of all limbs between two points, with their radii, and which are nearest to places."""
+    """Segments of all limbs with their radii, and a search for the nearest ones."""
 
     def __init__(self, branches):
         begin, end, low, high, owner = [], [], [], [], []
@@ -142,7 +142,7 @@ def nearest_triangle(points, corners):
 
 
 class Forks:
-    """Where limbs flow into each other: both surfaces are nearer than twice the radius of the thinner limb."""
+    """Places where limbs blend: both surfaces are nearer than twice the radius of the thinner limb."""
 
     def __init__(self, branches):
         self.rows = Segments(branches)
@@ -164,7 +164,7 @@ class Forks:
         order = np.argsort(points[:, 2])
         heights = points[order, 2]
         for child, parent, at, radius in self.pairs:
-            # Further away than the parent is thick and 25 radii, no two limbs still touch.
+            # Beyond the parent's thickness and 25 radii, no two limbs touch.
             reach = 25 * radius + 2 * self.rows.low[self.of[parent]].max()
             near = order[slice(*np.searchsorted(heights, (at[2] - reach, at[2] + reach)))]
             near = near[free[near]]
@@ -200,7 +200,7 @@ def round_limb_samples(branches, random, count):
 
 
 def not_inside_others(points, owners, branches, free):
-    """Drops what lies inside a limb's parent: only the outside of a tree is rebuilt."""
+    """Drops points inside a limb's parent: only the outside of a tree is rebuilt."""
     for number, limb in enumerate(branches):
         rows = np.flatnonzero(free & (owners == number))
         if limb.parent < 0 or not len(rows):
@@ -293,7 +293,7 @@ def turns(mesh, forks):
 
 
 def turn_angles(mesh, forks):
-    """Degrees between the normals of all faces that follow one another along a limb, outside of forks."""
+    """Degrees between the normals of successive faces along a limb, outside of forks."""
     quads, corners = mesh.quads, mesh.vertices.astype(float)[mesh.quads]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -318,7 +318,7 @@ def turn_angles(mesh, forks):
     )
     along = (low == high) | (mesh.continues_parent[high] == 1)
     f, g, middle = f[along], g[along], middle[along]
-    # Where they meet, not where they are: beside a fork faces may be long.
+    # The place where the faces meet, not their centres: beside a fork faces may be long.
     free = forks.outside(middle) & (normal_length(corners[f]) > 0) & (normal_length(corners[g]) > 0)
     return np.degrees(np.arccos(np.clip((normal[f] * normal[g]).sum(1), -1, 1)))[free]
 
@@ -341,7 +341,7 @@ def crossings(mesh, branches):
 
 
 def tubes_cross(branches, first, second, least):
-    """Whether the export's tubes of two limbs that do not leave one another cut each other."""
+    """Whether the export's tubes of two limbs that do not leave each other intersect."""
     if first == second or branches[second].parent == first or branches[first].parent == second:
         return False
     a, b = Segments([branches[first]]), Segments([branches[second]])

@@ -21,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 
-TURNS = 2  # times that ours and Blender's importer follow one another
+TURNS = 2  # times that ours and Blender's importer take turns
 
 READ = """
 import json, sys, time
@@ -70,7 +70,7 @@ print("RESULT " + json.dumps({"seconds": min(times), "processor": min(processor)
 
 
 def write_tree(path, megabytes, seed=1):
-    """Writes a merged tree of six-sided quad tubes, Y up, until the file has the size asked for."""
+    """Writes a merged tree of six-sided quad tubes, Y up, until the file has the requested size."""
     rng = random.Random(seed)
     limit = megabytes * 1e6
     with open(path, "w", encoding="ascii") as file:
@@ -146,7 +146,7 @@ def read_blender(blender, path, repeats):
 
 
 def best(runs):
-    """The runs' smallest figures; what is no time is the same in all."""
+    """The smallest figures of the runs; figures other than times are the same in all runs."""
     first = runs[0]
     return {
         key: min(run[key] for run in runs) if isinstance(first[key], float) else first[key] for key in first

@@ -60,7 +60,7 @@ def trunk(joints):
 
 
 def along(points, share):
-    """The place at that share of the joints."""
+    """The point at that share of the joints."""
     at = share * (len(points) - 1)
     low = min(int(at), len(points) - 2)
     return points[low] + (at - low) * (points[low + 1] - points[low])
