@@ -1,19 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A whole bake per frame against Blender's Dynamic Paint, in one run on one machine. Prints a table.
+"""Time per frame of a whole bake, beside Blender's Dynamic Paint, in one run on one machine. Prints a table.
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/bake_vs_dynamic_paint.py -- [--frames 48]
         [--sizes 1024,2048] [--scene turning|still] [--json FILE]
 
-Both bake the same shot: a monkey of 1,968 faces under falling snow, into one EXR height map a frame. `turning`:
-it turns once, and the particles' brush has a radius of 0.05. `still`: it stands over a plane, and the radius is
-0.02. Dynamic Paint: an image sequence surface of type Displace, incremental, written as OpenEXR,
-painted by a particle system that rains on it, whose own simulation is baked beforehand and not counted.
-Snowbough: the add-on's own operator, once with its defaults and once ("deposit only") without what Dynamic Paint
-has nothing of: snow that seeks its angle of repose, and 64 directions of flutter a shot. Counted is the wall-clock
-time from the call until the last file is whole, divided by the frames, so setting up, evaluating the scene and
-writing files are in it. Dynamic Paint takes seconds to set a surface up, so that the ratio falls with the number of
-frames; a shot of two seconds is the default. ``bpy.ops.dpaint.bake()`` returns before its files exist, so the script
-waits for the last one. The last frame's maps are looked at: a bake that leaves the monkey bare ends the run.
+Both bake the same shot: a monkey of 1,968 faces under falling snow, into one EXR height map per frame. `turning`: it
+turns once, and the particles' brush has a radius of 0.05. `still`: it stands over a plane, and the radius is 0.02.
+
+Dynamic Paint: an image sequence surface of type Displace, incremental, written as OpenEXR, painted by a particle system
+that rains on it; baking that particle system is not counted. Snowbough: the add-on's operator, once with its defaults,
+and once ("deposit only") without the two features that Dynamic Paint lacks: the angle of repose, and 64 directions of
+flutter per shot.
+
+The time is the wall-clock time from the call until the last file is whole, divided by the frames; it includes set-up,
+evaluation of the scene and writing files. Dynamic Paint takes seconds to set a surface up, so the ratio falls with the
+number of frames; the default is a shot of two seconds. ``bpy.ops.dpaint.bake()`` returns before its files exist, so the
+script waits for the last one. The script checks the last maps: a bake that leaves the monkey bare ends the run.
 """
 
 import argparse
@@ -32,11 +34,11 @@ sys.path.insert(0, str(ROOT / "addon"))
 import snowbough  # noqa: E402
 
 PARTICLES_A_FRAME = 500
-# So early that the rain has come down by frame 1.
+# Early enough that the rain has reached the ground by frame 1.
 RAIN_BEGINS = -20
 GIVE_UP_SECONDS = 600.0
 STILL_SECONDS = 1.0
-# What Dynamic Paint writes for a displacement of nothing.
+# The value that Dynamic Paint writes for no displacement.
 NEUTRAL = 0.5
 # Snow lies on about a quarter of the monkey's map; Dynamic Paint's particles go through the monkey.
 LEAST_PAINTED = 0.1
@@ -78,7 +80,7 @@ def build_shot(frames, name):
 
 
 def pixels_of(path):
-    """Red and alpha of an image file, an array each."""
+    """Red and alpha of an image file, as two arrays."""
     image = bpy.data.images.load(str(path))
     pixels = np.empty(len(image.pixels), np.float32)
     image.pixels.foreach_get(pixels)
@@ -131,7 +133,7 @@ def add_rain(frames, radius):
         bpy.ops.ptcache.bake(bake=True)
     bpy.ops.object.modifier_add(type="DYNAMIC_PAINT")
     paint = cloud.modifiers[-1]
-    # A modifier is a canvas until it is told otherwise, even one that has a brush only.
+    # A modifier is a canvas by default, even if it has only a brush.
     paint.ui_type = "BRUSH"
     bpy.ops.dpaint.type_toggle(type="BRUSH")
     brush = paint.brush_settings

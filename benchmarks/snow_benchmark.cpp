@@ -1,5 +1,5 @@
-// How long a frame of snow takes on a waving field of 2 x 128 x 128 triangles, 10 m wide, by
-// map resolution; and how long the texel table of such a field takes.
+// Time of a frame of snow on a waving field of 2 x 128 x 128 triangles, 10 m wide, by map
+// resolution; and time of building the texel table of such a field.
 #include <benchmark/benchmark.h>
 
 #include <cmath>
@@ -74,7 +74,7 @@ void snow_step(benchmark::State& state) try {
   }
   state.SetLabel(simulation.engine_info().driver);
 } catch (const std::exception& error) {
-  // No EGL, or a map that is too large for the driver: said in the table.
+  // No EGL, or a map that is too large for the driver: the table says so.
   state.SkipWithError(error.what());
 }
 

@@ -1,4 +1,4 @@
-// How long the import's native part takes on a grown maple of 324 branches, and its UV maps alone.
+// Time of the import's native part on a grown maple of 324 branches, and of its UV maps alone.
 #include <benchmark/benchmark.h>
 
 #include "tree/build_tree_mesh.h"

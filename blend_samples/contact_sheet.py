@@ -4,9 +4,9 @@
 
     contact_sheet.py FOLDER      (reads FOLDER/demo.json and frames, writes FOLDER/snowbough.png)
 
-On top three plates of the tree seen from the front: the raw polygons of the export, the rebuilt
-centrelines with their radii, and the rig's bones, coloured by branch level. Below them the rendered
-frames and the close-up. Needs `snowbough_native` on PYTHONPATH to read the tree.
+The top row shows the tree from the front in three panels: the raw polygons of the export, the rebuilt centrelines with
+their radii, and the rig's bones, coloured by branch level. Below them are the rendered frames and the close-up. Needs
+`snowbough_native` on PYTHONPATH to read the tree.
 """
 
 import json
@@ -25,9 +25,9 @@ INK = (52, 48, 44)
 FAINT = (134, 126, 116)
 # Trunk, branches, limbs, twigs and deeper.
 LEVEL_COLOURS = ((71, 52, 43), (148, 74, 44), (44, 100, 112), (160, 128, 38), (96, 112, 58), (120, 80, 120))
-# Plates are drawn this much larger and scaled down: PIL does not smooth edges.
+# Panels are drawn at this scale and then reduced, because PIL does not smooth edges.
 OVERSAMPLING = 3
-# The plates look down a little, so that level squares show their faces.
+# The panels look down a little, so that horizontal squares show their faces.
 PITCH = np.radians(16.0)
 
 
@@ -127,7 +127,7 @@ class Plate:
 
 
 def raw_plate(polygons, size):
-    """The export as it is: every polygon, far ones first and paler."""
+    """The export's polygons, far ones first and paler."""
     plate = Plate(*size, np.concatenate(polygons))
     depths = np.array([polygon[:, 1].mean() for polygon in polygons])
     span = max(np.ptp(depths), 1e-9)

@@ -1,14 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The main job from end to end, inside Blender in the background.
+"""The demo from end to end, inside Blender in the background.
 
     blender -b --factory-startup --python-exit-code 1 -P blend_samples/demo.py -- TREE.obj FOLDER
 
-Imports the tree, rigs it, lets it sway, puts it on the stage of demo_scene.py, lets snow fall for 48
-frames on bark, ground, bench and cart with 1024 x 1024 maps, wires the result and renders five frames and
-a fork from close by.
-Leaves in FOLDER: snowbough.blend, the EXR sequences in snowbough_cache, frame_NNNN.png, close_up.png and demo.json
-with what contact_sheet.py draws. Everything goes through the add-on's operators, as an artist's clicks
-would.
+Imports the tree, rigs it, lets it sway, and puts it on the stage of demo_scene.py. Bakes 48 frames of snow on bark,
+ground, bench and cart with 1024 x 1024 maps, adds the result to the scene, and renders five frames and a fork from
+close by. Writes to FOLDER: snowbough.blend, the EXR sequences in snowbough_cache, frame_NNNN.png, close_up.png, and
+demo.json for contact_sheet.py. Uses only the add-on's operators, as an artist does.
 """
 
 import json
@@ -28,14 +26,13 @@ import snowbough  # noqa: E402
 
 RESOLUTION, WHEEL_RESOLUTION = 1024, 256
 RENDERED_FRAMES = (1, 12, 22, 34, 48)
-# From a fork to the eye that looks at it from close by, in metres.
+# Offset of the close-up camera from the fork, in metres.
 CLOSE_UP = Vector((-0.42, -0.85, 0.05))
-# (frame, strength): dry at first, then the snow sets in, falls, and dies away as the cart drives off its
-# dry patch.
+# (frame, strength): no snow at first, then full strength, then little while the cart leaves its dry patch.
 SNOWFALL = ((1, 0.0), (6, 1.0), (29, 1.0), (38, 0.06), (48, 0.03))
 END_DEPTH = 0.12
 RELIEF = 0.6
-# The stage is built for a tree of this height, and of this reach around its foot.
+# The stage suits a tree of this height and this radius, in metres.
 TREE_HEIGHT, TREE_REACH = 6.0, 3.6
 
 
@@ -67,7 +64,7 @@ def import_tree(path):
     reach = np.abs(points[:, :2] - foot[:2]).max()
     fit = float(min(TREE_HEIGHT / (high[2] - low[2]), TREE_REACH / reach))
     armature.scale = (fit, fit, fit)
-    # A little into the ground, which is not level.
+    # The ground is not level: the tree stands a little inside it.
     armature.location = (-fit * foot[0], -fit * foot[1], -fit * low[2] - 0.04)
 
     bpy.ops.object.select_all(action="DESELECT")
@@ -105,12 +102,12 @@ def prepare_snowfall(receivers, backdrop):
     for frame in range(1, demo_scene.FRAMES + 1):
         settings.rate = strength(frame)
         settings.keyframe_insert("rate", frame=frame)
-    # From the left: windward sides turn white, lee sides show what they are made of.
+    # From the left: windward sides become white, lee sides keep their material.
     settings.fall_angle = np.radians(14.0)
     settings.bearing = np.radians(70.0)
     settings.pixel_size = 0.016
     settings.seed = 7
-    # Raking light of the low sun makes more of it look rough.
+    # More relief looks rough in the light of the low sun.
     settings.surface_relief = RELIEF
 
 
@@ -131,7 +128,7 @@ def close_up(armature, camera):
     at_forks = [
         bone for bone in bones if bone.parent and bone.name.split(".")[0] != bone.parent.name.split(".")[0]
     ]
-    # A tree of one limb has none: any of its joints will do.
+    # A tree of one limb has no fork: use any joint.
     forks = [armature.matrix_world @ bone.head_local for bone in at_forks or bones]
     top = max(fork.z for fork in forks)
     low = [fork for fork in forks if 0.3 * top < fork.z < 0.6 * top] or forks

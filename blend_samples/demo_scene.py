@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The stage of the demo: a knoll, a bench, a cart that drives off, winter light and a camera.
 
-`build_stage()` makes all of it in the current file and returns what snow is to fall on. Everything is
-modelled here from boxes, discs and grids; metres, Z up, the tree's place is the origin. Used by
-demo.py; nothing here needs the add-on.
+`build_stage()` makes the stage in the current file and returns the receivers of snow. All meshes are modelled here from
+boxes, discs and grids, in metres, Z up; the tree stands at the origin. Used by demo.py; needs no add-on.
 """
 
 import math
@@ -32,7 +31,7 @@ class Stage:
     cart: bpy.types.Object
     wheels: list
     camera: bpy.types.Object
-    # Scenery that is no part of the snowfall.
+    # Scenery without snow.
     backdrop: list
 
 
@@ -134,7 +133,7 @@ def finish_object(mesh, name, material, merge=1e-5):
 
 
 def unwrap(target):
-    """Gives every flat side its own place in a UV map, as accumulation needs it."""
+    """Unwraps every flat side without overlaps, as snow maps need it."""
     bpy.ops.object.select_all(action="DESELECT")
     target.select_set(True)
     bpy.context.view_layer.objects.active = target
@@ -235,13 +234,13 @@ def make_wheel(name, material):
 
 
 def cart_place(frame):
-    """Where the cart is: at rest, then off with a soft start and stop. Returns 0 to 1."""
+    """The cart's position, 0 to 1: at rest, then moving with a soft start and stop."""
     time = min(max((frame - CART_LEAVES) / (CART_STOPS - CART_LEAVES), 0.0), 1.0)
     return time * time * (3.0 - 2.0 * time)
 
 
 def drive_cart(body, wheels):
-    """Keys the cart along its way over the ground; the wheels turn by the way they cover."""
+    """Keys the cart along its way over the ground; the wheels turn with the distance."""
     way = CART_TO - CART_FROM
     bearing = math.atan2(way.y, way.x)
     heading = Vector((math.cos(bearing), math.sin(bearing)))
@@ -295,7 +294,7 @@ def make_sky(scene):
 
 
 def make_forest(distance, height, colour, seed):
-    """A far line of spruces as one flat silhouette in the haze; it neither gives nor takes snow."""
+    """A distant line of spruces as one flat silhouette in the haze; it neither receives nor blocks snow."""
     rng = np.random.default_rng(seed)
     mesh = bmesh.new()
     for bearing in np.arange(-50.0, 50.0, 0.45):
@@ -361,7 +360,7 @@ def make_sun(scene):
     light = bpy.data.lights.new("low sun", "SUN")
     light.energy, light.angle, light.color = 5.5, math.radians(1.2), (1.0, 0.80, 0.60)
     sun = bpy.data.objects.new("low sun", light)
-    # From the left and a little before the tree, 23 degrees high: it rakes over the ground, and what lies on
+    # From the left and a little in front of the tree, 23 degrees high: it grazes the ground, and snow on
     # the limbs is bright against the sky.
     sun.rotation_euler = (math.radians(67.0), 0.0, math.radians(-72.0))
     scene.collection.objects.link(sun)

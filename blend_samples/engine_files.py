@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tree for a game engine, as an artist would make it: imported, snowed on for 16 frames, exported with its levels of
-detail and an atlas of its snow.
+"""A tree for a game engine: imported, with 16 frames of snow, exported with its levels of detail and an atlas of its
+snow.
 
     blender -b --factory-startup --python-exit-code 1 -P blend_samples/engine_files.py -- TREE.obj FOLDER
 
-Leaves in FOLDER: tree.glb, the snow's images, tree.blend and the bake. benchmarks/tree/engine_sheet.py draws what is in
-tree.glb.
+Writes to FOLDER: tree.glb, the snow's images, tree.blend and the bake. benchmarks/tree/engine_sheet.py draws tree.glb.
 """
 
 import sys

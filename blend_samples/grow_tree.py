@@ -1,22 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Grows a tree and writes it as Xfrog's square export does.
+"""Grows a tree and writes it in the form of Xfrog's square export.
 
     grow_tree.py [--species maple|spruce] [--seed N] [--height METRES] [--levels N] [--leaves] OUT.obj
 
-The file holds one group a branch (`g trunk1`, `g branch7`, `g limb31`, `g twig205`), each a row of
-disconnected squares across the limb from its root to its tip; Y is up, one unit is a metre. With
-`--leaves` a last group `leaves` holds the foliage, and a material library stands beside the file.
-The same species, seed and height give the same bytes.
+The file has one group per branch (`g trunk1`, `g branch7`, `g limb31`, `g twig205`). Each is a row of disconnected
+squares across the limb from its root to its tip. Y is up, one unit is a metre. With `--leaves` a last group `leaves`
+contains the foliage, and a material library is written beside the file. The same species, seed and height give the same
+bytes.
 
-How a tree grows. A shoot advances in short steps. Its heading wanders (a first-order random walk:
-crookedness), bends towards the light or with its weight (tropism), and yields a little to the far side
-wherever it bears a lateral, which makes the zigzag of real twigs. Laterals stand on their parent by
-divergence angles: the golden angle on a spiral, or pairs turned by a right angle; a spruce's trunk bears
-whorls. Their length is a share of what is left of the parent, bounded by the crown's outline. Thickness
-comes last, from the tips down: by Leonardo's rule the wood above a fork has the cross-section of the wood
-below it, r^n = sum of r_i^n, with n a little over 2 as measured on real trees, and every metre of shoot
-adds the wood of the small twigs that are not drawn.
+A shoot grows in short steps. Its heading wanders (a first-order random walk: crookedness), bends towards the light or
+with its weight (tropism), and yields a little to the other side at each lateral, which makes the zigzag of real twigs.
+Laterals stand on their parent at divergence angles: the golden angle on a spiral, or pairs turned by a right angle; a
+spruce's trunk has whorls. Their length is a share of the remaining parent, limited by the crown's outline. Thickness is
+computed last, from the tips down, by Leonardo's rule: the wood above a fork has the cross-section of the wood below it,
+r^n = sum of r_i^n, with n a little over 2 as measured on real trees. Every metre of shoot also adds the wood of small
+twigs that are not drawn.
 
 Sources: J. P. Richter (ed.), The Literary Works of Leonardo da Vinci, 1883, paragraph 394 (the rule);
 C. Eloy, Leonardo's rule, self-similarity, and wind-induced stresses in trees, Physical Review Letters 107,
@@ -45,7 +44,7 @@ class Level:
     crookedness: float
     # Bend per metre towards straight up; negative sinks.
     tropism: float
-    # Laterals that this shoot bears over its length, and the part of the length that bears them.
+    # Number of laterals on the shoot, and the part of its length that bears them.
     laterals: int = 0
     bearing_from: float = 0.2
     bearing_to: float = 0.95
@@ -244,7 +243,7 @@ def grow_shoot(species, level, root, heading, length, height, rng):
     places = lateral_places(rules, length, rng) if level + 1 < len(species.levels) else []
     points, wander, born = [np.asarray(root, float)], np.zeros(3), []
     for number in range(steps):
-        # The walk forgets half of itself in a step: bends, rather than jitter.
+        # Half of the deviation carries over to the next step, which makes bends instead of jitter.
         wander = 0.5 * wander + rng.normal(size=3) * rules.crookedness * np.sqrt(step) * 0.5
         pull = UP - heading * np.dot(UP, heading)
         heading = normalised(
@@ -312,7 +311,7 @@ def grow_tree(species, seed=1, height=6.0, levels=4):
         species, 0, (0.0, 0.0, 0.0), normalised(UP + rng.normal(size=3) * 0.03), height, height, rng
     )
     shoots = list(each_shoot(trunk))
-    # Upright limbs may overtop the trunk: the height asked for is the whole tree's.
+    # Upright limbs may overtop the trunk: the requested height is that of the whole tree.
     top = max(shoot.points[:, 2].max() for shoot in shoots)
     for shoot in shoots:
         shoot.points *= height / top

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Puts the frames of windy_shot.py on one sheet: windy_sheet.py FOLDER writes FOLDER/sheet.png."""
+"""Composes the frames of windy_shot.py: windy_sheet.py FOLDER writes FOLDER/sheet.png."""
 
 import json
 import sys

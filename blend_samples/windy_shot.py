@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One animated shot of everything that moves: a swaying maple, a cart that drives off, a flag that flaps,
-in snow whose wind turns half-way. Inside Blender in the background:
+"""An animated shot of a swaying maple, a cart that drives off and a flapping flag, in snow whose wind turns half-way.
+Inside Blender in the background:
 
     blender -b --factory-startup --python-exit-code 1 -P blend_samples/windy_shot.py -- TREE.obj FOLDER [RESOLUTION]
 
-RESOLUTION (512) is that of the maps, the ground's is twice as fine. Uses the demo's stage and tree. Leaves in
-FOLDER: shot.blend, the cache, frame_NNNN.png and shot.json with what windy_sheet.py writes under the frames.
+RESOLUTION (512) is that of the maps; the ground's is twice as fine. Uses the demo's stage and tree. Writes to FOLDER:
+shot.blend, the cache, frame_NNNN.png, and shot.json for windy_sheet.py.
 """
 
 import json
@@ -25,9 +25,9 @@ from snowbough import compat  # noqa: E402
 
 RENDERED_FRAMES = (1, 8, 15, 22, 29, 36, 42, 48)
 START_DEPTH, END_DEPTH = 0.0, 0.045
-# It begins to snow here; the frames before are dry.
+# First frame with snow.
 SNOW_FROM = 4
-# (frame, degrees from the vertical, where the wind blows to): from the left, calm, then from the right.
+# (frame, fall angle in degrees, bearing in degrees): wind from the left, calm, from the right.
 WIND = (
     (1, 35.0, 75.0),
     (18, 35.0, 75.0),
@@ -36,7 +36,7 @@ WIND = (
     (31, 45.0, 285.0),
     (48, 45.0, 285.0),
 )
-# The cloth hangs nearly upright: snow sticks to it for a moment, lies in its folds and slides off.
+# The cloth hangs nearly upright: snow sticks for a moment, collects in its folds and slides off.
 POLE_FOOT, POLE_LENGTH, POLE_LEAN = Vector((-1.35, -2.9, 0.0)), 2.3, math.radians(35.0)
 FLAG_LENGTH, FLAG_HEIGHT, FLAG_SLANT = 1.15, 0.75, math.radians(84.0)
 FLAKES, FLAKE_SIZE, FLAKE_SPEED = 3200, 0.015, 1.6
@@ -110,15 +110,15 @@ def prepare_snowfall(receivers, scenery, resolution):
         if curve.data_path == "snowbough.rate":
             for key in curve.keyframe_points:
                 key.interpolation = "CONSTANT"
-    # Two seconds stand for an hour of snowfall: what steep sides cannot hold is gone within a few frames.
+    # Two seconds represent an hour of snowfall: excess snow slides off within a few frames.
     settings.max_depth, settings.slide_half_life = 0.06, 0.08
-    # Wet snow that a storm drives against things sticks to what it hits, walls too.
+    # Wet snow in a storm sticks to everything that it hits, walls included.
     settings.repose = np.radians(90.0)
     key_wind(settings)
 
 
 class Flakes:
-    """Falling flakes as short streaks, for the eye only: made after the bake, placed anew for each picture."""
+    """Falling flakes as short streaks, for the picture only: made after the bake, moved for each frame."""
 
     def __init__(self):
         rng = np.random.default_rng(11)

@@ -3,8 +3,8 @@
 #
 #   tools/blender_bpy.sh REPORT.xml [pytest arguments]
 #
-# Installs it into the virtual environment build/blender-bpy (kept, about 1 GB). Where PyPI serves none for
-# this Python, the report says so as a skip.
+# Installs it into the virtual environment build/blender-bpy (kept, about 1 GB). If PyPI has none for this Python, the
+# report contains a skip.
 set -euo pipefail
 report="$(realpath -m "$1")"
 shift

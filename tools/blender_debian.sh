@@ -1,16 +1,15 @@
 #!/usr/bin/env bash
-# Runs tests/blender in a newer Debian's Blender on any Debian machine: 4.3 is that of trixie (4.3.2 with Python
-# 3.13), 5.2 that of sid (5.2 LTS with Python 3.14).
+# Runs tests/blender in a newer Debian's Blender on any Debian machine: 4.3 is trixie's (4.3.2 with Python 3.13), 5.2 is
+# sid's (5.2 LTS with Python 3.14).
 #
 #   tools/blender_debian.sh 4.3|5.2 REPORT.xml [pytest arguments]
-#   tools/blender_debian.sh 4.3|5.2 --run COMMAND...   runs a command in there instead, in the checkout, which is
-#                                                      /snowbough; SNOWBOUGH_TEST_ZIP names the add-on's zip
+#   tools/blender_debian.sh 4.3|5.2 --run COMMAND...   runs a command there instead; the checkout is /snowbough,
+#                                                      and SNOWBOUGH_TEST_ZIP names the add-on's zip
 #
 # Makes a Debian folder with debootstrap in build/blender-<suite> (kept, about 4 GB), builds the native
-# module in there in a folder of its own (build/<suite>) and runs the tests. The mirror is the one that this
-# machine's apt uses. Needs root, for debootstrap and chroot; all mounts live in a private mount namespace
-# and end with this script. What cannot be had is reported as a skip. Variables of the caller that begin with
-# SNOWBOUGH_ are known in there, too.
+# module there in build/<suite>, and runs the tests. Uses the mirror of this machine's apt. Needs root, for debootstrap
+# and chroot; all mounts are in a private mount namespace and end with this script. If Blender cannot be installed, the
+# report contains a skip. Variables of the caller that begin with SNOWBOUGH_ are passed on.
 set -euo pipefail
 wanted="${1:-}"
 case "$wanted" in
@@ -39,7 +38,7 @@ skip() {
   exit 0
 }
 
-# Once more from the top, in a mount namespace of our own: nothing stays mounted whatever happens.
+# Run this script again in a private mount namespace, so that no mount remains in any case.
 if [ "${SNOWBOUGH_OWN_MOUNTS:-}" != yes ]; then
   [ "$(id -u)" -eq 0 ] || skip "debootstrap and chroot need root"
   unshare --mount true 2>/dev/null || skip "this machine does not allow mounts"
@@ -67,7 +66,7 @@ mount -t proc proc "$root/proc"
 mount --rbind /dev "$root/dev"
 mount --rbind /sys "$root/sys"
 cp /etc/resolv.conf "$root/etc/resolv.conf"
-# Without it Blender complains on its error output, where tests want nothing.
+# Without it Blender writes warnings to its error output, which tests require to be empty.
 [ -e "$root/etc/mtab" ] || ln -s /proc/self/mounts "$root/etc/mtab"
 given=()
 while IFS= read -r variable; do
@@ -86,10 +85,10 @@ python3-requests
 mesa-vulkan-drivers"
 if [ "$(cat "$root/.packages-complete" 2>/dev/null)" != "$packages" ]; then
   echo "blender $wanted: installing Blender and the build's packages in the Debian $suite folder"
-  # A mirror's copy of sid may be days old, which apt would refuse.
+  # A mirror's copy of sid may be days old; apt would refuse it.
   inside apt-get -o Acquire::Check-Valid-Until=false update ||
     skip "the mirror's package lists of Debian $suite could not be read"
-  # Some packages' first configure fails outside a booted system; the second pass mends it.
+  # Some packages' first configure fails outside a booted system; the second pass succeeds.
   # shellcheck disable=SC2086
   inside apt-get install -y --no-install-recommends $packages ||
     inside apt-get install -y -f --no-install-recommends ||
@@ -107,7 +106,7 @@ esac
 
 mkdir -p "$root/snowbough" "$root/shared"
 mount --bind . "$root/snowbough"
-# The command line run from the checkout looks for the module in build/python: in there it is the folder's own.
+# The command line of the checkout looks for the module in build/python: there it is the module of this folder.
 mkdir -p build/python "$own/python"
 mount --bind "$own/python" "$root/snowbough/build/python"
 if [ -d ../shared ]; then

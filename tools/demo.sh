@@ -1,10 +1,10 @@
 #!/usr/bin/env bash
-# The main job from end to end: a tree from an OBJ file, rigged and swaying, in a snowy shot.
+# The demo from end to end: a tree from an OBJ file, rigged and swaying, in a snowy shot.
 #
 #   ./tools/demo.sh            with a maple grown by blend_samples/grow_tree.py
 #   ./tools/demo.sh FILE.obj   with your own tree
 #
-# Leaves in build/demo: snowbough.blend, the EXR sequences in snowbough_cache, five rendered frames, a close-up and the
+# Writes to build/demo: snowbough.blend, the EXR sequences in snowbough_cache, five rendered frames, a close-up and the
 # contact sheet snowbough.png. Sets the machine up first (tools/setup.sh).
 set -euo pipefail
 tree="${1:+$(realpath "$1")}"
@@ -24,11 +24,11 @@ if [ -z "$tree" ]; then
   /usr/bin/python3 blend_samples/grow_tree.py --species maple --seed 1 "$tree"
 fi
 
-# Blender's chatter is kept in a file; what the demo says comes through as it happens.
+# Blender's output goes to a file; the demo's own lines are also printed at once.
 /usr/bin/blender -b --factory-startup --python-exit-code 1 -P blend_samples/demo.py -- "$tree" build/demo \
   </dev/null 2>&1 | tee build/demo/blender.log |
   grep --line-buffered -E '^(demo|snowbough|Snowbough|Error|RuntimeError|Traceback)' || {
-  echo "demo: Blender did not finish; its last words (all of them are in build/demo/blender.log):" >&2
+  echo "demo: Blender did not finish; the end of build/demo/blender.log:" >&2
   tail -n 30 build/demo/blender.log >&2
   exit 1
 }

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Packs the kit that prints the tables of real time: see gpu_kit.sh.
 
-The kit is a zip that Python runs (PEP 441). Its folders are those of the checkout, so the scripts run in it as they
-are; libraries find each other by $ORIGIN, as in a wheel that auditwheel has repaired.
+The kit is a zip that Python runs (PEP 441). Its folders are those of the checkout, so the scripts run unchanged.
+Libraries find each other by $ORIGIN, as in a wheel repaired by auditwheel.
 """
 
 import os
@@ -17,10 +17,10 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[1]
 MODULE_FOLDER = Path("build/python")
 LIBRARIES = "snowbough_native.libs"
-# Taken only where the machine's own are missing or too old: drivers link these, too, and may need newer ones.
+# Used only if the machine's own are missing or too old. Drivers link these libraries, too, and may need newer ones.
 RUNTIME = "runtime"
 RUNTIME_LIBRARIES = ("libstdc++.so.6", "libgcc_s.so.1")
-# What belongs to the machine: the C library and its parts, and all that is the driver's.
+# Libraries of the machine: the C library and its parts, and the driver's libraries.
 SYSTEM = re.compile(
     r"(linux-vdso|ld-linux.*|lib(c|m|dl|rt|pthread|util|resolv)|lib(EGL|GL|GLX|OpenGL|GLdispatch|GLESv2|drm|gbm|X.*|xcb.*)"
     r"(_.*)?)\.so(\..*)?"
@@ -52,7 +52,7 @@ def run(*command):
 
 
 def linked(path):
-    """{soname: file} of all libraries that a library links, itself or through others, and that go with it."""
+    """{soname: file} of all libraries that a library links directly or indirectly and that the kit must contain."""
     found = {}
     for line in run("ldd", path).splitlines():
         named = re.match(r"\s*(\S+) => (\S+|not found)", line)
@@ -69,7 +69,7 @@ def needs(path):
 
 
 def point_to(path, folder):
-    """Lets a library find what it needs in `folder`, relative to its own."""
+    """Sets a library's search path to `folder`, relative to the library."""
     way = os.path.relpath(folder, path.parent)
     path.chmod(0o755)
     run("patchelf", "--force-rpath", "--set-rpath", "$ORIGIN" if way == "." else f"$ORIGIN/{way}", path)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the kit of tools/gpu_kit.sh does on the machine that is measured: unpack itself, see that the module loads,
-print the tables (benchmarks/realtime/tables.py), and say which libraries were the kit's and which the machine's.
+"""The entry point of the kit of tools/gpu_kit.sh on the measured machine: unpacks the kit, checks that the module
+loads, prints the tables (benchmarks/realtime/tables.py), and names the libraries of the kit and of the machine.
 """
 
 import os
@@ -30,7 +30,7 @@ def unpack(folder):
 
 
 def check_python(folder):
-    """Ends with what to do where this Python cannot load the module."""
+    """Exits with a remedy if this Python cannot load the module."""
     module = (folder / "module.txt").read_text().strip()
     version = re.search(r"cpython-(\d)(\d+)", module)
     wanted = (int(version[1]), int(version[2]))

@@ -1,21 +1,21 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renews the user guide's pictures in docs/images, from our own sample trees.
+"""Renews the manual's pictures in docs/images, from our own sample trees.
 
     ./tools/demo.sh
     PYTHONPATH=build/python /usr/bin/python3 tools/guide_pictures.py [NAME ...]
 
 tree               the maple as exported, its branches, its rig
-demo, close_up     the demo's last frame and its fork from close by, as they lie in build/demo
+demo, close_up     the demo's last frame and its fork from close by, from build/demo
 shot               three frames of the demo
-detail             a piece of it at the four levels of detail
+detail             a piece of the tree at the four levels of detail
 viewport           Blender's window under Xvfb: direction dials, a live preview, the sidebar
 scene_properties   the Scene properties there
-panels             the sidebar in all its states, as tests/ui/panel_states.py left it in build/panels
+panels             the sidebar in all its states, from build/panels (tests/ui/panel_states.py)
 panels_newest      the same in Debian sid's Blender
-windy              the sheet that tools/windy_shot.sh left in build/windy
+windy              the sheet of tools/windy_shot.sh, from build/windy
 
-Without names all of them. Every picture is a PNG of less than 150 KB, renders that are shown alone are JPEGs.
+Without names it renews all. Every picture is a PNG of less than 150 KB; single renders are JPEGs.
 """
 
 import sys
@@ -71,7 +71,7 @@ result = True
 """
 
 
-# A receiver, the 3D view split for a column of properties, and Blender's own panels put away.
+# A receiver, a 3D view split for a column of properties, and Blender's own panels closed.
 SETTINGS_ALONE = """
 bpy.ops.snowbough.add_receivers()
 for name in dir(bpy.types):
@@ -85,12 +85,12 @@ column = next(area for area in window.screen.areas if area not in known)
 column.type = "PROPERTIES"
 result = True
 """
-# Where the levels of detail are looked at: the maple's trunk between its fourth and eighth branch.
+# Part that shows the levels of detail: the maple's trunk between its fourth and eighth branch.
 DETAIL_MIDDLE, DETAIL_REACH = np.array((-0.24, 0.0, 2.12)), np.array((0.36, 0.6, 0.45))
 
-# Renders, whose grain no palette holds.
+# Renders, which have too many colours for a palette.
 PHOTOGRAPHS = {"demo", "close_up"}
-# Its few red pixels are what the flag is known by.
+# The few red pixels of the flag must stay red.
 RARE_COLOURS = {"windy"}
 
 
@@ -112,7 +112,7 @@ def keep(image, name):
 
 
 def maple():
-    """The demo's tree, grown anew. Returns its path."""
+    """Grows the demo's tree. Returns its path."""
     path = ROOT / "build" / "guide" / "maple.obj"
     path.parent.mkdir(parents=True, exist_ok=True)
     grow_tree.main(["--species", "maple", "--seed", "1", str(path)])
@@ -178,7 +178,7 @@ def detail():
             244, 330, DETAIL_MIDDLE + DETAIL_REACH * np.array([(-1, 0, -1), (1, 0, 1)])
         )
         tones = (105 + 140 * np.maximum(normals @ light, 0)).astype(int)
-        # Far ones first. The finer the faces, the fainter their edges, or nothing else were to be seen.
+        # Far faces first. Finer faces get fainter edges, otherwise the edges would cover the picture.
         for face in np.argsort(-(corners.mean(axis=1) @ away)):
             tone = int(tones[face])
             edge = int(tone * (0.55 + 0.13 * level))
@@ -203,7 +203,7 @@ def viewport():
     def work(window):
         window.open_sidebar_tab()
         window.run(PREVIEWED_SCENE.format(tree=str(path)), timeout=300)
-        # The preview makes up for as many frames as playback may drop.
+        # The preview catches up with as many frames as playback may drop.
         for frame in (8, 15, 22, 29):
             window.run(f"bpy.context.scene.frame_set({frame})\nresult = True", timeout=120)
         time.sleep(3.0)

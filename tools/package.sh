@@ -3,10 +3,9 @@
 #
 #   ./tools/package.sh [FOLDER_OF_THE_NATIVE_MODULE [ZIP]]
 #
-# One zip for all versions: Blender 3.4 to 4.1 install it as an add-on (Preferences > Add-ons > Install),
-# 4.2 and later as an extension (Install from Disk) or as a legacy add-on. The native module fits the
-# Python it was built for; build/python holds the one that tools/setup.sh makes. Equal input gives equal
-# bytes.
+# One zip for all versions: Blender 3.4 to 4.1 install it as an add-on (Preferences > Add-ons > Install), 4.2 and later
+# as an extension (Install from Disk) or as a legacy add-on. The native module works only with the Python that it was
+# built for; tools/setup.sh builds it in build/python. Equal input gives equal bytes.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 

@@ -2,7 +2,7 @@
 # Sets a Debian 12 machine up for Snowbough: installs the packages that are missing, then builds.
 #
 #   ./tools/setup.sh           everything: the module, its tests and benchmarks
-#   ./tools/setup.sh module    only the Python module, which is all that the demo needs
+#   ./tools/setup.sh module    only the Python module, for the demo
 #
 # Afterwards `PYTHONPATH=build/python /usr/bin/python3 -c "import snowbough_native"` works. Nothing is
 # installed when everything is there, and only what changed is built again.
@@ -23,7 +23,7 @@ is_installed() {
   [ "$(dpkg-query -W -f '${db:Status-Status}' "$1" 2>/dev/null)" = installed ]
 }
 
-# apt-get as root, never asking anything: this also runs where nobody can answer.
+# apt-get as root, without questions, so that it also runs unattended.
 as_root_apt_get() {
   local sudo=()
   if [ "$(id -u)" -ne 0 ]; then
@@ -53,8 +53,7 @@ while read -r package reason; do
 done <tools/dependencies.txt
 
 if [ ${#missing[@]} -gt 0 ]; then
-  # A machine's package lists may be absent or name versions that the mirror has dropped: fetch them
-  # only then.
+  # Fetch package lists only if they are missing or name versions that the mirror no longer has.
   install=(install -y --no-install-recommends "${missing[@]}")
   if ! as_root_apt_get "${install[@]}"; then
     echo "setup: apt-get could not install these with the package lists it has; fetching new ones"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Writes a JUnit report that holds one skipped test, for a layer that this machine cannot run.
+"""Writes a JUnit report with one skipped test, for a layer that this machine cannot run.
 
 skip_report.py REPORT NAME REASON
 """

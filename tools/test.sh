@@ -6,8 +6,8 @@
 #   ./tools/test.sh --blender 4.3|5.2      tests/blender in Debian trixie's or sid's Blender (made under build/)
 #   ./tools/test.sh --blender bpy          tests/blender in PyPI's official bpy for this Python
 #
-# The last lines say why tests were skipped and `N passed, N failed, N skipped`; the exit code is 0
-# only when nothing failed. SNOWBOUGH_SETUP=0 leaves the set-up out.
+# The last lines give the reasons for skips and `N passed, N failed, N skipped`; the exit code is 0 only if nothing
+# failed. SNOWBOUGH_SETUP=0 skips the set-up.
 set -uo pipefail
 cd "$(dirname "$0")/.."
 # Absolute: the layers run in different folders.

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Adds up the layers' JUnit reports and says what was skipped and why.
+"""Adds up the layers' JUnit reports and gives the reasons for skips.
 
     test_summary.py FOLDER LAYER...
 
-Reads FOLDER/LAYER.xml and the layer's exit status FOLDER/LAYER.exit. A layer that ended badly without
-naming a failed test (a crash, a missing report) counts as one failure. The last line is
-`N passed, N failed, N skipped`; exit status 1 when anything failed.
+Reads FOLDER/LAYER.xml and the layer's exit status FOLDER/LAYER.exit. A layer that ended with an error without naming a
+failed test (a crash, a missing report) counts as one failure. The last line is `N passed, N failed, N skipped`; the
+exit status is 1 if anything failed.
 """
 
 import re
@@ -16,7 +16,7 @@ from pathlib import Path
 
 
 def skip_reason(case, skipped):
-    """pytest says it in the message; ctest leaves GTEST_SKIP's text in the test's output."""
+    """pytest puts the reason into the message; ctest leaves GTEST_SKIP's text in the test's output."""
     output = case.findtext("system-out") or ""
     said = re.search(r": Skipped\n(.*?)\n\s*(?:\n|\[)", output, re.DOTALL)
     if said:

@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whole bakes of this checkout against those of another commit, in turn, in one run. Prints markdown tables.
+"""Whole bakes of this checkout and of another commit, in turn, in one run. Prints markdown tables.
 
     git worktree add ../before COMMIT      # and build its module there as its CONTRIBUTING says
     python3 benchmarks/bakes/against_commit.py ../before [--rounds 3] [--demo-tree FILE.obj]
         [--tree FILE.obj] [--tree-options '{"lod": 1}'] [--shots monkey-1024,monkey-2048,tree,demo] [--json FILE]
 
-The other checkout's add-on makes each shot, once, as a .blend file that both bake, so that mesh, layout, rig, and keyed
-snowfall are the same; the add-ons' own defaults hold for what the shot does not set. Each shot is baked with these, and
-once more ("deposit only") without what bakes of before the angle of repose have nothing of: repose is 90 degrees, and
-there is no flutter, which nowadays means 64 directions a shot at least. "First frame" is a deposit-only bake of that
-frame alone: set-up, and one step. Each time is the median of the rounds, over the call of the operator; the processor's
-is the sum over all threads, and holds on a busy machine, too. A ratio above 1: this checkout is faster. `tree`
-is left out without --tree, whose file is imported with --tree-options as the other checkout's importer knows them;
-`demo` grows the demo's own where none is named.
+The other checkout's add-on makes each shot once, as a .blend file that both bake, so mesh, layout, rig and keyed
+snowfall are the same. Settings that the shot does not set have each add-on's own defaults. Each shot is baked with the
+defaults, and once more ("deposit only") with repose 90 degrees and no flutter, as before the angle of repose and the 64
+directions. "First frame" is a deposit-only bake of one frame: set-up and one step. Each time is the median of the
+rounds, over the call of the operator. Processor time is the sum over all threads, and is comparable on a busy machine.
+A ratio above 1 means that this checkout is faster. `tree` needs --tree, whose file is imported with --tree-options in
+the terms of the other checkout; `demo` grows the demo's tree unless --demo-tree names one.
 """
 
 import argparse

@@ -1,14 +1,14 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What against_commit.py lets a checkout's add-on do inside Blender: make a shot, or bake it and take the times.
+"""The part of against_commit.py that runs inside Blender: makes a shot, or bakes it and measures the time.
 
     blender -b --factory-startup -P in_blender.py -- make CHECKOUT SHOT FILE.blend [--tree FILE.obj]
         [--tree-options JSON]
     blender -b --factory-startup FILE.blend -P in_blender.py -- bake CHECKOUT TIMES.json [--only-deposit]
         [--first-frame]
 
-Only names that the add-on has had since its first bake are used, so that any checkout can be driven. Shots:
-`monkey-SIZE`, which turns once in 24 frames under maps of SIZE; `tree`, TREE, imported with the given options and
-swaying, one map of 1024, 12 frames; `demo`, the checkout's own demo with TREE.
+It uses only names that the add-on has had since its first bake, so it works with any checkout. Shots: `monkey-SIZE`,
+which turns once in 24 frames, with maps of SIZE; `tree`, TREE imported with the given options and swaying, one map of
+1024, 12 frames; `demo`, the checkout's own demo with TREE.
 """
 
 import argparse
@@ -65,7 +65,7 @@ def make_tree(path, options):
 
 
 def make_demo(checkout, path):
-    """As the checkout's demo does it up to its bake."""
+    """Prepares the checkout's demo up to its bake."""
     sys.path.insert(0, str(checkout / "blend_samples"))
     import demo
     import demo_scene
@@ -93,7 +93,7 @@ def make(given):
 
 
 def set_only_deposit(settings):
-    """Switches off what bakes did not do from the first: see against_commit.py."""
+    """Switches off the features that the first bakes did not have: see against_commit.py."""
     settings.flutter = 0.0
     if hasattr(settings, "repose"):
         settings.repose = math.radians(90.0)
@@ -114,7 +114,7 @@ def bake(given):
         bpy.ops.snowbough.bake()
         times = {"wall": time.perf_counter() - began[0], "processor": time.process_time() - began[1]}
         written = len(list(Path(folder).rglob("height_*.exr")))
-        # Not here where the add-on kept no log of its engine.
+        # Missing if the add-on did not log its engine.
         engines = [line for log in Path(folder).rglob("*.log") for line in log.read_text().splitlines()]
     wanted = (scene.frame_end - scene.frame_start + 1) * len(settings.receivers)
     assert written == wanted, f"{written} maps instead of {wanted}"

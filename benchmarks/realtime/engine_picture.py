@@ -42,7 +42,7 @@ def build():
     bpy.ops.mesh.primitive_monkey_add(size=1.5, location=(1.7, -1.6, 0.75), rotation=(0, 0, 0.4))
     monkey = bpy.context.object
     bpy.ops.object.shade_smooth()
-    # Of 500 faces alone it would be seen to be of facets.
+    # With 500 faces alone, facets would be visible.
     round_ = monkey.modifiers.new("Subdivision", "SUBSURF")
     round_.levels = round_.render_levels = 2
     paint(monkey, (0.6, 0.05, 0.03))
@@ -81,7 +81,7 @@ def snow(scene, cache):
     for entry in scene.snowbough.receivers:
         entry.resolution = 512
     bpy.ops.snowbough.bake()
-    # The engine draws the maps itself: Blender need not work the shells out.
+    # The engine draws the maps itself, so Blender need not evaluate the snow surfaces.
     for obj in scene.objects:
         obj.hide_render = obj.hide_render or obj.snowbough.is_shell
     scene.frame_set(FRAMES)

@@ -1,17 +1,17 @@
-"""The real-time figures of docs/figures.md: our counterparts to the thesis's 3.4, 3.6, 3.9, 4.7, 4.8, 4.19 and 4.20.
+"""The real-time figures of docs/figures.md: counterparts of the thesis's 3.4, 3.6, 3.9, 4.7, 4.8, 4.19 and 4.20.
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/figures.py [--only NAME,..] [--out FOLDER]
 
 tree_levels   a tree at four levels of detail, shaded and as wireframes (3.4)
 tree_close    a fork from near, shaded and as a wireframe (3.6)
-tree_meadow   a tree in leaf, whole (3.9)
-snow_growing  snow as it grows on an urn and a bench (4.7)
-snow_filter   a map as it is simulated and as it is drawn, and what comes of both (4.8)
+tree_meadow   a tree in leaf (3.9)
+snow_growing  growing snow on an urn and a bench (4.7)
+snow_filter   a map as simulated and as drawn, and the snow of both (4.8)
 snow_close    a bench and an urn from near, and their wireframes
 snow_garden   a garden while it snows (4.19)
 snow_tree     a tree that carries snow, whole and from near (4.20)
 
-Trees are grown by blend_samples/grow_tree.py; everything else is made in scenes.py. What is drawn is printed.
+Trees are grown by blend_samples/grow_tree.py; scenes.py makes everything else. The script prints what it draws.
 """
 
 import argparse
@@ -35,7 +35,7 @@ NAMES = (
     "snow_garden",
     "snow_tree",
 )
-#: Pixels of a wireframe that one of the picture is the mean of, a side: single lines would be black where many meet.
+#: Supersampling of wireframes, per side: single lines would become black where many meet.
 WIRE_SAMPLES = 3
 #: Summer light for trees in leaf.
 SUMMER = {
@@ -91,15 +91,15 @@ def grown(*arguments):
     return skeleton, native.build_tree_mesh(skeleton, snow_resolution=2048)
 
 
-#: The trees that are grown bear few leaves: each is drawn so many times, turned and moved by up to so many metres.
+#: Grown trees have few leaves: copies of each leaf, and their maximum distance in metres.
 COPIES, AROUND = 9, 0.16
 
 
 def leaves_of(renderer, skeleton, mesh):
-    """Gives the tree its leaves, each in one of four greens and with others around it."""
+    """Adds the leaves, each in one of four greens, with copies around it."""
     foliage = skeleton.foliage
     begin, end = np.asarray(foliage.face_begin[:-1]), np.asarray(foliage.face_begin[1:])
-    # A fan of triangles a polygon: its first corner, and each two that follow one another.
+    # A fan of triangles per polygon: its first corner and each pair of successive corners.
     count = end - begin - 2
     face = np.repeat(np.arange(len(count)), count)
     step = np.arange(len(face)) - np.repeat(np.cumsum(count) - count, count)
@@ -163,7 +163,7 @@ def grass(renderer, blades=3000, size=2.0):
 
 
 def meadow(renderer):
-    """Ground, and a plain as far as the eye sees around it."""
+    """Ground, and a plain around it that reaches the horizon."""
     ground = scenes.ground(60.0, 60)
     renderer.add_mesh("ground", ground.positions, ground.triangles, (0.075, 0.115, 0.03))
     g = 1000.0
@@ -218,7 +218,7 @@ def tree_meadow():
 
 
 def garden():
-    """Things of a garden, and those that are trees."""
+    """The objects of a garden, and the trees among them."""
     _, mesh = grown("--seed", "4", "--levels", "3", "--height", "4.5")
     quads, uv = np.asarray(mesh.quads), np.asarray(mesh.uv_snow)
     tree = scenes.Thing(
@@ -286,7 +286,7 @@ def grey_map(heights, size):
 
 
 def snow_filter(size=400):
-    """An urn of one chart, whose sides meet in a seam towards the eye: without the output's smoothing and with it."""
+    """An urn of one chart with a seam towards the camera: without and with the output's smoothing."""
     urn = {"urn": scenes.urn().moved((0, 0, 0), -65)}
     columns = []
     with native.Renderer() as renderer:
@@ -308,7 +308,7 @@ def snow_close():
         size = (440, 330)
         return np.concatenate([both(renderer, *view, size, target_pixels=14.0) for view in (BENCH, URN)])
 
-    # Cut less finely than the maps would have it, so that wireframes show what the tessellator does.
+    # Cut more coarsely than the maps require, so that wireframes show the tessellation.
     return with_snow("from near", picture, cut=0.06)
 
 

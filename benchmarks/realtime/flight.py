@@ -1,11 +1,11 @@
-"""A flight from 80 m to 2 m of a tree in the snow: docs/images/flight.png, and how much neighbouring frames differ.
+"""A flight from 80 m to 2 m of a tree in the snow: docs/images/flight.png, and the difference of successive frames.
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/flight.py [--out PICTURE.png] [--every N]
 
-The picture has frames of the flight, the same as wireframes (with parts of edges four times as long, or small ones
-would be black), and below them a curve: the mean change of a pixel from frame to frame, of 255, over the whole flight.
-A level of detail that pops would be a spike in it. The distances shrink by the same part from frame to frame;
-`tests/python/native/test_lod_flight.py` bounds what the levels add to a frame's change.
+The picture has frames of the flight, the same frames as wireframes (with parts of edges four times as long, because
+small wireframes would be black), and a curve: the mean change of a pixel from frame to frame, of 255. A level of detail
+that pops would be a spike. The distance shrinks by the same factor in each frame;
+`tests/python/native/test_lod_flight.py` limits the share of the levels in a frame's change.
 """
 
 import argparse
@@ -18,7 +18,7 @@ import snowbough_native as native
 FARTHEST, NEAREST = 80.0, 2.0
 #: Six seconds at 60 a second.
 FRAMES = 360
-#: What is looked at, and from where.
+#: Target and direction of the view.
 TARGET = np.array((0.1, -0.1, 0.95))
 FROM = np.array((0.35, -0.92, 0.16))
 #: Metres: frames that the picture shows.
@@ -52,7 +52,7 @@ def smooth_picture(renderer, number, size, samples=4, **options):
 
 
 def scene(resolution=1024):
-    """Things, and which of them are trees."""
+    """The objects, and the trees among them."""
     tree, mesh = scenes.maple(resolution)
     things = {
         "ground": scenes.ground(40.0, 32, resolution),
@@ -65,7 +65,7 @@ def scene(resolution=1024):
 
 
 def put(renderer, heights, things, trees):
-    """The scene in a renderer, with a plain as far as the eye sees around it."""
+    """The scene in a renderer, with a plain around it that reaches the horizon."""
     scenes.show(renderer, things, heights, trees, cut=0.5)
     g = 1000.0
     corners = [(-g, -g, -0.05), (g, -g, -0.05), (g, g, -0.05), (-g, g, -0.05)]
@@ -112,7 +112,7 @@ def picture(every):
             for metres in SHOWN:
                 number = (FRAMES - 1) * np.log(metres / FARTHEST) / np.log(NEAREST / FARTHEST)
                 if wire:
-                    # Parts of edges four times as long, in soft lines: single ones would make one black.
+                    # Parts of edges four times as long, in soft lines, otherwise the wireframe would be black.
                     row.append(smooth_picture(renderer, number, CELL, target_pixels=16.0, wireframe=True))
                 else:
                     row.append(renderer.render(camera(number, CELL), settings())[..., :3])

@@ -4,16 +4,16 @@
     xvfb-run -a -s "-screen 0 960x600x24" blender --factory-startup --window-geometry 0 0 960 600 \\
         -P benchmarks/realtime/preview.py -- [--resolution 256] [--frames 20] [--engine AUTO]
 
-Needs a window (a real one does as well). One scene, a ground, a box and two round things, is played once; the maps
-of every frame are kept and shown, frame by frame. Drawing and simulation are measured apart:
+Needs a window (a real one works, too). Plays a scene of a ground, a box and two round objects once, keeps the maps of
+every frame, and shows them frame by frame. Drawing and simulation are measured separately:
 
-show       what a frame's maps cost until the view can be drawn: the points of the surface
-draw       a redraw of the window, less one without any snow; new points go to the driver here
-step       the simulation of a frame, with the moment that is kept for scrubbing
-output     its maps smoothed
+show       a frame's maps until the view can be drawn: the points of the surface
+draw       a redraw of the window, minus a redraw without snow; it includes the upload of new points
+step       the simulation of a frame, and storing the frame for scrubbing
+output     smoothing of its maps
 
-Seconds on the wall are what a user feels; seconds of the processor are beside them, since they say the same on a busy
-machine. Rates are of the wall's: frames a second of show and draw, and of all together.
+Wall-clock seconds are what a user feels; processor seconds are comparable on a busy machine. Rates are by the clock:
+frames per second of show and draw, and of all parts together.
 """
 
 import argparse
@@ -72,7 +72,7 @@ def fill_window():
     window = bpy.context.window_manager.windows[0]
     area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
     region = next(region for region in area.regions if region.type == "WINDOW")
-    bpy.context.preferences.system.viewport_aa = "OFF"  # else a still view is drawn again and again
+    bpy.context.preferences.system.viewport_aa = "OFF"  # otherwise a still view is redrawn continuously
     view = area.spaces.active.region_3d
     view.view_location, view.view_distance = (0.0, 0.0, 0.5), 8.0
     with bpy.context.temp_override(window=window, area=area, region=region):
@@ -84,7 +84,7 @@ def fill_window():
 
 @dataclass
 class Clock:
-    """Seconds on the wall and of the processor, by name."""
+    """Wall-clock and processor seconds, by name."""
 
     wall: dict = field(default_factory=dict)
     processor: dict = field(default_factory=dict)
@@ -97,7 +97,7 @@ class Clock:
         return result
 
     def of(self, name):
-        """(wall, processor) in milliseconds, the middle ones of the frames."""
+        """(wall, processor) in milliseconds, medians over the frames."""
         return tuple(float(np.median(times[name])) * 1000.0 for times in (self.wall, self.processor))
 
 

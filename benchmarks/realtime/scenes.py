@@ -1,6 +1,6 @@
-"""Scenes with snow for the pictures and tables of the real-time renderer, all of their meshes made here.
+"""Scenes with snow for the pictures and tables of the real-time renderer, with all their meshes.
 
-A thing is its mesh with a map layout, its map's size, its colour (linear) and whether it is shaded smooth.
+A thing has a mesh with a map layout, the size of its map, its colour (linear), and whether it is shaded smooth.
 """
 
 from dataclasses import dataclass
@@ -89,13 +89,13 @@ def packed(sizes, gap=0.006):
             x, high = x + width + gap, max(high, height)
         return corners, y + high <= 1.0 - gap
 
-    # Rows change at steps: of many scales, the largest at which all of it is on the map.
+    # Rows change in steps: take the largest of many scales at which everything fits on the map.
     scales = np.geomspace(0.1, 1.0 - 2 * gap, 400)[::-1] / sizes.max()
     return next((corners, scale) for scale in scales for corners, fits in [rows(scale)] if fits)
 
 
 def boxes(of, resolution=512, color=(0.25, 0.13, 0.06)):
-    """Boxes by (middle, size), a chart a side, all at one scale: texels that are oblong show in the snow."""
+    """Boxes by (middle, size), one chart per side, all at one scale: oblong texels would show in the snow."""
     sides = [(0, 4, 6, 2), (1, 3, 7, 5), (0, 1, 5, 4), (2, 6, 7, 3), (0, 2, 3, 1), (4, 5, 7, 6)]
     places, quads = [], []
     for number, (middle, size) in enumerate(of):
@@ -179,8 +179,8 @@ def rounded(profile):
     """Twice as many points on the way to a profile's cubic B-spline, the ends stay (J. M. Lane, R. F. Riesenfeld, A
     Theoretical Development for the Computer Generation and Display of Piecewise Polynomial Surfaces, 1980).
 
-    Cubic, because deep snow shows where a surface's curvature jumps: what lies in a hollow stands higher than on the
-    hump beside it, as a ring.
+    Cubic, because deep snow shows jumps of a surface's curvature: snow in a hollow stands higher than on the hump
+    beside it, as a ring.
     """
     at = np.asarray(profile, np.float64)
     refined = np.empty((2 * len(at) - 1, 2))
@@ -239,7 +239,7 @@ def maple(resolution=1024):
 
 
 def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="AUTO"):
-    """Heights by name after a fall that lays `depth` metres, and a while in which it comes to rest."""
+    """Heights by name after a snowfall of `depth` metres and some time to come to rest."""
     with native.SnowSimulation(
         cohesion=0.005,
         pixel_size=pixel_size,
@@ -264,8 +264,7 @@ def add_snow_mesh(renderer, name, thing, cut=1.0):
 
 
 def show(renderer, things, heights, trees=None, cut=1.0):
-    """Puts things with their snow into a renderer; `trees`: those that are trees, by name their mesh; `cut`: see
-    add_snow_mesh."""
+    """Puts things with their snow into a renderer; `trees`: meshes of the trees by name; `cut`: see add_snow_mesh."""
     for name, thing in things.items():
         if trees and name in trees:
             renderer.add_tree(name, trees[name])

@@ -1,20 +1,20 @@
-"""How fast snow falls and is drawn: the thesis's table 4.2, beside our own way, and frames by map and polygons.
+"""Frame rates of falling and drawn snow: the thesis's table 4.2 beside our method, and frames by map and polygons.
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/snow.py [--size 1280 720] [--frames 5] [--quick]
 
-Prints markdown tables for the driver at hand. A frame is a step of the simulation (engine GL), the map's way to the
-renderer (it stays on the GPU) and the picture; GPU time is that of all of their passes, of which the picture's stands
-beside it; wall time includes reading the picture back; the processor's time sums over threads.
+Prints markdown tables for the current driver. A frame is a step of the simulation (engine GL), the transfer of the map
+to the renderer (it stays on the GPU), and the picture. GPU time is that of all their passes, with the picture's share
+in a column of its own; wall time includes reading the picture back; processor time is the sum over threads.
 
-- Scenes: mapping GEOMETRY with the metric THESIS is the thesis's way on the same card, COMPUTE with SCREEN is ours.
-  Its six scenes ran at 103 to 112 frames a second on a GTX 580; its meshes are not to be had, so these are of about
-  as many polygons as theirs and the figures beside them a scale, no contest.
-- Maps of 256 to 4096 texels a side on one mesh, and meshes of 1,000 to 350,000 triangles on one map. The output's
-  smoothing is told in metres, and its rounds grow with the square of the texels in its radius: with 10 mm they take
-  over on large maps. Beside it stands a radius of as many texels everywhere (that of 10 mm at 1024).
+- Scenes: mapping GEOMETRY with the metric THESIS is the thesis's method on the same card, COMPUTE with SCREEN is ours.
+  The thesis's six scenes ran at 103 to 112 frames per second on a GTX 580. Its meshes are not available; ours have
+  about as many polygons, so its figures give a scale only.
+- Maps of 256 to 4096 texels per side on one mesh, and meshes of 1,000 to 350,000 triangles on one map. The radius of
+  the output's smoothing is in metres, and the number of its rounds grows with the square of the radius in texels: with
+  10 mm they dominate on large maps. Other rows have the same radius in texels everywhere (that of 10 mm at 1024).
 
-On a software renderer the tables show how the work grows, not how fast a card does it. Snow does not slide here
-(repose stays out, which runs on the processor for either engine).
+On a software renderer the tables show how the work grows, not the speed of a card. Snow does not slide here (no repose,
+which runs on the processor with either engine).
 """
 
 import argparse
@@ -27,17 +27,17 @@ import snowbough_native as native
 
 WAYS = {"thesis": ("GEOMETRY", "THESIS"), "ours": ("COMPUTE", "SCREEN")}
 DEPTH = 0.002
-#: Radius of the output's smoothing in metres, and the map at whose texels it is told for others.
+#: Radius of the output's smoothing in metres, and the map size for which it is converted into texels.
 BLUR, BLUR_MAP = 0.01, 1024
 
 
 def rolling(triangles, resolution):
-    """A rolling ground of about so many triangles."""
+    """A rolling ground with about that many triangles."""
     return scenes.ground(8.0, max(int(np.sqrt(triangles / 2)), 1), resolution)
 
 
 def table_scenes():
-    """By name: what it holds."""
+    """Scenes by name."""
     tree, _ = scenes.maple(512)
     yield "ground", {"ground": rolling(5_000, 512)}
     yield "ball on the ground", {"ground": rolling(5_000, 512), "ball": scenes.ball(0.5).moved((0, 0, 0.45))}

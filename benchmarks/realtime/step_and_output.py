@@ -1,20 +1,18 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a step of snow and its output take together, by the size of the map: from moved vertices to smoothed heights and
-normals.
+"""Time of a step of snow and its output, by the size of the map: from moved vertices to smoothed heights and normals.
 
     PYTHONPATH=build/python:tests/python/native /usr/bin/python3 benchmarks/realtime/step_and_output.py [--steps 8]
 
-Prints a markdown table. The scene is a waving field of 32,768 triangles that moves as a whole; the map has as many
-texels as the occlusion has pixels, as in the thesis; smoothing has a radius of two texels. Medians of calls; GPU times
-are those of the passes by the GPU's own clock, wall times what the call takes:
+Prints a markdown table. The scene is a waving field of 32,768 triangles that moves as a whole. The map has as many
+texels as the occlusion has pixels, as in the thesis; smoothing has a radius of two texels. All figures are medians of
+calls. GPU times are those of the passes by the GPU's own clock, wall times those of the call:
 
-- step: until the GPU has finished it (its balance is read back, a few bytes a receiver);
-- queued: the same number of steps handed over one after the other, waited for once, and divided: what a step takes
-  where nobody asks for its balance;
-- GPU output: the smoothed map as the texture that the renderer draws from, which takes normals from it by pixel;
-- step + output: both on the GPU, what the goals are told for;
-- heights, normals: the output of a bake, which the processor makes, with its way there (4 and 16 bytes a texel);
-- GEOMETRY: a step by the thesis's own scatter on the same card.
+- step: until the GPU has finished it (its balance is read back, a few bytes per receiver);
+- queued: the same number of steps queued together, waited for once, and divided by their number;
+- GPU output: the smoothed map as the texture that the renderer draws from, with normals per pixel;
+- step + output: both on the GPU;
+- heights, normals: the output of a bake, made by the processor, with the transfer (4 and 16 bytes per texel);
+- GEOMETRY: a step with the thesis's scatter on the same card.
 """
 
 import argparse
@@ -40,7 +38,7 @@ def timed(work):
 
 
 def gpu_seconds(sim):
-    """What the passes since the last call took by the GPU's clock."""
+    """Time of the passes since the last call, by the GPU's clock."""
     return sum(cost["gpu_seconds"] for cost in sim.pass_costs().values())
 
 
@@ -70,7 +68,7 @@ def measure(size, steps, mapping="COMPUTE"):
                 raise RuntimeError("the map did not stay on the GPU")
 
         waited(0)
-        shared()  # sets up what output needs
+        shared()  # prepares the output
         sim.output("field")
         taken = {"step": [timed(lambda k=k: waited(k)) for k in range(1, steps + 1)]}
         sim.snapshot("field", normal=False).output()
@@ -83,7 +81,7 @@ def measure(size, steps, mapping="COMPUTE"):
             sim.statistics()
 
         taken["queued"] = [timed(several) / steps]
-        # Asking the GPU for its times costs some: measured apart from the wall's.
+        # Reading the GPU's clock takes time, so wall time is measured separately.
         sim.measure_passes(True)
         taken["GPU step"], taken["GPU output"], taken["output"] = [], [], []
         for k in range(1, steps + 1):

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""All tables of the real-time half in one markdown document, with what others measured beside them.
+"""All tables of real time in one markdown document, with the measurements of others beside them.
 
     /usr/bin/python3 benchmarks/realtime/tables.py [--quick] [--size WIDTH HEIGHT] [--only trees,step,snow] > tables.md
 
-Each section is a script of this folder or of benchmarks/snow, run in a process of its own: what one cannot do on a
-machine ends its section with the reason, and the exit code is 1. tools/gpu_kit.sh packs all of it for machines that
-have nothing but Python and a graphics driver.
+Each section is a script of this folder or of benchmarks/snow, in a process of its own. If a script fails on a machine,
+its section ends with the reason, and the exit code is 1. tools/gpu_kit.sh packs all scripts for machines that have only
+Python and a graphics driver.
 """
 
 import argparse
@@ -21,7 +21,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 BENCHMARKS = ROOT / "benchmarks"
 MAPLE = ROOT / "tests" / "data" / "small_maple.obj"
-GROWN = "grown.obj"  # made anew in the folder where the scripts run
+GROWN = "grown.obj"  # grown in the folder where the scripts run
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ def environment():
 
 
 def run(script, *arguments):
-    """Runs a script of the checkout; returns (exit code, what it printed, what it complained of)."""
+    """Runs a script of the checkout; returns (exit code, standard output, standard error)."""
     done = subprocess.run(
         [sys.executable, str(script), *arguments], env=environment(), capture_output=True, text=True
     )
@@ -113,7 +113,7 @@ def run(script, *arguments):
 
 
 def machine():
-    """Lines about what is measured on."""
+    """Lines about the measured machine."""
     program = (
         "import snowbough_native as n; i = n.Engine('GL').info; print(n.__version__, i['driver'], sep='\\n')"
     )
@@ -128,7 +128,7 @@ def machine():
 
 
 def section(one, quick, grown, size):
-    """Prints a section; returns whether its script did all of it. size: of pictures, where another than usual."""
+    """Prints a section; returns whether its script succeeded. size: of pictures, if not the default."""
     arguments = [word.replace("{grown}", str(grown)) for word in (one.quick if quick else one.arguments)]
     if size and one.has_size:
         arguments += ["--size", *map(str, size)]

@@ -1,13 +1,12 @@
-"""How fast a tree is drawn from near and far, as the tables 3.1 and 3.2 of the thesis measure it.
+"""Time to draw a tree from near and far, measured as in the tables 3.1 and 3.2 of the thesis.
 
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/trees.py [TREE.obj] [--size 1280 720] [--frames 20]
 
-Prints a markdown table for the driver at hand: GPU time, wall time and the processor's time of a frame (the
-picture's way back to the processor is in both; the latter sums over threads, so that it holds on a busy machine),
-patches by class and triangles, by distance, for both metrics; the same tree with nothing tessellated; and the same
-tree as a plain mesh subdivided in advance. The thesis's frame rates stand beside them: a GTX 460 and another tree,
-so a scale and not a contest. On a software renderer the table shows how the work grows, not how fast a card does
-it.
+Prints a markdown table for the current driver: GPU time, wall time and processor time of a frame (the last two include
+reading the picture back; processor time is the sum over threads, and is comparable on a busy machine), patches by class
+and triangles, by distance, for both metrics; the same tree without tessellation; and the same tree as a plain mesh
+subdivided in advance. The thesis's frame rates stand beside them: they are from a GTX 460 with another tree, and give a
+scale only. On a software renderer the table shows how the work grows, not the speed of a card.
 """
 
 import argparse
@@ -28,7 +27,7 @@ THESIS = {
     80: (791.3, 1_624),
 }
 FIELD_OF_VIEW = 0.8
-#: Levels of the mesh that is subdivided in advance: the highest of an imported chain.
+#: Level of the mesh that is subdivided in advance: the highest of an imported chain.
 STATIC_LEVELS = 3
 
 
@@ -39,7 +38,7 @@ def camera_at(mesh, away, size):
 
 
 def ways(arguments):
-    """What is compared: name, whether the tree is a plain mesh, settings."""
+    """The compared methods: name, whether the tree is a plain mesh, settings."""
     common = {"shadow_resolution": 0 if arguments.no_shadows else 1024}
     yield "SCREEN", False, native.RenderSettings(**common)
     yield "THESIS", False, native.RenderSettings(metric="THESIS", max_area=0.02, **common)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures the snow core against what was asked of it and prints a table: item, asked, measured, holds.
+"""Measures the snow core against its requirements and prints a table: item, required, measured, holds.
 
     python3 benchmarks/snow/acceptance.py [--only conservation,place,...] [--engine GL] [--json FILE]
 
@@ -26,7 +26,7 @@ from time_and_motion import independence, persistence, turning  # noqa: E402
 
 
 def extreme_wind():
-    """How far snow spills into a post's shadow, in footprints of a pixel on the ground."""
+    """Distance that snow spills into a post's shadow, in footprints of a pixel on the ground."""
     for angle in (80, 89):
         tangent = np.tan(np.radians(angle))
         pixel = 0.004 if angle == 80 else 0.0008

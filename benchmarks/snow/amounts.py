@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much snow lies, and how evenly: the parts "conservation", "evenness", "spikes", "stability" and "thin" of
+"""Amount and evenness of the snow: the parts "conservation", "evenness", "spikes", "stability" and "thin" of
 acceptance.py.
 """
 
@@ -78,7 +78,7 @@ def layouts(disc):
     turn = np.radians(27.0)
     spun = (uv - 0.5) @ np.array([[np.cos(turn), np.sin(turn)], [-np.sin(turn), np.cos(turn)]]) * 0.7 + 0.5
     conserve("sphere, UVs turned by 27", (positions, triangles, spun.astype(np.float32)), disc, 256, 0.005)
-    # Every triangle a chart of its own, in a cell of a 47 x 47 grid.
+    # Every triangle is a chart of its own, in a cell of a 47 x 47 grid.
     cell = np.stack(np.divmod(np.arange(len(triangles)), 47), axis=1)[:, None, :] / 48.0
     flat = np.array([[0.1, 0.1], [0.9, 0.1], [0.1, 0.9]]) / 48.0 + cell
     conserve(
@@ -96,7 +96,7 @@ def layouts(disc):
 
 
 def evenness():
-    """Open planes after one step and after many: how much thickness varies, worst over sizes of pixels."""
+    """Open planes after one step and after many: variation of thickness, worst case over pixel sizes."""
     for steps, flutter in ((1, 0.0), (8, 3.0), (48, 3.0)):
         for tilt, angle in ((0, 0), (30, 0), (60, 0), (0, 45), (0, 80), (0, 89), (20, 80)):
             worst, at = 0.0, 0.0

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What snow costs after its maps are baked: seconds until it is seen, each change of the frame, points, files.
+"""Cost of snow after its maps are baked: seconds until it is visible, each change of the frame, points, files.
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/snow/display.py -- [--scene monkeys] [--frames 24]
         [--root CHECKOUT]
 
 SCENE: monkeys (three of them and a plane), car (15 parts and a plane), hundred (receivers of 100 faces, 512 texels).
---root: another checkout, built, whose add-on is measured instead, such as one of an earlier commit. The peer is a Mesh
-Cache modifier on a plain grid of as many points: what Blender takes to read that many points from a file.
+--root: another built checkout, whose add-on is measured instead, such as an earlier commit. The comparison is a Mesh
+Cache modifier on a plain grid with as many points: Blender's time for reading that many points from a file.
 """
 
 import argparse
@@ -133,7 +133,7 @@ def peer_frame_changes(scene, points, folder):
 
 
 def cycles_peak(scene):
-    """MB that another Blender takes at most to render the last frame of the saved file, small."""
+    """Peak memory in MB of another Blender that renders the last frame of the saved file, small."""
     scene.render.engine, scene.cycles.samples, scene.cycles.use_denoising = "CYCLES", 1, False
     scene.camera = bpy.data.objects.new("Camera", bpy.data.cameras.new("Camera"))
     scene.collection.objects.link(scene.camera)

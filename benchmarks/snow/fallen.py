@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What acceptance.py does again and again: one mesh under falling snow, and what then lies on it."""
+"""Shared by the parts of acceptance.py: one mesh under falling snow, and the snow on it."""
 
 import numpy as np
 from meshes import native

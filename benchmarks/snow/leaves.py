@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What alpha costs, as a table: a step over 5,000 leaf cards that are opaque, that have an image without a
-hole, and that have one shaped like a leaf.
+"""Cost of alpha, as a table.
+
+The steps are over 5,000 leaf cards that are opaque, that have an image without a hole, or an image shaped like a leaf.
 
     PYTHONPATH=build/python python3 benchmarks/snow/leaves.py [--steps 16] [--cards 5000]
 
-Steps of the three are taken alternately. "CPU" is the process's processor time a step (all threads), which
-other load on the machine changes less than the wall time.
+Steps of the three take turns. "CPU" is the processor time of a step (all threads), which other load on the machine
+affects less than wall time.
 """
 
 import argparse

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Measures what makes snow look like snow and prints a table: item, asked, measured, whether it holds.
+"""Measures the look of the snow and prints a table: item, required, measured, holds.
 
     python3 benchmarks/snow/look.py [--only box,twig,...] [--json FILE]
 
-Heights are the simulation's output (smoothed, as they are displaced); a displaced point is a texel's point plus its
-height along the normal that displacement uses. acceptance.py asks where snow lies and how much; pictures of whole
-scenes are look_scenes.py's.
+Heights are the simulation's output (smoothed, as for displacement). A displaced point is a texel's point plus its
+height along the displacement's normal. acceptance.py measures place and amount of snow; look_scenes.py renders whole
+scenes.
 """
 
 import argparse
@@ -43,7 +43,7 @@ class Scene:
 
     def __init__(self, receivers, occluders=None, shading=None, sides=None, **settings):
         settings = {"pixel_size": 0.004, "max_depth": 10.0, "cohesion": COHESION, **settings}
-        settings.setdefault("blur_radius", settings["pixel_size"])  # 0 would switch rounding off
+        settings.setdefault("blur_radius", settings["pixel_size"])  # 0 would switch smoothing off
         self.sim = native.SnowSimulation(**settings)
         self.meshes = {name: mesh for name, (mesh, _) in receivers.items()}
         for name, (mesh, resolution) in receivers.items():
@@ -76,7 +76,7 @@ class Scene:
 
 
 def displaced(mesh, height, shading=None):
-    """(bare points, displaced points, heights) of every texel; normals are smooth where `shading` says so."""
+    """(bare points, displaced points, heights) of every texel, with smooth normals according to `shading`."""
     positions, triangles, uv = mesh
     table = native.texel_table(triangles, uv, len(height))
     corners = positions.astype(np.float64)[triangles]
@@ -130,7 +130,7 @@ def ball():
 
 
 def slopes():
-    """A ball's cap at rest: how much neighbouring texels take turns in height, which shows as grit at its edge."""
+    """A ball's cap at rest: alternation of height between neighbouring texels, which shows as grit at its edge."""
     mesh = sphere(0.4, 64, 32)
     scene = Scene({"it": (mesh, 256)}).fall(0.1, 24).fall(0.0, 4, seconds=4.0)
     held = scene.held("it")[:, 20:236]
@@ -261,7 +261,7 @@ def pile():
 
 
 def gable():
-    """A wall that stands under the open sky: flutter blows a veil on it, which does not stay."""
+    """A wall under the open sky: flutter puts a thin veil on it, which does not stay."""
     wall = grid(2.0, 1.0)
     wall = (rotated(wall[0], "x", 90), *wall[1:])
     scene = Scene({"it": (wall, 256)}, flutter=np.radians(3.0), sides={"it": "FRONT"}).fall(0.12, 24)
@@ -272,7 +272,7 @@ def gable():
 
 
 def both_sides():
-    """A card that hangs face down: as much snow as on one that lies face up, on its back."""
+    """A card that faces down: it must carry as much snow, on its back, as one that faces up."""
     card = grid(0.2, 0.2)
     down = (rotated(card[0], "x", 180), *card[1:])
     heights = {}
@@ -288,13 +288,13 @@ def both_sides():
 
 
 def steps():
-    """The edge of a shadow under a fluttering fall: how far few frames are from 250, in parts of the depth."""
+    """The edge of a shadow with flutter: difference between a few frames and 250, as a share of the depth."""
     plate = grid(1.0, 1.0)
     plate[0][:, 2] = 1.0
     edges = {}
     for frames in (1, 12, 48, 250):
         scene = Scene({"it": (grid(3.0, 3.0), 256)}, {"roof": plate}, flutter=np.radians(3.0), repose=NONE)
-        # As a bake divides few frames.
+        # A bake divides few frames in this way.
         snowfall = plan.plan_snowfall(1, frames, 0.0, 0.1, [1] * frames)
         for frame in range(1, frames + 1):
             scene.fall(0.1 / frames, plan.frame_directions(snowfall, frame, 64))

@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Renders a small scene under snow, by Snowbough or by Blender's Real Snow add-on: same camera, light and depth.
+"""Renders a small scene with snow by Snowbough or by Blender's Real Snow add-on: same camera, light and depth.
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/snow/look_scenes.py -- SCENE FILE.png
         [--peer] [--frames 12] [--close] [--samples 32] [--blend FILE.blend]
 
-SCENE: box (a box and a monkey), bench (a garden bench), limb (a limb of a maple, 30 cm away), roof (a roof with
-fence and posts), spruce (twigs with needles). --peer: Real Snow, which comes with Blender up to 4.1. --close: the
-scene's second camera, a hand's breadth away. Pictures to look at, not figures: look.py has those.
+SCENE: box (a box and a monkey), bench (a garden bench), limb (a limb of a maple, 30 cm away), roof (a roof with fence
+and posts), spruce (twigs with needles). --peer: Real Snow, which comes with Blender up to 4.1. --close: the scene's
+second camera, 10 cm away. The script makes pictures; look.py measures.
 """
 
 import argparse

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Meshes for the snow measurements: positions (N, 3), triangles (T, 3), uv (T, 3, 2), Z up, metres.
 
-Those made elsewhere lie beside the checkout in shared/data; a measurement that needs one says so and goes on
+Meshes made elsewhere are in shared/data beside the checkout. A measurement whose mesh is missing says so and continues
 without it. The bunny has no UVs: Blender unwraps it once into build/snow.
 """
 
@@ -22,7 +22,7 @@ from snow_meshes import box, grid, rotated, sphere, wind  # noqa: E402, F401
 
 
 def use_engine(name):
-    """From now on simulations of this process run on that engine: AUTO, GL or CPU."""
+    """Sets the engine of all further simulations in this process: AUTO, GL or CPU."""
     native.SnowSimulation = functools.partial(native.SnowSimulation, engine=name)
 
 
@@ -36,7 +36,7 @@ def in_blender(script, *arguments):
 
 
 def unwrapped(name, scale):
-    """A mesh of shared/data/snow with a Smart UV layout, or None where it or Blender is absent."""
+    """A mesh of shared/data/snow with a Smart UV layout, or None if it or Blender is missing."""
     source, target = SHARED / "snow" / f"{name}.obj", BUILD / f"{name}.npz"
     if not target.is_file():
         if not source.is_file():

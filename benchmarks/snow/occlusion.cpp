@@ -1,15 +1,14 @@
-// How long it takes to find out what the sky sees: triangle set-up and occlusion on the processor
-// against the passes in OpenGL, by width of the tile and number of triangles. Prints a markdown
-// table.
+// Time of the occlusion: triangle set-up and rasterisation on the processor against the passes in
+// OpenGL, by width of the tile and number of triangles. Prints a markdown table.
 //
 //   snowbough_occlusion_benchmark [milliseconds a row] [processor]
 //
 // A wavy field of two triangles a cell fills the tile; above it hang random triangles of the same
 // size, one tenth as many. "large": 1,000 random triangles half a tile wide. "holes": a mask of 64
 // x 64 texels cuts every other texel out of each triangle. Times are the medians of repeated runs,
-// each with all pixels where the deposit reads them: in a buffer, or in memory. "processor": not
-// the wall clock's, but the time that all threads of the process took; for machines that do other
-// work as well, and for OpenGL that runs on the processor.
+// each with all pixels where the deposit reads them: in a buffer, or in memory. "processor": the
+// sum over all threads of the process instead of wall-clock time, for busy machines and for OpenGL
+// that runs on the processor.
 #include "snow/step/gl/occlusion.h"
 
 #include <algorithm>
@@ -36,7 +35,7 @@ namespace {
 struct Scene {
   std::vector<glm::vec3> positions;
   std::vector<shared::SceneTriangle> triangles;
-  /// Empty, or one a triangle, all with the one mask.
+  /// Empty, or one per triangle, all with the same mask.
   std::vector<shared::AlphaTriangle> alpha;
   std::vector<shared::AlphaMaskPlace> masks;
   std::vector<uint32_t> mask_bits;
@@ -100,7 +99,7 @@ Scene large_triangles() {
   return scene;
 }
 
-/// How long a row may take, and by which clock.
+/// Time limit of a row, and the clock.
 struct Budget {
   double milliseconds;
   bool is_processors;
@@ -139,7 +138,7 @@ struct Projection {
   Tile tile;
 };
 
-/// The scene fills a tile of `width` pixels, but for a margin.
+/// The scene fills a tile of `width` pixels, except a margin.
 Projection project_on(int32_t width) {
   FallSettings settings;
   settings.pixel_size = 1.0 / width;

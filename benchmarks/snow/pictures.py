@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Pictures of the snow core's work, to be looked at: simulates, displaces, renders with Cycles.
+"""Pictures of the snow core's results: simulates, displaces, renders with Cycles.
 
     python3 benchmarks/snow/pictures.py [--samples 24] [--only bunny,ball_before,...]
 
-Leaves build/snow/pictures/<name>.png. What is shown are the output maps: every vertex is moved along its
-normal by the height read at its UVs, at each corner by itself where `split` is on, so that a crack would be
-seen.
+Writes build/snow/pictures/<name>.png. The pictures show the output maps: every vertex is moved along its normal by the
+height at its UVs; with `split`, each corner is moved by itself, so that cracks would be visible.
 """
 
 import argparse
@@ -56,7 +55,7 @@ def vertex_normals(positions, triangles):
 
 
 def divided(mesh, times):
-    """Every triangle in four, `times` times over, so that height can move vertices."""
+    """Splits every triangle into four, `times` times, so that heights can move vertices."""
     positions, triangles, uv = mesh
     for _ in range(times):
         edges = np.sort(triangles[:, [[0, 1], [1, 2], [2, 0]]], axis=2)
@@ -93,7 +92,7 @@ def displaced(mesh, height, split=False):
 
 
 def welded(mesh):
-    """One vertex a place: the sphere of the tests has two along its meridian."""
+    """Merges vertices at one place: the sphere of the tests has two along its meridian."""
     positions, triangles, uv = mesh
     _, first, inverse = np.unique(np.round(positions, 5), axis=0, return_index=True, return_inverse=True)
     return positions[first], inverse.ravel()[triangles].astype(np.int32), uv

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether snow lies where rays arrive, and nowhere else: the part "place" of acceptance.py.
+"""Whether snow lies exactly where rays arrive: the part "place" of acceptance.py.
 
-Rays are asked on sub-samples of every texel's own surface (tests/python/native/snow_rays.py): a texel on an edge
-holds parts that the sky sees and parts that it does not, and its one sample point would tell half the truth.
+Rays start from sub-samples of every texel's own surface (tests/python/native/snow_rays.py): a texel at an edge has
+parts that see the sky and parts that do not, and its one sample point would be misleading.
 """
 
 import numpy as np
@@ -15,10 +15,10 @@ DOWN = (0.0, 0.0, -1.0)
 
 
 def reached_texels(table, mesh, resolution, snowed, scene, direction, margin):
-    """For every owned texel: which part of its surface rays reach, and whether not one ray reaches it.
+    """For every owned texel: the share of its surface that rays reach, and whether no ray reaches it.
 
-    3 x 3 rays a texel; texels that hold snow although none of these arrives are asked again with 16 x 16: an
-    edge that cuts off a texel's corner passes between nine rays."""
+    3 x 3 rays per texel. Texels with snow that none of them reaches are tested again with 16 x 16: an edge that
+    cuts off a texel's corner passes between nine rays."""
     share, _ = lit_shares(table, mesh, resolution, np.arange(len(snowed)), scene, direction, margin, 3)
     doubtful = np.flatnonzero(snowed & (share == 0.0))
     finer, _ = lit_shares(table, mesh, resolution, doubtful, scene, direction, margin, 16)
@@ -26,8 +26,8 @@ def reached_texels(table, mesh, resolution, snowed, scene, direction, margin):
 
 
 def facing_slopes(table, mesh, which, direction):
-    """Cosines to the sky of texels `which`: of the point where it faces the fall, else of the piece of the
-    texel that faces it most, by which alone the texel may take snow."""
+    """Cosines to the sky of texels `which`: of the sample point if it faces the fall, otherwise of the part of the
+    texel that faces it most, because that part alone may gain snow."""
     positions, triangles, _ = mesh
     corners = positions[triangles].astype(np.float64)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
@@ -38,8 +38,8 @@ def facing_slopes(table, mesh, which, direction):
 
 
 def far_from_light(points, facing, lit, direction, pixel_size, texel):
-    """Which points lie further than a pixel's footprint from all of `lit`: across the fall a pixel and a
-    texel, along it what a slope like the point's own rises over that width (a cosine of at least 0.02)."""
+    """Mask of points that are further than a pixel's footprint from all of `lit`: across the fall, a pixel plus a
+    texel; along it, the rise of the point's own slope over that width (with a cosine of at least 0.02)."""
     x, y, d = (np.asarray(axis) for axis in plane_axes(direction))
     reach = pixel_size + texel
     far = np.zeros(len(points), bool)
@@ -52,8 +52,8 @@ def far_from_light(points, facing, lit, direction, pixel_size, texel):
 
 
 def light_beside(points, normals, scene, direction, reach):
-    """Whether a ray passes a point within `reach` of it, across the fall, in the plane of its own surface: beside what
-    hides it, be there a surface for the ray to light or none, as on a limb that is narrower than what is over it."""
+    """Whether a ray passes a point within `reach`, across the fall, in the plane of the point's surface: beside the
+    occluder, whether the ray meets a surface there or not, as on a limb that is narrower than its occluder."""
     x, y, d = (np.asarray(axis) for axis in plane_axes(direction))
     places = np.linspace(-1.0, 1.0, 17)
     across = np.stack([axis.ravel() for axis in np.meshgrid(places, places)], axis=1)
@@ -68,10 +68,9 @@ def light_beside(points, normals, scene, direction, reach):
 
 
 def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=16, flutter=0.0):
-    """Whether snow lies where rays arrive. A texel is the smallest thing that holds snow, so it should hold
-    some when a ray reaches any part of it, and none when no ray does: intersection over union of the two sets
-    by area. Beside it, by exact area: which part of the lit surface holds snow, and what lies on texels that
-    no ray reaches, near the light and beyond a pixel's footprint."""
+    """Whether snow lies exactly where rays arrive. A texel should hold snow if a ray reaches any part of it, and none
+    if no ray does: intersection over union of the two sets, by area. Also, by exact area: the share of the lit
+    surface with snow, and the snow on texels that no ray reaches, near the light and beyond a pixel's footprint."""
     positions, triangles, uv = meshes[receiver]
     with native.SnowSimulation(repose=STAYS, pixel_size=pixel_size, max_depth=1e6, flutter=flutter) as sim:
         for key, (_, faces, corners) in meshes.items():
@@ -101,7 +100,7 @@ def agreement(name, meshes, receiver, direction, resolution, pixel_size, steps=1
     amount = height[texel] * weight
     if leaking.any():
         facing = facing_slopes(table, meshes[receiver], np.flatnonzero(leaking), direction)
-        reached = lit | (snowed & ~dark)  # some by one of the finer rays only
+        reached = lit | (snowed & ~dark)  # some are reached by a finer ray only
         texel_edge = weight.max() ** 0.5
         far = far_from_light(points[leaking], facing, points[reached], direction, pixel_size, texel_edge)
         if far.any():

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's half of pictures.py: renders the displaced meshes that a plan names. Run through pictures.py."""
+"""The part of pictures.py that runs in Blender: renders the displaced meshes of a plan. Run through pictures.py."""
 
 import json
 import sys
@@ -13,7 +13,7 @@ SNOW = (0.86, 0.89, 0.95, 1.0)
 
 
 def material(name, colour, wire):
-    """`colour` where no snow lies, white where it is over a millimetre, lines over it with `wire` > 0."""
+    """`colour` on bare places, white under more than a millimetre of snow, with lines over it if `wire` > 0."""
     made = bpy.data.materials.new(name)
     if bpy.app.version < (5, 0, 0):
         made.use_nodes = True

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The table that acceptance.py prints: item, asked, measured, whether it holds."""
+"""The table that acceptance.py prints: item, required, measured, holds."""
 
 ROWS = []
 

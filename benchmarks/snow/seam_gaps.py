@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far the snow of two sides of a seam lies apart: the part "seams" of acceptance.py."""
+"""Differences of height between the two sides of a seam: the part "seams" of acceptance.py."""
 
 import numpy as np
 from fallen import DOWN
@@ -10,7 +10,7 @@ from test_seams import read_map, seam_points
 
 
 def largest_read(height, uv):
-    """The highest of the four texels that a bilinear reader looks at."""
+    """The highest of the four texels of a bilinear sample."""
     size = height.shape[0]
     low = np.floor(uv * size - 0.5).astype(int)
     x0, y0 = np.clip(low, 0, size - 1).T
@@ -19,9 +19,9 @@ def largest_read(height, uv):
 
 
 def seam_gap(mesh, resolution, sigma_texels, direction=DOWN, steps=12):
-    """What the sides of seams differ by: in metres; as a part of the highest texel read there; as a part of
-    the height at the point itself, and that over 1 cm. The last two say little where snow ends: within its last
-    texel the height falls to 0, and two readers of texels that lie otherwise differ by any part of it."""
+    """Differences between the sides of seams: in metres; as a share of the highest texel read there; as a share of the
+    height at the point itself, and the same above 1 cm. The last two mean little where snow ends: within the last
+    texel the height falls to 0, so two differently placed samples may differ by any share of it."""
     positions, triangles, uv = mesh
     texel = texel_size(mesh, resolution)
     with native.SnowSimulation(
@@ -40,7 +40,7 @@ def seam_gap(mesh, resolution, sigma_texels, direction=DOWN, steps=12):
     around = np.maximum(*(largest_read(height, side) for side in sides))
     local = 0.5 * (first + second)
     covered = local > 0.0
-    # Relative to the local height, where there is height to speak of: a thousandth of what fell.
+    # Relative to the local height, if that is more than a thousandth of the snowfall.
     gap = abs(first - second)
     relative = gap[covered] / np.maximum(around[covered], 1e-4)
     pointwise = gap[covered] / np.maximum(local[covered], 1e-4)

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much snow a displaced mesh shows, of what its map holds: Steiner's correction and the smoothing together.
+"""Volume of the snow on a displaced mesh, as a share of its map: Steiner's correction and smoothing together.
 
     python3 benchmarks/snow/shown_volume.py [--engine CPU]
 
-Every triangle is cut into pieces smaller than a texel, displaced along interpolated normals by the output's height as
-a bilinear reader sees it, and the volume between that and the bare mesh is taken. "plain": displaced by what is held.
+Every triangle is cut into pieces smaller than a texel and displaced along interpolated normals by the output's bilinear
+height. The volume between that and the bare mesh is measured. "plain": displaced by the stored thickness.
 """
 
 import argparse

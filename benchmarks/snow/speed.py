@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a step of snow costs, in tables like the thesis's table 4.2 and figure 4.13, ratios from one run.
+"""Time of a step of snow, in tables like the thesis's table 4.2 and figure 4.13; ratios are from one run.
 
     python3 benchmarks/snow/speed.py [--steps 6] [--tables mapping,occlusion,maps,objects,triangles]
 
-The thesis's own figures: 103 to 112 frames a second with 1024 x 1024 maps on a GTX 580, scenes of 1,106
-to 42,918 base polygons within 10 % of each other (D. T. Reynolds, Real-Time Rendering and Simulation of
-Trees and Snow, 2014, chapter 4). Every row is the median of its steps; the occlusion's
-extent is kept, its pixel varies. GPU ms are the passes' by the GPU's own clock, "-" where the engine is CPU; processor
-ms are summed over threads and hold on a busy machine, too.
+The thesis's figures: 103 to 112 frames per second with 1024 x 1024 maps on a GTX 580; scenes of 1,106 to 42,918 base
+polygons within 10 % of each other (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, chapter
+4). Every row is the median of its steps. The extent of the occlusion stays the same, its pixel varies. GPU ms are those
+of the passes by the GPU's own clock, "-" for the engine CPU; processor ms are the sum over threads, and are comparable
+on a busy machine.
 """
 
 import argparse
@@ -81,7 +81,7 @@ def mapping_table(steps):
     for size in (256, 512, 1024, 2048):
         kinds = ({"engine": "CPU"}, {"engine": "GL"}, {"engine": "GL", "mapping": "GEOMETRY"})
         taken = [[], [], []]
-        for _ in range(2):  # turn about, so that a change of load meets all
+        for _ in range(2):  # take turns, so that a change of load affects all
             for kind, times in zip(kinds, taken, strict=True):
                 times.append(median_step(field, size, EXTENT / size, steps, 0.1, **kind))
         (cpu, *_), (gl, _, gl_gpu), (geometry, _, geometry_gpu) = (min(times) for times in taken)

@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What a step of snow costs, as tables: by occlusion size, map size, objects and triangles, and by the
-deposit's formulation at a noise density of 10 %.
+"""Time of a step of snow, as tables: by occlusion size, map size, objects and triangles, and by mapping at a noise
+density of 10 %.
 
     PYTHONPATH=build/python:tests/python/native python3 benchmarks/snow/steps.py [--steps 8]
 
-The middle of the steps' wall times counts; "CPU" is the process's processor time a step (all threads),
-which other load on the machine changes less.
+Wall times are medians of the steps; "CPU" is the processor time of a step (all threads), which other load on the
+machine affects less.
 """
 
 import argparse

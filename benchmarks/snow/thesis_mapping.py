@@ -1,22 +1,21 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What laying a pixel's snow on its UV rectangle, as the thesis does, costs and loses beside our own sharing.
+"""Cost and losses of spreading a pixel's snow over its UV rectangle, as the thesis does, beside our deposit.
 
     PYTHONPATH=build/python python3 benchmarks/snow/thesis_mapping.py [--steps 16] [--only plane,twig,...]
 
-The thesis (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, chapter 4) knows of a
-pixel the UV at its centre and how far u and v run across it, |du/dx| + |du/dy| and |dv/dx| + |dv/dy|. It lays
-the pixel's snow on that rectangle of the map, additively: on every texel whose centre lies in it, whatever
-this texel shows. Here that is numpy; the core has no such mapping. Two readings of how thick it lies:
+In the thesis (D. T. Reynolds, Real-Time Rendering and Simulation of Trees and Snow, 2014, chapter 4), a pixel knows the
+UV at its centre and the extent of u and v across it, |du/dx| + |du/dy| and |dv/dx| + |dv/dy|. It adds its snow to that
+rectangle of the map: to every texel whose centre lies in it, whatever surface that texel shows. Here this is numpy; the
+core has no such mapping. The thickness can be understood in two ways:
 
 THESIS        mass / (texels covered x area of a texel): a rectangle without a texel's centre loses its snow.
-THESIS, area  mass / area of the rectangle, whatever it covers: nothing is lost where rectangles tile the map.
+THESIS, area  mass / area of the rectangle, whatever it covers: nothing is lost if rectangles tile the map.
 
-Mass, jitter and back faces are as in the core (no slope factor, which the thesis has) and nothing slides, so
-that the sharing is all that differs. Columns: snow that is not on the map, of depth x visible area (negative:
-too much is); which part of the area that rays reach holds none, after the first step and after all; which
-part of the snow lies on texels that not one ray reaches, in shadow or facing away; the thickest texel over
-the mean of those with snow; texels written for a pixel that shows the object; median time of a step of the
-core (numpy's own time is no peer and is left out).
+Mass, jitter and back faces are as in the core (without the thesis's slope factor), and nothing slides, so only the
+spreading differs. Columns: share of depth x visible area that is not on the map (negative: too much is); share of the
+area that rays reach but that has no snow, after the first step and after all; share of the snow on texels that no ray
+reaches, in shadow or facing away; thickest texel divided by the mean of those with snow; texels written per pixel that
+shows the object; median time of a step of the core (numpy's own time is left out).
 """
 
 import argparse
@@ -106,7 +105,7 @@ def lay_on_rectangles(centre, extent, volume, texel_area, resolution, by_area=Fa
 
 
 def facing_area(mesh, direction):
-    """Area in m2 that faces the fall, seen along it: of a convex mesh what is visible."""
+    """Area in m2 that faces the fall, projected along it: the visible area of a convex mesh."""
     corners = mesh[0][mesh[1]].astype(np.float64)
     normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     return 0.5 * float((-(normals @ np.asarray(direction))).clip(0.0).sum())
@@ -148,7 +147,7 @@ def core_steps(mesh, direction, resolution, pixel_size, steps, mapping):
         sim.add_object("it", mesh[1], mesh[2], resolution=resolution)
         for _ in range(steps):
             started = time.perf_counter()
-            sim.step({"it": mesh[0]}, DEPTH, direction, 0.0)  # in no time, so that nothing slides
+            sim.step({"it": mesh[0]}, DEPTH, direction, 0.0)  # zero seconds, so that nothing slides
             sim.statistics()  # waits for the GPU
             taken.append(time.perf_counter() - started)
             first = sim.height("it") if first is None else first
@@ -191,8 +190,8 @@ def compare(name, mesh, direction, resolution, pixel_size, steps, visible):
 
 
 def twig(diameter, length, resolution, texel, sides=8):
-    """An open tube that leans, seam below; its strip on the map is as wide as its perimeter, two texels at
-    least, and runs along v."""
+    """A leaning open tube with its seam below. Its strip on the map is as wide as its perimeter, at least two texels,
+    and runs along v."""
     turn, rise = np.linspace(0.0, 2.0 * np.pi, sides + 1), np.array([-0.5, 0.5])
     r, t = (axis.ravel() for axis in np.meshgrid(rise, turn, indexing="ij"))
     positions = np.stack([r * length, -0.5 * diameter * np.sin(t), -0.5 * diameter * np.cos(t)], axis=1)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lies as time goes on and things move: the parts "persistence", "turning" and "independence" of acceptance.py."""
+"""Snow over time and on moving objects: the parts "persistence", "turning" and "independence" of acceptance.py."""
 
 import numpy as np
 from fallen import DOWN, bake, percent, volume

@@ -1,32 +1,30 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How well each level of detail keeps to the trees it was made from, as one Markdown table.
+"""Deviation of each level of detail from the trees it was made from, as one Markdown table.
 
     PYTHONPATH=build/python python3 benchmarks/tree/detail.py [FOLDER] [--repeats 3] [--details DRAFT,DEFAULT]
 
-A row a tree of ../shared/data/trees (and the grown maple, unless a folder is given) and level. Columns:
+One row per tree of ../shared/data/trees (and the grown maple, unless a folder is given) and level. Columns:
 
 - faces, and sides of the thickest ring;
-- `tubes %`: distance of the exports' tubes from the rebuilt surface in percent of the local radius, median
-  and 95th percentile, over points spread evenly by area over the export's own faces where its rings have
-  eight and more corners (`-`: it has none), outside of forks;
-- `limbs %`: the same from round limbs with the export's centrelines and areas, whatever its rings, which any
-  tree has;
-- `turn`: the largest angle in degrees between the normals of two faces that follow one another along a limb,
-  and its 99.9th percentile. Outside of forks, and not beside caps;
+- `tubes %`: distance of the export's tubes from the rebuilt surface in percent of the local radius, median and 95th
+  percentile, over points spread evenly by area over the export's own faces where its rings have eight and more corners
+  (`-`: it has none), outside of forks;
+- `limbs %`: the same distance for round limbs with the export's centrelines and areas, which every tree has;
+- `turn`: the largest angle in degrees between the normals of two successive faces along a limb, and its 99.9th
+  percentile, outside of forks and not beside caps;
 - `crossings`: pairs of limbs whose faces cross, or one limb's own, of the four-sided base and of the level. The
-  export's own are those between two limbs of which none leaves the other and whose round tubes, along the
-  export's centrelines, cut each other (radii at least 2e-5 of the height, which is the thinnest we make); all
-  others are made here (wanted: 0);
-- `UV`: texels of the snow map that two charts share plus faces without positive area (wanted: 0), and the
-  ratio of its p95 to p5 of texels a m2 (wanted: below 2);
-- `closed`: one component a root, closed, of Euler characteristic 2, wound alike, weights of sum 1, no face
+  export's own crossings are those between two limbs that do not leave each other, whose round tubes along the export's
+  centrelines intersect (radii at least 2e-5 of the height, the thinnest that we make); all others are made here
+  (wanted: 0);
+- `UV`: texels of the snow map that two charts share plus faces without positive area (wanted: 0), and the ratio of its
+  p95 to p5 of texels per m2 (wanted: below 2);
+- `closed`: one component per root, closed, of Euler characteristic 2, consistently wound, weights of sum 1, no face
   without area;
-- seconds of processor time of build_tree_mesh on one thread, best of the repeats, and those of the four-sided
-  base.
+- processor seconds of build_tree_mesh on one thread, best of the repeats, and those of the four-sided base.
 
-A place is at a fork where a child's and its parent's surfaces are both nearer than twice the radius of the
-thinner one where they meet: the fillet between them is half as wide. All joints are kept (simplify NONE).
+A place is at a fork if a child's and its parent's surfaces are both nearer than twice the radius of the thinner one
+where they meet: the fillet between them is half as wide. All joints are kept (simplify NONE).
 """
 
 import argparse
@@ -64,7 +62,7 @@ COLUMNS = [
 
 
 class Segments:
-    """Stretches of all limbs between two points, with their radii, and which are nearest to places."""
+    """Segments of all limbs with their radii, and a search for the nearest ones."""
 
     def __init__(self, branches):
         begin, end, low, high, owner = [], [], [], [], []
@@ -144,7 +142,7 @@ def nearest_triangle(points, corners):
 
 
 class Forks:
-    """Where limbs flow into each other: both surfaces are nearer than twice the radius of the thinner limb."""
+    """Places where limbs blend: both surfaces are nearer than twice the radius of the thinner limb."""
 
     def __init__(self, branches):
         self.rows = Segments(branches)
@@ -166,7 +164,7 @@ class Forks:
         order = np.argsort(points[:, 2])
         heights = points[order, 2]
         for child, parent, at, radius in self.pairs:
-            # Further away than the parent is thick and 25 radii, no two limbs still touch.
+            # Beyond the parent's thickness and 25 radii, no two limbs touch.
             reach = 25 * radius + 2 * self.rows.low[self.of[parent]].max()
             near = order[slice(*np.searchsorted(heights, (at[2] - reach, at[2] + reach)))]
             near = near[free[near]]
@@ -202,7 +200,7 @@ def round_limb_samples(branches, random, count):
 
 
 def not_inside_others(points, owners, branches, free):
-    """Drops what lies inside a limb's parent: only the outside of a tree is rebuilt."""
+    """Drops points inside a limb's parent: only the outside of a tree is rebuilt."""
     for number, limb in enumerate(branches):
         rows = np.flatnonzero(free & (owners == number))
         if limb.parent < 0 or not len(rows):
@@ -216,7 +214,7 @@ def not_inside_others(points, owners, branches, free):
 
 
 def ring_corners(branches):
-    """Per branch: corners of its rings, told from area over the square of the radius; 0 where it has none."""
+    """Per branch: corners of its rings, computed from area divided by radius squared; 0 if it has no rings."""
     corners = []
     k = np.arange(3, 40)
     share = k * np.sin(2 * np.pi / k) / (2 * np.pi)
@@ -295,7 +293,7 @@ def turns(mesh, forks):
 
 
 def turn_angles(mesh, forks):
-    """Degrees between the normals of all faces that follow one another along a limb, outside of forks."""
+    """Degrees between the normals of successive faces along a limb, outside of forks."""
     quads, corners = mesh.quads, mesh.vertices.astype(float)[mesh.quads]
     normal = np.cross(corners[:, 2] - corners[:, 0], corners[:, 3] - corners[:, 1])
     normal /= np.maximum(np.linalg.norm(normal, axis=1), 1e-300)[:, None]
@@ -320,7 +318,7 @@ def turn_angles(mesh, forks):
     )
     along = (low == high) | (mesh.continues_parent[high] == 1)
     f, g, middle = f[along], g[along], middle[along]
-    # Where they meet, not where they are: beside a fork faces may be long.
+    # The place where the faces meet, not their centres: beside a fork faces may be long.
     free = forks.outside(middle) & (normal_length(corners[f]) > 0) & (normal_length(corners[g]) > 0)
     return np.degrees(np.arccos(np.clip((normal[f] * normal[g]).sum(1), -1, 1)))[free]
 
@@ -343,7 +341,7 @@ def crossings(mesh, branches):
 
 
 def tubes_cross(branches, first, second, least):
-    """Whether the export's tubes of two limbs that do not leave one another cut each other."""
+    """Whether the export's tubes of two limbs that do not leave each other intersect."""
     if first == second or branches[second].parent == first or branches[first].parent == second:
         return False
     a, b = Segments([branches[first]]), Segments([branches[second]])

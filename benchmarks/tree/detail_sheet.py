@@ -3,9 +3,9 @@
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/tree/detail_sheet.py -- FILE.obj [FOLDER]
 
-Writes FOLDER/<file>_detail.png (default build/detail): one row a fork - the thickest limb on the trunk, the
-thickest twig on a limb, and where most limbs leave a parent close together - and four columns in the same
-light: the export, DRAFT, DEFAULT and FILM, all rebuilt meshes shaded smooth.
+Writes FOLDER/<file>_detail.png (default build/detail). One row per fork: the thickest limb on the trunk, the thickest
+twig on a limb, and the place where most limbs leave a parent close together. Four columns in the same light: the
+export, DRAFT, DEFAULT and FILM, all rebuilt meshes shaded smooth.
 """
 
 import sys

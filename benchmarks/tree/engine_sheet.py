@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an engine makes of an exported tree, drawn from the file alone by the shaders of docs/engines: its levels of
-detail from the same place, their bark from near, the finest and the coarsest under the same snow, and that frame's part
-of the height map. docs/images/engines.png.
+"""An exported tree as an engine shows it, drawn from the file alone with the shaders of docs/engines.
 
     /usr/bin/python3 benchmarks/tree/engine_sheet.py TREE.glb [--out PICTURE.png] [--frame N]
 
-TREE.glb as blend_samples/engine_files.py makes it. Needs moderngl (package python3-moderngl).
+The picture, docs/images/engines.png, shows the levels of detail from the same place, their bark from near, the finest
+and the coarsest level under the same snow, and that frame's part of the height map. blend_samples/engine_files.py makes
+TREE.glb. Needs moderngl (package python3-moderngl).
 """
 
 import argparse
@@ -20,10 +20,10 @@ sys.path.insert(0, str(ROOT / "tests" / "support"))
 import glb  # noqa: E402
 from engine_view import EngineView  # noqa: E402
 
-# Edge of a picture in pixels; it is drawn at twice that.
+# Side of a picture in pixels; it is drawn at twice that.
 SIZE = 380
 PAPER = (0.3, 0.36, 0.42, 0.0)
-# From the point that is looked at to the eye, in heights of the tree; the point's own height.
+# From the target to the camera, in heights of the tree; the target's own height.
 WHOLE, NEAR = ((0.72, 0.5, 2.1), 0.5), ((0.16, 0.12, 0.42), 0.42)
 
 
@@ -93,7 +93,7 @@ class Sheet:
 
 
 def cells(sheet, frame):
-    """[(image, what it shows), ...], four a row."""
+    """[(image, caption), ...], four per row."""
     count = len(sheet.parts[sheet.bark])
     for level in range(count):
         image, _ = sheet.picture(level, WHOLE, highest=1.0)

@@ -4,12 +4,12 @@
 
     PYTHONPATH=build/python python3 benchmarks/tree/files_table.py [FOLDER] [--repeats 3] [--blender blender]
 
-A row a file: the form found; branches; parents right, where a .json of the same name or the sibling of the
-same tree tells them; the mesh's vertices, components, Euler characteristic of each and whether it is closed;
-junctions with faces that cross each other; share of the snow map that the charts fill at 1024; seconds of
-read_tree and of build_tree_mesh (surface, weights, both UV maps; best of the repeats) and of Blender's own
-OBJ importer on the same file, which does no more than read (operator only, best of the repeats). All joints
-are kept (simplify NONE). Times mean something on an idle machine only; its load is printed below the table.
+One row per file: the form found; branches; correct parents, if a .json of the same name or the sibling of the same tree
+has them; the mesh's vertices, components, Euler characteristic of each and whether it is closed; junctions with faces
+that cross each other; share of the snow map that the charts fill at 1024; seconds of read_tree and of build_tree_mesh
+(surface, weights, both UV maps; best of the repeats) and of Blender's own OBJ importer on the same file, which only
+reads (operator only, best of the repeats). All joints are kept (simplify NONE). Times are comparable on an idle machine
+only; its load is printed below the table.
 """
 
 import argparse
@@ -43,7 +43,7 @@ COLUMNS = [
 
 
 def true_parents(path, skeleton):
-    """(right, all) of the branches whose parent the .json beside the file tells, or None without one."""
+    """(correct, all) of the branches whose parent the .json beside the file has, or None without one."""
     truth = path.with_suffix(".json")
     if not truth.is_file():
         return None
@@ -62,14 +62,14 @@ def sibling_parents(path, skeleton, folder):
     """The same for the tubes of a tree whose squares have a .json: branches are paired by root and tip.
 
     AL06a has 196 of 199: the other three are twigs that start at a joint of a limb without thickness, which
-    is the parent found; the .json, made by distance in radii, hangs them on the trunk 20 to 59 mm away.
+    is the parent found; the .json, made by distance in radii, puts them on the trunk 20 to 59 mm away.
     """
     for truth in sorted((folder / "squares").glob("*.json")):
         if not path.name.startswith(truth.name.split("_")[0]) or path.parent.name != "tubes":
             continue
         branches = json.loads(truth.read_text())["branches"]
         points = [np.asarray(branch["points"]) for branch in branches]
-        # The truth is Y up.
+        # The reference is Y up.
         ends = np.array([np.concatenate((p[0], p[-1])) for p in points])
         ends = ends[:, [0, 2, 1, 3, 5, 4]] * (1, -1, 1, 1, -1, 1)
         mine = np.array([np.concatenate((b.points[0], b.points[-1])) for b in skeleton.branches])

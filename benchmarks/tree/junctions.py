@@ -3,10 +3,10 @@
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/tree/junctions.py -- FILE.obj [FOLDER]
 
-Writes FOLDER/<file>_junctions.png (default build/junctions): one column a junction - the thickest limb on
-the trunk, the thickest twig on a limb, and where most limbs leave a parent close together - and three
-rows: the export, the four-sided base (flat, so that every face shows) and level of detail 2.
-The same pairs are what the thesis (D. T. Reynolds, 2014) shows in its appendix B.
+Writes FOLDER/<file>_junctions.png (default build/junctions). One column per junction: the thickest limb on the trunk,
+the thickest twig on a limb, and the place where most limbs leave a parent close together. Three rows: the export, the
+four-sided base (flat, so that every face is visible) and level of detail 2. The thesis (D. T. Reynolds, 2014) shows the
+same pairs in its appendix B.
 """
 
 import sys
@@ -73,7 +73,7 @@ def choose(branches):
 
 
 def look_at(camera, child, frame):
-    """Orthographic, across the plane that parent and child span; cuts off what stands before and behind."""
+    """Orthographic, across the plane of parent and child; clips everything in front of and behind them."""
     at, tangent, radius = frame
     points = np.asarray(child.points, float)
     reach = points[np.linalg.norm(points - points[0], axis=1) > 0]
@@ -85,7 +85,7 @@ def look_at(camera, child, frame):
     up = Vector(tangent).normalized()
     back = right.cross(up)
     distance = 20.0 * radius
-    # Towards the child: it is what the junction is about.
+    # Towards the child, the subject of the picture.
     center = Vector(at) + right * (0.3 * VIEW_RADII * radius)
     camera.matrix_world = (
         Matrix.Translation(center + back * distance) @ Matrix((right, up, back)).transposed().to_4x4()

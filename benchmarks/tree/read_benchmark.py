@@ -3,14 +3,13 @@
     PYTHONPATH=build/python python3 benchmarks/tree/read_benchmark.py [FILE.obj ...] [--megabytes 50]
         [--repeats 3] [--blender blender] [--large]
 
-Prints a table: size of the file; seconds of read_tree, and of build_tree_mesh with the leaves' charts beside
-it (surface, weights, UV maps, as the import operator calls them; best of the repeats); seconds of Blender's
-importer in C++ (wm.obj_import of 3.2 on, not the one in Python, import_scene.obj), which does no more than
-read (operator only, best of the repeats, factory settings); read_tree and the whole against it, the whole
-also by processor time, summed over the threads, which says more on a busy machine; and read_tree's peak
-memory against the file's size. Ours and Blender's runs take turns. Without files, a tree of tubes of about
-the given size is generated. --large also reads, once, a generated file of a gigabyte: without Blender and without
-the mesh.
+Prints a table: size of the file; seconds of read_tree, and of build_tree_mesh with the leaves' charts beside it
+(surface, weights, UV maps, as the import operator calls them; best of the repeats); seconds of Blender's importer in
+C++ (wm.obj_import of 3.2 on, not import_scene.obj in Python), which only reads (operator only, best of the repeats,
+factory settings); read_tree and the whole divided by it, the whole also by processor time, summed over threads, which
+is comparable on a busy machine; and read_tree's peak memory divided by the file's size. Our runs and Blender's take
+turns. Without files, a tree of tubes of about the given size is generated. --large also reads a generated file of one
+gigabyte once, without Blender and without the mesh.
 """
 
 import argparse
@@ -22,7 +21,7 @@ import subprocess
 import sys
 import tempfile
 
-TURNS = 2  # times that ours and Blender's importer follow one another
+TURNS = 2  # times that ours and Blender's importer take turns
 
 READ = """
 import json, sys, time
@@ -71,7 +70,7 @@ print("RESULT " + json.dumps({"seconds": min(times), "processor": min(processor)
 
 
 def write_tree(path, megabytes, seed=1):
-    """Writes a merged tree of six-sided quad tubes, Y up, until the file has the size asked for."""
+    """Writes a merged tree of six-sided quad tubes, Y up, until the file has the requested size."""
     rng = random.Random(seed)
     limit = megabytes * 1e6
     with open(path, "w", encoding="ascii") as file:
@@ -147,7 +146,7 @@ def read_blender(blender, path, repeats):
 
 
 def best(runs):
-    """The runs' smallest figures; what is no time is the same in all."""
+    """The smallest figures of the runs; figures other than times are the same in all runs."""
     first = runs[0]
     return {
         key: min(run[key] for run in runs) if isinstance(first[key], float) else first[key] for key in first

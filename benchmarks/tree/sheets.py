@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What the pictures of trees share: meshes put into the scene, exports shaded as they are, and sheets of pictures."""
+"""Shared by the pictures of trees: meshes in the scene, exports shaded as they are, and sheets of pictures."""
 
 import bpy
 import numpy as np
@@ -29,7 +29,7 @@ def import_export(path, native):
     bpy.ops.wm.obj_import(filepath=str(path), forward_axis=axes[0], up_axis=axes[1])
     objects = [obj for obj in bpy.context.selected_objects if obj.type == "MESH"]
     for obj in objects:
-        # Exports hold normals that point anywhere: flat faces show the polygons as they are.
+        # Normals of exports are unreliable; flat shading shows the polygons themselves.
         bpy.context.view_layer.objects.active = obj
         bpy.ops.mesh.customdata_custom_splitnormals_clear()
         obj.data.polygons.foreach_set("use_smooth", np.zeros(len(obj.data.polygons), bool))

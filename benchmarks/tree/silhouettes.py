@@ -1,12 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much a tree's outline changes from one level of detail to another.
+"""Change of a tree's outline from one level of detail to another.
 
     blender -b --factory-startup --python-exit-code 1 -P benchmarks/tree/silhouettes.py -- FILE.obj [SAMPLES]
 
-Looks at levels 0 to 3 along X and along Y through the same SAMPLES x SAMPLES (default 2400) rays, one a
-pixel with the same jitter for all levels, so that twigs thinner than a pixel count by their area. Prints,
-as shares of level 3's area: the area of each level, and for pairs of levels the area that only one of them
-covers. Wanted: levels 1 to 3 less than 3 % apart, level 0 from level 3 less than 12 %.
+Samples levels 0 to 3 along X and along Y with the same SAMPLES x SAMPLES (default 2400) rays, one per pixel with the
+same jitter for all levels, so that twigs thinner than a pixel count by their area. Prints, as shares of level 3's area:
+the area of each level, and for pairs of levels the area that only one of them covers. Wanted: levels 1 to 3 differ by
+less than 3 %, level 0 from level 3 by less than 12 %.
 """
 
 import sys

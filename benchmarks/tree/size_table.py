@@ -1,24 +1,24 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How the native part's time grows with the size of a tree, as Markdown tables.
+"""Growth of the native part's time with the size of a tree, as Markdown tables.
 
     PYTHONPATH=build/python python3 benchmarks/tree/size_table.py [--branches 2000,10000] [--corners 2000,10000]
         [--detail DRAFT]
 
-The first table: seconds of Skeleton.from_branches, where all branches have one name, and of build_tree_mesh
-(all defaults: four-sided; or of a detail) for trees of so many branches:
+The first table: seconds of Skeleton.from_branches, with one name for all branches, and of build_tree_mesh (defaults:
+four-sided; or with a detail) for trees with that many branches:
 
     one limb   all on one trunk of 100 m with 101 joints, 2 mm thick
-    crowded    the same, 2 cm thick: they find no room and are squeezed and narrowed
+    crowded    the same, 2 cm thick: without room, so they are squeezed and narrowed
     joints     one limb whose trunk has a joint for every second branch
     spread     on 100 limbs that leave the trunk
 
-The second table: seconds of read_tree for a six-sided trunk and beside it a tube, or a leaf, of polygons with so
-many corners: a leaf of one polygon; two polygons back to back; a tube closed by two polygons whose vertices stand
-in the file in random order.
+The second table: seconds of read_tree for a six-sided trunk and beside it a tube, or a leaf, of polygons with that many
+corners: a leaf of one polygon; two polygons back to back; a tube closed by two polygons whose vertices are in random
+order in the file.
 
-Where time grows with the size, all rows of a column have about the same microseconds a branch or corner. Times mean
-something on an idle machine only; its load is printed below the tables.
+If time grows in proportion to the size, all rows of a column have about the same microseconds per branch or corner.
+Times are comparable on an idle machine only; its load is printed below the tables.
 """
 
 import argparse
@@ -60,7 +60,7 @@ def trunk(joints):
 
 
 def along(points, share):
-    """The place at that share of the joints."""
+    """The point at that share of the joints."""
     at = share * (len(points) - 1)
     low = min(int(at), len(points) - 2)
     return points[low] + (at - low) * (points[low + 1] - points[low])
