@@ -37,6 +37,8 @@ struct SnowPoint {
   float bumps;
   /// How far below the receiver's surface bare parts may lie.
   float deepest;
+  /// By how much more the surface's area grows with each metre along its normals, in 1/m; 0 where it is flat or hollow.
+  float convexity;
   /// 0 on wide ground, 1 on tops and twigs so narrow that snow is thin there for want of room, not for shelter.
   float narrow;
 };
@@ -109,8 +111,8 @@ KERNEL_CONSTANT float kTuck = 0.002f;
 KERNEL_CONSTANT float kBelly = 0.38f;
 KERNEL_CONSTANT float kShoulder = 0.8f;
 /// Gaps as wide as this part of the snow's height are open, those of the second part are bridged.
-KERNEL_CONSTANT float kBridgedGap = 0.45f;
-KERNEL_CONSTANT float kSurelyBridged = 0.34f;
+KERNEL_CONSTANT float kBridgedGap = 0.7f;
+KERNEL_CONSTANT float kSurelyBridged = 0.55f;
 /// Over a bridged gap snow lies so much lower, and each side reaches so far beyond the gap's middle.
 KERNEL_CONSTANT float kBridgeSag = 0.12f;
 KERNEL_CONSTANT float kBridgeOverlap = 0.1f;
@@ -145,7 +147,7 @@ SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, 
   const float share = max(kSteepShare * steep, kShelterShare * sheltered) * (1.0f - kNarrowKeeps * point.narrow);
   const float threshold = share * depth * clamp(0.22f + 0.85f * point.patches, 0.0f, 1.4f) +
                           kWallShare * depth * eased(up, kWall, 0.0f) +
-                          min(kFrost, kFrostShare * depth);
+                          min(kFrost, kFrostShare * depth) * (1.0f - kNarrowKeeps * point.narrow);
   const float lip = kLip * depth * (0.05f + 0.95f * steep) * clamp(0.8f + 0.5f * point.hem, 0.3f, 1.5f);
   const float sink = min(min(kSink, 0.3f * depth + 0.0008f), point.deepest);
   return KERNEL_MAKE3(SnowEdge, threshold, lip, sink);
@@ -159,6 +161,13 @@ SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float
   const float lip = sqrt(x * x + 2.0f * edge.lip * x * exp(-x / (2.5f * edge.lip)));
   const float kept = edge.threshold * (1.0f - exp(-x / edge.threshold));
   return min(lip + kept, 1.5f * thickness + 0.004f);
+}
+
+/// Height of a layer that lies on a convex surface and holds as much snow as one of `height` on a flat surface: the
+/// layer's area grows with its height.
+SNOWBOUGH_SHARED_FUNCTION float swept_height(KERNEL_CONST_REF(SnowPoint) point, float height) {
+  if (height <= 0.0f || point.convexity * height < 1e-4f) return height;
+  return (sqrt(1.0f + 2.0f * point.convexity * height) - 1.0f) / point.convexity;
 }
 
 /// What relief adds to a height.

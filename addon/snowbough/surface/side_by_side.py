@@ -16,9 +16,9 @@ POLL_SECONDS = 0.05
 def run_side_by_side(jobs, progress):
     """Calls each job(its own progress) in a worker thread. A job returns False if its progress told it to stop.
 
-    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to go on. Returns False if it
-    said no. Raises the error of the first job, in the order of the list, that failed; jobs that had not begun are left
-    out then.
+    progress(share of all jobs, 0 to 1) is called on the calling thread and returns whether to go on. Returns False if
+    it said no. Raises the error of the first job, in the order of the list, that failed; jobs that had not begun are
+    left out then.
     """
     shares = [0.0] * len(jobs)
     stop = threading.Event()

@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <glm/geometric.hpp>
 
+#include "snow/surface/vectors.h"
+
 namespace snowbough::snow {
 namespace {
 
@@ -12,12 +14,8 @@ constexpr int kRounds = 4;
 constexpr float kShorter = 0.93f;
 /// Of the doubled area of both triangles, what each of the turned ones has at least.
 constexpr float kLeastArea = 0.05f;
-
-/// A corner of a triangle.
-struct Corner {
-  int32_t triangle = -1;
-  int32_t k = 0;
-};
+/// Cosine between faces of the receiver that count as one: 5 degrees.
+constexpr float kFlat = 0.996f;
 
 class Flipper {
  public:
@@ -25,9 +23,9 @@ class Flipper {
 
   /// Turns the edge that starts at corner a and, in the other triangle, at corner b. Whether it
   /// did.
-  bool flip(const Corner& a, const Corner& b) {
+  bool flip(const TriangleCorner& a, const TriangleCorner& b) {
     const size_t s = static_cast<size_t>(a.triangle), t = static_cast<size_t>(b.triangle);
-    if (mesh_.base[s] != mesh_.base[t]) return false;
+    if (!are_one_face(mesh_, a, b)) return false;
     const int a0 = a.k, a1 = (a.k + 1) % 3, a2 = (a.k + 2) % 3;
     const int b0 = b.k, b1 = (b.k + 1) % 3, b2 = (b.k + 2) % 3;
     const int32_t from = mesh_.triangle[s][a0], to = mesh_.triangle[s][a1];
@@ -65,25 +63,41 @@ class Flipper {
 
 }  // namespace
 
+bool are_one_face(const SurfaceMesh& mesh, const TriangleCorner& a, const TriangleCorner& b) {
+  const auto s = static_cast<size_t>(a.triangle), t = static_cast<size_t>(b.triangle);
+  if (mesh.base[s] == mesh.base[t]) return true;
+  const int a1 = (a.k + 1) % 3, b1 = (b.k + 1) % 3;
+  // Charts and shading go on across the edge.
+  if (mesh.uv[s][a.k] != mesh.uv[t][b1] || mesh.uv[s][a1] != mesh.uv[t][b.k]) return false;
+  const auto same = [](const glm::vec3& n, const glm::vec3& m) { return glm::dot(n, m) > kFlat; };
+  if (!same(mesh.normal[s][a.k], mesh.normal[t][b1])) return false;
+  if (!same(mesh.normal[s][a1], mesh.normal[t][b.k])) return false;
+  return same(unit(triangle_cross(mesh, s)), unit(triangle_cross(mesh, t)));
+}
+
+std::vector<EdgeCorners> edge_corners(const SurfaceEdges& edges) {
+  std::vector<EdgeCorners> corners(edges.ends.size());
+  for (size_t t = 0; t < edges.of_triangle.size(); ++t) {
+    for (int32_t k = 0; k < 3; ++k) {
+      EdgeCorners& at = corners[edges.of_triangle[t][k]];
+      if (at.count < 2) at.corner[at.count] = {static_cast<int32_t>(t), k};
+      ++at.count;
+    }
+  }
+  return corners;
+}
+
 void flip_edges(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) {
   Flipper flipper(mesh, shown);
   for (int round = 0; round < kRounds; ++round) {
     const SurfaceEdges edges = surface_edges(mesh.triangle);
-    std::vector<std::array<Corner, 2>> corners(edges.ends.size());
-    std::vector<uint8_t> count(edges.ends.size(), 0);
-    for (size_t t = 0; t < mesh.triangle.size(); ++t) {
-      for (int32_t k = 0; k < 3; ++k) {
-        const int32_t e = edges.of_triangle[t][k];
-        if (count[e] < 2) corners[e][count[e]] = {static_cast<int32_t>(t), k};
-        if (count[e] < 3) ++count[e];
-      }
-    }
+    const std::vector<EdgeCorners> corners = edge_corners(edges);
     // A triangle is turned once a round: afterwards its edges are others.
     std::vector<uint8_t> turned(mesh.triangle.size(), 0);
     bool any = false;
     for (size_t e = 0; e < edges.ends.size(); ++e) {
-      if (count[e] != 2) continue;
-      const auto& [a, b] = corners[e];
+      if (corners[e].count != 2) continue;
+      const auto& [a, b] = corners[e].corner;
       if (turned[a.triangle] != 0 || turned[b.triangle] != 0) continue;
       if (flipper.flip(a, b)) {
         turned[a.triangle] = turned[b.triangle] = 1;

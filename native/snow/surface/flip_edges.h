@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstdint>
 #include <glm/vec3.hpp>
 #include <vector>
 
@@ -7,8 +9,26 @@
 
 namespace snowbough::snow {
 
-/// Turns edges within the receiver's faces until each is the shorter diagonal of its two triangles
-/// where snow lies, so that triangles follow folds and hems.
+/// A corner of a triangle; it also stands for the edge from there to the next corner.
+struct TriangleCorner {
+  int32_t triangle = -1;
+  int32_t k = 0;
+};
+
+/// The corners at which an edge starts, in the first two of its triangles.
+struct EdgeCorners {
+  std::array<TriangleCorner, 2> corner;
+  /// Number of triangles at the edge.
+  int32_t count = 0;
+};
+std::vector<EdgeCorners> edge_corners(const SurfaceEdges& edges);
+
+/// Whether the triangles at the edge that starts at corner a and, in the other one, at corner b lie
+/// in one face of the receiver, or in two that are flat and of one chart: the edge may turn there.
+bool are_one_face(const SurfaceMesh& mesh, const TriangleCorner& a, const TriangleCorner& b);
+
+/// Turns edges within the receiver's flat faces until each is the shorter diagonal of its two
+/// triangles where snow lies, so that triangles follow folds and hems.
 ///
 /// Source: N. Dyn, D. Levin, S. Rippa, Data Dependent Triangulations for Piecewise Linear
 /// Interpolation, IMA Journal of Numerical Analysis 10, 1990.

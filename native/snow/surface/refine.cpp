@@ -6,6 +6,7 @@
 #include <glm/geometric.hpp>
 
 #include "base/parallel_for.h"
+#include "snow/surface/flip_edges.h"
 #include "snow/surface/map_sampler.h"
 
 namespace snowbough::snow {
@@ -27,6 +28,9 @@ constexpr float kLeastEdge = 0.085f;
 /// Edges near rims before the cuts along them, and along them afterwards.
 constexpr float kRimEdge = 1.1f;
 constexpr float kAlongRim = 0.26f;
+/// Edges along the rims of narrow tops are as much shorter as their zones are narrower, down to
+/// this part.
+constexpr float kLeastAlong = 0.35f;
 /// How much longer edges may be for each metre away from a rim's zone.
 constexpr float kGrowth = 0.35f;
 /// By how much the height in the middle of an edge may differ from the mean of its ends, for deep
@@ -50,6 +54,12 @@ constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
 /// Points whose shares of the zone differ by less lie on one cut.
 constexpr float kOneCut = 0.03f;
+/// A quad is long and narrow if its short sides are no longer than this part of its diagonal and
+/// its long sides no shorter than that one.
+constexpr float kSliver = 0.4f;
+constexpr float kLongSide = 0.85f;
+/// An edge whose ends both lie farther into their zones leads over no middle.
+constexpr float kAcross = 0.9f;
 /// A cut nearer to an end of an edge than this part of it is left to that end.
 constexpr float kSnap = 0.15f;
 
@@ -180,11 +190,38 @@ class Refiner {
       marked[e] = length > wanted_length(t, seen_from[e] % 3, length, heights) ? 1 : 0;
     });
     if (std::find(marked.begin(), marked.end(), 1) == marked.end()) return false;
-    mark_longest(mesh_, edges, marked);
+    const std::vector<uint8_t> spared = sliver_diagonals(edges);
+    const bool any_spared = std::find(spared.begin(), spared.end(), 1) != spared.end();
+    mark_longest(mesh_, edges, spared, marked);
     std::vector<float> share(marked.size());
-    for (size_t e = 0; e < marked.size(); ++e) share[e] = marked[e] != 0 ? 0.5f : 0.0f;
+    for (size_t e = 0; e < marked.size(); ++e) {
+      share[e] = marked[e] != 0 && spared[e] == 0 ? 0.5f : 0.0f;
+    }
     split_edges(mesh_, edges, share);
+    if (any_spared) flip_edges(mesh_, mesh_.position);
     return true;
+  }
+
+  /// Diagonals of long, narrow, flat quads. Halving them would halve the quads' width with their
+  /// length, again in each round; so their long sides are halved, and the diagonals turn
+  /// afterwards.
+  std::vector<uint8_t> sliver_diagonals(const SurfaceEdges& edges) const {
+    std::vector<uint8_t> spared(edges.ends.size(), 0);
+    const std::vector<EdgeCorners> corners = edge_corners(edges);
+    base::for_each_item(spared.size(), 1024, [&](size_t e) {
+      if (corners[e].count != 2) return;
+      for (const TriangleCorner& corner : corners[e].corner) {
+        const auto& [a, b, c] = mesh_.triangle[corner.triangle];
+        const std::array<float, 3> side{glm::distance(mesh_.position[a], mesh_.position[b]),
+                                        glm::distance(mesh_.position[b], mesh_.position[c]),
+                                        glm::distance(mesh_.position[c], mesh_.position[a])};
+        const float own = side[corner.k];
+        const auto [least, most] = std::minmax(side[(corner.k + 1) % 3], side[(corner.k + 2) % 3]);
+        if (most > own || most < kLongSide * own || least > kSliver * own) return;
+      }
+      spared[e] = are_one_face(mesh_, corners[e].corner[0], corners[e].corner[1]) ? 1 : 0;
+    });
+    return spared;
   }
 
   /// Splits every edge where it crosses a line parallel to a rim. Whether any was.
@@ -196,11 +233,22 @@ class Refiner {
     std::vector<float> share(edges.ends.size(), 0.0f);
     bool any = false;
     for (size_t e = 0; e < edges.ends.size(); ++e) {
-      share[e] = cut_of(zones[edges.ends[e][0]], zones[edges.ends[e][1]]);
+      const auto [p, q] = edges.ends[e];
+      share[e] = lies_across(p, q) ? 0.5f : cut_of(zones[p], zones[q]);
       any = any || share[e] > 0.0f;
     }
     if (any) split_edges(mesh_, edges, share);
     return any;
+  }
+
+  /// Whether the edge leads over the middle of a narrow top, from one rim's zone into another's.
+  bool lies_across(int32_t p, int32_t q) const {
+    const RimZones::Zone& a = zone_[p];
+    const RimZones::Zone& b = zone_[q];
+    if (a.place.is_far_off || b.place.is_far_off || a.share < 0.0f || b.share < 0.0f) return false;
+    if (std::min(a.share, b.share) > kAcross || glm::dot(a.place.out, b.place.out) > 0.5f)
+      return false;
+    return glm::distance(mesh_.position[p], mesh_.position[q]) > 1.2f * std::max(a.room, b.room);
   }
 
   static float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) {
@@ -239,7 +287,8 @@ class Refiner {
       if (std::abs(a.share - b.share) > kOneCut) continue;
       const glm::vec3 axis = glm::cross(a.place.out, a.place.support);
       const float along = std::abs(glm::dot(mesh_.position[q] - mesh_.position[p], axis));
-      if (along > kAlongRim * unit_) {
+      const float narrow = std::max(a.support / rim_zone(depth_), kLeastAlong);
+      if (along > kAlongRim * unit_ * std::min(narrow, 1.0f)) {
         share[e] = 0.5f;
         any = true;
       }

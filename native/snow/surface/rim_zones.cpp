@@ -26,10 +26,15 @@ float far_zone(float depth) {
 
 RimZones::RimZones(const SurfaceMesh& receiver, const Rims& rims, float depth)
     : rims_(rims), depth_(depth) {
+  const std::vector<glm::vec3> normals = triangle_normals(receiver);
   for (size_t t = 0; t < receiver.base.size(); ++t) {
     const auto base = static_cast<size_t>(receiver.base[t]);
-    if (part_of_base_.size() <= base) part_of_base_.resize(base + 1, -1);
+    if (part_of_base_.size() <= base) {
+      part_of_base_.resize(base + 1, -1);
+      normal_of_base_.resize(base + 1, glm::vec3(0.0f));
+    }
     part_of_base_[base] = rims.parts()[t];
+    normal_of_base_[base] = normals[t];
   }
 }
 
@@ -42,7 +47,10 @@ void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
     std::array<int32_t, kPlanes> face;
     size_t count = 0;
   };
-  const std::vector<glm::vec3> normals = triangle_normals(mesh);
+  // Triangles of the refined mesh may be too narrow to have a normal of their own.
+  const auto normal = [&](int32_t t) {
+    return normal_of_base_[static_cast<size_t>(mesh.base[static_cast<size_t>(t)])];
+  };
   std::vector<Planes> planes(zones.size() - known);
   for (size_t t = 0; t < mesh.triangle.size(); ++t) {
     for (const int32_t p : mesh.triangle[t]) {
@@ -50,7 +58,8 @@ void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
       Planes& own = planes[static_cast<size_t>(p) - known];
       bool is_new = own.count < kPlanes;
       for (size_t i = 0; i < own.count; ++i) {
-        is_new = is_new && glm::distance(normals[t], normals[own.face[i]]) > 0.05f;
+        is_new =
+            is_new && glm::distance(normal(static_cast<int32_t>(t)), normal(own.face[i])) > 0.05f;
       }
       if (is_new) own.face[own.count++] = static_cast<int32_t>(t);
     }
@@ -60,7 +69,7 @@ void RimZones::find(const SurfaceMesh& mesh, std::vector<Zone>& zones) const {
     Zone& best = zones[known + i];
     for (size_t k = 0; k < planes[i].count; ++k) {
       const int32_t t = planes[i].face[k];
-      const Zone zone = at(mesh.position[known + i], normals[t], part(mesh.base[t]));
+      const Zone zone = at(mesh.position[known + i], normal(t), part(mesh.base[t]));
       if (zone.place.is_far_off) continue;
       const float nearer = std::abs(best.share) - std::abs(zone.share);
       if (best.place.is_far_off || nearer > kOnRim ||

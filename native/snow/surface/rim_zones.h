@@ -40,7 +40,9 @@ class RimZones {
  private:
   const Rims& rims_;
   float depth_;
+  /// Of the source's triangles.
   std::vector<int32_t> part_of_base_;
+  std::vector<glm::vec3> normal_of_base_;
 };
 
 }  // namespace snowbough::snow

@@ -19,11 +19,13 @@ using namespace shared;  // NOLINT(google-build-using-namespace): the shared rul
 /// Points that one thread does in a row. Sums over them are added in their order.
 constexpr size_t kBlock = 2048;
 /// Rounds in which heights are smoothed over the surface before and after thin snow is left out.
-constexpr int kRoundsBefore = 2;
+constexpr int kRoundsBefore = 5;
 constexpr int kRoundsAfter = 2;
 /// By how much shown snow may differ from the map's so that their volumes agree.
 constexpr float kLeastFactor = 0.85f;
 constexpr float kMostFactor = 1.25f;
+/// Snow of a front, as a part of the height behind it times the width of its zone.
+constexpr float kUpright = 0.95f;
 /// What a curved receiver adds, as a part of the height.
 constexpr float kMostCurvature = 0.5f;
 
@@ -94,12 +96,23 @@ SnowSurface::Heights SnowSurface::heights(const SurfaceFrame& frame,
   });
   glm::dvec2 volume(0.0);
   for (const glm::dvec2& one : volumes) volume += one;
+  // Fronts stand upright on the points near rims.
+  for (size_t f = 0; f < front_.size(); ++f) {
+    if (front_[f].distance < 0.0f) continue;
+    const auto p = static_cast<size_t>(front_point_[f]);
+    const float more =
+        kUpright * inland_height(f, heights.shown) - std::max(heights.shown[p], 0.0f);
+    volume.y += static_cast<double>(area_[p] * front_[f].presence * more);
+  }
   const float factor = volume.y > 0.0 ? std::clamp(static_cast<float>(volume.x / volume.y),
                                                    kLeastFactor, kMostFactor)
                                       : 1.0f;
-  for (float& shown : heights.shown) {
-    if (shown > 0.0f) shown *= factor;
-  }
+  for_blocks(count, [&](size_t, size_t begin, size_t end) {
+    for (size_t p = begin; p < end; ++p) {
+      float& shown = heights.shown[p];
+      if (shown > 0.0f) shown = swept_height(point_[p], shown * factor);
+    }
+  });
   return heights;
 }
 
@@ -133,10 +146,7 @@ std::vector<glm::vec3> SnowSurface::offsets(const SurfaceFrame& frame,
     for (size_t f = begin; f < end; ++f) {
       const auto p = static_cast<size_t>(front_point_[f]);
       const SnowFront& front = front_[f];
-      float inland = 0.0f;
-      for (int k = 0; k < 4; ++k) {
-        inland += front_weight_[f][k] * std::max(heights.shown[front_inland_[f][k]], 0.0f);
-      }
+      const float inland = inland_height(f, heights.shown);
       const glm::vec3 drawn =
           front_offset(front, style_, inland * 0.94f, normal_[p], heights.shown[p], point_[p].bumps,
                        std::min(kSink, point_[p].deepest));

@@ -96,6 +96,10 @@ class SnowSurface {
   void find_thickness(const base::TriangleTree& tree, float depth);
   void find_fronts(const Rims& rims, const RimZones& zones, const SurfacePlan& plan);
   void find_presence(const SurfacePlan& plan, const std::vector<float>& last);
+  void smooth_presence();
+  /// Mean of the heights behind the rim of a front, bare ones as 0.
+  float inland_height(size_t front, const std::vector<float>& height) const;
+  void find_convexity(float depth);
   void find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown);
   void make_faces();
   Heights heights(const SurfaceFrame& frame, const std::vector<glm::vec3>& normals) const;
@@ -109,7 +113,6 @@ class SnowSurface {
   SurfaceFaces faces_;
   shared::SnowStyle style_{1.0f, 1.0f, 1.0f, 1.0f};
   int32_t resolution_ = 0;
-  int32_t vertex_count_ = 0;
   std::vector<int32_t> triangles_;
   std::vector<glm::vec3> planned_positions_;
 

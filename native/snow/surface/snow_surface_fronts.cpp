@@ -11,13 +11,24 @@
 namespace snowbough::snow {
 namespace {
 
+using shared::bridged_part;
 using shared::eased;
 using shared::layered_noise;
+using shared::SnowFront;
 
 /// Overhang on the lee side in a horizontal wind, as a part of the height.
 constexpr float kLee = 0.4f;
 /// Points at least so far into their zone say how high the snow behind a rim is.
 constexpr float kInland = 0.6f;
+
+/// Feet that are so many depths apart tell of one stretch of a rim.
+constexpr float kFullnessReach = 0.4f;
+/// By which part fronts may hold more snow than the map, on narrow tops and, where that matters
+/// less, on wide ones; how many depths of room these have.
+constexpr float kMoreSnow = 0.24f;
+constexpr float kMoreOnWide = 0.7f;
+constexpr float kNarrowFront = 0.9f;
+constexpr float kWideFront = 2.0f;
 
 /// A top with more room than the first part of the depth is wide, with less than the second narrow.
 constexpr float kWideRoom = 0.8f;
@@ -67,7 +78,8 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
     front.lift = lift / std::max(glm::dot(lift, support), 0.5f);
     const glm::vec3 at = here.place.foot / depth + shift;
     front.noise_slow = std::clamp(layered_noise(at + 9.0f, {3.0f, 1.4f, 0.6f}, 0.75f), -1.3f, 1.3f);
-    front.noise_fast = std::clamp(layered_noise(at + 31.0f, {2.4f, 1.0f, 0.5f}, 0.8f), -1.3f, 1.3f);
+    front.noise_fast =
+        std::clamp(layered_noise(at + 31.0f, {2.4f, 1.2f, 0.7f}, 0.65f), -1.3f, 1.3f);
     front.noise_shoulder = layered_noise(at + 77.0f, {3.0f, 1.2f, 0.0f}, 0.6f);
     const float lee = glm::dot(glm::vec2(here.place.level_out), plan.wind);
     front.lee = kLee * std::max(lee, 0.0f);
@@ -121,17 +133,82 @@ void SnowSurface::find_fronts(const Rims& rims, const RimZones& zones, const Sur
   }
 }
 
+float SnowSurface::inland_height(size_t front, const std::vector<float>& height) const {
+  float inland = 0.0f;
+  for (int k = 0; k < 4; ++k) {
+    inland += front_weight_[front][k] * std::max(height[front_inland_[front][k]], 0.0f);
+  }
+  return inland;
+}
+
 void SnowSurface::find_presence(const SurfacePlan& plan, const std::vector<float>& last) {
   SurfaceFrame frame;
   frame.height = last.data();
   frame.open_depth = plan.density.depth;
-  // Fronts are only where snow lies behind the rim in the end.
-  const std::vector<float> shown = shown_heights(frame);
+  const Heights last_heights = heights(frame, normal_);
+  // Snow that slid off a narrow top lies there as a dome: upright fronts would hold more of it.
+  const float depth = plan.density.depth;
+  std::vector<CellGrid::Box> boxes;
+  std::vector<size_t> supports;
   for (size_t f = 0; f < front_.size(); ++f) {
-    float inland = 0.0f;
-    for (int k = 0; k < 4; ++k) inland += front_weight_[f][k] * shown[front_inland_[f][k]];
-    const float full = std::clamp(1.5f * room_[f], 0.05f * plan.density.depth, plan.density.depth);
-    front_[f].presence *= eased(inland, 0.06f * full, 0.3f * full);
+    if (front_[f].distance < 0.0f) continue;
+    const glm::vec3 foot = mesh_.position[front_point_[f]] + front_[f].outward * front_[f].distance;
+    boxes.push_back({foot, foot});
+    supports.push_back(f);
+  }
+  const CellGrid grid(boxes, kFullnessReach * depth);
+  base::for_each_item(front_.size(), 64, [&](size_t f) {
+    SnowFront& front = front_[f];
+    const float full = std::clamp(1.5f * room_[f], 0.05f * depth, depth);
+    // Fronts are only where snow lies behind the rim in the end.
+    front.presence *= eased(inland_height(f, last_heights.shown), 0.06f * full, 0.3f * full);
+    if (front.presence <= 0.0f) return;
+    const glm::vec3 foot = mesh_.position[front_point_[f]] +
+                           front.outward * std::max(front.distance, 0.0f) +
+                           front.down * std::min(front.distance, 0.0f);
+    const float reach = kFullnessReach * depth;
+    float held = 0.0f, upright = 0.0f;
+    grid.visit(foot - reach, foot + reach, [&](int32_t i) {
+      const size_t other = supports[i];
+      const auto q = static_cast<size_t>(front_point_[other]);
+      if (glm::distance(boxes[i].low, foot) > reach) return;
+      held += area_[q] * last_heights.thickness[q];
+      upright += area_[q] * inland_height(other, last_heights.thickness);
+    });
+    if (upright <= 0.0f) return;
+    const float fullness = std::clamp(held / upright, 0.0f, 0.999f);
+    const float wide = eased(room_[f], kNarrowFront * depth, kWideFront * depth);
+    const float more = glm::mix(kMoreSnow, kMoreOnWide, wide);
+    const float presence = std::min(more * fullness / (1.0f - fullness), 1.0f);
+    front.presence *= presence;
+  });
+  smooth_presence();
+  // Bridges hold what the map has in the gap.
+  for (size_t f = 0; f < front_.size(); ++f) {
+    const float inland = inland_height(f, last_heights.shown);
+    front_[f].presence = std::max(front_[f].presence, bridged_part(front_[f], style_, inland));
+  }
+}
+
+void SnowSurface::smooth_presence() {
+  std::vector<int32_t> front_of(lying_points(), -1);
+  for (size_t f = 0; f < front_.size(); ++f) front_of[front_point_[f]] = static_cast<int32_t>(f);
+  constexpr int kRounds = 8;
+  std::vector<float> before(front_.size());
+  for (int round = 0; round < kRounds; ++round) {
+    for (size_t f = 0; f < front_.size(); ++f) before[f] = front_[f].presence;
+    base::for_each_item(front_.size(), 256, [&](size_t f) {
+      const auto p = static_cast<size_t>(front_point_[f]);
+      float sum = before[f];
+      float count = 1.0f;
+      for (int32_t i = neighbour_begin_[p]; i < neighbour_begin_[p + 1]; ++i) {
+        const int32_t other = front_of[neighbour_[i]];
+        if (other < 0) continue;
+        sum += before[other];
+        count += 1.0f;
+      }
+      front_[f].presence = sum / count;
+    });
   }
 }
 

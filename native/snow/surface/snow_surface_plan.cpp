@@ -80,7 +80,6 @@ SurfaceMesh snow_side_out(SurfaceMesh mesh, const std::vector<float>& last, int3
 SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& last,
                          const std::vector<float>& highest, const SurfacePlan& plan)
     : resolution_(source.topology.resolution),
-      vertex_count_(source.topology.vertex_count),
       triangles_(source.topology.triangles),
       planned_positions_(source.positions) {
   check(source, last);
@@ -106,6 +105,7 @@ SnowSurface::SnowSurface(const SurfaceSource& source, const std::vector<float>& 
   find_noise(plan);
   find_thickness(tree, depth);
   find_fronts(rims, zones, plan);
+  find_convexity(depth);
   find_presence(plan, last);
   // Points stay, faces follow the snow.
   SurfaceFrame frame;
@@ -125,34 +125,45 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
   carrier_triangle_.assign(count, -1);
   carrier_weight_.assign(count, glm::vec2(0.0f));
   curvature_.assign(count, glm::vec3(0.0f));
+  // Of the receiver's triangles around a point, the one that it lies in: a triangle of the surface
+  // may span two.
+  std::vector<float> inside(count, 0.0f);
   for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
-    for (const int32_t p : mesh_.triangle[t]) {
-      if (carrier_triangle_[p] < 0) carrier_triangle_[p] = mesh_.base[t];
-    }
-  }
-  for (size_t p = 0; p < count; ++p) {
-    const int32_t* corner = &triangles_[static_cast<size_t>(carrier_triangle_[p]) * 3];
+    const int32_t base = mesh_.base[t];
+    const int32_t* corner = &triangles_[static_cast<size_t>(base) * 3];
     const glm::dvec3 a(planned_positions_[corner[0]]);
     const glm::dvec3 ab = glm::dvec3(planned_positions_[corner[1]]) - a;
     const glm::dvec3 ac = glm::dvec3(planned_positions_[corner[2]]) - a;
-    const glm::dvec3 ap = glm::dvec3(mesh_.position[p]) - a;
     const double bb = glm::dot(ab, ab), bc = glm::dot(ab, ac), cc = glm::dot(ac, ac);
-    const double pb = glm::dot(ap, ab), pc = glm::dot(ap, ac);
     const double area = bb * cc - bc * bc;
-    if (area > 0.0) {
-      carrier_weight_[p] = glm::vec2((cc * pb - bc * pc) / area, (bb * pc - bc * pb) / area);
+    for (const int32_t p : mesh_.triangle[t]) {
+      if (carrier_triangle_[p] == base) continue;
+      const glm::dvec3 ap = glm::dvec3(mesh_.position[p]) - a;
+      const double pb = glm::dot(ap, ab), pc = glm::dot(ap, ac);
+      glm::vec2 weight(0.0f);
+      if (area > 0.0) weight = {(cc * pb - bc * pc) / area, (bb * pc - bc * pb) / area};
+      // Rounding does not decide between triangles that share the point.
+      const float least = std::min({weight.x, weight.y, 1.0f - weight.x - weight.y, 0.0f});
+      if (carrier_triangle_[p] >= 0 && least <= inside[p] + 1e-4f) continue;
+      carrier_triangle_[p] = base;
+      carrier_weight_[p] = weight;
+      inside[p] = least;
     }
   }
   if (source.shading.empty()) return;
   // Half of Phong tessellation: T. Boubekeur, M. Alexa, Phong Tessellation, SIGGRAPH Asia 2008.
-  // Normals of the receiver's vertices are those that the surface has there.
-  std::vector<glm::vec3> normal(planned_positions_.size(), glm::vec3(0.0f));
+  // Corners of one number share a normal.
+  std::vector<glm::vec3> normal(
+      static_cast<size_t>(
+          std::max(*std::max_element(source.shading.begin(), source.shading.end()), 0)) +
+          1,
+      glm::vec3(0.0f));
   for (size_t c = 0; c < triangles_.size(); c += 3) {
     const glm::vec3 cross =
         glm::cross(planned_positions_[triangles_[c + 1]] - planned_positions_[triangles_[c]],
                    planned_positions_[triangles_[c + 2]] - planned_positions_[triangles_[c]]);
     for (size_t k = 0; k < 3; ++k) {
-      if (source.shading[c + k] >= 0) normal[triangles_[c + k]] += cross;
+      if (source.shading[c + k] >= 0) normal[source.shading[c + k]] += cross;
     }
   }
   for (glm::vec3& n : normal) n = unit(n);
@@ -163,8 +174,8 @@ void SnowSurface::find_carriers(const SurfaceSource& source) {
     const std::array<float, 3> weight{1.0f - w.x - w.y, w.x, w.y};
     glm::vec3 way(0.0f);
     for (size_t k = 0; k < 3; ++k) {
-      const int32_t v = triangles_[c + k];
-      way -= weight[k] * glm::dot(mesh_.position[p] - planned_positions_[v], normal[v]) * normal[v];
+      const glm::vec3& n = normal[source.shading[c + k]];
+      way -= weight[k] * glm::dot(mesh_.position[p] - planned_positions_[triangles_[c + k]], n) * n;
     }
     curvature_[p] = kCurvature * way;
   }
@@ -289,6 +300,7 @@ void SnowSurface::find_noise(const SurfacePlan& plan) {
     point.relief = layered_noise(at + 21.0f, {4.0f, 1.7f, 0.8f}, 0.65f);
     point.bumps = 0.0f;
     point.deepest = 1e9f;
+    point.convexity = 0.0f;
     point.narrow = 0.0f;
   });
 }
@@ -309,6 +321,27 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree, float depth) {
     point_[p].deepest = std::max(kSinkPart * thickness, 1e-5f);
     point_[p].narrow = eased(thickness, kWide * depth, kNarrow * depth);
   });
+}
+
+void SnowSurface::find_convexity(float depth) {
+  // What a layer of that height adds to the area.
+  const float height = 0.1f * depth;
+  std::vector<float> outer(lying_points(), 0.0f);
+  for (size_t t = 0; t < mesh_.triangle.size(); ++t) {
+    const auto& [a, b, c] = mesh_.triangle[t];
+    const glm::vec3 raised = mesh_.position[a] + height * normal_[a];
+    const float area =
+        0.5f * glm::length(glm::cross(mesh_.position[b] + height * normal_[b] - raised,
+                                      mesh_.position[c] + height * normal_[c] - raised));
+    for (const int32_t p : mesh_.triangle[t]) outer[p] += area / 3.0f;
+  }
+  std::vector<float> convexity(lying_points(), 0.0f);
+  for (size_t p = 0; p < convexity.size(); ++p) {
+    if (area_[p] > 0.0f) convexity[p] = std::max((outer[p] / area_[p] - 1.0f) / height, 0.0f);
+  }
+  constexpr int kRounds = 4;
+  smooth(convexity, kRounds);
+  for (size_t p = 0; p < convexity.size(); ++p) point_[p].convexity = convexity[p];
 }
 
 void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<glm::vec3>& shown) {

@@ -227,8 +227,9 @@ void split_edges(SurfaceMesh& mesh, const SurfaceEdges& edges, const std::vector
 }
 
 void mark_longest(const SurfaceMesh& mesh, const SurfaceEdges& edges,
-                  std::vector<uint8_t>& marked) {
+                  const std::vector<uint8_t>& spared, std::vector<uint8_t>& marked) {
   const auto length = [&](int32_t e) {
+    if (spared[e] != 0) return -1.0f;
     return glm::distance(mesh.position[edges.ends[e][0]], mesh.position[edges.ends[e][1]]);
   };
   std::vector<int32_t> longest(mesh.triangle.size());

@@ -63,8 +63,11 @@ void split_edges(SurfaceMesh& mesh, const SurfaceEdges& edges, const std::vector
 
 /// Marks, in addition to `marked` edges, the longest edge of every triangle that has a marked one,
 /// until nothing changes: triangles that are halved there keep their angles.
+/// @param spared  edges (1) that are left out, so that the second longest counts in their
+/// triangles.
 ///
 /// Source: M.-C. Rivara, Algorithms for Refining Triangular Grids, IJNME 20, 1984.
-void mark_longest(const SurfaceMesh& mesh, const SurfaceEdges& edges, std::vector<uint8_t>& marked);
+void mark_longest(const SurfaceMesh& mesh, const SurfaceEdges& edges,
+                  const std::vector<uint8_t>& spared, std::vector<uint8_t>& marked);
 
 }  // namespace snowbough::snow
