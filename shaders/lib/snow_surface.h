@@ -113,9 +113,10 @@ KERNEL_CONSTANT float kShoulder = 0.8f;
 /// Gaps as wide as this part of the snow's height are open, those of the second part are bridged.
 KERNEL_CONSTANT float kBridgedGap = 0.7f;
 KERNEL_CONSTANT float kSurelyBridged = 0.55f;
-/// Over a bridged gap snow lies so much lower, and each side reaches so far beyond the gap's middle.
-KERNEL_CONSTANT float kBridgeSag = 0.12f;
-KERNEL_CONSTANT float kBridgeOverlap = 0.1f;
+/// A bridge lies so much lower, and lower again in its middle; each side reaches so far beyond the middle.
+KERNEL_CONSTANT float kBridgeSag = 0.04f;
+KERNEL_CONSTANT float kBridgeDip = 0.28f;
+KERNEL_CONSTANT float kBridgeOverlap = 0.2f;
 KERNEL_CONSTANT float kUpperExponent = 2.3f;
 KERNEL_CONSTANT float kLowerExponent = 2.1f;
 KERNEL_CONSTANT float kEaveExponent = 3.0f;
@@ -235,7 +236,9 @@ SNOWBOUGH_SHARED_FUNCTION vec3 front_offset(KERNEL_CONST_REF(SnowFront) front, K
   const vec3 up = vec3(0.0f, 0.0f, 1.0f);
   const SnowProfile profile = front_profile(front, style, inland);
   const float bridged = bridged_part(front, style, inland);
-  const vec3 lift = front.lift * profile.height + up * (front.half_step * bridged);
+  // A bridge sinks towards its middle, where the two sides cross.
+  const vec3 lift =
+      front.lift * (profile.height * (1.0f - kBridgeDip * bridged)) + up * (front.half_step * bridged);
   const vec3 belly = up * (kBelly * profile.height);
   const vec3 farthest = front.level_out * profile.overhang + belly;
   const float rough = style.relief * kBumps * bumps * profile.height;

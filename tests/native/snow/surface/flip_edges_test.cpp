@@ -60,9 +60,25 @@ TEST(FlipEdges, LeavesDiagonalsThatAreAboutAsLong) {
   EXPECT_TRUE(has_edge(mesh, 0, 2));
 }
 
-TEST(FlipEdges, LeavesEdgesOfTheReceiver) {
+TEST(FlipEdges, TakesFlatFacesOfTheReceiverForOne) {
   SurfaceMesh mesh = cut_square();
   mesh.base = {0, 1};
+  flip_edges(mesh, folded(mesh));
+  EXPECT_TRUE(has_edge(mesh, 1, 3));
+}
+
+TEST(FlipEdges, LeavesFoldsOfTheReceiver) {
+  SurfaceMesh mesh = cut_square();
+  mesh.base = {0, 1};
+  mesh.position[1].z = 0.2f;
+  flip_edges(mesh, folded(mesh));
+  EXPECT_TRUE(has_edge(mesh, 0, 2));
+}
+
+TEST(FlipEdges, LeavesSeamsOfTheReceiver) {
+  SurfaceMesh mesh = cut_square();
+  mesh.base = {0, 1};
+  for (glm::vec2& uv : mesh.uv[1]) uv *= 0.5f;
   flip_edges(mesh, folded(mesh));
   EXPECT_TRUE(has_edge(mesh, 0, 2));
 }

@@ -116,6 +116,26 @@ TEST(RefinedSurface, IsFineWhereSnowEndsOnGround) {
   EXPECT_LT(4.0f * least_at_border, least_in_the_open);
 }
 
+TEST(RefinedSurface, CutsLongNarrowFacesAcross) {
+  constexpr int32_t kSides = 12;
+  std::vector<glm::vec3> positions;
+  std::vector<std::array<int32_t, 4>> faces;
+  for (int32_t i = 0; i < kSides; ++i) {
+    const float turn = 6.2831853f * static_cast<float>(i) / kSides;
+    for (const float x : {-0.6f, 0.6f}) {
+      positions.emplace_back(x, 0.01f * std::cos(turn), 0.01f * std::sin(turn));
+    }
+    const int32_t next = (i + 1) % kSides;
+    faces.push_back({2 * i, 2 * next, 2 * next + 1, 2 * i + 1});
+  }
+  const SurfaceSource rod = quads(positions, faces);
+  // Halves of 1.2 m down to 9.4 mm make 129 rings; halves of diagonals would make ten times as many
+  // points.
+  const SurfaceMesh mesh = refined(rod, map_of(rod, std::vector<float>(kSides, kDepth)));
+  EXPECT_LE(mesh.position.size(), kSides * 129u * 5u / 4u);
+  EXPECT_GE(mesh.position.size(), kSides * 33u);
+}
+
 TEST(RefinedSurface, LeavesOutWhatIsNeverCovered) {
   const SurfaceSource source = card(8.0f, 8.0f);
   std::vector<float> map(kResolution * kResolution, 0.0f);

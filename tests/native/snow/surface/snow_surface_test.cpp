@@ -103,6 +103,49 @@ TEST(SnowSurface, HangsOverARimThatHasSnow) {
   EXPECT_LT(most(points, 2, -1.0f), -0.01f * kDepth);
 }
 
+/// m3 between the faces and the plane z = 0.
+float volume_of(const SnowSurface& surface, const std::vector<glm::vec3>& points) {
+  double volume = 0.0;
+  const SurfaceFaces& faces = surface.faces();
+  for (size_t f = 0; f + 1 < faces.begin.size(); ++f) {
+    for (int32_t k = faces.begin[f] + 1; k + 1 < faces.begin[f + 1]; ++k) {
+      const glm::vec3& a = points[faces.corner[faces.begin[f]]];
+      const glm::vec3& b = points[faces.corner[k]];
+      const glm::vec3& c = points[faces.corner[k + 1]];
+      volume += glm::cross(b - a, c - a).z * (a.z + b.z + c.z) / 6.0;
+    }
+  }
+  return static_cast<float>(volume);
+}
+
+TEST(SnowSurface, OnANarrowTopHoldsWhatTheMapHolds) {
+  // What repose leaves on a post: a pyramid.
+  constexpr float kSide = 0.1f, kTop = 0.06f;
+  const SurfaceSource post = slab(kSide, 0.5f);
+  std::vector<float> map = on_tops(post, kTop);
+  const float cell = kResolution / 3.0f;
+  for (int32_t y = 0; y < kResolution; ++y) {
+    for (int32_t x = 0; x < kResolution; ++x) {
+      const glm::vec2 place = (glm::vec2(x, y) + 0.5f) / cell * 2.0f - 1.0f;
+      map[static_cast<size_t>(y * kResolution + x)] *=
+          std::max(1.0f - std::max(std::abs(place.x), std::abs(place.y)) * 1.23f, 0.0f);
+    }
+  }
+  const SnowSurface surface = surface_on(post, map);
+  EXPECT_NEAR(volume_of(surface, surface.points(frame_of(map))) / (kTop * kSide * kSide / 3.0f),
+              1.0f, 0.2f);
+}
+
+TEST(SweptHeight, OnACylinderHoldsAsMuchAsOnAPlane) {
+  constexpr float kRadius = 0.01f, kHeight = 0.012f;
+  shared::SnowPoint point{};
+  point.convexity = 1.0f / kRadius;
+  const float outer = kRadius + shared::swept_height(point, kHeight);
+  EXPECT_NEAR(outer * outer - kRadius * kRadius, 2.0f * kRadius * kHeight, 1e-7f);
+  point.convexity = 0.0f;
+  EXPECT_EQ(shared::swept_height(point, kHeight), kHeight);
+}
+
 TEST(SnowSurface, HasNoHemOnABareRim) {
   // Snow on the left half only.
   const SurfaceSource board = slab(4.0f, 0.3f);

@@ -139,8 +139,16 @@ TEST(MarkLongest, MarksTheLongestEdgeOfTrianglesWithAMarkedOne) {
   const SurfaceEdges edges = surface_edges(mesh.triangle);
   // Edges: 0-1, 0-2, 0-3 (the diagonal), 1-3, 2-3.
   std::vector<uint8_t> marked{1, 0, 0, 0, 0};
-  mark_longest(mesh, edges, marked);
+  mark_longest(mesh, edges, std::vector<uint8_t>(edges.ends.size(), 0), marked);
   EXPECT_THAT(marked, ElementsAre(1, 0, 1, 0, 0));
+}
+
+TEST(MarkLongest, LeavesSparedEdgesOut) {
+  const SurfaceMesh mesh = square(1);
+  const SurfaceEdges edges = surface_edges(mesh.triangle);
+  std::vector<uint8_t> marked{1, 0, 0, 0, 0};
+  mark_longest(mesh, edges, {0, 0, 1, 0, 0}, marked);
+  EXPECT_THAT(marked, ElementsAre(1, 0, 0, 0, 0));
 }
 
 }  // namespace
