@@ -114,7 +114,7 @@ layout(local_size_x = 8) in;
 layout(std430, binding = 0) buffer Shown { vec4 shown[]; };
 void main() {
   const SnowStyle style = SnowStyle(1.0, 1.0, 1.0, 1.0);
-  const SnowPoint point = SnowPoint(0.1, 0.2, 0.1, 0.1, 1.0, 0.0);
+  const SnowPoint point = SnowPoint(0.1, 0.2, 0.1, 0.1, 1.0, 2.0, 0.0);
   const SnowEdge edge = snow_edge(point, 0.1, 0.1, 1.0);
   const float height = thin_snow(edge, 0.1) + surface_relief(point, style, 0.1, 0.1) +
                        sagging(point, style, edge, 0.1, 0.1, 0.5);

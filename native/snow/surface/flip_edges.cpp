@@ -1,9 +1,11 @@
 #include "snow/surface/flip_edges.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdint>
 #include <glm/geometric.hpp>
 
+#include "base/parallel_for.h"
 #include "snow/surface/vectors.h"
 
 namespace snowbough::snow {
@@ -16,6 +18,10 @@ constexpr float kShorter = 0.93f;
 constexpr float kLeastArea = 0.05f;
 /// Cosine between faces of the receiver that count as one: 5 degrees.
 constexpr float kFlat = 0.996f;
+/// A quad is long and narrow if its short sides are no longer than this part of its diagonal and
+/// its long sides no shorter than that one.
+constexpr float kSliver = 0.4f;
+constexpr float kLongSide = 0.85f;
 
 class Flipper {
  public:
@@ -85,6 +91,25 @@ std::vector<EdgeCorners> edge_corners(const SurfaceEdges& edges) {
     }
   }
   return corners;
+}
+
+std::vector<uint8_t> sliver_diagonals(const SurfaceMesh& mesh, const SurfaceEdges& edges) {
+  std::vector<uint8_t> spared(edges.ends.size(), 0);
+  const std::vector<EdgeCorners> corners = edge_corners(edges);
+  base::for_each_item(spared.size(), 1024, [&](size_t e) {
+    if (corners[e].count != 2) return;
+    for (const TriangleCorner& corner : corners[e].corner) {
+      const auto& [a, b, c] = mesh.triangle[corner.triangle];
+      const std::array<float, 3> side{glm::distance(mesh.position[a], mesh.position[b]),
+                                      glm::distance(mesh.position[b], mesh.position[c]),
+                                      glm::distance(mesh.position[c], mesh.position[a])};
+      const float own = side[corner.k];
+      const auto [least, most] = std::minmax(side[(corner.k + 1) % 3], side[(corner.k + 2) % 3]);
+      if (most > own || most < kLongSide * own || least > kSliver * own) return;
+    }
+    spared[e] = are_one_face(mesh, corners[e].corner[0], corners[e].corner[1]) ? 1 : 0;
+  });
+  return spared;
 }
 
 void flip_edges(SurfaceMesh& mesh, const std::vector<glm::vec3>& shown) {

@@ -27,6 +27,11 @@ std::vector<EdgeCorners> edge_corners(const SurfaceEdges& edges);
 /// in one face of the receiver, or in two that are flat and of one chart: the edge may turn there.
 bool are_one_face(const SurfaceMesh& mesh, const TriangleCorner& a, const TriangleCorner& b);
 
+/// Diagonals of long, narrow, flat quads: 1, other edges 0. Halving them would halve the quads'
+/// width with their length, again in each round. Halve the long sides instead, then turn the
+/// diagonals.
+std::vector<uint8_t> sliver_diagonals(const SurfaceMesh& mesh, const SurfaceEdges& edges);
+
 /// Turns edges within the receiver's flat faces until each is the shorter diagonal of its two
 /// triangles where snow lies, so that triangles follow folds and hems.
 ///

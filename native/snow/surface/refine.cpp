@@ -52,12 +52,12 @@ constexpr float kBends = 0.12f;
 constexpr std::array<float, 9> kSupportCuts{0.05f, 0.12f, 0.2f, 0.29f, 0.39f,
                                             0.5f,  0.63f, 0.8f, 1.0f};
 constexpr std::array<float, 5> kFarCuts{-0.15f, -0.32f, -0.5f, -0.68f, -1.0f};
+/// Those that are left where edges are longer than this factor makes them, for small receivers.
+constexpr float kCoarse = 2.0f;
+constexpr std::array<float, 4> kCoarseSupportCuts{0.12f, 0.29f, 0.5f, 1.0f};
+constexpr std::array<float, 2> kCoarseFarCuts{-0.32f, -0.68f};
 /// Points whose shares of the zone differ by less lie on one cut.
 constexpr float kOneCut = 0.03f;
-/// A quad is long and narrow if its short sides are no longer than this part of its diagonal and
-/// its long sides no shorter than that one.
-constexpr float kSliver = 0.4f;
-constexpr float kLongSide = 0.85f;
 /// An edge whose ends both lie farther into their zones leads over no middle.
 constexpr float kAcross = 0.9f;
 /// A cut nearer to an end of an edge than this part of it is left to that end.
@@ -190,7 +190,7 @@ class Refiner {
       marked[e] = length > wanted_length(t, seen_from[e] % 3, length, heights) ? 1 : 0;
     });
     if (std::find(marked.begin(), marked.end(), 1) == marked.end()) return false;
-    const std::vector<uint8_t> spared = sliver_diagonals(edges);
+    const std::vector<uint8_t> spared = sliver_diagonals(mesh_, edges);
     const bool any_spared = std::find(spared.begin(), spared.end(), 1) != spared.end();
     mark_longest(mesh_, edges, spared, marked);
     std::vector<float> share(marked.size());
@@ -200,28 +200,6 @@ class Refiner {
     split_edges(mesh_, edges, share);
     if (any_spared) flip_edges(mesh_, mesh_.position);
     return true;
-  }
-
-  /// Diagonals of long, narrow, flat quads. Halving them would halve the quads' width with their
-  /// length, again in each round; so their long sides are halved, and the diagonals turn
-  /// afterwards.
-  std::vector<uint8_t> sliver_diagonals(const SurfaceEdges& edges) const {
-    std::vector<uint8_t> spared(edges.ends.size(), 0);
-    const std::vector<EdgeCorners> corners = edge_corners(edges);
-    base::for_each_item(spared.size(), 1024, [&](size_t e) {
-      if (corners[e].count != 2) return;
-      for (const TriangleCorner& corner : corners[e].corner) {
-        const auto& [a, b, c] = mesh_.triangle[corner.triangle];
-        const std::array<float, 3> side{glm::distance(mesh_.position[a], mesh_.position[b]),
-                                        glm::distance(mesh_.position[b], mesh_.position[c]),
-                                        glm::distance(mesh_.position[c], mesh_.position[a])};
-        const float own = side[corner.k];
-        const auto [least, most] = std::minmax(side[(corner.k + 1) % 3], side[(corner.k + 2) % 3]);
-        if (most > own || most < kLongSide * own || least > kSliver * own) return;
-      }
-      spared[e] = are_one_face(mesh_, corners[e].corner[0], corners[e].corner[1]) ? 1 : 0;
-    });
-    return spared;
   }
 
   /// Splits every edge where it crosses a line parallel to a rim. Whether any was.
@@ -251,7 +229,7 @@ class Refiner {
     return glm::distance(mesh_.position[p], mesh_.position[q]) > 1.2f * std::max(a.room, b.room);
   }
 
-  static float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) {
+  float cut_of(const RimZones::Zone& a, const RimZones::Zone& b) const {
     if (a.place.is_far_off && b.place.is_far_off) return 0.0f;
     constexpr float kBeyond = 1.2f;
     float from = a.share;
@@ -264,8 +242,13 @@ class Refiner {
       const float at = (level - from) / (to - from);
       if (at > kSnap && at < 1.0f - kSnap && std::abs(at - 0.5f) < std::abs(best - 0.5f)) best = at;
     };
-    for (const float level : kSupportCuts) look_at(level);
-    for (const float level : kFarCuts) look_at(level);
+    if (unit_ > kCoarse * depth_) {
+      for (const float level : kCoarseSupportCuts) look_at(level);
+      for (const float level : kCoarseFarCuts) look_at(level);
+    } else {
+      for (const float level : kSupportCuts) look_at(level);
+      for (const float level : kFarCuts) look_at(level);
+    }
     return best;
   }
 
