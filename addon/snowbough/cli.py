@@ -7,10 +7,10 @@
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- export TREE.glb --snow FRAME
     blender -b [file.blend] -c snowbough import ...        (Blender 4.2 on, add-on installed)
 
-The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender itself ends with 0
-even when this script could not start.
+The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender ends with 0 even if this script
+could not start.
 
-As a script this file belongs to no package: what it needs of the add-on is imported where it is used.
+As a script, this file belongs to no package, so it imports modules of the add-on inside its functions.
 """
 
 import argparse
@@ -45,7 +45,7 @@ def run(arguments):
 
     try:
         args = parser().parse_args(arguments)
-    except SystemExit as stop:  # argparse has said why; --help ends with 0
+    except SystemExit as stop:  # argparse has printed the reason; --help ends with 0
         return int(stop.code or 0)
     try:
         if args.command == "bake":
@@ -62,12 +62,12 @@ def run(arguments):
             return gltf_cli.run(args)
         from .tree import cli as tree_cli
 
-        # Blender takes Ctrl-C for itself; while Python computes, it must stop the work.
+        # Blender handles Ctrl-C itself; while Python computes, Ctrl-C must stop the work.
         previous = signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
             return tree_cli.run(args)
         finally:
-            # None: a handler that C code has set, which Python can't put back. SIG_DFL ends the process.
+            # None: a handler of C code, which Python cannot restore. SIG_DFL ends the process.
             signal.signal(signal.SIGINT, previous if previous is not None else signal.SIG_DFL)
     except KeyboardInterrupt:
         print("Snowbough: stopped", file=sys.stderr)
@@ -90,7 +90,7 @@ def unregister():
 
 
 def _main():
-    """As a script: the add-on of this checkout takes the place of one that is installed."""
+    """Runs as a script. The add-on of this checkout replaces an installed one."""
     from pathlib import Path
 
     import addon_utils
