@@ -5,7 +5,7 @@ from . import compat
 
 
 def key_value(tree, socket, values, interpolation):
-    """Keyframes a socket of one of the tree's nodes. values: (frame, value) pairs; interpolation: that of F-curve keys."""
+    """Keyframes a socket of one of the tree's nodes. values: (frame, value); interpolation: that of F-curve keys."""
     for frame, value in values:
         socket.default_value = value
         socket.keyframe_insert("default_value", frame=frame)

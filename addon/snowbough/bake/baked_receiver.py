@@ -220,7 +220,7 @@ def _check_uv(obj):
     share = outside_share(obj.topology.corner_uv)
     if share:
         raise ValueError(
-            f"{share:.0%} of its UV map '{obj.uv_map}' lies outside 0 to 1 or is not finite: unwrap it, or pack its islands"
+            f"{share:.0%} of its UV map '{obj.uv_map}' is outside 0 to 1 or not finite: unwrap it, or pack its islands"
         )
 
 

@@ -5,7 +5,6 @@ Each saved scene stores the identity of its cache, so that .blend files with one
 of a file stores the same identity: the file that baked first keeps it, and the others use a derived one (cache.owner),
 which is stored when they are saved. Scenes that were never saved have no identity, nor have files of older versions.
 """
-"""
 
 import uuid
 from pathlib import Path

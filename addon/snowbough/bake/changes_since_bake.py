@@ -5,7 +5,6 @@ settings_changes() is fast enough for panels. scene_changes() reads the meshes o
 evaluation shows: transforms, alpha images, and the shape of objects without modifiers. Resuming the finished bake
 compares everything else, at every frame.
 """
-"""
 
 from pathlib import Path
 

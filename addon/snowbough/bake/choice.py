@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The receivers that a bake writes: those of the list that can carry snow in the shot's first pose. No ``bpy``.
 
-A receiver that cannot (it is hidden, has no UV map, or exists only as scattered instances) is left out with a reason, and
-the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or in a strict bake.
+A receiver that cannot (it is hidden, has no UV map, or exists only as scattered instances) is left out with a reason,
+and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or in a strict
+bake.
 """
 
 from dataclasses import dataclass

@@ -58,7 +58,9 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
 class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.remove_receiver"
     bl_label = "Remove from List"
-    bl_description = "Remove the active receiver from the list and its snow from the scene. The object and the baked files stay"
+    bl_description = (
+        "Remove the active receiver from the list and its snow from the scene. Object and baked files stay"
+    )
     bl_options = {"REGISTER", "UNDO"}
 
     @classmethod

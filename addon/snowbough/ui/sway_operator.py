@@ -47,7 +47,7 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
     )
     keys: IntProperty(
         name="Keys",
-        description="Keyframes per channel and loop. More let thin limbs swing faster: once per four keys at most (keys)",
+        description="Keyframes per channel and loop. The fastest limbs swing at most once per four keys (keys)",
         default=16,
         min=4,
         max=256,
