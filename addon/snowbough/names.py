@@ -137,7 +137,7 @@ def unit_of(name):
 def with_unit(name, value):
     """The value of the setting `name` for people: ``0.1 m``, ``7.162°``."""
     if not isinstance(value, float):
-        return str(value)
+        return "not set" if value is None else str(value)
     unit = unit_of(name)
     return f"{math.degrees(value):.4g}°" if unit == "°" else f"{value:.6g} {unit}".strip()
 

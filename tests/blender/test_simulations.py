@@ -173,7 +173,7 @@ def test_without_simulations_there_is_nothing_to_tell(addon, tmp_path):
     cloth(hidden)
     hidden.hide_render = True
     s.settings(tmp_path)
-    assert addon("scene.physics_caches").troubles(bpy.context.scene) == []
+    assert addon("scene.physics_caches").issues(bpy.context.scene) == []
 
 
 def test_a_baked_rigid_body_shelters_what_is_below(addon, native, tmp_path):
