@@ -30,8 +30,7 @@ def add_stray(obj, x):
 
 
 def warned(addon, depsgraph=None):
-    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
-    return addon("bake.preflight").warnings(bpy.context.scene, depsgraph)
+    return s.warnings(addon, depsgraph)
 
 
 def automatic_shot(folder):

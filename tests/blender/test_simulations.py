@@ -137,8 +137,7 @@ def test_cloth_that_is_not_baked_plays_from_the_first_frame_also_when_resumed(ad
 
 def test_cloth_that_is_not_baked_is_a_warning(addon, tmp_path):
     falling_scene(tmp_path, "cloth")
-    scene = bpy.context.scene
-    texts = addon("bake.preflight").warnings(scene, bpy.context.evaluated_depsgraph_get())
+    texts = s.warnings(addon)
     assert len(texts) == 1 and "'Falling' is a cloth simulation that is not baked" in texts[0]
 
 

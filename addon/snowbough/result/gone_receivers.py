@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow of receivers that were deleted goes with them."""
+"""Removes the snow surfaces of deleted receivers."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from . import snow_surface
 
 
 def _gone(scene):
-    """Receivers on the scene's list whose object is gone, or in no scene any more, but whose surface is in one."""
+    """Receivers whose object was deleted or is in no scene, but whose surface is in one."""
     return [
         entry
         for entry in scene.snowbough.receivers
@@ -26,7 +26,7 @@ def _remove():
 
 @bpy.app.handlers.persistent
 def _look(scene, *_):
-    # Not in the middle of an update: Blender is still working on the scene.
+    # Not during an update, in which Blender still works on the scene.
     if _gone(scene) and not bpy.app.timers.is_registered(_remove):
         bpy.app.timers.register(_remove, first_interval=0.0)
 

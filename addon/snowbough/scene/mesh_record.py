@@ -200,8 +200,8 @@ class MeshRecord:
         if name is None:
             missing = f"has no UV map '{wanted}'" if wanted and names else "has no UV map"
             raise SceneError(
-                f"'{label}' {missing} at frame {frame}: use 'Add Snow to Selected', which adds one, or unwrap it without "
-                "overlaps"
+                f"'{label}' {missing} at frame {frame}: use 'Add Snow to Selected', which adds one, or unwrap it "
+                "without overlaps"
             )
         if self._mesh is None:
             return name, self._uv[name]

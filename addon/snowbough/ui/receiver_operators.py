@@ -40,7 +40,7 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
                 entry = receivers.add(context, obj)
                 added += 1
                 if self.setup_result and displacement.mode_of(entry) is None:
-                    displacement.apply(context.scene, entry, displacement.default_mode(obj))
+                    displacement.apply(context.scene, entry, displacement.DEFAULT_MODE)
                 counts = receivers.scattered_by(context, obj) if obj.type == "MESH" else {}
                 if counts:
                     self.report(

@@ -93,7 +93,7 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
     )
 
     def work(self, context, receiver):
-        mode = displacement.default_mode(receiver.object) if self.mode == "AUTO" else self.mode
+        mode = displacement.DEFAULT_MODE if self.mode == "AUTO" else self.mode
         return displacement.apply(context.scene, receiver, mode)
 
 

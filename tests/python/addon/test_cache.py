@@ -200,8 +200,20 @@ def test_an_unwritable_cache_says_what_to_do(tmp_path):
 
 
 def test_changed_settings_are_named_with_their_units():
-    before = {"shot": "a", "end_depth": 0.1, "flutter": math.pi / 18, "receiver": {"resolution": 1024}, "old": 1}
-    after = {"shot": "b", "end_depth": 0.2, "flutter": math.pi / 9, "receiver": {"resolution": 2048}, "new": 1}
+    before = {
+        "shot": "a",
+        "end_depth": 0.1,
+        "flutter": math.pi / 18,
+        "receiver": {"resolution": 1024},
+        "old": 1,
+    }
+    after = {
+        "shot": "b",
+        "end_depth": 0.2,
+        "flutter": math.pi / 9,
+        "receiver": {"resolution": 2048},
+        "new": 1,
+    }
     assert manifest.describe_changes(before, after) == [
         "end depth: 0.1 m, now 0.2 m",
         "flutter: 10°, now 20°",

@@ -109,7 +109,7 @@ def test_files_of_earlier_formats_are_read(tmp_path):
 )
 def test_a_sidecar_of_an_earlier_format_with_other_kinds_of_values_is_refused(tmp_path, name, value):
     (tmp_path / "state_0010.json").write_bytes(files.to_json({**SIDECAR, name: value}))
-    with pytest.raises(errors.CacheError, match="is of another kind"):
+    with pytest.raises(errors.CacheError, match="has the wrong type"):
         folder.read_sidecar(tmp_path, 10)
 
 
