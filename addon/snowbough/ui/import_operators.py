@@ -50,10 +50,10 @@ def _refuse(operator, failures):
 class _Job:
     """Runs read_files in a background thread, which takes plain values and returns native data only."""
 
-    def __init__(self, paths, options, metre):
+    def __init__(self, paths, options, units):
         self.share, self.trees, self.failures, self.error = 0.0, [], [], None
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, args=(paths, options, metre), daemon=True)
+        self._thread = threading.Thread(target=self._run, args=(paths, options, units), daemon=True)
         native.load()  # on the main thread, so that a missing module is reported at once
         self._thread.start()
 
@@ -61,9 +61,9 @@ class _Job:
         self.share = share
         return not self._stop.is_set()
 
-    def _run(self, paths, options, metre):
+    def _run(self, paths, options, units):
         try:
-            self.trees, self.failures = import_tree.read_files(paths, options, self._progress, metre)
+            self.trees, self.failures = import_tree.read_files(paths, options, self._progress, units)
         except KeyboardInterrupt as error:
             self.error = error
 
@@ -171,7 +171,7 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
         self._options = options_of(ImportOptions, self)
         try:
             paths = self.chosen()
-            self._job = _Job(paths, self._options, import_tree.metre_of(context.scene))
+            self._job = _Job(paths, self._options, import_tree.units_per_metre(context.scene))
         except (ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
