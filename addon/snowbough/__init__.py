@@ -32,7 +32,7 @@ MODULES = (
     "bake.outcome",
     "bake.preflight",
     "result.surface_preview",
-    "result.gone_receivers",
+    "result.deleted_receivers",
     "preview.live",
     "realtime.options",
     "realtime.engine",

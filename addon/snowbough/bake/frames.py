@@ -107,13 +107,13 @@ class FrameBaker:
         for receiver in self._receivers:
             snapshot = self._simulation.snapshot(receiver.key, normal=self._request.write_normals)
             total = balance[receiver.key]["total"]
-            lying, gone = float(total["held_volume"]), float(total["slid_volume"])
-            volume, slid = volume + lying, slid + gone
+            own_volume, own_slid = float(total["held_volume"]), float(total["slid_volume"])
+            volume, slid = volume + own_volume, slid + own_slid
             entry = {
                 "frame": frame,
                 "depth": depth,
-                "volume": lying,
-                "slid": gone,
+                "volume": own_volume,
+                "slid": own_slid,
                 "direction": list(direction),
                 "to_world": places[receiver.key].ravel().tolist(),
             }

@@ -16,37 +16,23 @@ OCTAVES = ((9.0, 0.009), (23.0, 0.0045), (60.0, 0.002))
 # Thinner snow than this (metres) has less relief, and at most this share of its thickness.
 FULL_DEPTH = 0.06
 MOST_OF_DEPTH = 0.3
-# Least number of faces for a visible wave.
-FACES_A_WAVE = 2.0
 # Gradient noise rarely comes near 0 or 1; this factor stretches it.
 GAIN = 1.7
 
 
-def octaves_for(face_size):
-    """The octaves that faces of that size (metres) can show; 0.0 for a surface diced to pixels."""
-    return [octave for octave in OCTAVES if octave[0] * face_size * FACES_A_WAVE <= 1.0]
-
-
-def highest(thickness, strength=1.0):
-    """Largest relief in metres, up or down, on snow of that thickness (metres)."""
-    return min(sum(height for _, height in OCTAVES) * GAIN * strength, MOST_OF_DEPTH * thickness)
-
-
-def add_relief(builder, position, thickness, strength, octaves):
+def add_relief(builder, position, thickness, strength):
     """Metres to add to the thickness of the snow, as a socket.
 
     position: metres in the object's space. thickness: metres, not negative. strength: factor on OCTAVES.
     """
     total = None
-    for waves, height in octaves:
+    for waves, height in OCTAVES:
         noise = builder.node("ShaderNodeTexNoise")
         builder.feed(noise, Vector=position, Scale=waves, Detail=0.0)
         wave = builder.math(
             "MULTIPLY_ADD", compat_nodes.noise_value(noise), 2.0 * GAIN * height, -GAIN * height
         )
         total = wave if total is None else builder.add(total, wave)
-    if total is None:
-        return None
     faded = builder.multiply(total, builder.smoothstep(thickness, 0.0, FULL_DEPTH))
     bound = builder.multiply(thickness, MOST_OF_DEPTH)
     strong = builder.multiply(faded, strength)

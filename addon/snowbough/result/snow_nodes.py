@@ -10,7 +10,7 @@ import bpy
 from .. import compat_nodes
 from ..names import SNOW_GROUP
 from ..node_builder import NodeBuilder
-from .relief_nodes import OCTAVES, add_relief
+from .relief_nodes import add_relief
 
 # Light enters snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly white
 # (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
@@ -111,7 +111,7 @@ def _fill(tree):
     mix = builder.node("ShaderNodeMixShader")
     for socket, value in zip(mix.inputs, (coverage, inputs["Shader"], snow.outputs["BSDF"])):
         builder.set(socket, value)
-    relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"], OCTAVES)
+    relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"])
     sign = builder.math("SIGN", inputs["Height"])
     displaced = builder.add(inputs["Height"], builder.multiply(relief, sign))
     group_output = builder.node("NodeGroupOutput")

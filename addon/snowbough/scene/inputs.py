@@ -62,31 +62,26 @@ class SceneInputs:
         """{label: [transform, shape, topology]} at a pose, or None if there was no such pose."""
         state = {}
         for name, changes in self.poses:
-            _patch(state, changes)
+            state.update(changes)
             if name == pose:
                 return {label: prints for label, prints in state.items() if prints is not None}
         return None
 
     def first_difference(self, other):
         """A text about the first pose at which other (a later reading of the same frames) differs, or None."""
-        ours, theirs = {}, {}
+        before, after = {}, {}
         for (pose, changes), (other_pose, other_changes) in zip(self.poses, other.poses):
             if pose != other_pose:
                 return f"the bake's steps changed at frame {other_pose}"
-            _patch(ours, changes)
-            _patch(theirs, other_changes)
+            before.update(changes)
+            after.update(other_changes)
             for label in sorted(set(changes) | set(other_changes)):
-                text = difference(ours.get(label), theirs.get(label))
+                text = difference(before.get(label), after.get(label))
                 if text and label == SNOWFALL:
                     text = "direction changed"
                 if text:
                     return f"{label}: {text} at frame {pose}"
         return None
-
-
-def _patch(current, changes):
-    for label, prints in changes.items():
-        current[label] = prints
 
 
 def difference(before, after):

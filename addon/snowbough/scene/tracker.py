@@ -60,10 +60,10 @@ class SceneTracker:
                     self._sent.pop(key, None)
             elif len(obj.positions) and self._sent.get(key) is not obj.positions:
                 changed[key] = self._sent[key] = obj.positions
-        for gone in sorted(self._sent.keys() - pose.objects.keys()):
-            last = self._sent[gone]
+        for key in sorted(self._sent.keys() - pose.objects.keys()):
+            last = self._sent[key]
             if not (last == last[0]).all():
-                changed[gone] = self._sent[gone] = np.repeat(last[:1], len(last), axis=0)
+                changed[key] = self._sent[key] = np.repeat(last[:1], len(last), axis=0)
         self._complete = True
         if name != self._pose_recorded:
             sky = fingerprint(np.array([pose.fall_angle, pose.bearing], dtype=np.float64))
