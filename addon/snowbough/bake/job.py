@@ -139,7 +139,7 @@ class BakeJob:
                     receiver.complete(settings, self.native, baker.inputs)
 
     def _make_surfaces(self, settings, shaping, cancelled):
-        """Makes surfaces after the last map, since their faces and edges depend on the whole shot."""
+        """Since faces and edges of snow depend on the whole shot, after its last map."""
         for index, receiver in enumerate(self.receivers):
 
             def progress(share, index=index):

@@ -11,7 +11,7 @@ from mathutils import Matrix, Vector
 
 from . import interface
 
-# Point budget of all surfaces together, and factor on the lengths of edges; the second pair is for software renderers.
+# Points of all surfaces together, and the factor on lengths of edges; the second where the processor draws.
 MOST_POINTS, SCALE = 200_000, 1.0
 MOST_POINTS_SOFTWARE, SCALE_SOFTWARE = 15_000, 2.0
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
@@ -61,21 +61,21 @@ def _shader():
 
 
 class ReceiverDrawing:
-    """The snow of one receiver: its surface, and its buffers on the graphics card."""
+    """The snow of one receiver: its surface, and what of that the driver has."""
 
     def __init__(self, surface):
         self.surface = surface
-        self.is_visible = True
-        """Whether the object is in the scene."""
+        self.is_there = True
+        """Whether the object is in the view."""
         self._unsent = None
         self._triangles = self._indices = self._batch = None
 
     def set_snow(self, heights, open_depth, positions, style):
-        """Takes the arguments of ReceiverSurface.points."""
+        """What ReceiverSurface.points takes."""
         self._unsent = self.surface.points(heights, open_depth, positions, style)
 
     def _send(self):
-        """Uploads what has changed."""
+        """Hands over to the driver what it does not have yet."""
         if self._unsent is None:
             return
         places, normals = self._unsent
@@ -136,5 +136,5 @@ class Drawing:
 
     def _draw_receivers(self):
         for receiver in self.receivers.values():
-            if receiver.is_visible:
+            if receiver.is_there:
                 receiver.draw(self._shader)

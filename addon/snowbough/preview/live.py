@@ -26,12 +26,12 @@ PAUSE = 0.4
 
 
 def make_drawing(simulated, metres):
-    """The drawing.Drawing of a playback.Playback, without snow yet. metres: of a Blender unit."""
+    """The drawing.Drawing of a playback.Playback, without snow yet. metres: a Blender unit."""
     drawn = drawing.Drawing(metres)
     software = drawing.is_software()
     most = drawing.MOST_POINTS_SOFTWARE if software else drawing.MOST_POINTS
     scale = drawing.SCALE_SOFTWARE if software else drawing.SCALE
-    # Larger receivers get more points.
+    # What is larger gets more of them.
     extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
     for key in simulated.maps:
         share = int(most * extent[key] / sum(extent.values()))
@@ -99,7 +99,7 @@ class Preview:
         depth = self.simulated.settings.total(self.simulated.frame)
         for key, receiver in self.drawn.receivers.items():
             pose = self.simulated.pose.objects.get(key)
-            receiver.is_visible = pose is not None
+            receiver.is_there = pose is not None
             if pose is None:
                 continue
             receiver.surface = receiver.surface.on(pose.topology)

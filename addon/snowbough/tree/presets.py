@@ -16,7 +16,7 @@ from .import_options import ImportOptions
 OPERATOR = "import_scene.xfrog_tree"
 
 # Options that presets do not set.
-FILE_OPTIONS = {
+OF_THE_FILE = {
     "up_axis",
     "unit",
     "height",
@@ -47,7 +47,7 @@ _registered = []
 def text_of(preset):
     """The script by which Blender applies a preset to the operator."""
     values = {
-        **{name: value for name, value in asdict(ImportOptions()).items() if name not in FILE_OPTIONS},
+        **{name: value for name, value in asdict(ImportOptions()).items() if name not in OF_THE_FILE},
         **preset,
     }
     lines = [f"op.{name} = {value!r}" for name, value in values.items()]

@@ -32,7 +32,7 @@ def run(args):
     try:
         module, tasks = native.load(), surface_preview.tasks(scene, names)
         if not tasks:
-            raise ValueError("No baked receiver has a snow surface: bake first")
+            raise ValueError("There is no baked receiver that shows its snow as a surface: bake first")
         for _, folder, style in tasks:
             compute.update(module, folder, style)
             summary = compute.read_summary(folder)
