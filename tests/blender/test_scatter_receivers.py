@@ -61,7 +61,7 @@ def plain_square(name, size=1.0):
 def test_realized_instances_are_refused_at_once_with_the_way_out(addon, stone_has_uv):
     ground = plain_square("Ground", 4.0)
     scatter(ground, s.square("Stone", 0.2) if stone_has_uv else plain_square("Stone", 0.2))
-    with pytest.raises(RuntimeError, match="'Ground' make faces without a place.*Visual Geometry to Mesh"):
+    with pytest.raises(RuntimeError, match="'Ground' make faces that have no place.*Visual Geometry to Mesh"):
         add_snow(ground)
     assert not len(bpy.context.scene.snowbough.receivers)
     assert not ground.data.uv_layers

@@ -143,7 +143,7 @@ def test_cloth_that_is_not_baked_is_a_warning(addon, tmp_path):
 
 def test_cloth_that_begins_before_the_snow_must_be_baked(tmp_path):
     made = falling_scene(tmp_path, "cloth", frames=(5, 8))
-    with pytest.raises(RuntimeError, match="'Falling' is a cloth simulation that begins at frame 1, before"):
+    with pytest.raises(RuntimeError, match="'Falling' is a cloth simulation that starts at frame 1, before"):
         s.bake()
     made.modifiers["Cloth"].point_cache.frame_start = 5
     s.bake()
