@@ -46,7 +46,7 @@ def read_manifest(folder, name=MANIFEST):
     statistics), ``cache`` (identity of the .blend's cache, empty if the file was never saved), ``files`` (names of all
     files of the bake). Earlier formats are converted, but lack the last two. Raises CacheError if it is damaged.
     """
-    remedy = f"Remove the folder {folder} by hand, then bake again"
+    remedy = f"Delete the folder {folder}, then bake again"
     manifest = read_sealed(Path(folder) / name, remedy, _SHAPES.get)
     if manifest is None:
         return None
