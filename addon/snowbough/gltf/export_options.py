@@ -33,10 +33,10 @@ class ExportProperties:
     )
     snow: EnumProperty(
         name="Snow",
-        description="Baked maps to write beside the tree",
+        description="Baked maps that are written beside the tree",
         items=(
             ("NONE", "None", "No snow"),
-            ("FRAME", "Current Frame", "Heights, and normals if they were baked, of the current frame"),
+            ("FRAME", "Current Frame", "Heights, and normals where they were baked, of the current frame"),
             ("ATLAS", "Atlas", "Several frames side by side in one image"),
         ),
         default="NONE",
