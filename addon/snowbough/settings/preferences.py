@@ -84,9 +84,4 @@ def preview_limits():
     return 0 if resolution == "AUTO" else int(resolution), _preference("preview_memory", 1024) << 20
 
 
-def register():
-    bpy.utils.register_class(SnowboughPreferences)
-
-
-def unregister():
-    bpy.utils.unregister_class(SnowboughPreferences)
+register, unregister = bpy.utils.register_classes_factory((SnowboughPreferences,))

@@ -111,9 +111,4 @@ def lock(context):
             bpy.ops.snowbough.lock_editing("INVOKE_DEFAULT")
 
 
-def register():
-    bpy.utils.register_class(SNOWBOUGH_OT_lock_editing)
-
-
-def unregister():
-    bpy.utils.unregister_class(SNOWBOUGH_OT_lock_editing)
+register, unregister = bpy.utils.register_classes_factory((SNOWBOUGH_OT_lock_editing,))

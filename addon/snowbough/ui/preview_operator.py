@@ -36,9 +36,4 @@ class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def register():
-    bpy.utils.register_class(SNOWBOUGH_OT_toggle_preview)
-
-
-def unregister():
-    bpy.utils.unregister_class(SNOWBOUGH_OT_toggle_preview)
+register, unregister = bpy.utils.register_classes_factory((SNOWBOUGH_OT_toggle_preview,))
