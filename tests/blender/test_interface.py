@@ -114,6 +114,14 @@ def test_every_number_names_its_unit(addon):
             assert unit[1] == "frames", name
 
 
+def test_fields_show_the_units_that_blender_does_not_show(addon):
+    shown = [
+        addon("ui.panel_parts").setting_label(bpy.context.scene.snowbough, name)
+        for name in ("end_depth", "slide_half_life", "blur_radius", "repose", "rate")
+    ]
+    assert shown == ["End Depth (m)", "Slide Half-Life (s)", "Blur Radius (texels)", "Repose", "Rate"]
+
+
 def test_choices_are_described():
     for name, prop in described():
         if prop.type == "ENUM":

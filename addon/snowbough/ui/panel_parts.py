@@ -7,6 +7,7 @@ import blf
 from .. import compat, session
 from ..bake import changes_since_bake
 from ..bake import state as bake_state
+from ..names import unit_of
 from ..result import displacement
 from ..settings.surface import SurfaceProperties
 from .text import wrapped
@@ -114,6 +115,12 @@ def draw_result(layout, context):
     if not compat.eevee_displaces():
         text = "In this Blender version, EEVEE shows Cycles Displacement as bumps only"
         draw_text(layout.column(align=True), context, text, "INFO")
+
+
+def setting_label(settings, name):
+    """The label of a setting's field, with the unit where Blender shows none: ``End Depth (m)``."""
+    label, unit = settings.bl_rna.properties[name].name, unit_of(name)
+    return label if unit in ("", "°") else f"{label} ({unit})"
 
 
 def draw_receiver(layout, entry):

@@ -80,10 +80,11 @@ class _Settings(_ScenePanel):
         layout = self.layout
         layout.use_property_split = True
         layout.enabled = session.bake is None
+        settings = context.scene.snowbough
         for group in self.names:
             column = layout.column(align=True)
             for name in group:
-                column.prop(context.scene.snowbough, name)
+                column.prop(settings, name, text=panel_parts.setting_label(settings, name))
 
 
 class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
@@ -162,7 +163,7 @@ class SNOWBOUGH_PT_sidebar(_SidebarPanel, bpy.types.Panel):
             split.use_property_split = True
             split.use_property_decorate = False
             for name in ("end_depth", "fall_angle", "bearing"):
-                split.prop(settings, name)
+                split.prop(settings, name, text=panel_parts.setting_label(settings, name))
             running = session.preview is not None
             column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
         panel_parts.draw_bake(layout, context)
