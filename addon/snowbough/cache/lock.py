@@ -54,7 +54,7 @@ class FolderLock:
             return self._path.read_bytes() == self._text
         except FileNotFoundError:
             return False
-        except PermissionError:  # Windows allows nobody to read or remove a locked file
+        except PermissionError:  # Windows lets nobody read what is locked, nor remove it
             return True
 
     def release(self):
