@@ -98,7 +98,7 @@ def read_sealed(path, remedy, shape_of):
         shape = shape_of(number_of_format)
         if shape is not None and not fits(value, shape):
             raise ValueError("an entry is missing or has the wrong type")
-    except FileNotFoundError:
+    except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError, RecursionError) as error:
         raise CacheError(f"{path} is damaged ({_reason(error)}). {remedy}") from error

@@ -159,11 +159,9 @@ class SNOWBOUGH_PT_sidebar(_SidebarPanel, bpy.types.Panel):
         column.enabled = session.bake is None
         column.operator("snowbough.add_receivers", icon="ADD")
         if len(settings.receivers):
-            split = column.column(align=True)
-            split.use_property_split = True
-            split.use_property_decorate = False
+            fields = column.column(align=True)
             for name in ("end_depth", "fall_angle", "bearing"):
-                split.prop(settings, name, text=panel_parts.setting_label(settings, name))
+                fields.prop(settings, name, text=panel_parts.setting_label(settings, name))
             running = session.preview is not None
             column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
         panel_parts.draw_bake(layout, context)

@@ -66,6 +66,11 @@ def test_any_flipped_bit_is_refused_with_the_file_and_what_to_do(cache, name):
             read()
 
 
+def test_a_path_below_a_file_has_no_owner_and_no_damage(tmp_path):
+    (tmp_path / "file").write_text("")
+    assert owner.is_owner(tmp_path / "file" / "Scene", tmp_path / "shot.blend")
+
+
 @pytest.mark.parametrize("name", NAMES)
 def test_a_file_cut_short_is_refused(cache, name):
     path, read = cache[name]
