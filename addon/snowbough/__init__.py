@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snowbough: trees from OBJ as rigged meshes, and snow that stays where it fell.
+"""Snowbough: trees from OBJ files as rigged meshes, and snow on animated shots.
 
-This file is the add-on's table of contents. Importing the package loads nothing else, so that modules which
-need no Blender can be used without it. register() loads the modules below and calls the ``register`` of each;
-nothing else of theirs runs on import, so the add-on enables on any machine. What needs the native module loads
-it through :mod:`snowbough.native` when it is first used.
+This file lists the add-on's modules. Importing the package loads nothing else, so that modules which do not need
+Blender can be used without it. register() loads the modules below and calls the ``register`` of each. Nothing else
+runs on import, so the add-on enables on any machine. :mod:`snowbough.native` loads the native module on first use.
 """
 
 import importlib
@@ -33,7 +32,7 @@ MODULES = (
     "bake.outcome",
     "bake.preflight",
     "result.surface_preview",
-    "result.gone_receivers",
+    "result.deleted_receivers",
     "preview.live",
     "realtime.options",
     "realtime.engine",
@@ -57,20 +56,20 @@ _registered = []
 
 
 def _forget_loaded_modules():
-    """Lets everything be loaded anew, so that after switching off and on, or reloading scripts, the code that
-    runs is that on disk. What `session` holds stays."""
+    """Unloads all modules, so that the code on disk runs after disabling and enabling, or Reload Scripts. The data in
+    `session` stays."""
     session = f"{__package__}.session"
     for name in [name for name in sys.modules if name.startswith(f"{__package__}.")]:
         if name != session:
             del sys.modules[name]
-            # `from . import name` would find it here.
+            # `from . import name` would find the old module here.
             globals().pop(name.removeprefix(f"{__package__}."), None)
     if session in sys.modules:
         importlib.reload(sys.modules[session])
 
 
 def register():
-    if _blocks():  # a bake has kept all there is
+    if _blocks():  # the running bake has kept all modules
         sys.modules[f"{__package__}.session"].enabled = True
         return
     _unregister_modules()
@@ -82,8 +81,8 @@ def register():
 
 
 def unregister():
-    """While a bake runs within a call of its operator, as in the background, that operator's class must stay, and so
-    does all else: the bake is asked to stop, and the rest goes after it, or stays until Blender ends."""
+    """Unregisters all modules. While a bake runs inside a call of its operator, as in the background, the operator's
+    class must stay. Then the bake is asked to stop, and the modules are unregistered after it."""
     if not _blocks():
         _unregister_modules()
         return
@@ -97,7 +96,7 @@ def _blocks():
 
 
 def _unregister_later():
-    """Timer: waits for the bake's end."""
+    """Timer: waits for the end of the bake."""
     if _blocks():
         return 0.1
     if not sys.modules[f"{__package__}.session"].enabled:

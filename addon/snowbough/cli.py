@@ -7,10 +7,10 @@
     blender -b file.blend --python-exit-code 1 -P addon/snowbough/cli.py -- export TREE.glb --snow FRAME
     blender -b [file.blend] -c snowbough import ...        (Blender 4.2 on, add-on installed)
 
-The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender itself ends with 0
-even when this script could not start.
+The exit code is 0 only on success. Without --python-exit-code 1 before -P, Blender ends with 0 even if this script
+could not start.
 
-As a script this file belongs to no package: what it needs of the add-on is imported where it is used.
+As a script, this file belongs to no package, so it imports modules of the add-on inside its functions.
 """
 
 import argparse
@@ -19,23 +19,27 @@ import sys
 
 
 def parser():
-    """The parser of all subcommands; `args.command` says which."""
+    """The parser of all subcommands; its result has the name `command` and the function `run` of the chosen one."""
     from .bake import cli as bake_cli
     from .gltf import cli as gltf_cli
     from .tree import cli as tree_cli
     from .ui import surface_cli
 
     top = argparse.ArgumentParser(
-        prog="snowbough", description="Imports trees, bakes snow and exports for engines without a window."
+        prog="snowbough",
+        description="Imports trees, bakes snow and exports trees to game engines, without a window.",
     )
     commands = top.add_subparsers(dest="command", required=True)
 
-    tree_cli.add_arguments(commands.add_parser("import", help="import an OBJ tree and save a .blend"))
-    bake_cli.add_arguments(commands.add_parser("bake", help="bake the snow of the loaded file"))
-    surface_cli.add_arguments(
-        commands.add_parser("surface", help="compute the snow surfaces of baked maps again")
-    )
-    gltf_cli.add_arguments(commands.add_parser("export", help="write an imported tree for game engines"))
+    for name, module, text in (
+        ("import", tree_cli, "import an OBJ tree and save a .blend"),
+        ("bake", bake_cli, "bake the snow of the loaded file"),
+        ("surface", surface_cli, "compute the snow surfaces of baked maps again"),
+        ("export", gltf_cli, "write an imported tree for game engines"),
+    ):
+        command = commands.add_parser(name, help=text)
+        module.add_arguments(command)
+        command.set_defaults(run=module.run)
     return top
 
 
@@ -45,29 +49,17 @@ def run(arguments):
 
     try:
         args = parser().parse_args(arguments)
-    except SystemExit as stop:  # argparse has said why; --help ends with 0
+    except SystemExit as stop:  # argparse has printed the reason; --help ends with 0
         return int(stop.code or 0)
     try:
-        if args.command == "bake":
-            from .bake import cli as bake_cli
-
-            return bake_cli.run(args)
-        if args.command == "surface":
-            from .ui import surface_cli
-
-            return surface_cli.run(args)
-        if args.command == "export":
-            from .gltf import cli as gltf_cli
-
-            return gltf_cli.run(args)
-        from .tree import cli as tree_cli
-
-        # Blender takes Ctrl-C for itself; while Python computes, it must stop the work.
+        if args.command != "import":
+            return args.run(args)
+        # Blender handles Ctrl-C itself; while Python computes, Ctrl-C must stop the work.
         previous = signal.signal(signal.SIGINT, signal.default_int_handler)
         try:
-            return tree_cli.run(args)
+            return args.run(args)
         finally:
-            # None: a handler that C code has set, which Python can't put back. SIG_DFL ends the process.
+            # None: a handler of C code, which Python cannot restore. SIG_DFL ends the process.
             signal.signal(signal.SIGINT, previous if previous is not None else signal.SIG_DFL)
     except KeyboardInterrupt:
         print("Snowbough: stopped", file=sys.stderr)
@@ -90,7 +82,7 @@ def unregister():
 
 
 def _main():
-    """As a script: the add-on of this checkout takes the place of one that is installed."""
+    """Runs as a script. The add-on of this checkout replaces an installed one."""
     from pathlib import Path
 
     import addon_utils

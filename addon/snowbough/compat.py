@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Every difference between the Blender versions that the add-on runs in (3.4 to 5.x).
+"""All differences between the Blender versions that the add-on supports (3.4 to 5.x).
 
-The rest of the add-on asks no version questions: it calls the functions below, which look for the
-feature itself wherever that is possible. One section a topic; nodes have compat_nodes.
+The rest of the add-on calls the functions below, which test for the feature itself where possible. Nodes have
+compat_nodes.
 """
 
 import os
@@ -17,7 +17,7 @@ VERSION = bpy.app.version
 # --------------------------------------------------------------------------------------------------
 # Properties
 
-# From 5.0 on a path may begin with // (the .blend's folder) only where its property says so.
+# From 5.0 on, a property needs this option if its path may begin with // (the folder of the .blend).
 BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if VERSION >= (5, 0, 0) else set()
 
 # --------------------------------------------------------------------------------------------------
@@ -25,9 +25,9 @@ BLEND_RELATIVE = {"PATH_SUPPORTS_BLEND_RELATIVE"} if VERSION >= (5, 0, 0) else s
 
 
 def set_polygons(mesh, loop_start, loop_total):
-    """Writes the polygons' corner ranges: int32 arrays, one entry a polygon, already added."""
+    """Writes the corner ranges of polygons that are already added: int32 arrays, one entry per polygon."""
     mesh.polygons.foreach_set("loop_start", loop_start)
-    # From 4.1 on the total follows from the next polygon's start and is read-only.
+    # From 4.1 on, the total follows from the next polygon's start and is read-only.
     if VERSION < (4, 1, 0):
         mesh.polygons.foreach_set("loop_total", loop_total)
 
@@ -46,11 +46,10 @@ def set_uv(layer, uv):
 
 
 def assign_bone_level_groups(armature, levels, names):
-    """Sorts the armature's bones by branch level, outside edit mode.
+    """Groups the bones of an armature by branch level, outside edit mode.
 
-    levels: int sequence, one a bone in the order of `armature.bones`. names: one name a level.
-    Bone collections from 4.0 on; before, level n goes to bone layer n (32 at most; deeper levels
-    share the last one) and all layers that hold bones are shown.
+    levels: one int per bone, in the order of `armature.bones`. names: one per level. Uses bone collections from 4.0 on;
+    before, bone layer n for level n (32 at most; deeper levels share the last), and shows all layers with bones.
     """
     bones = armature.bones
     if hasattr(armature, "collections"):
@@ -65,12 +64,12 @@ def assign_bone_level_groups(armature, levels, names):
 
 
 def hide_bones(armature):
-    """Hides all bones that assign_bone_level_groups has sorted; the armature's object stays as it is."""
+    """Hides all bones that assign_bone_level_groups has grouped; the armature object stays visible."""
     if hasattr(armature, "collections"):
         for group in armature.collections:
             group.is_visible = False
         return
-    # One layer must be shown: the last, which is empty unless there are more levels than layers.
+    # One layer must be visible: the last, which is empty unless there are more levels than layers.
     armature.layers = [index == 31 for index in range(32)]
 
 
@@ -79,10 +78,10 @@ def hide_bones(armature):
 
 
 def action_curves(datablock, name):
-    """Gives `datablock` a new action of that name; returns (action, new_curve).
+    """Gives `datablock` a new action with that name; returns (action, new_curve).
 
-    new_curve(data_path, index, group) makes an F-curve that animates the datablock. Actions have
-    slots and layers from 4.4 on, and `action.fcurves` is gone in 5.0.
+    new_curve(data_path, index, group) adds an F-curve that animates the datablock. Actions have slots and layers from
+    4.4 on, and `action.fcurves` is gone in 5.0.
     """
     action = bpy.data.actions.new(name)
     animation = datablock.animation_data or datablock.animation_data_create()
@@ -108,7 +107,7 @@ def action_curves(datablock, name):
 
 
 def curves_of(datablock):
-    """The F-curves that animate `datablock` now, as a list; empty without an action."""
+    """The F-curves that currently animate `datablock`, as a list."""
     animation = datablock.animation_data
     if animation is None or animation.action is None:
         return []
@@ -127,7 +126,7 @@ def curves_of(datablock):
 
 
 def use_material_nodes(material):
-    """Turns the node tree on; it always is from 5.0 on, where the switch is deprecated."""
+    """Enables the node tree. From 5.0 on it is always enabled and the switch is deprecated."""
     if VERSION < (5, 0, 0):
         material.use_nodes = True
 
@@ -152,9 +151,9 @@ def specular_input(principled):
 
 
 def register_file_handler(idname, label, operator, extensions, view_types=("VIEW_3D", "OUTLINER")):
-    """Drag and drop of files onto the window (4.1 on); returns the class, or None where it is not there.
+    """Registers drag and drop of files onto the window (4.1 on); returns the class, or None in older versions.
 
-    extensions: ".obj;.txt" as Blender writes them. Unregister it with unregister_file_handler.
+    extensions: ".obj;.txt", as Blender writes them. Undone by unregister_file_handler.
     """
     if not hasattr(bpy.types, "FileHandler"):
         return None
@@ -185,13 +184,11 @@ def unregister_file_handler(handler):
 def register_presets(folder):
     """Shows the operator presets in `folder`/operator/<idname>/*.py; returns a token for unregister_presets.
 
-    `folder` must be called `presets`.
-
-    Before register_preset_path existed, Blender finds presets of add-ons in the user's own preset
-    folder only: they are copied there, and a file the user has changed is left alone.
+    `folder` must be named `presets`. Blender versions without register_preset_path find presets of add-ons only in the
+    user's own folder: there they are copied to it, and files that the user has changed are kept.
     """
     if hasattr(bpy.utils, "register_preset_path"):
-        bpy.utils.register_preset_path(str(Path(folder).parent))  # it looks for a folder `presets` in there
+        bpy.utils.register_preset_path(str(Path(folder).parent))  # expects a subfolder `presets`
         return None
     copied = []
     target_root = Path(bpy.utils.user_resource("SCRIPTS", path="presets", create=True))
@@ -201,7 +198,7 @@ def register_presets(folder):
             if not target.exists():
                 target.parent.mkdir(parents=True, exist_ok=True)
                 shutil.copyfile(source, target)
-        except OSError as error:  # a read-only home must not keep the add-on from starting
+        except OSError as error:  # a read-only home folder must not stop the add-on
             print(f"Snowbough: the preset {target} could not be written ({error.strerror})")
             continue
         copied.append((source, target))
@@ -209,7 +206,7 @@ def register_presets(folder):
 
 
 def unregister_presets(folder, token):
-    """Undoes register_presets; presets that the user has changed stay."""
+    """Reverts register_presets. Presets that the user has changed stay."""
     if hasattr(bpy.utils, "unregister_preset_path"):
         bpy.utils.unregister_preset_path(str(Path(folder).parent))
         return
@@ -222,7 +219,7 @@ def unregister_presets(folder, token):
 
 
 def register_command(name, run):
-    """`blender -c name ARGS` (4.2 on): run(list of arguments) -> exit code. Returns the handle or None."""
+    """Registers `blender -c name ARGS` (4.2 on). run: list of arguments -> exit code. Returns the handle or None."""
     if not hasattr(bpy.utils, "register_cli_command"):
         return None
     return bpy.utils.register_cli_command(name, run)
@@ -238,20 +235,20 @@ def unregister_command(handle):
 
 
 def set_displacement_method(material, method):
-    """BUMP, DISPLACEMENT or BOTH; the property left Cycles for the material in 4.1."""
+    """BUMP, DISPLACEMENT or BOTH. The property moved from Cycles to the material in 4.1."""
     owner = material if hasattr(material, "displacement_method") else getattr(material, "cycles", None)
     if owner is not None:
         owner.displacement_method = method
 
 
 def cycles_feature_set(scene):
-    """The scene's Cycles feature set; None where there is none (no Cycles, or 5.x, which has but one)."""
+    """The scene's Cycles feature set; None without Cycles, and in 5.x, which has only one."""
     return getattr(getattr(scene, "cycles", None), "feature_set", None)
 
 
 def set_adaptive_subdivision(scene, obj, modifier, use):
-    """Lets Cycles dice the mesh to the pixel: on the modifier from 5.0 on, before on the object, where
-    it also needs the experimental feature set. Returns True where Cycles is there to do it."""
+    """Makes Cycles dice the mesh to pixels: on the modifier from 5.0 on; before, on the object, which also needs the
+    experimental feature set. Returns False without Cycles."""
     if hasattr(modifier, "use_adaptive_subdivision"):
         modifier.use_adaptive_subdivision = use
         return True
@@ -264,7 +261,7 @@ def set_adaptive_subdivision(scene, obj, modifier, use):
 
 
 def eevee_displaces():
-    """Whether EEVEE moves vertices by a material's displacement (4.2 on); before it only bumps."""
+    """Whether EEVEE moves vertices by a material's displacement (4.2 on). Older versions only bump."""
     return VERSION >= (4, 2, 0)
 
 
@@ -276,7 +273,7 @@ def read_positions(mesh):
     """Vertex positions as float32 (V, 3)."""
     positions = np.empty((len(mesh.vertices), 3), dtype=np.float32)
     attribute = mesh.attributes.get("position")
-    if attribute is not None:  # 3.5 on: plain memory; by vertices it is many times slower from 4.3 on
+    if attribute is not None:  # 3.5 on: plain memory; reading vertices is many times slower from 4.3 on
         attribute.data.foreach_get("vector", positions.ravel())
     else:
         mesh.vertices.foreach_get("co", positions.ravel())
@@ -305,8 +302,8 @@ def read_uv(layer, corner_count):
 
 
 def read_corner_normals(mesh):
-    """The normal that every corner is shaded with, as float32 (L, 3): smooth and flat faces, sharp edges, Auto
-    Smooth and custom normals taken into account."""
+    """The shading normal of every corner as float32 (L, 3), with flat faces, sharp edges, Auto Smooth and custom
+    normals."""
     normals = np.empty((len(mesh.loops), 3), dtype=np.float32)
     if hasattr(mesh, "corner_normals"):  # 4.1 on
         mesh.corner_normals.foreach_get("vector", normals.ravel())
@@ -318,7 +315,7 @@ def read_corner_normals(mesh):
 
 
 def ensure_triangles(mesh):
-    """Makes mesh.loop_triangles valid; from 4.1 on Blender does so by itself."""
+    """Makes mesh.loop_triangles valid; from 4.1 on Blender does it by itself."""
     if hasattr(mesh, "calc_loop_triangles"):
         mesh.calc_loop_triangles()
 
@@ -349,9 +346,9 @@ def draw_progress(layout, fraction, text):
 
 
 def section(layout, identifier, text):
-    """A part of a dialog under a heading; its layout, or None where the user has closed it.
+    """A collapsible part of a dialog; returns its layout, or None if the user has closed it.
 
-    Parts that can be closed came in 4.1; before, a box. identifier: what Blender remembers it by.
+    Before 4.1 it is a box, always open. identifier: the name under which Blender stores the state.
     """
     if hasattr(layout, "panel"):
         header, body = layout.panel(identifier)

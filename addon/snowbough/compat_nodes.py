@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What compat is for nodes and node groups: their sockets and their names in the Blender versions 3.4 to 5.x."""
+"""The counterpart of compat for nodes and node groups: their sockets and names in Blender 3.4 to 5.x."""
 
 from . import compat
 
 
 def key_value(tree, socket, values, interpolation):
-    """Animates a socket of one of the tree's nodes: values (frame, value), interpolation as F-curves' keys have it."""
+    """Keyframes a socket of one of the tree's nodes. values: (frame, value); interpolation: that of F-curve keys."""
     for frame, value in values:
         socket.default_value = value
         socket.keyframe_insert("default_value", frame=frame)
@@ -60,6 +60,6 @@ def set_subsurface(tree, principled, weight, color, radius):
 
 
 def set_specular(principled, level):
-    """How much of the light a Principled BSDF mirrors: 0.5 is that of glass and ice roughly."""
+    """The specular strength of a Principled BSDF; 0.5 is about that of glass or ice."""
     name = "Specular IOR Level" if "Specular IOR Level" in principled.inputs else "Specular"
     principled.inputs[name].default_value = level

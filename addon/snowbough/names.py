@@ -1,68 +1,68 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names and limits that several rooms use, each written once. No ``bpy``.
+"""Names and limits that several rooms use, and amounts as text. No ``bpy``.
 
-What is part of files (names of UV maps, properties, modifiers) must stay: scenes made before are found by it.
+Names that files store (UV maps, properties, modifiers) must not change, or existing scenes are not recognised.
 """
 
 import hashlib
 import math
 import re
 
-# UV maps: bark tiles, original and leaves lie where their exporter put them, snow stores every place once.
+# UV maps: bark repeats, original and leaf keep the exporter's coordinates, snow has no overlaps.
 BARK_UV = "bark"
 ORIGINAL_UV = "original"
 LEAF_UV = "leaf"
 SNOW_UV = "snow"
 
-# How far beyond 0 to 1 UVs may lie on a snow map; the native module has the same.
+# Tolerance for UVs outside 0 to 1 on a snow map; the native module has the same.
 UV_TOLERANCE = 1e-4
 
-# Metres from the origin beyond which single precision no longer tells texels apart: vertices there are left out.
+# Metres from the origin beyond which single precision cannot separate texels; such vertices are left out.
 FARTHEST = 1e6
 
-# Our render engine for 3D views and F12, as Blender knows it.
+# Identifier of our render engine for 3D views and F12.
 REALTIME_ENGINE = "SNOWBOUGH_REALTIME"
 
-# On an object: the side in texels that its UV map `snow` was laid out for.
+# On an object: side, in texels, of the map that its UV map `snow` was packed for.
 SNOW_RESOLUTION_PROPERTY = "snowbough_snow_resolution"
 
-# Texels a side of an accumulation map, as the native module takes them.
+# Side of a map in texels, as the native module accepts it.
 MIN_RESOLUTION = 64
 MAX_RESOLUTION = 8192
 
-# Radians between falling snow and the vertical: beyond, open ground would need endlessly deep snow.
+# Radians between falling snow and the vertical. At 90 degrees no snow would reach level ground.
 MAX_FALL_ANGLE = math.radians(89.5)
 
 # The node group of all snow materials.
 SNOW_GROUP = "Snowbough Snow"
 
-# Kinds of snow, as Blender lists choices; what they set is in result.look.
+# Kinds of snow, as items of an enum property; result.look has their values.
 SNOW_KINDS = (
-    ("POWDER", "Powder", "Dry and loose: fine grains, much glitter, lies on gentle slopes only"),
+    ("POWDER", "Powder", "Dry and loose: fine grains, much glitter, only on gentle slopes"),
     ("FRESH", "Fresh", "Fallen a few hours ago: soft relief, some glitter"),
-    ("WET", "Wet", "Heavy and smooth, a little darker, sticks to steep things"),
-    ("OLD", "Old", "Weathered: coarse grains, deeper relief, greyer"),
+    ("WET", "Wet", "Heavy and smooth, slightly darker, sticks to steep surfaces"),
+    ("OLD", "Old", "Weathered: coarse grains, stronger relief, greyer"),
 )
 
-# On the points of an imported tree's leaves: the bone that a leaf hangs on, as the number of its vertex group.
+# On the points of imported leaves: the bone of the leaf, as the index of its vertex group.
 LEAF_BONE_ATTRIBUTE = "snowbough_bone"
 
-# On the points of an imported tree's bark: the level of their branch, the trunk's is the lowest. glTF carries only
-# attributes whose names begin with an underscore, and only those of points.
+# On the points of imported bark: the lowest level of their branches, 0 is the trunk. glTF exports only attributes of
+# points, and only those whose names begin with an underscore.
 POINT_LEVEL_ATTRIBUTE = "_BRANCH_LEVEL"
 
-# On the points of an object that is told to keep it: where they are undeformed. Blender's own name.
+# Blender's own attribute of the undeformed positions of points, on objects that store it.
 REST_ATTRIBUTE = "rest_position"
 
-# The modifiers that a receiver gets for its displacement.
+# The modifiers that displace a receiver.
 SUBDIVISION_MODIFIER = "Snowbough Subdivision"
 DISPLACE_MODIFIER = "Snowbough Displace"
 OWN_MODIFIERS = (SUBDIVISION_MODIFIER, DISPLACE_MODIFIER)
 
-# The modifier of a snow surface, which reads its points.
+# The modifier that reads the points of a snow surface.
 SURFACE_MODIFIER = "Snowbough Surface"
 
-# Exit codes of the command line (bake.cli and tree.cli say when).
+# Exit codes of the command line (see bake.cli and tree.cli).
 EXIT_OK = 0
 EXIT_FAILED = 1
 EXIT_NO_CHECKPOINT = 3
@@ -73,22 +73,22 @@ EXIT_LOCK_LOST = 7
 EXIT_STOPPED = 130
 
 
-# Names of devices under Windows, where no file can have them, whatever follows after a dot.
+# Device names of Windows, which no file may have, with or without a suffix.
 _DEVICE = re.compile(r"(?:CON|PRN|AUX|NUL|COM\d|LPT\d)(?:\.|$)", re.IGNORECASE)
-# A safe name that ends like the ones that carry a digest.
+# A safe name that ends like one with a digest.
 _TAGGED = re.compile(r"-[0-9a-f]{8}$", re.IGNORECASE)
 
 
 def safe_name(name):
-    """A file name that every system takes: ASCII letters, digits, ``.``, ``_``, ``-``; at most 64. Several names may
-    give the same one."""
+    """A file name that is valid on every system: ASCII letters, digits, ``.``, ``_``, ``-``; at most 64. Several names
+    may give the same one."""
     cleaned = re.sub(r"[^A-Za-z0-9._-]", "_", name)[:64].lstrip(".-")
     return f"_{cleaned}" if not cleaned or _DEVICE.match(cleaned) else cleaned
 
 
 def folder_name(name):
-    """safe_name, one for each name, also where a file system takes upper and lower case for the same: of the names
-    that would share one, ``Like this`` keeps it and the others get eight digits."""
+    """A safe name that is unique for each name, also on file systems that ignore case: ``Like this`` stays, all other
+    names get eight digits."""
     safe = safe_name(name)
     if safe == name == name.capitalize() and not name.endswith(".") and not _TAGGED.search(name):
         return safe
@@ -96,16 +96,51 @@ def folder_name(name):
 
 
 def tagged_name(name, identity):
-    """safe_name and eight digits that tell apart all pairs of a name and an identity, a tuple of texts or numbers."""
+    """A safe name with eight digits that are unique for a name and an identity, a tuple of texts or numbers."""
     text = "\0".join(str(part) for part in (name, *identity))
     return f"{safe_name(name)}-{hashlib.blake2b(text.encode(), digest_size=4).hexdigest()}"
 
 
 def receiver_key(name, identity):
-    """Folder name of a receiver: its safe name and eight digits that tell apart local and linked objects
-    of one name and instances. identity: tuple of what is unique about it (library, instancer, index)."""
+    """Folder name of a receiver: its safe name and eight digits that separate local objects, linked objects and
+    instances of one name. identity: tuple of its unique properties (library, instancer, index)."""
     return tagged_name(name, identity)
 
 
-# What an import or export may run into; it is said to the user. Nothing else is caught.
+def counted(number, noun, plural=None):
+    """``1 file``, ``1,204 files``, ``2 branches``."""
+    return f"{number:,} {noun if number == 1 else plural or noun + 's'}"
+
+
+def sized(count):
+    """A number of bytes for people: ``640 KiB``, ``40 MiB``, ``3.2 GiB``."""
+    for unit, size, digits in (("GiB", 2**30, 1), ("MiB", 2**20, 0)):
+        if count >= size:
+            return f"{count / size:.{digits}f} {unit}"
+    return f"{-(-int(count) // 1024)} KiB"
+
+
+# Units of settings, found by their names.
+_UNITS = (
+    (re.compile(r"depth|cohesion|_size$|^height$"), "m"),
+    (re.compile(r"half_life"), "s"),
+    (re.compile(r"blur_radius"), "texels"),
+    (re.compile(r"flutter|repose|angle|bearing"), "°"),
+)
+
+
+def unit_of(name):
+    """The unit of a setting: m, s, texels, ° (of which it holds radians), or nothing."""
+    return next((unit for pattern, unit in _UNITS if pattern.search(name)), "")
+
+
+def with_unit(name, value):
+    """The value of the setting `name` for people: ``0.1 m``, ``7.162°``."""
+    if not isinstance(value, float):
+        return "not set" if value is None else str(value)
+    unit = unit_of(name)
+    return f"{math.degrees(value):.4g}°" if unit == "°" else f"{value:.6g} {unit}".strip()
+
+
+# Errors of an import or an export that are reported to the user. Other errors are not caught.
 FAILURES = (ValueError, RuntimeError, OSError, MemoryError)

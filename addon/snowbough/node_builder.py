@@ -32,9 +32,9 @@ class NodeBuilder:
             socket.default_value = value
 
     def feed(self, node, **inputs):
-        """Sets the enabled inputs of those names, `_` for a blank. Returns the node.
+        """Sets the enabled inputs with those names, `_` for a blank. Returns the node.
 
-        A socket that later Blenders call otherwise is found by its identifier, which stays.
+        A socket that later Blender versions rename is found by its identifier.
         """
         for name, value in inputs.items():
             wanted = name.replace("_", " ").strip()
@@ -79,7 +79,7 @@ class NodeBuilder:
     # -- vectors ---------------------------------------------------------------------------------------
 
     def vector(self, operation, *values):
-        """An operation on vectors; gives the number of DOT_PRODUCT and LENGTH, else a vector."""
+        """A vector operation; returns a number for DOT_PRODUCT and LENGTH, else a vector."""
         node = self.node("ShaderNodeVectorMath", operation=operation)
         for socket, value in zip(node.inputs, values):
             self.set(socket, value)

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Options that a mix-in of operators declares once, as Blender's properties: what else has them is made from it, a
-dataclass of plain values (options_class) and the arguments of a command line (add_options).
+"""Options of operators, declared once as Blender properties in a mix-in. A dataclass of plain values (options_class)
+and the arguments of a command line (add_options) are made from it.
 """
 
 import argparse
@@ -12,42 +12,40 @@ _TYPES = {FloatProperty: float, IntProperty: int}
 
 
 def declared(properties):
-    """[(name, kind of property, what it was declared with: a dict)] of every option of a mix-in, in their order."""
+    """[(name, type of property, its keyword arguments)] of the options of a mix-in, in order."""
     return [(name, option.function, option.keywords) for name, option in properties.__annotations__.items()]
 
 
 def options_class(name, properties):
-    """A dataclass with the mix-in's options as fields, under their names and with their defaults."""
+    """A dataclass whose fields are the options of the mix-in, with their defaults."""
     options = []
     for option, kind, keywords in declared(properties):
         default = keywords.get("default", "" if kind is StringProperty else 0)
         options.append((option, type(default), default))
     made = make_dataclass(name, options)
-    made.__doc__ = "What the properties of the same names say."
+    made.__doc__ = "The values of the properties with the same names."
     return made
 
 
 def options_of(made, source):
-    """The options that an operator, or another object with all of them as attributes, holds. made: an
-    options_class."""
+    """The options that `source`, an operator or an object with the same attributes, holds. made: an options_class."""
     return made(**{option.name: getattr(source, option.name) for option in fields(made)})
 
 
 def add_options(parser, properties, flags=None):
-    """Adds each option of a mix-in to an argparse parser, as it was declared. flags: those whose names on the
-    command line are not their own."""
+    """Adds the options of a mix-in to an argparse parser. flags: {name: flag} of options with another flag."""
     for name, kind, keywords in declared(properties):
         flag = (flags or {}).get(name, "--" + name.replace("_", "-"))
         parser.add_argument(flag, dest=name, **_argument(kind, keywords))
 
 
 def _argument(kind, keywords):
-    """What argparse takes for a property."""
+    """The argparse settings for a property."""
     text = keywords["description"].replace("%", "%%")
     default = keywords.get("default", "")
     if kind is BoolProperty:
         return (
-            {"action": "store_false", "help": f"not: {text}"}
+            {"action": "store_false", "help": f"turn off: {text}"}
             if default
             else {"action": "store_true", "help": text}
         )
@@ -59,7 +57,7 @@ def _argument(kind, keywords):
 
 
 def _within(number, keywords):
-    """A converter of texts into numbers of that type, inside the limits that the property was declared with."""
+    """A converter from text to a number within the limits of the property."""
     least, most = keywords.get("min", float("-inf")), keywords.get("max", float("inf"))
 
     def convert(text):
@@ -68,5 +66,5 @@ def _within(number, keywords):
             raise argparse.ArgumentTypeError(f"{text} is not from {least} to {most}")
         return value
 
-    convert.__name__ = number.__name__  # argparse names it for what is no number at all
+    convert.__name__ = number.__name__  # argparse shows it in its error message
     return convert

@@ -1,44 +1,44 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What lives as long as Blender's session, in one place: a running bake or preview, and what panels show.
+"""State that lives as long as Blender's session: a running bake or preview, and what panels show.
 
-Nothing of it is saved. Other modules read and set these as ``session.bake``. When the add-on is switched off
-and on again its modules are loaded anew; this one keeps what it holds, since a bake may still be ending.
+Nothing of it is saved. Other modules read and write it as ``session.bake``. It survives reloading of the add-on, since
+a bake may still be ending.
 """
 
 
-def _kept(name, fresh):
-    """What the session holds under that name since before a reload, else `fresh`."""
-    return globals().get(name, fresh)
+def _persistent(name, initial):
+    """The value from before a reload, or else `initial`."""
+    return globals().get(name, initial)
 
 
-# Whether the add-on is switched on.
-enabled = _kept("enabled", False)
+# Whether the add-on is enabled.
+enabled = _persistent("enabled", False)
 
 # The bake.engine.Session that runs, or None.
-bake = _kept("bake", None)
+bake = _persistent("bake", None)
 
 # The preview.live.Preview that is drawn over the viewport, or None.
-preview = _kept("preview", None)
+preview = _persistent("preview", None)
 
 NO_OUTCOME = ("INFO", "")
 
-# How the last bake in this Blender went, for the panel: (severity, text).
-last_outcome = _kept("last_outcome", NO_OUTCOME)
+# (severity, text): the result of the last bake in this Blender, for the panel.
+last_outcome = _persistent("last_outcome", NO_OUTCOME)
 
-# Scene name -> issues that the last check found (bake.preflight.Issue), for the panel.
-issues = _kept("issues", {})
+# Scene name -> findings of the last check (bake.preflight.Issue), for the panel.
+issues = _persistent("issues", {})
 
-# Scene name -> the identity of its cache that the file has been given by saving it.
-cache_identities = _kept("cache_identities", {})
+# Scene name -> identity of its cache, set when the file was saved.
+cache_identities = _persistent("cache_identities", {})
 
-# Manifest's path -> (time of its last change, manifest), for panels that redraw often.
-manifests = _kept("manifests", {})
+# Path of a manifest -> (its modification time, the manifest), for panels that redraw often.
+manifests = _persistent("manifests", {})
 
-# Cache folder -> (when it was looked at, whether an unfinished bake was there).
-unfinished_bakes = _kept("unfinished_bakes", {})
+# Cache folder -> (time of the last look, whether it has an unfinished bake).
+unfinished_bakes = _persistent("unfinished_bakes", {})
 
-# Folder of a receiver -> (what its surface was made with, surface.compute.Surface), for sliders.
-surfaces = _kept("surfaces", {})
+# Receiver's folder -> (inputs of its surface, surface.compute.Surface), for sliders.
+surfaces = _persistent("surfaces", {})
 
-# Name of a surface whose modifier reads one frame made for a slider -> its receiver's folder.
-shown_surfaces = _kept("shown_surfaces", {})
+# Name of a surface whose modifier reads a single frame, made for a slider -> its receiver's folder.
+shown_surfaces = _persistent("shown_surfaces", {})

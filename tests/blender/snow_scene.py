@@ -68,6 +68,13 @@ def bake(**arguments):
     bpy.ops.snowbough.bake(**arguments)
 
 
+def warnings(addon, depsgraph=None):
+    """The warnings that a bake on the command line prints."""
+    scene, depsgraph = bpy.context.scene, depsgraph or bpy.context.evaluated_depsgraph_get()
+    issues = addon("bake.preflight").of_bake(scene, depsgraph)
+    return [issue.text for issue in issues if issue.severity == "WARNING"]
+
+
 def folder_of(root, name, version=1, scene="Scene"):
     """The folder of the receiver `name`."""
     found = sorted(Path(root).glob(f"{scene}*/v{version:03d}/{name}-*"))

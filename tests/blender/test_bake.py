@@ -379,7 +379,7 @@ def test_a_receiver_that_the_render_does_not_show_is_named(tmp_path):
     s.receive(ground)
     ground.hide_render = True
     s.settings(tmp_path)
-    refused("'Ground' is on the list of receivers, but the render does not show it")
+    refused("'Ground' is on the list of receivers, but not rendered at frame 1")
 
 
 def test_without_a_gpu_nothing_is_begun_and_nothing_is_lost(monkeypatch, tmp_path):

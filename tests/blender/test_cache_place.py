@@ -141,11 +141,11 @@ def test_an_undo_to_before_the_file_was_saved_changes_nothing(addon, shot):
 
 def test_the_confirmation_says_folder_count_and_size(addon, shot, tmp_path):
     s.bake()
-    (text,) = addon("ui.bake_operators")._freeing(bpy.context.scene)
+    (text,) = addon("ui.bake_operators")._removal_texts(bpy.context.scene)
     (root,) = (tmp_path / "snowbough_cache").iterdir()
-    assert text.startswith("Remove 6 files (") and text.endswith(f"of bakes from {root}")
+    assert text.startswith("Remove 6 files (") and text.endswith(f") from {root}")
     bpy.ops.snowbough.free_bake()
-    (text,) = addon("ui.bake_operators")._freeing(bpy.context.scene)
+    (text,) = addon("ui.bake_operators")._removal_texts(bpy.context.scene)
     assert "nothing is removed" in text
 
 

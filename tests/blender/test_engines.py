@@ -453,7 +453,7 @@ def test_a_checkpoint_of_the_first_deposit_is_refused_naming_it(addon, tmp_path)
     for allowed in (False, True):
         error = run_part(addon, 1, 12, resume=True, allow_other_driver=allowed).error
         assert isinstance(error, addon("cache.errors").InputsChanged)
-        assert "deposit: added" in str(error) and "bake again from the start" in str(error)
+        assert "deposit: not set, now gathered" in str(error) and "bake again from the start" in str(error)
     assert s.files_of(tmp_path) == before
 
 

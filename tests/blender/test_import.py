@@ -246,11 +246,11 @@ def test_snow_maps_remember_the_resolution_they_are_for(addon, tmp_path):
     assert resolution(receiver) == 0
 
 
-def test_wood_that_is_left_out_is_told_with_its_share(addon, tmp_path):
+def test_wood_that_is_left_out_is_reported_with_its_share(addon, tmp_path):
     path = tmp_path / "sheet.obj"
     path.write_text(MAPLE.read_text() + "\ng bark_sheet\nv 9 9 9\nv 9 8 9\nv 8 8 9\nv 8 9 9\nf -4 -3 -2 -1\n")
     report = _report(_import(path, foliage=False))
-    (line,) = addon("tree.import_tree").told({**report, "warnings": []})
+    (line,) = addon("tree.import_tree").warning_lines({**report, "warnings": []})
     assert line.startswith("bark_sheet was left out: a single plane, no limb: ")
     assert line.endswith(" % of the wood's area")
 
@@ -263,12 +263,12 @@ def test_a_lone_pole_comes_in_with_a_warning_and_a_tree_without(tmp_path):
     lines += [f"f {k + 1} {(k + 1) % 4 + 1} {(k + 1) % 4 + 5} {k + 5}" for k in range(4)]
     pole = tmp_path / "pole.obj"
     pole.write_text("g post\n" + "\n".join(lines) + "\n")
-    told = "nothing in the file branches or bears leaves"
-    assert [text for text in _report(_import(pole))["warnings"] if text.startswith(told)]
-    assert not [text for text in _report(_import())["warnings"] if text.startswith(told)]
+    expected = "nothing in the file has branches or leaves"
+    assert [text for text in _report(_import(pole))["warnings"] if text.startswith(expected)]
+    assert not [text for text in _report(_import())["warnings"] if text.startswith(expected)]
 
 
-def test_too_little_memory_is_told(addon, monkeypatch):
+def test_too_little_memory_is_reported(addon, monkeypatch):
     def fail(*_arguments, **_options):
         raise MemoryError
 
@@ -316,7 +316,7 @@ def test_stopping_the_native_part_makes_nothing(addon, until, lod, chain):
         return share < until
 
     with pytest.raises(KeyboardInterrupt):
-        import_tree.import_file(bpy.context, MAPLE, options, go_on)
+        import_tree.import_files(bpy.context, [MAPLE], options, go_on)
     assert _data_names() == before
     assert shares[-1] <= 0.95  # from where on Blender's objects are made
 

@@ -13,16 +13,18 @@ from snow_scene import bake, receive, settings, square
 
 PACKAGE = os.environ["SNOWBOUGH_TEST_ADDON"]
 
-# Units that a tooltip may name, in brackets: "(metres)", "(texels)", "(no unit)".
+# Units that a tooltip may name, in brackets: "(metres)", "(texels)".
 UNITS = re.compile(
     r"\((metres|metres an hour|metres a second|degrees|seconds|frames|texels|pixels|radii of the limb|levels|bones|"
-    r"keys|poses a frame|directions a shot|0 to 1|no unit)\)"
+    r"keys|poses a frame|directions a shot|0 to 1)\)"
 )
-LENGTH, TIME = (
-    re.compile(r"depth|cohesion|(texel|pixel|flake)_size|^height$"),
-    re.compile(r"half_life|seconds"),
-)
+# Units by which names.unit_of knows the settings.
+SHOWN_AS = {"metres": "m", "seconds": "s", "degrees": "°"}
 FRAMES = re.compile(r"frame|checkpoint_interval")
+UNITLESS = {
+    "rate", "strength", "seed", "samples", "surface_overhang", "surface_hem_variation", "surface_bridging",
+    "surface_relief", "active_receiver", "bark_vertices",
+}  # fmt: skip
 
 # These leave no step to undo.
 NOT_UNDOABLE = {
@@ -96,18 +98,28 @@ def test_every_property_has_a_tooltip_without_a_period_at_its_end():
     assert [name for name, prop in described() if prop.description.endswith(".")] == []
 
 
-def test_every_number_names_its_unit():
+def test_every_number_names_its_unit(addon):
     for name, prop in described():
         if prop.type not in {"FLOAT", "INT"}:
             continue
         unit = UNITS.search(prop.description)
-        assert unit, f"{name}: {prop.description!r}"
         identifier = prop.identifier
+        assert bool(unit) == (identifier not in UNITLESS), f"{name}: {prop.description!r}"
+        if not unit:
+            continue
         assert (prop.subtype == "ANGLE") == (unit[1] == "degrees"), name
-        assert bool(LENGTH.search(identifier)) == (unit[1] == "metres"), name
-        assert bool(TIME.search(identifier)) == (unit[1] == "seconds"), name
+        shown = addon("names").unit_of(identifier)
+        assert shown == SHOWN_AS.get(unit[1], "texels" if identifier == "blur_radius" else ""), name
         if FRAMES.search(identifier):
             assert unit[1] == "frames", name
+
+
+def test_fields_show_the_units_that_blender_does_not_show(addon):
+    shown = [
+        addon("ui.panel_parts").setting_label(bpy.context.scene.snowbough, name)
+        for name in ("end_depth", "slide_half_life", "blur_radius", "repose", "rate")
+    ]
+    assert shown == ["End Depth (m)", "Slide Half-Life (s)", "Blur Radius (texels)", "Repose", "Rate"]
 
 
 def test_choices_are_described():
@@ -183,6 +195,17 @@ def test_what_was_said_about_one_file_is_not_said_about_the_next(addon, tmp_path
     bpy.ops.wm.read_homefile(use_empty=True)
     assert addon("session").last_outcome == ("INFO", "")
     assert addon("session").issues == {}
+
+
+def test_the_report_of_a_bake_goes_with_an_undo(addon, tmp_path):
+    settings(tmp_path, (1, 1))
+    receive(square("Ground"))
+    bpy.ops.ed.undo_push(message="Scene")
+    bake()
+    bpy.ops.ed.undo_push(message="Bake")
+    assert addon("session").last_outcome[1].startswith("Baked 1 frame in ")
+    bpy.ops.ed.undo()
+    assert addon("session").last_outcome == ("INFO", "")
 
 
 def test_freeing_a_bake_leaves_no_missing_file_on_its_receivers(tmp_path):

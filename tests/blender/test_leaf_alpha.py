@@ -304,7 +304,7 @@ def lost_uv_map(tree, texture, surface):
     [
         (missing, "its alpha image 'gone' is missing"),
         (procedural, "cannot be followed to an image"),
-        (generated_coordinates, "not by a UV map"),
+        (generated_coordinates, "not from a UV map"),
         (lost_uv_map, "'Leaf' has no UV map 'lost'"),
     ],
 )
@@ -312,8 +312,8 @@ def test_what_cannot_be_followed_is_opaque_and_told_before(addon, native, tmp_pa
     made, texture, surface = material(image(), output=None)
     wire(made.node_tree, texture, surface)
     leaf_over_ground(tmp_path, made)
-    texts = addon("bake.preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
-    assert len(texts) == 1 and "takes the material 'Leaf' for opaque" in texts[0] and reason in texts[0]
+    texts = s.warnings(addon)
+    assert len(texts) == 1 and "treats the material 'Leaf' as opaque" in texts[0] and reason in texts[0]
     assert is_full_shadow(bake_ground(native, tmp_path))
 
 
@@ -324,14 +324,14 @@ def test_each_object_without_uvs_for_the_image_is_named(addon, native, tmp_path)
         card = s.square(name, 0.2, z=0.25)
         card.data.uv_layers.remove(card.data.uv_layers[0])
         card.data.materials.append(made)
-    texts = addon("bake.preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    texts = s.warnings(addon)
     assert [name in text for name, text in zip(("Bare", "Bald"), texts)] == [True, True] and len(texts) == 2
     assert s.texel(bake_ground(native, tmp_path), 0.5, 0.5) == 0
 
 
 def test_a_leaf_that_can_be_followed_gives_no_warning(addon, tmp_path):
     leaf_over_ground(tmp_path, material(image())[0])
-    assert addon("bake.preflight").warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get()) == []
+    assert s.warnings(addon) == []
 
 
 # -- an imported tree ---------------------------------------------------------------------------------

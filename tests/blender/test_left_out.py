@@ -3,6 +3,7 @@
 
 import argparse
 import json
+from types import SimpleNamespace
 
 import bpy
 import pytest
@@ -73,6 +74,16 @@ def test_one_without_a_map_does_not_stop_the_others_and_still_gives_shelter(addo
     assert s.texel(height, 0.5, 0.5) == 0.0 and s.texel(height, 0.1, 0.1) > 0.09
 
 
+def test_the_command_line_has_what_the_check_finds(addon, tmp_path, monkeypatch, capfd):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path / "cache")
+    monkeypatch.setattr(addon("bake.preflight").shutil, "disk_usage", lambda _: SimpleNamespace(free=1))
+    code, report = run_cli(addon, tmp_path)
+    assert code == 0 and report["warnings"][0].startswith("Only 1 KiB are free in ")
+    assert 'SNOWBOUGH warning="Only 1 KiB are free in ' in capfd.readouterr().err
+    assert report["notes"][0].startswith("1 map, up to 64 texels a side: at most about 32 KiB on disk")
+
+
 def test_a_strict_bake_stops_before_it_begins(addon, tmp_path):
     hidden = s.square("Hidden")
     hidden.hide_render = True
@@ -102,7 +113,7 @@ def test_scattered_objects_are_refused_with_the_way_out(addon, scatter, tmp_path
     s.receive(ground, bpy.data.objects[receiver])
     s.settings(tmp_path / "cache")
     code, report = run_cli(addon, tmp_path)
-    assert code == 0 and "only seen as 4 instances" in report["refused"][receiver]
+    assert code == 0 and "exists only as 4 instances" in report["refused"][receiver]
     assert "Realize Instances" in report["refused"][receiver]
 
 

@@ -30,8 +30,7 @@ def add_stray(obj, x):
 
 
 def warned(addon, depsgraph=None):
-    depsgraph = depsgraph or bpy.context.evaluated_depsgraph_get()
-    return addon("bake.preflight").warnings(bpy.context.scene, depsgraph)
+    return s.warnings(addon, depsgraph)
 
 
 def automatic_shot(folder):
@@ -86,11 +85,11 @@ def test_a_uv_that_is_no_number_names_its_object(addon, native, tmp_path, value)
         issue.text
         for issue in addon("bake.preflight").check(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
     ]
-    assert any("of 'Other's UV map 'snow' lie outside 0 to 1" in text for text in texts)
+    assert any("of 'Other's UV map 'snow' is outside 0 to 1" in text for text in texts)
     s.bake()  # the others are baked
     assert s.height(native, tmp_path, "Ground", 4).max() == pytest.approx(0.1, rel=1e-3)
     bpy.context.scene.snowbough.receivers[0].enabled = False
-    with pytest.raises(RuntimeError, match="'Other': 33% of its UV map 'snow' lie outside 0 to 1"):
+    with pytest.raises(RuntimeError, match="'Other': 33% of its UV map 'snow' is outside 0 to 1"):
         s.bake()
 
 

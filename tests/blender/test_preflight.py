@@ -31,7 +31,7 @@ def test_a_clean_scene_has_no_errors_and_no_warnings(addon, tmp_path):
     s.receive(s.square("Ground"))
     s.settings(tmp_path)
     assert texts(addon, "ERROR") == [] and texts(addon, "WARNING") == []
-    assert "1 maps, up to 64 texels" in " ".join(texts(addon, "INFO"))
+    assert "1 map, up to 64 texels" in " ".join(texts(addon, "INFO"))
 
 
 def test_changed_settings_are_told_at_once(addon, tmp_path):
@@ -43,7 +43,7 @@ def test_changed_settings_are_told_at_once(addon, tmp_path):
     assert changes(bpy.context.scene) == []
     own.end_depth = 0.25
     own.receivers[0].resolution = 128
-    assert changes(bpy.context.scene) == ["End Depth: 0.25, was 0.1", "Ground: resolution 128, was 64"]
+    assert changes(bpy.context.scene) == ["End Depth: 0.25 m, was 0.1 m", "Ground: resolution 128, was 64"]
     own.end_depth = 0.1
     own.receivers[0].resolution = 64
     own.flutter = math.radians(20.0)
@@ -182,7 +182,7 @@ def test_adding_twice_makes_one_line(addon):
 
 def test_what_cannot_gather_snow_is_refused_by_name():
     bpy.ops.object.light_add()
-    with pytest.raises(RuntimeError, match="is no mesh"):
+    with pytest.raises(RuntimeError, match="is not a mesh"):
         bpy.ops.snowbough.add_receivers()
 
 
@@ -196,6 +196,30 @@ def test_the_frame_range_follows_the_scene_until_it_is_set():
     assert scene.snowbough.frame_end == 15
     scene.snowbough.use_scene_range = True
     assert scene.snowbough.frame_end == 30
+
+
+def test_a_ground_that_is_too_large_for_its_texel_size_is_a_warning(addon, tmp_path):
+    ground = s.square("Ground", 40.0)
+    s.receive(ground, resolution=0)
+    s.settings(tmp_path)
+    assert texts(addon, "WARNING") == []
+    ground.scale = (5.0, 5.0, 5.0)
+    bpy.context.view_layer.update()
+    assert texts(addon, "WARNING") == [
+        "'Ground' is too large for texels of 10 mm: its map of 4096 texels a side has texels of 48.8 mm. "
+        "Set a higher resolution, split it, or raise Texel Size"
+    ]
+
+
+def test_the_findings_of_the_check_go_with_an_undo(addon, tmp_path):
+    s.receive(s.square("Ground"))
+    s.settings(tmp_path)
+    bpy.ops.ed.undo_push(message="Scene")
+    bpy.ops.ed.undo_push(message="Later")
+    bpy.ops.snowbough.preflight()
+    assert addon("session").issues
+    bpy.ops.ed.undo()
+    assert addon("session").issues == {}
 
 
 @pytest.mark.parametrize("resolution", [256, 512, 1024])
@@ -228,6 +252,6 @@ def test_a_bake_that_does_not_fit_is_refused_before_anything_is_made(addon, tmp_
     s.settings(tmp_path / "cache")
     monkeypatch.setattr(addon("bake.memory"), "available", lambda: 2**20)
     assert any("1 MiB are free: lower the resolution" in text for text in texts(addon, "ERROR"))
-    with pytest.raises(RuntimeError, match="of memory and 1 MiB are free"):
+    with pytest.raises(RuntimeError, match="of memory, but only 1 MiB are free"):
         s.bake()
     assert not (tmp_path / "cache").exists()

@@ -447,7 +447,7 @@ def test_any_error_ends_it_and_is_shown(ground, preview, addon, monkeypatch, err
     def fail(*_arguments):
         raise error
 
-    for name in ("go_to", "heed_scene", "heed_settings"):
+    for name in ("go_to", "apply_scene", "apply_settings"):
         monkeypatch.setattr(running.simulated, name, fail)
     if when == "frame":
         bpy.context.scene.frame_set(3)

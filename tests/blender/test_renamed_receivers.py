@@ -86,7 +86,7 @@ def test_a_bake_of_before_is_found_under_the_name_in_its_manifest(addon, undistu
     cart = bpy.data.objects["Cart"]
     cart.name = "Sledge"
     entry_of("Sledge").baked_as = ""  # an add-on that did not note it
-    addon("bake.outcome").heal_folders()
+    addon("bake.outcome").relocate_folders()
     s.bake(resume=True)
     assert s.files_of(tmp_path / "cache") == undisturbed
 

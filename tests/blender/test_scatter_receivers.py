@@ -61,7 +61,7 @@ def plain_square(name, size=1.0):
 def test_realized_instances_are_refused_at_once_with_the_way_out(addon, stone_has_uv):
     ground = plain_square("Ground", 4.0)
     scatter(ground, s.square("Stone", 0.2) if stone_has_uv else plain_square("Stone", 0.2))
-    with pytest.raises(RuntimeError, match="'Ground' make faces without a place.*Visual Geometry to Mesh"):
+    with pytest.raises(RuntimeError, match="'Ground' make faces that have no place.*Visual Geometry to Mesh"):
         add_snow(ground)
     assert not len(bpy.context.scene.snowbough.receivers)
     assert not ground.data.uv_layers
@@ -82,7 +82,7 @@ def test_after_that_way_out_they_carry_snow(addon, tmp_path):
 def test_ground_joined_with_instances_that_have_no_place_on_its_map_is_refused(addon):
     ground = s.square("Ground", 4.0)
     scatter(ground, plain_square("Stone", 0.2), with_mesh=True)
-    with pytest.raises(RuntimeError, match="without a place of their own on the UV map 'snow'"):
+    with pytest.raises(RuntimeError, match="that have no place on the UV map 'snow'"):
         add_snow(ground)
     assert "snow" in ground.data.uv_layers
 
@@ -120,5 +120,5 @@ def test_faces_that_only_nodes_make_are_refused_with_the_way_out(addon):
     cube = tree.nodes.new("GeometryNodeMeshCube")
     tree.links.new(cube.outputs[0], made.inputs[0])
     points.modifiers.new("Cube", "NODES").node_group = tree
-    with pytest.raises(RuntimeError, match="that its geometry nodes make.*Visual Geometry to Mesh"):
+    with pytest.raises(RuntimeError, match="made by its geometry nodes.*Visual Geometry to Mesh"):
         add_snow(points)

@@ -137,14 +137,13 @@ def test_cloth_that_is_not_baked_plays_from_the_first_frame_also_when_resumed(ad
 
 def test_cloth_that_is_not_baked_is_a_warning(addon, tmp_path):
     falling_scene(tmp_path, "cloth")
-    scene = bpy.context.scene
-    texts = addon("bake.preflight").warnings(scene, bpy.context.evaluated_depsgraph_get())
+    texts = s.warnings(addon)
     assert len(texts) == 1 and "'Falling' is a cloth simulation that is not baked" in texts[0]
 
 
 def test_cloth_that_begins_before_the_snow_must_be_baked(tmp_path):
     made = falling_scene(tmp_path, "cloth", frames=(5, 8))
-    with pytest.raises(RuntimeError, match="'Falling' is a cloth simulation that begins at frame 1, before"):
+    with pytest.raises(RuntimeError, match="'Falling' is a cloth simulation that starts at frame 1, before"):
         s.bake()
     made.modifiers["Cloth"].point_cache.frame_start = 5
     s.bake()
@@ -173,7 +172,7 @@ def test_without_simulations_there_is_nothing_to_tell(addon, tmp_path):
     cloth(hidden)
     hidden.hide_render = True
     s.settings(tmp_path)
-    assert addon("scene.physics_caches").troubles(bpy.context.scene) == []
+    assert addon("scene.physics_caches").issues(bpy.context.scene) == []
 
 
 def test_a_baked_rigid_body_shelters_what_is_below(addon, native, tmp_path):

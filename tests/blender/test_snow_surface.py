@@ -430,7 +430,7 @@ def test_it_goes_with_its_receiver(bare_and_snowy, addon, how):
     else:
         bpy.data.objects.remove(ground)
     bpy.context.view_layer.update()
-    addon("result.gone_receivers")._remove()  # a timer in the window
+    addon("result.deleted_receivers")._remove()  # a timer in the window
     assert not bpy.context.scene.objects
 
 

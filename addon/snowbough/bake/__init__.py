@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an artist's settings to baked maps: the request, the job, the engine it runs in, and what is told about it."""
+"""From settings to baked maps: the request, the job, the render engine that runs it, and its messages."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A receiver that a bake writes: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
+"""A receiver of a bake: its size, its settings, its manifest and its checkpoints. No ``bpy``."""
 
 import contextlib
 from dataclasses import dataclass, field
@@ -18,8 +18,7 @@ from ..surface.compute import update as update_surface
 from ..surface.recording import ReceiverRecorder
 from . import plan
 
-# How snow is laid: what is baked is continued by the way that it began with. The first one (pixels shared out
-# among texels) wrote nothing here.
+# How snow is deposited. A bake is only resumed with the same method; the first one (scattering) stored no name.
 DEPOSIT = "gathered"
 
 
@@ -40,21 +39,21 @@ class BakedReceiver:
     cache: str = ""
     """Identity of the .blend's cache."""
     lock: object = None
-    """cache.lock.FolderLock of the folder; nothing is written without it."""
+    """cache.lock.FolderLock of the folder; required for writing."""
     frames: list = field(default_factory=list)
     covered: Coverage = None
     share: float = 1.0
-    """Its part of the points that the surfaces of the scene have together, 0 to 1."""
+    """Its share of the surface points of the scene, 0 to 1."""
     recorder: ReceiverRecorder = None
-    """Takes its poses where a surface is made at the end."""
+    """Records its poses if the bake ends with a surface."""
 
     @property
     def shown(self):
-        """The label for people."""
+        """The label for the user."""
         return self.spec.shown(self.label)
 
     def settings(self, shot):
-        """What its maps depend on: the shot's settings (a dict) and its own."""
+        """All that its maps depend on: the settings of the shot (a dict) and its own."""
         own = {
             "resolution": self.resolution,
             "uv_map": self.uv_map,
@@ -64,12 +63,11 @@ class BakedReceiver:
         return {"shot": digest(shot), "snowfall": shot, "receiver": own, "deposit": DEPOSIT}
 
     def compare_settings(self, shot):
-        """Raises InputsChanged, naming what differs, where the folder was baked with other settings."""
+        """Raises InputsChanged, naming the differences, if the folder was baked with other settings."""
         manifest = read_manifest(self.folder)
         if manifest is None:
             return
         changes = describe_changes(manifest["settings"], self.settings(shot))
-        changes = [change for change in changes if not change.startswith("shot:")]
         if changes:
             raise InputsChanged(
                 f"{self.shown} in {self.folder.parent.name} was baked with other settings "
@@ -77,23 +75,23 @@ class BakedReceiver:
             )
 
     def start(self, shot):
-        """Makes the folder ready for the shot's first frame."""
+        """Prepares the folder for the first frame of the shot."""
         self.lock.check()
         receiver_folder.clear(self.folder)
         self.covered = Coverage(self.resolution)
         self.write_manifest(shot, complete=False)
 
-    def write_maps(self, native, output, noted):
-        """Writes what a native OutputSnapshot's output() gave. noted: what the manifest is to say of the
-        frame, a dict with its number as ``frame``; the greatest height, on either side, is added."""
-        frame, height = noted["frame"], output["height"]
+    def write_maps(self, native, output, entry):
+        """Writes the result of a native OutputSnapshot's output(). entry: what the manifest stores about the frame, a
+        dict with its number as ``frame``; the greatest height on either side is added."""
+        frame, height = entry["frame"], output["height"]
         with self._writing():
             native.write_exr(str(self.folder / frame_file("height", frame)), height)
             if "normal" in output:
                 path = self.folder / frame_file("normal", frame)
                 native.write_exr(str(path), output["normal"] * 0.5 + 0.5, half=True)
         self.covered.add(height)
-        self.frames.append({**noted, "highest": float(max(height.max(), -height.min()))})
+        self.frames.append({**entry, "highest": float(max(height.max(), -height.min()))})
 
     def write_manifest(self, shot, complete):
         own = self.settings(shot)
@@ -114,7 +112,7 @@ class BakedReceiver:
         )
 
     def record(self, frame, pose):
-        """Takes the receiver's shape from the scene.pose.ScenePose of a frame, in order from the shot's first on."""
+        """Records the receiver's shape in the scene.pose.ScenePose of a frame. Frames must come in order."""
         if self.spec.surface is None:
             return
         if self.recorder is None:
@@ -123,7 +121,7 @@ class BakedReceiver:
             self.recorder.add(frame, pose.objects[self.key])
 
     def make_surface(self, shot, native, progress):
-        """Computes the snow surface of all frames that are baked; False where progress(0 to 1) said to stop."""
+        """Computes the snow surface of all baked frames. Returns False if progress(0 to 1) asked to stop."""
         if self.recorder is None or not self.frames:
             return True
         with self._writing():
@@ -139,9 +137,8 @@ class BakedReceiver:
             self.recorder.close()
 
     def write_checkpoint(self, native, frame, shot, state, driver, inputs):
-        """Writes the checkpoint of ``frame``, whose maps were the last to be written: state as
-        simulation_state gives it, the engine and driver that ran (snow_engine.driver_text), the poses so far
-        (scene.inputs)."""
+        """Writes the checkpoint of ``frame``, the last frame whose maps were written. state: from simulation_state;
+        driver: the engine and driver that ran (snow_engine.driver_text); inputs: all poses so far (scene.inputs)."""
         sidecar = {"covered": self.covered.pack(), "driver": driver, "frames": self.frames, "inputs": inputs}
         own = {"step_number": state["step_number"], "objects": {self.key: state["objects"][self.key]}}
         with self._writing():
@@ -151,7 +148,7 @@ class BakedReceiver:
             self._remove_passed_checkpoints(shot, frame)
 
     def read_checkpoint(self, native, frame):
-        """Sets coverage and frames to those of a checkpoint; returns (step number, state, driver, inputs)."""
+        """Restores coverage and frames from a checkpoint; returns (step number, state, driver, inputs)."""
         receiver_folder.remove_stray_files(self.folder)
         sidecar = receiver_folder.read_sidecar(self.folder, frame)
         self.frames = sidecar["frames"]
@@ -161,17 +158,17 @@ class BakedReceiver:
             own = state["objects"][self.key]
         except KeyError:
             raise CacheError(
-                f"{self.folder / state_file(frame)} is of another receiver: free the bake, then bake again"
+                f"{self.folder / state_file(frame)} belongs to another receiver: free the bake, then bake again"
             ) from None
         except (RuntimeError, ValueError) as error:
             raise CacheError(
-                f"{self.folder / state_file(frame)} is damaged ({error}): remove it to resume from the checkpoint "
+                f"{self.folder / state_file(frame)} is damaged ({error}): delete it to resume from the checkpoint "
                 "before it, or free the bake and bake again"
             ) from error
         return state["step_number"], own, sidecar["driver"], sidecar["inputs"]
 
     def forget_after(self, frame):
-        """Removes what was baked after a checkpoint."""
+        """Removes everything that was baked after a checkpoint."""
         self.lock.check()
         receiver_folder.remove_frames_after(self.folder, frame)
         for later in receiver_folder.checkpoints(self.folder):
@@ -179,7 +176,7 @@ class BakedReceiver:
                 receiver_folder.remove_checkpoint(self.folder, later)
 
     def complete(self, shot, native, inputs):
-        """Finishes the receiver, baked from the poses ``inputs``: from here on nothing is written there."""
+        """Finishes the receiver. inputs: the poses it was baked from. Nothing is written to it afterwards."""
         try:
             with self._writing():
                 write_inputs(self.folder, inputs)
@@ -194,8 +191,8 @@ class BakedReceiver:
 
     @contextlib.contextmanager
     def _writing(self):
-        """Files are written while the lock is held. Raises LockLost where it is not, also where that is why they could
-        not be written: the other bake clears the folder."""
+        """Checks the lock before and after a failed write. Raises LockLost if another bake took it, also if that caused
+        the failure: the other bake clears the folder."""
         self.lock.check()
         try:
             yield
@@ -210,7 +207,7 @@ class BakedReceiver:
 
 
 def surface_and_uv_area(topology, positions):
-    """Area of an object's surface in m2 and of its UV layout (1 is the whole map), as floats."""
+    """Area of an object's surface in m2 and of its UV layout (1 is the whole map)."""
     corners = positions[topology.triangles].astype(np.float64)
     cross = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     uv = topology.corner_uv.astype(np.float64)
@@ -223,12 +220,12 @@ def _check_uv(obj):
     share = outside_share(obj.topology.corner_uv)
     if share:
         raise ValueError(
-            f"{share:.0%} of its UV map '{obj.uv_map}' lie outside 0 to 1, or nowhere: unwrap it, or pack its islands"
+            f"{share:.0%} of its UV map '{obj.uv_map}' is outside 0 to 1 or not finite: unwrap it, or pack its islands"
         )
 
 
 def measure(obj, texel_size):
-    """The BakedReceiver of a scene.pose.ObjectPose. Raises ValueError, naming it, for what has no area."""
+    """The BakedReceiver of a scene.pose.ObjectPose. Raises ValueError with its name if it has no area."""
     try:
         _check_uv(obj)
         areas = surface_and_uv_area(obj.topology, obj.positions)
@@ -238,7 +235,7 @@ def measure(obj, texel_size):
     resolution = obj.receiver.resolution or plan.automatic_resolution(*areas, texel_size)
     if not MIN_RESOLUTION <= resolution <= MAX_RESOLUTION:
         raise ValueError(
-            f"'{obj.receiver.shown(obj.label)}' has a resolution of {resolution}; it must be 0 (automatic) or from "
+            f"'{obj.receiver.shown(obj.label)}' has a resolution of {resolution}: it must be 0 (automatic) or from "
             f"{MIN_RESOLUTION} to {MAX_RESOLUTION}"
         )
     return BakedReceiver(

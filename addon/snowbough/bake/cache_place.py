@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where the cache of a scene lies, and which .blend it belongs to.
+"""Location of a scene's cache, and the .blend that it belongs to.
 
-Each saved scene carries the identity of its cache, so that .blend files which share a cache folder do not share what
-is in it. A copy of a file carries the same one: the file that baked first keeps it, the others go by one of their own
-(cache.owner), which they get for good when they are saved. A scene that was never saved has none, nor has a file of
-before.
+Each saved scene stores the identity of its cache, so that .blend files with one cache folder do not share bakes. A copy
+of a file stores the same identity: the file that baked first keeps it, and the others use a derived one (cache.owner),
+which is stored when they are saved. Scenes that were never saved have no identity, nor have files of older versions.
 """
 
 import uuid
@@ -18,8 +17,8 @@ from ..cache.errors import CacheError
 
 
 def cache_directory(scene, directory=None):
-    """Absolute folder of the scene's cache, or what `directory` names, as Blender writes paths. Raises ValueError where
-    the .blend was never saved."""
+    """Absolute folder of the scene's cache, or of `directory`, a path in Blender's notation. Raises ValueError if the
+    .blend was never saved."""
     path = scene.snowbough.cache_directory if directory is None else directory
     if not path.strip():
         raise ValueError("The cache folder is empty: choose one in the Snowbough panel")
@@ -31,7 +30,7 @@ def cache_directory(scene, directory=None):
 
 
 def _stored_identity(scene):
-    """What the file has on disk: an undo to before it was saved takes it from the scene, not from the file."""
+    """The identity in the file on disk; undo to a step before saving removes it from the scene only."""
     return scene.snowbough.cache_identity or session.cache_identities.get(scene.name, "")
 
 
@@ -45,9 +44,9 @@ def identity(scene, cache):
 
 
 def bake_place(scene, goes_on, directory=None):
-    """(absolute cache folder, identity) of a bake. goes_on: of one that was begun, also before the file had an
-    identity. directory: as the command line names it, for machines that bake copies of one file together: whichever
-    file it is, the identity that it carries counts."""
+    """(absolute cache folder, identity) of a bake. goes_on: it continues a bake, which may be from before the file had
+    an identity. directory: the cache that the command line names. Machines may bake copies of a file there together,
+    so the identity in the file is used as it is."""
     cache = cache_directory(scene, directory)
     own = _stored_identity(scene) if directory is not None else identity(scene, cache)
     if goes_on and own and not versions.versions(versions.scene_folder(cache, scene.name, own)):
@@ -58,7 +57,7 @@ def bake_place(scene, goes_on, directory=None):
 
 
 def existing_cache(scene):
-    """The scene's folder in the cache where a bake would go on. Returns a Path that need not exist, or None."""
+    """The scene's folder in the cache for resuming, a Path that need not exist, or None."""
     try:
         cache, own = bake_place(scene, goes_on=True)
     except (ValueError, CacheError):
@@ -67,8 +66,8 @@ def existing_cache(scene):
 
 
 def own_bakes(scene):
-    """[cache.versions.Bakes] of the scene, where there are any. Of what was baked without an identity, and the file has
-    been saved since, only the versions that the scene shows are known to be its own."""
+    """[cache.versions.Bakes] of the scene. Of bakes without an identity, only the versions that a saved scene shows are
+    known to be its own."""
     try:
         cache = cache_directory(scene)
     except ValueError:
@@ -88,14 +87,14 @@ def own_bakes(scene):
 
 
 def _shown_versions(scene, root):
-    """Names of the versions below a scene's folder that its receivers show."""
+    """Names of the versions in a scene's folder that its receivers show."""
     folders = [Path(bpy.path.abspath(entry.folder)) for entry in scene.snowbough.receivers if entry.folder]
     return {folder.parent.name for folder in folders if folder.parent.parent.resolve() == root.resolve()}
 
 
 @bpy.app.handlers.persistent
-def _give_identities(*_):
-    """Before a file is saved: its scenes get the identity of their caches."""
+def _assign_identities(*_):
+    """Before saving: gives the file's scenes the identities of their caches."""
     for scene in bpy.data.scenes:
         if scene.library is not None:
             continue
@@ -117,10 +116,10 @@ def _forget_identities(*_):
 
 
 def register():
-    bpy.app.handlers.save_pre.append(_give_identities)
+    bpy.app.handlers.save_pre.append(_assign_identities)
     bpy.app.handlers.load_pre.append(_forget_identities)
 
 
 def unregister():
-    bpy.app.handlers.save_pre.remove(_give_identities)
+    bpy.app.handlers.save_pre.remove(_assign_identities)
     bpy.app.handlers.load_pre.remove(_forget_identities)

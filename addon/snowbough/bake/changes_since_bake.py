@@ -1,13 +1,11 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Whether a finished bake still belongs to the scene: what changed since, in words.
+"""What has changed in the scene since its last bake, as texts.
 
-settings_changes() is quick enough for a panel that redraws. scene_changes() reads the meshes once, as a
-check does, and knows what the viewport's evaluation can tell: where things are, the alpha images of their
-materials, and the shape of what no modifier changes. All the rest, at every frame, is compared by resuming
-the finished bake.
+settings_changes() is fast enough for panels. scene_changes() reads the meshes once and compares what the viewport's
+evaluation shows: transforms, alpha images, and the shape of objects without modifiers. Resuming the finished bake
+compares everything else, at every frame.
 """
 
-import math
 from pathlib import Path
 
 import bpy
@@ -16,6 +14,7 @@ from .. import session
 from ..cache.errors import CacheError
 from ..cache.files import MANIFEST
 from ..cache.manifest import read_inputs, read_manifest
+from ..names import with_unit
 from ..scene import inputs
 from ..scene.pose import metres_per_unit
 from ..scene.reader import SceneReader
@@ -39,7 +38,7 @@ def _manifest(folder):
 
 
 def _baked_entries(scene):
-    """(line of the list, manifest) of what is baked."""
+    """(entry of the list, manifest) of the baked receivers."""
     for entry in scene.snowbough.receivers:
         if entry.object is not None and entry.enabled and entry.folder:
             manifest = _manifest(entry.folder)
@@ -47,25 +46,17 @@ def _baked_entries(scene):
                 yield entry, manifest
 
 
-def _spelled(value):
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
-
-
 def _change(scene, name, now, before):
-    """A text on the setting `name`, as its field in the panel calls and shows it."""
+    """A text about the setting `name`, with the label of its field in the panel."""
     known = scene.snowbough.bl_rna.properties.get(name)
     label = known.name if known is not None and known.name else name.replace("_", " ")
-    if known is not None and known.type == "FLOAT" and known.subtype == "ANGLE":
-        now, before = (
-            f"{math.degrees(angle):.4g}°" if isinstance(angle, float) else angle for angle in (now, before)
-        )
-    return f"{label}: {_spelled(now)}, was {_spelled(before)}"
+    return f"{label}: {with_unit(name, now)}, was {with_unit(name, before)}"
 
 
 def settings_changes(scene):
-    """Texts such as ``End Depth: 0.1, was 0.2`` on settings that are not those of the bake that is shown.
+    """Texts such as ``End Depth: 0.1 m, was 0.2 m`` about settings that differ from the bake on display.
 
-    Empty where nothing is baked, and where they cannot be told (a bake would be refused and say why).
+    Empty if nothing is baked, or if a bake would be refused.
     """
     entries = list(_baked_entries(scene))
     if not entries:
@@ -92,7 +83,7 @@ def settings_changes(scene):
             if before.get(name) != now:
                 texts.append(_change(scene, name, now, before.get(name)))
         if request.pixel_size and request.pixel_size != before["pixel_size"]:
-            texts.append(f"Pixel Size: {_spelled(request.pixel_size)}, was {_spelled(before['pixel_size'])}")
+            texts.append(_change(scene, "pixel_size", request.pixel_size, before["pixel_size"]))
         if not texts and totals is not None and totals != before["totals"]:
             texts.append("Rate: its animation changed")
         texts += _receiver_changes(entry, manifest["settings"]["receiver"])
@@ -116,7 +107,7 @@ def _receiver_changes(entry, before):
 
 
 def scene_changes(scene, depsgraph):
-    """Texts such as ``Cart: transform changed at frame 12`` on the current frame, seen through depsgraph."""
+    """Texts such as ``Cart: transform changed at frame 12`` about the current frame, evaluated by depsgraph."""
     recorded = None
     for entry, _ in _baked_entries(scene):
         try:
@@ -133,7 +124,7 @@ def scene_changes(scene, depsgraph):
     reader = SceneReader(specs, metres_per_unit(scene))
     try:
         pose = reader.read(depsgraph, scene.frame_current)
-    except ValueError:  # a bake will say so
+    except ValueError:  # a bake will report it
         return []
     texts = []
     for label in sorted(recorded.keys() - {inputs.SNOWFALL}):

@@ -1,8 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which receivers a bake writes: those of the list that can carry snow at the shot's first pose. No ``bpy``.
+"""The receivers that a bake writes: those of the list that can carry snow in the shot's first pose. No ``bpy``.
 
-One that cannot (it is hidden, has no UV map, is only there as scattered instances) is left out with the reason, and the
-others are baked; where none is left, where it was asked for by name, or in a strict bake, the reason is the error.
+A receiver that cannot (it is hidden, has no UV map, or exists only as scattered instances) is left out with a reason,
+and the others are baked. The reason is an error if no receiver remains, if it was asked for by name, or in a strict
+bake.
 """
 
 from dataclasses import dataclass
@@ -15,23 +16,23 @@ class Choice:
     """The receivers of a shot."""
 
     receivers: list
-    """BakedReceiver of those to be baked now."""
+    """BakedReceiver of those to bake now."""
     texels: list
-    """Texel sizes in metres of all that carry snow in the shot: they fix the grid, whichever are baked."""
+    """Texel sizes in metres of all receivers of the shot: they determine the grid, whichever receivers are baked."""
     refused: dict
-    """Label -> why it is left out."""
+    """Label -> reason why it is left out."""
 
 
 def choose_receivers(pose, request):
-    """The Choice for the first pose of a BakeRequest's shot. Raises ValueError where nothing is left to do."""
+    """The Choice for the first pose of a BakeRequest's shot. Raises ValueError if no receiver remains."""
     choice = Choice([], [], dict(pose.refused))
     wanted, known = set(request.objects), set()
     seen = {(o.receiver.name, o.receiver.library) for o in pose.objects.values() if o.receiver}
     for spec in request.receivers:
         if spec.enabled and (spec.name, spec.library) not in seen and spec.name not in choice.refused:
             choice.refused[spec.name] = (
-                f"'{spec.name}' is on the list of receivers, but the render does not show it at frame "
-                f"{request.frame_start}: make it renderable, or take it off the list"
+                f"'{spec.name}' is on the list of receivers, but not rendered at frame {request.frame_start}: make it "
+                "renderable, or remove it from the list"
             )
     for obj in pose.objects.values():
         if obj.receiver is None or not obj.receiver.enabled:

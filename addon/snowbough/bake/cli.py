@@ -6,28 +6,28 @@ One line a frame on standard output, made of ``name=value`` words, seconds and m
     SNOWBOUGH frame=12 first=1 last=48 depth=0.025000 volume=0.183201 slid=0.000000 seconds=0.412 left=14.8
               evaluate=0.012 gpu=0.371 files=0.094                                  (all in one line)
 
-``seconds`` is the time from the frame before to this one; ``evaluate`` (Blender's poses), ``gpu`` (snow and
-maps, whichever engine computes them) and ``files`` (packing and writing) run beside each other.
+``seconds`` is the time since the frame before; ``evaluate`` (Blender's poses), ``gpu`` (snow and maps, in either
+engine) and ``files`` (packing and writing) run in parallel.
 
-``--engine`` says what computes the snow: GL (OpenGL), CPU (all cores of the processor, no graphics driver needed)
-or AUTO (GL on a graphics card, else CPU). Without it the add-on's preference counts, and AUTO where there is none.
+``--engine`` sets what computes the snow: GL (OpenGL), CPU (all cores of the processor, without a graphics driver) or
+AUTO (GL on a graphics card, else CPU). The default is the add-on's preference, or AUTO without one.
 
-What would not look right, such as overlapping UVs, comes before as ``SNOWBOUGH warning="..."`` on
-standard error, each receiver that is left out as ``SNOWBOUGH refused="..."``, what went wrong after as
-``SNOWBOUGH error="..." code=N``.
+Problems that do not stop the bake, such as overlapping UVs, are printed before it as ``SNOWBOUGH warning="..."`` on
+standard error, and each receiver that is left out as ``SNOWBOUGH refused="..."``. Errors are printed last, as
+``SNOWBOUGH error="..." code=N``. The JSON report also has ``notes``, such as the space that the maps take.
 
 Exit codes, also in the JSON report:
 
 ===  ==================================================================================================
-0    everything asked for is baked (or was already), but for receivers that cannot be, which are listed
-1    the scene or its settings cannot be baked, or something unforeseen happened; nothing was begun
+0    everything is baked, or was already, except for receivers that cannot be baked, which are listed
+1    the scene or its settings cannot be baked, or an unexpected error occurred; nothing was started
 2    the command line is wrong
-3    no checkpoint to start from
-4    settings or scene are not those that the cache was baked from; the message names what changed
-5    the cache cannot be written, is full or is locked by another bake; what is done can be resumed
-6    engine GL is asked for and there is no EGL or no OpenGL driver, or there is no native module
-7    the lock of this bake was removed while it ran, or another bake has it; nothing more was written
-130  stopped (Ctrl-C); what is done can be resumed
+3    there is no checkpoint to start from
+4    settings or scene differ from those of the cached bake; the message names the change
+5    the cache cannot be written, is full or is locked by another bake; the bake can be resumed
+6    engine GL is asked for without EGL or an OpenGL driver, or the native module is missing
+7    the lock of this bake was removed or taken over during the bake; it has stopped writing
+130  stopped (Ctrl-C); the bake can be resumed
 ===  ==================================================================================================
 """
 
@@ -61,36 +61,36 @@ from .request import NoGpu
 
 
 def add_arguments(parser):
-    """What ``bake`` takes."""
-    parser.add_argument("--frames", metavar="A-B", help="default: the scene's settings")
+    """Adds the arguments of ``bake``."""
+    parser.add_argument("--frames", metavar="A-B", help="frames to bake (default: the scene's settings)")
     parser.add_argument(
         "--cache",
         metavar="DIR",
-        help="default: the scene's settings; // stands for the folder of the .blend",
+        help="cache folder; // is the folder of the .blend (default: the scene's settings)",
     )
-    parser.add_argument("--json", metavar="R.json")
-    parser.add_argument("--resume", action="store_true")
-    parser.add_argument("--objects", metavar="A,B", help="only these receivers")
+    parser.add_argument("--json", metavar="R.json", help="file for the report")
+    parser.add_argument("--resume", action="store_true", help="continue from the last checkpoint")
+    parser.add_argument("--objects", metavar="A,B", help="bake only these receivers (default: all)")
     parser.add_argument(
         "--allow-other-driver",
         action="store_true",
-        help="resume although the checkpoint is another engine's or driver's",
+        help="resume even if the checkpoint was made by another engine or driver; maps may differ by rounding",
     )
     parser.add_argument(
         "--strict",
         action="store_true",
-        help="end with code 1, before anything is baked, where a receiver cannot be: hidden, without a UV map, "
-        "scattered as instances (default: list it and bake the others)",
+        help="stop with code 1 before the bake if a receiver is hidden, has no UV map, or exists only as instances "
+        "(default: list it and bake the others)",
     )
     parser.add_argument(
         "--engine",
         choices=[name for name, *_ in ENGINES],
-        help="what computes the snow (default: the add-on's preference, else AUTO)",
+        help="engine that computes the snow (default: the add-on's preference, else AUTO)",
     )
 
 
 def exit_code(error):
-    """The exit code for what went wrong."""
+    """The exit code for an error."""
     for kinds, code in (
         ((NoCheckpoint,), EXIT_NO_CHECKPOINT),
         ((InputsChanged,), EXIT_CHANGED),
@@ -114,11 +114,7 @@ def frame_line(result, seconds_left):
 
 
 def run(args):
-    """Bakes as the command line says and returns the exit code.
-
-    args: namespace with frames ("1-48" or None), cache (folder or None), json (file or None), resume
-    (bool), objects ("A,B" or None), engine (AUTO, GL, CPU or None), strict (bool).
-    """
+    """Bakes and returns the exit code. args: see add_arguments; those that are missing have their defaults."""
     scene = bpy.context.scene
     report = {"exit_code": EXIT_FAILED, "error": None, "frames": [], "receivers": {}}
     code, message = EXIT_FAILED, None
@@ -161,8 +157,8 @@ def run(args):
 
 @contextlib.contextmanager
 def _stopping():
-    """Ctrl-C, however often, stops the bake after the frame that it works on; Blender itself would end with 2 at the
-    second one. Gives a list that is filled once it was pressed."""
+    """Makes Ctrl-C stop the bake after the current frame; Blender itself would end with 2 at the second one. Yields a
+    list that is empty until it was pressed."""
     pressed = []
 
     def stop(*_):
@@ -173,7 +169,7 @@ def _stopping():
     try:
         yield pressed
     finally:
-        # None: Blender's own handler, which Python can't put back. SIG_DFL ends the process.
+        # None: Blender's own handler, which Python cannot restore. SIG_DFL ends the process.
         signal.signal(signal.SIGINT, previous if previous is not None else signal.SIG_DFL)
 
 
@@ -194,7 +190,10 @@ def _bake(request, report, pressed):
         )
 
     running = prepare_bake(bpy.context.scene, request, on_frame)
-    report["warnings"] = preflight.warnings(bpy.context.scene, bpy.context.evaluated_depsgraph_get())
+    scene, depsgraph = bpy.context.scene, bpy.context.evaluated_depsgraph_get()
+    findings = preflight.of_bake(scene, depsgraph)
+    report["warnings"] = [issue.text for issue in findings if issue.severity == "WARNING"]
+    report["notes"] = [issue.text for issue in findings if issue.severity == "INFO"]
     for text in report["warnings"]:
         print(f"SNOWBOUGH warning={json.dumps(text)}", file=sys.stderr, flush=True)
     running.stop_requested = bool(pressed)

@@ -1,15 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The hidden render engine that a bake runs in.
+"""The hidden render engine that runs a bake.
 
-A render is the one place where Blender evaluates a scene as the render sees it (render subdivision, render
-visibility), in a thread of its own, with its progress bar and Esc, in the window and in the background.
-So a bake is a render with an engine that draws nothing: its ``render()`` walks the frames with
-``self.frame_set`` and hands what it reads to a BakeJob, which holds plain data only.
+Only a render evaluates a scene as the render sees it (render subdivision, render visibility), in a thread of its own,
+with a progress bar and Esc, in the window and in the background. So a bake is a render with an engine that draws
+nothing: its ``render()`` goes through the frames with ``self.frame_set`` and passes what it reads to a BakeJob, which
+holds plain data only.
 
-What a render needs and a bake must not change is set before and put back after, by names and never by
-references, which an undo would leave dangling: engine, size, a temporary camera where there is none, the
-other view layers, and Snowbough's own displacement, or a second bake would snow on the first one's snow.
-The engine's class is registered only while a bake runs, so it shows up in no menu.
+Settings that the render needs are changed before and restored after: engine, size, a temporary camera if there is none,
+the other view layers, and Snowbough's own displacement, or a second bake would snow on the snow of the first. They are
+stored by name, since an undo would make references invalid. The engine's class is registered only during a bake, so it
+appears in no menu.
 """
 
 import os
@@ -30,19 +30,19 @@ POLL_SECONDS = 0.1
 
 WINDOW_NICENESS = 10
 
-# Blender notes in one flag for all threads whether Python may write to its data: each draw() of a panel and
-# our render() set it and, when they end, put back what they found. Were Python to switch threads in the
-# middle of a draw() while render() begins or ends, nothing could be written to any more. With so long an
-# interval it switches only where a thread waits or leaves Python.
+# Blender has one flag for all threads that says whether Python may write to its data. Each draw() of a panel and our
+# render() set it and restore the former value at their end. If Python switched threads in the middle of a draw() while
+# render() begins or ends, nothing could be written any more. With such a long interval, it switches only where a thread
+# waits or leaves Python.
 SWITCH_SECONDS = 5.0
 
-# How often panels show the progress: drawing takes time from the bake.
+# Seconds between redraws of the progress, which take time from the bake.
 REDRAW_SECONDS = 0.5
 
-# A frame takes less even where maps are huge; loading a file waits no longer than this for the bake's last.
+# Loading a file waits at most this long for the last frame of a bake; even with huge maps a frame takes less.
 STOPPING_SECONDS = 120.0
 
-# What a bake renders with: attribute of scene.render -> value.
+# Render settings of a bake: attribute of scene.render -> value.
 RENDER_SETTINGS = {
     "engine": ENGINE,
     "resolution_x": 16,
@@ -53,14 +53,13 @@ RENDER_SETTINGS = {
     "use_sequencer": False,
     "use_multiview": False,
     "use_freestyle": False,
-    # Blender's own lock stops drawing the 3D view and takes the clicks from our Stop button: ui.editing_lock
-    # keeps the artist's hands off instead.
+    # Blender's own lock stops redrawing the 3D view and disables the Stop button; ui.editing_lock blocks edits instead.
     "use_lock_interface": False,
 }
 
 
 class RunningBake:
-    """A bake, and afterwards how it went. Texts and numbers only, besides the job."""
+    """A bake while it runs, and its outcome. Contains only texts and numbers, besides the job."""
 
     def __init__(self, job, specs, scale_length, on_frame=None):
         self.job = job
@@ -71,14 +70,14 @@ class RunningBake:
         self.cancelled = False
         self.stop_requested = False
         self.blocks = False
-        """Whether a call of run() waits for it."""
+        """Whether a call of run() waits for the bake."""
         self.begun = time.monotonic()
         self.shown = 0.0
         self.in_render = False
         self.done = False
         self.last_result = None
         self.shaping = None
-        """While surfaces are made, how far that is, 0 to 1."""
+        """Progress of the surfaces, 0 to 1, while they are made."""
 
     @property
     def fraction(self):
@@ -89,7 +88,7 @@ class RunningBake:
         return (result.frame - result.first + 1) / (result.last - result.first + 1)
 
     def seconds_left(self):
-        """An estimate from the frames so far, None before the first."""
+        """An estimate from the frames so far; None before the first."""
         results = self.job.results
         if not results:
             return None
@@ -97,9 +96,9 @@ class RunningBake:
         return pace * (results[-1].last - results[-1].frame)
 
     def status(self):
-        """One line for people: ``frame 12 of 1-48, 0:34 left``."""
+        """One line for the user: ``frame 12 of 1-48, 0:34 left``."""
         if self.shaping is not None:
-            return f"shaping the snow, {self.shaping:.0%}"
+            return f"making snow surfaces, {self.shaping:.0%}"
         if self.stop_requested:
             return "stopping after this frame"
         if self.last_result is None:
@@ -111,15 +110,15 @@ class RunningBake:
 
 _prepared = None
 _finished = None
-# Whether this module's handlers are those of the add-on that is switched on. A bake that ends after the add-on
-# was switched off, and perhaps on again, ends in the module that began it.
+# Whether this module's handlers belong to the enabled add-on. A bake that ends after the add-on was disabled, and
+# perhaps enabled again, ends in the module that started it.
 _registered = False
 _switch_interval = None
 
 
-def _step_back():
-    """Lets the window's thread go first where processors are short: lowers this thread's priority and with
-    it that of all threads it starts. Elsewhere than on Linux it would be the whole process's."""
+def _lower_priority():
+    """Lets the window's thread go first if there are few cores: lowers the priority of this thread and of the threads
+    that it starts. Only on Linux; elsewhere it would affect the whole process."""
     if sys.platform == "linux":
         os.nice(WINDOW_NICENESS)
 
@@ -136,7 +135,7 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
         reader = SceneReader(running.specs, running.scale_length)
         in_window = not bpy.app.background
         if in_window:
-            _step_back()
+            _lower_priority()
 
         def evaluate(frame, subframe):
             self.frame_set(frame, subframe)
@@ -163,7 +162,7 @@ class SNOWBOUGH_BAKE(bpy.types.RenderEngine):
             running.job.run(evaluate, report, cancelled, shaping)
         except BakeCancelled:
             running.cancelled = True
-        except Exception as error:  # an exception that leaves render() would only be printed
+        except Exception as error:  # Blender only prints an exception that leaves render()
             running.error = error
         finally:
             running.done = True
@@ -174,7 +173,7 @@ def _class_is_registered():
 
 
 class _PreparedScene:
-    """What was changed for the bake, by names. restore() puts it back."""
+    """The settings that were changed for the bake, by name. restore() reverts them."""
 
     def __init__(self, scene, view_layer):
         self._scene_name = scene.name
@@ -226,7 +225,7 @@ class _PreparedScene:
 def _begin(context, running):
     global _prepared
     if session.bake is not None:
-        raise RuntimeError("A bake is running already")
+        raise RuntimeError("A bake is already running")
     _prepared = _PreparedScene(context.scene, context.view_layer)
     session.bake = running
 
@@ -238,7 +237,7 @@ def _end():
     _restore_switching()
     prepared.restore()
     if not running.in_render and running.error is None:
-        running.error = RuntimeError("Blender did not start the render that the bake runs in")
+        running.error = RuntimeError("Blender did not start the render that runs the bake")
     return running
 
 
@@ -250,7 +249,7 @@ def _restore_switching():
 
 
 def run(context, running):
-    """Bakes and returns when it is done, in the background or in a script. The outcome is in `running`."""
+    """Bakes and returns when the bake has ended, in the background or in a script. `running` holds the outcome."""
     _begin(context, running)
     running.blocks = True
     try:
@@ -260,8 +259,8 @@ def run(context, running):
 
 
 def start(context, running, finished):
-    """Starts the bake as a job of Blender's and returns at once. finished(running) is called in the main
-    thread when everything is put back; not at all when another file is loaded meanwhile."""
+    """Starts the bake as a Blender job and returns at once. finished(running) is called in the main thread after
+    everything is restored, but not if another file is loaded meanwhile."""
     global _finished, _switch_interval
     _begin(context, running)
     _finished = finished
@@ -273,33 +272,33 @@ def start(context, running, finished):
         _end()
         raise
     if "CANCELLED" in outcome:
-        running.error = RuntimeError("Blender is rendering: wait for it, then bake")
+        running.error = RuntimeError("Blender is rendering: wait until it has finished, then bake")
         _end()
         raise running.error
     bpy.app.timers.register(_poll, first_interval=POLL_SECONDS)
 
 
 def stop():
-    """Asks the running bake to stop after the frame it works on."""
+    """Asks the running bake to stop after the current frame."""
     if session.bake is not None:
         session.bake.stop_requested = True
 
 
 def stop_and_call(action):
-    """Asks the running bake to stop, and makes a timer of Blender's of action()."""
+    """Asks the running bake to stop, and registers action() as a timer."""
     stop()
     bpy.app.timers.register(action, first_interval=POLL_SECONDS)
 
 
 def _poll():
-    """Waits in the main thread for the job's end."""
+    """Waits in the main thread for the end of the job."""
     global _finished
     if session.bake is None:
         return None
     if time.monotonic() - session.bake.shown > REDRAW_SECONDS:
         session.bake.shown = time.monotonic()
         _redraw_panels()
-        _show_status(f"Baking snow: {session.bake.status()}    Esc: stop and keep what is done")
+        _show_status(f"Baking snow: {session.bake.status()}    Esc: stop and keep the finished frames")
     if bpy.app.is_job_running("RENDER") or not (
         session.bake.done or time.monotonic() - session.bake.begun > 5.0
     ):
@@ -309,13 +308,13 @@ def _poll():
     _show_status(None)
     if session.enabled:
         finished(running)
-    if not _registered:  # the add-on was switched off meanwhile
+    if not _registered:  # the add-on was disabled meanwhile
         _remove_handlers()
     return None
 
 
 def _redraw_panels():
-    """Only what shows the bake's progress: drawing the scene itself would take time from the bake."""
+    """Redraws only the areas that show the progress: drawing the scene would take time from the bake."""
     for window in bpy.context.window_manager.windows:
         for area in window.screen.areas:
             if area.type == "PROPERTIES":
@@ -327,15 +326,15 @@ def _redraw_panels():
 
 
 def _show_status(text):
-    """In the status bar of all windows; None gives it back to Blender."""
+    """Shows a text in the status bar of all windows; None restores Blender's own."""
     for window in bpy.context.window_manager.windows:
         window.workspace.status_text_set(text)
 
 
 @bpy.app.handlers.persistent
-def _forget(*_):
-    """Another file is about to be loaded: waits until the render thread has left the scene, and puts
-    everything back, in case that loading fails. Blender's job itself ends in the middle of loading."""
+def _before_load(*_):
+    """Before another file is loaded: waits until the render thread has left the scene and restores the settings, in
+    case loading fails. Blender's own job ends in the middle of loading."""
     global _prepared, _finished
     if _prepared is None:
         return
@@ -352,7 +351,7 @@ def _forget(*_):
 
 @bpy.app.handlers.persistent
 def _after_load(*_):
-    """The engine's class outlives the job that Blender ended while it loaded the file."""
+    """Unregisters the engine's class, which outlives the job that Blender ended while loading."""
     if session.bake is None and _class_is_registered():
         bpy.utils.unregister_class(SNOWBOUGH_BAKE)
 
@@ -360,18 +359,18 @@ def _after_load(*_):
 def register():
     global _registered
     _registered = session.enabled = True
-    bpy.app.handlers.load_pre.append(_forget)
+    bpy.app.handlers.load_pre.append(_before_load)
     bpy.app.handlers.load_post.append(_after_load)
 
 
 def _remove_handlers():
-    bpy.app.handlers.load_pre.remove(_forget)
+    bpy.app.handlers.load_pre.remove(_before_load)
     bpy.app.handlers.load_post.remove(_after_load)
 
 
 def unregister():
-    """While a bake runs, the add-on's rest goes and the bake is asked to stop; _poll stays until Blender's
-    job has ended, since the render thread is in the engine until then, and puts everything back."""
+    """While a bake runs, the rest of the add-on is unregistered and the bake is asked to stop. The render thread uses
+    the engine until Blender's job ends, so _poll stays until then and restores everything."""
     global _registered
     _registered = session.enabled = False
     stop()

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A bake's frames in the thread that has the simulation: steps, snapshots for the writer, checkpoints. No ``bpy``."""
+"""The frames of a bake, in the thread of the simulation: steps, snapshots for the writer, checkpoints. No ``bpy``."""
 
 import time
 
@@ -9,11 +9,11 @@ from .snow_engine import driver_text, other_engine
 
 
 class FrameBaker:
-    """Bakes a BakeJob's frames one after the other.
+    """Bakes the frames of a BakeJob in order.
 
-    registry: bake.simulation.Registry of `simulation`. positions: {key: array} that it has not been told yet.
-    driver: snow_engine.driver_text of the engine that is meant. resumed: whether the simulation goes on from a
-    checkpoint. writer: a MapWriter. log(text).
+    registry: bake.simulation.Registry of `simulation`. positions: {key: array} for the next step. driver:
+    snow_engine.driver_text of the planned engine. resumed: whether the simulation continues from a checkpoint. writer:
+    a MapWriter. log(text).
     """
 
     def __init__(
@@ -41,17 +41,17 @@ class FrameBaker:
         self._resumed = resumed
         self._writer = writer
         self._log = log
-        # Whether the simulation's state is that of the last frame reported.
+        # Whether the simulation's state is that of the last reported frame.
         self._between_frames = True
         self.inputs = []
-        """Fingerprints of the poses up to the last frame, as scene.inputs has them."""
+        """Fingerprints of the poses up to the last frame (scene.inputs)."""
 
     def bake(self, frame, work, inputs, depth, places):
-        """The steps of one frame; the writer makes its maps and, where due, the checkpoint.
+        """Simulates the steps of one frame. The writer makes its maps and, at the interval, a checkpoint.
 
-        work: [(added, positions that changed, direction, [plan.Step, ...]) of each pose]. depth: metres that lie on
-        open level ground after the frame. places: {key: (4, 4) from a receiver's space to metres in the world}.
-        Returns a FrameResult."""
+        work: [(added, changed positions, direction, [plan.Step, ...]) of each pose]. depth: metres on open, level
+        ground after the frame. places: {key: (4, 4) from a receiver's space to metres in the world}. Returns a
+        FrameResult."""
         request, clock = self._request, time.perf_counter
         begun = clock()
         if not self._between_frames:
@@ -80,8 +80,8 @@ class FrameBaker:
         return result
 
     def stop(self):
-        """Leaves a checkpoint at the last frame that is whole. Where the simulation broke off in the middle of
-        a frame its state belongs to none, and the last regular checkpoint must do."""
+        """Writes a checkpoint of the last complete frame. If the simulation failed within a frame, its state belongs to
+        no frame, and the last regular checkpoint remains."""
         self._writer.flush()
         done = self._receivers[0].frames
         if self._between_frames and done and done[-1]["frame"] not in checkpoints(self._receivers[0].folder):
@@ -89,8 +89,8 @@ class FrameBaker:
             self._writer.flush()
 
     def _follow_engine(self):
-        """Takes note of the engine that really ran: in its first step a simulation may leave OpenGL for the
-        processor. What another engine began is not continued so."""
+        """Notes the engine that really ran: a simulation may switch from OpenGL to the processor in its first step. A
+        resumed bake must keep its engine."""
         engine = self._simulation.engine
         ran, meant = driver_text(engine), self._driver
         if ran == meant:
@@ -101,32 +101,32 @@ class FrameBaker:
             raise other_engine(meant, ran)
 
     def _take_snapshots(self, frame, depth, direction, places):
-        """Hands the writer what lies on each receiver; returns the volumes that lie and that have slid, m3."""
+        """Passes the snow of each receiver to the writer; returns the volumes of held and of slid snow in m3."""
         volume = slid = 0.0
         balance = self._simulation.statistics()["objects"]
         for receiver in self._receivers:
             snapshot = self._simulation.snapshot(receiver.key, normal=self._request.write_normals)
             total = balance[receiver.key]["total"]
-            lying, gone = float(total["held_volume"]), float(total["slid_volume"])
-            volume, slid = volume + lying, slid + gone
-            noted = {
+            own_volume, own_slid = float(total["held_volume"]), float(total["slid_volume"])
+            volume, slid = volume + own_volume, slid + own_slid
+            entry = {
                 "frame": frame,
                 "depth": depth,
-                "volume": lying,
-                "slid": gone,
+                "volume": own_volume,
+                "slid": own_slid,
                 "direction": list(direction),
                 "to_world": places[receiver.key].ravel().tolist(),
             }
             self._writer.call(
-                lambda output, receiver=receiver, noted=noted: receiver.write_maps(
-                    self._native, output, noted
+                lambda output, receiver=receiver, entry=entry: receiver.write_maps(
+                    self._native, output, entry
                 ),
                 snapshot.output,
             )
         return volume, slid
 
     def _checkpoint(self, frame):
-        """Reads the state back; packing and writing it is the writer's, after the maps before it."""
+        """Reads the state back. The writer packs and writes it, after the maps before it."""
         state = self._native.simulation_state(self._simulation)
         inputs, driver = self.inputs, driver_text(self._simulation.engine)
         for receiver in self._receivers:

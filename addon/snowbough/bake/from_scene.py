@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From the scene's settings to a bake: what it is asked to do.
-
-make_request turns the settings into plain data, in Blender's main thread, before anything starts.
-"""
+"""Makes the request of a bake from the scene's settings, as plain data, in Blender's main thread."""
 
 from dataclasses import fields
 
@@ -20,7 +17,7 @@ from .engine import RunningBake
 from .job import BakeJob
 from .request import BakeRequest
 
-# Fields of a request that are settings of the scene as they are.
+# Fields of a request that are settings of the scene.
 _OWN_SETTINGS = sorted(
     {field.name for field in fields(BakeRequest)}
     & SnowboughSceneSettings.__annotations__.keys() - {"receivers"}
@@ -28,7 +25,7 @@ _OWN_SETTINGS = sorted(
 
 
 def constant_values(scene, name, frame_start, frame_end):
-    """The value of a setting on every frame as a tuple, or None where only evaluating the scene can tell (drivers,
+    """The value of a setting on every frame as a tuple, or None if it is only known by evaluating the scene (drivers,
     NLA)."""
     settings, animation = scene.snowbough, scene.animation_data
     frames = range(frame_start, frame_end + 1)
@@ -44,21 +41,21 @@ def constant_values(scene, name, frame_start, frame_end):
 
 
 def constant_rates(scene, frame_start, frame_end):
-    """The rate of every frame as a tuple, none below 0, or None where only evaluating the scene can tell."""
+    """The rate of every frame as a tuple, at least 0, or None if it is only known by evaluating the scene."""
     rates = constant_values(scene, "rate", frame_start, frame_end)
     return None if rates is None else tuple(max(0.0, rate) for rate in rates)
 
 
 def make_request(scene, resume=False, first=None, last=None, objects=(), directory=None,
                  allow_other_driver=False, engine=None, strict=False):  # fmt: skip
-    """Everything a bake of the scene needs to know, without references into it. Raises ValueError.
+    """All data that a bake of the scene needs, without references into it. Raises ValueError.
 
-    directory: the cache's folder where it is not that of the settings, as the command line names it. engine: AUTO,
-    GL or CPU; None takes what the preferences say. strict: a receiver that cannot be baked stops the others."""
+    directory: the cache that the command line names; None for that of the settings. engine: AUTO, GL or CPU; None for
+    that of the preferences. strict: a receiver that cannot be baked is an error."""
     if bpy.app.autoexec_fail:
         raise ValueError(
-            f"Blender has disabled scripts in this file ({bpy.app.autoexec_fail_message or 'drivers'}), so it "
-            "would not move as it should: start Blender with -y, or allow Auto Run Python Scripts and reload"
+            f"Blender has disabled scripts in this file ({bpy.app.autoexec_fail_message or 'drivers'}), so its "
+            "animation would be wrong: start Blender with -y, or allow Auto Run Python Scripts and reload"
         )
     settings, render = scene.snowbough, scene.render
     frame_start, frame_end = settings.frame_start, settings.frame_end
@@ -85,8 +82,8 @@ def make_request(scene, resume=False, first=None, last=None, objects=(), directo
 
 
 def prepare_bake(scene, request, on_frame=None):
-    """A RunningBake for engine.run or start. Raises what make_request and native.load raise, and
-    ValueError for a simulation that is not baked and would not move."""
+    """A RunningBake for engine.run or start. Raises the errors of make_request and native.load, and ValueError for a
+    physics simulation that is not baked and would not move."""
     physics_caches.require_cached(scene)
     note_baked_names(scene, request.receivers)
     job = BakeJob(request, native.load())

@@ -1,16 +1,15 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A bake from its first pose to its last file, as plain data: no ``bpy`` and no reference into the scene.
 
-The hidden render engine (bake.engine) calls BakeJob.run in Blender's render thread and hands in a way to
-get poses. Three things run beside each other: Blender evaluates the next pose in this thread, the
-simulation works on the pose before in a second one, and others (map_writer) make maps of what the
-simulation left of the poses before that, pack them and write them. Order and results do not depend on
-how the threads are scheduled.
+The hidden render engine (bake.engine) calls BakeJob.run in Blender's render thread and passes a function that gives
+poses. Three tasks run in parallel: Blender evaluates the next pose in this thread, a second thread simulates the pose
+before, and others (map_writer) make, pack and write the maps of the poses before that. Order and results do not depend
+on the scheduling of the threads.
 
-What a job does, in order: looks at the shot's first pose (it fixes resolutions and the occlusion grid,
-whichever part of the shot is baked); picks and locks the version; starts, or walks the frames up to a
-checkpoint again, compares them with what the checkpoint was baked from, and restores it; then frame by
-frame: steps, maps, manifest, and a checkpoint where one is due or the bake is stopped.
+A job does in order: read the shot's first pose, which determines resolutions and the occlusion grid, whichever part of
+the shot is baked; choose and lock the version; start, or evaluate the frames up to a checkpoint again, compare them
+with the inputs of the checkpoint, and restore it; then, for each frame, steps, maps, manifest, and a checkpoint at the
+interval or if the bake is stopped.
 """
 
 import collections
@@ -34,12 +33,12 @@ from .map_writer import MapWriter, WriteFailed
 from .request import BakeCancelled
 from .snow_engine import driver_text, engine_info
 
-# Seconds that a bake which was stopped takes at most, or little more, to make surfaces of its frames.
+# Seconds in which a stopped bake makes surfaces of its frames.
 STOPPING_SECONDS = 4.0
 
 
 class BakeJob:
-    """One bake. `native` is the module snowbough_native, or what stands in for it in tests."""
+    """One bake. `native` is the module snowbough_native, or a substitute in tests."""
 
     def __init__(self, request, native):
         self.request = request
@@ -48,30 +47,30 @@ class BakeJob:
         self.version = None
         self.receivers = []
         self.baked = []
-        """The receivers asked for, also those that were finished before."""
+        """The requested receivers, including those that were finished before."""
         self.refused = {}
-        """Label -> why snow is not baked on it, once the first pose is read."""
+        """Label -> reason why no snow is baked on it; known after the first pose."""
         self.pixel_size = 0.0
         self.results = []
         self.folders = {}
-        """Receiver's label -> folder, once the version is picked."""
+        """Receiver's label -> folder; known after the version is chosen."""
         self._simulation = None
         self._registry = None
         self._tracker = SceneTracker()
-        # What the simulation has not been told yet.
+        # Positions for the next step of the simulation.
         self._positions = {}
         self._driver = ""
-        # Loads its driver beside the first pose; the simulation takes it over.
+        # Loads its driver while the first pose is evaluated; the simulation takes it over.
         self._engine = native.Engine(engine=request.engine, mapping=request.snow["mapping"])
 
-    # -- the recipe ------------------------------------------------------------------------------------
+    # -- running ---------------------------------------------------------------------------------------
 
     def run(self, evaluate, report=lambda result: None, cancelled=lambda: False, shaping=lambda share: None):
-        """Bakes. evaluate(frame, subframe) -> scene.pose.ScenePose; report(FrameResult) after each
-        frame; cancelled() is asked between frames; shaping(0 to 1) is called while surfaces are made.
+        """Bakes. evaluate(frame, subframe) -> scene.pose.ScenePose; report(FrameResult) is called after each frame,
+        cancelled() between frames, and shaping(0 to 1) while surfaces are made.
 
-        Raises BakeCancelled, CacheError and its kinds, ValueError (scene or settings) or
-        RuntimeError (NoGpu where the engine GL is asked for and not to be had; a driver that fails).
+        Raises BakeCancelled, CacheError and its subclasses, ValueError (scene or settings) or RuntimeError (NoGpu if
+        engine GL is asked for and unavailable; a driver that fails).
         """
         request = self.request
         with contextlib.ExitStack() as stack:
@@ -84,8 +83,8 @@ class BakeJob:
             stack.callback(self._close_simulation)
             stack.callback(lambda: [receiver.close() for receiver in self.receivers])
             if not self._may_resume():
-                self._make_simulation(added)  # lays maps out while the driver is still being loaded
-            engine = engine_info(self._engine, request.snow["mapping"])  # without one nothing is begun
+                self._make_simulation(added)  # lays out the maps while the driver loads
+            engine = engine_info(self._engine, request.snow["mapping"])  # before any file is made
             self._driver = driver_text(engine)
             make_folder(self.root)
             stack.callback(lambda: versions.remove_empty_folders(self.root, self.folders.values()))
@@ -96,7 +95,7 @@ class BakeJob:
             rest = resuming.checkpoint_frame(request, self.receivers, self.version)
             if request.blend:
                 owner.claim(self.root, request.blend)
-            if self._may_resume():  # only now is known which receivers are finished and need no map
+            if self._may_resume():  # finished receivers, which need no map, are known only now
                 self._make_simulation(added)
             log = stack.enter_context(open_log(self.root))
             log(f"engine {self._driver}: {engine['reason']}")
@@ -128,7 +127,7 @@ class BakeJob:
             try:
                 self._bake(begin, evaluate, snowfall, baker, writer, report, cancelled, log)
             except BakeCancelled:
-                # Of the frames that are done, as long as somebody waits; Update Surface does the rest.
+                # Make surfaces of the finished frames while the user waits; Update Surface makes the rest.
                 end = time.monotonic() + STOPPING_SECONDS
                 with contextlib.suppress(BakeCancelled):
                     self._make_surfaces(settings, shaping, lambda: time.monotonic() > end)
@@ -162,11 +161,11 @@ class BakeJob:
         )
 
     def _identify(self, pose):
-        """Finds the receivers in the shot's first pose and fixes resolutions and the grid."""
+        """Finds the receivers in the shot's first pose and determines resolutions and grid."""
         choice = choose_receivers(pose, self.request)
         self.receivers, self.refused = choice.receivers, choice.refused
         self.pixel_size = simulation.pixel_size(pose, choice.texels, self.request.pixel_size)
-        # Of all receivers, whichever of them are baked here, so that machines that share a shot agree.
+        # From all receivers, whichever are baked here, so that machines that share a shot agree.
         wanted = {
             key: self.native.wanted_surface_points(
                 obj.topology.triangles, obj.positions, max(self.request.end_depth, 1e-4), obj.topology.shading
@@ -190,7 +189,7 @@ class BakeJob:
         return {**self.request.shot(), "pixel_size": self.pixel_size, "totals": list(snowfall.totals)}
 
     def _may_resume(self):
-        """Whether the bake may go on where another one stopped."""
+        """Whether the bake may continue a stopped one."""
         return self.request.resume or self.request.first > self.request.frame_start
 
     def _open_version(self, settings, stack):
@@ -213,7 +212,7 @@ class BakeJob:
         self.receivers = [receiver for receiver in self.receivers if receiver.key not in finished]
         for receiver in self.receivers:
             receiver.lock = stack.enter_context(lock_folder(receiver.folder))
-            # Between choosing and locking another machine may have finished it.
+            # Another machine may have finished it between choosing and locking.
             if (read_manifest(receiver.folder) or {}).get("complete"):
                 raise CacheFinished(
                     f"{receiver.shown} was just finished in {self.version.name} by another bake"
@@ -238,7 +237,7 @@ class BakeJob:
         log(f"restored the checkpoint of frame {frame}")
 
     def _compare_finished(self, evaluate, snowfall, first_pose, cancelled):
-        """Compares the scene, frame by frame, with what the finished receivers were baked from."""
+        """Compares the scene, frame by frame, with the inputs of the finished receivers."""
         recorded = self._finished_inputs()
         if not recorded:
             return
@@ -257,8 +256,8 @@ class BakeJob:
         return {label: poses for label, poses in found.items() if poses is not None}
 
     def _replay_frames(self, evaluate, snowfall, first_pose, last, cancelled):
-        """Evaluates all poses up to frame ``last`` without snow; returns what register_changes() of the
-        tracker does, for all together."""
+        """Evaluates all poses up to frame ``last`` without snow; returns the combined changes, as the tracker's
+        register_changes() does."""
         start = (self.request.frame_start, 0.0)
         added, positions = self._tracker.register_changes(first_pose, *start)
         pose = first_pose
@@ -269,7 +268,7 @@ class BakeJob:
                 if at != start:
                     pose = evaluate(*at)
                     more, moved = self._tracker.register_changes(pose, *at)
-                    added.update(more)  # of an object that changed its mesh, the last one
+                    added.update(more)  # if an object's mesh changed again, the last mesh
                     positions.update(moved)
             self._record(frame, pose)
         return added, positions
@@ -281,13 +280,13 @@ class BakeJob:
     # -- the scene and the simulation ------------------------------------------------------------------
 
     def _make_simulation(self, added):
-        """With the objects of the shot's first pose, as SceneTracker.register_changes gives them. Needs no
-        engine yet."""
+        """Makes the simulation with the objects of the shot's first pose. added: from SceneTracker.register_changes.
+        Needs no engine yet."""
         request = self.request
         self._simulation = simulation.make_simulation(
             self.native, request.snow, self.pixel_size, request.engine, wait_for_gpu=False
         )
-        # Maps for the receivers that this bake writes; all else shelters them.
+        # Only the receivers of this bake have maps; all other objects only block snow.
         maps = {
             own.key: (own.resolution, request.blur_radius * own.texel, own.spec.sides)
             for own in self.receivers
@@ -296,7 +295,7 @@ class BakeJob:
         self._registry.register_changes(added)
 
     def _poses(self, snowfall, frame):
-        """[((frame, subframe), [Step, ...]), ...] that lead to the map of ``frame``."""
+        """[((frame, subframe), [Step, ...]), ...]: the poses and steps that lead to the map of ``frame``."""
         request = self.request
         directions = request.directions if request.snow["flutter"] > 0 else 1
         steps = plan.frame_steps(snowfall, frame, request.fps, request.substeps, directions)
@@ -312,7 +311,7 @@ class BakeJob:
         return poses
 
     def _bake(self, begin, evaluate, snowfall, baker, writer, report, cancelled, log):
-        """Evaluates pose after pose, each while the baker's thread has the frame before."""
+        """Evaluates the poses in order, each while the baker's thread simulates the frame before."""
         request = self.request
         clock = time.perf_counter
         with ThreadPoolExecutor(1, "snowbough-step") as worker:
@@ -345,13 +344,13 @@ class BakeJob:
                     pending.append(
                         (worker.submit(baker.bake, frame, work, inputs, depth, places), evaluating)
                     )
-                    # Only now, so that the worker need not wait for the frame before to be reported.
+                    # Finish the frame before only after submitting this one, so that the worker need not wait.
                     if len(pending) > 1:
                         finish()
                 while pending:
                     finish()
             except BaseException as error:
-                # What was computed is worth keeping; the first error is the one to tell about.
+                # Keep what was computed; report the first error.
                 while pending:
                     try:
                         finish()
@@ -361,14 +360,14 @@ class BakeJob:
                 if isinstance(error, BakeCancelled):
                     baker.stop()
                 elif not isinstance(error, (CacheError, WriteFailed, OSError)):
-                    # A scene that cannot be read any more (the add-on was switched off, say) is no reason
-                    # to lose the frames since the last checkpoint.
+                    # Even if the scene cannot be read any more, e.g. after disabling the add-on, keep the frames since
+                    # the last checkpoint.
                     with contextlib.suppress(Exception):
                         baker.stop()
                 raise
 
     def _evaluate_frame(self, frame, evaluate, snowfall):
-        """What FrameBaker.bake does for a frame: a row for each of its poses; and where receivers are in it."""
+        """The arguments `work` and `places` of FrameBaker.bake for a frame."""
         work = []
         for at, steps in self._poses(snowfall, frame):
             pose = evaluate(*at)

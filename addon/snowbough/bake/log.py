@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The bake's log: times and the engine in a file of their own, so that equal bakes are equal bytes. No ``bpy``."""
+"""The log of a bake: times and the engine, in a separate file, so that equal bakes give equal bytes. No ``bpy``."""
 
 import contextlib
 import datetime
@@ -13,7 +13,7 @@ from ..names import safe_name
 
 @contextlib.contextmanager
 def open_log(root):
-    """Gives a function that writes a line with the time into <root>/logs/<time>-<host>-<process>.log."""
+    """Yields a function that writes a line with the time to <root>/logs/<time>-<host>-<process>.log."""
     folder = root / LOGS
     make_folder(folder)
     stamp = datetime.datetime.now(datetime.timezone.utc).strftime("%Y%m%dT%H%M%S")
@@ -25,7 +25,7 @@ def open_log(root):
             raise CacheError(f"{path} could not be written: {error.strerror}") from error
 
         def log(line):
-            with contextlib.suppress(OSError):  # a full disk is told about by the maps' own writer
+            with contextlib.suppress(OSError):  # the writer of the maps reports a full disk
                 stream.write(f"{datetime.datetime.now(datetime.timezone.utc).isoformat()} {line}\n")
                 stream.flush()
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Makes, packs and writes maps and checkpoints beside the simulation, in threads of its own. No ``bpy``."""
+"""Makes, packs and writes maps and checkpoints in threads of its own, beside the simulation. No ``bpy``."""
 
 import queue
 import threading
@@ -8,21 +8,21 @@ from concurrent.futures import ThreadPoolExecutor
 
 from ..cache.errors import LockLost, remedy_for
 
-# So many maps may wait; more would only fill memory when the disk is the slowest.
+# Limit of the queue; a longer one would only fill memory if the disk is slow.
 MAX_WAITING = 8
-# So many maps are made at a time: what one thread cannot share with others is done beside the next map.
+# Maps made in parallel: the parts of one map that use a single thread overlap with the next map.
 MAKERS = 2
 
 
 class WriteFailed(RuntimeError):
-    """A map could not be written: full disk, folder gone. Names the file and the reason."""
+    """A map could not be written, e.g. disk full or folder deleted. The message names file and reason."""
 
 
 class MapWriter:
     """``with MapWriter() as writer: writer.call(write, make)``.
 
-    call() and flush() raise what went wrong with earlier work: that a file could not be written (disk full,
-    folder gone) as WriteFailed; after that nothing more is done. Leaving the block waits for all work.
+    call() and flush() raise the error of earlier work: WriteFailed if a file could not be written (disk full, folder
+    deleted). After an error no more work is done. Leaving the block waits for all work.
     """
 
     def __init__(self):
@@ -45,13 +45,13 @@ class MapWriter:
             self._raise()
 
     def call(self, write, make=None):
-        """Queues write(), which writes files; what was queued before is on disk by then. make() is called
-        for its argument, beside other maps."""
+        """Queues write(), which writes files after those queued before it. make() computes its argument, in parallel to
+        other maps."""
         self._raise()
         self._queue.put((write, self._makers.submit(make) if make else None))
 
     def busy_since_last_call(self):
-        """Seconds that the thread which writes was busy since the last call of this."""
+        """Seconds of work of the writing thread since the last call."""
         busy = self._busy
         before, self._busy_before = self._busy_before, busy
         return busy - before
@@ -78,10 +78,10 @@ class MapWriter:
                     made.cancel()
             except LockLost as error:
                 self._error = error
-            except (OSError, RuntimeError) as error:  # both are handed to the thread that bakes
+            except (OSError, RuntimeError) as error:  # reported by call() and flush() in the baking thread
                 self._error = WriteFailed(f"{error}. {remedy_for(error)}")
             except Exception as error:
                 self._error = error
             finally:
-                task = write = made = given = None  # and the map with it: the next may be long in coming
+                task = write = made = given = None  # release the map; the next one may take long
                 self._queue.task_done()

@@ -1,31 +1,33 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How much memory a bake takes, before anything of it is made. No ``bpy``.
+"""Estimates the memory of a bake before anything of it is allocated. No ``bpy``.
 
-The figures are those of the native memory_estimate (native/snow/scene/memory_estimate.cpp), which counts texel tables
-that are there; a test holds both together.
+The numbers are those of the native memory_estimate (native/snow/scene/memory_estimate.cpp), which counts existing texel
+tables; a test compares both.
 """
 
 import math
 from dataclasses import dataclass
 
-# Bytes a texel of a receiver: its map and texel; what repose keeps; what the output of the largest map works with.
+from ..names import sized
+
+# Bytes per texel of a receiver: its map and texel; data of repose; work data of the output of the largest map.
 MAP, REPOSE, OUTPUT = 50, 92, 89
-# Bytes a texel along the rims of charts, of which a layout has about so many map widths; bytes a triangle.
+# Bytes per texel along the rims of charts, about this many map widths per layout; bytes per triangle.
 RIM, RIM_WIDTHS, TRIANGLE = 1536, 6, 235
-# The tile of the occlusion render.
+# Bytes of the tile of the occlusion render.
 TILE = 80 * 2**20
 
 
 @dataclass(frozen=True)
 class MapSize:
-    """What counts of a receiver."""
+    """The size of a receiver."""
 
     resolution: int
     triangles: int
 
 
 def estimate(maps, repose):
-    """Bytes that the simulation of these MapSizes takes. repose: radians, as SnowSimulation takes it."""
+    """Bytes that the simulation of these MapSizes needs. repose: radians, as in SnowSimulation."""
     if not maps:
         return 0
     texel = MAP + (REPOSE if repose < math.pi / 2 - 1e-4 else 0)
@@ -37,7 +39,7 @@ def estimate(maps, repose):
 
 
 def available():
-    """Bytes of the computer's memory that are free; 0 where that is not known."""
+    """Bytes of free memory; 0 if unknown."""
     try:
         with open("/proc/meminfo", encoding="ascii") as stream:
             kibibytes = next(line.split()[1] for line in stream if line.startswith("MemAvailable:"))
@@ -46,17 +48,12 @@ def available():
     return int(kibibytes) * 1024
 
 
-def text(count):
-    """``3.2 GiB`` or ``40 MiB``."""
-    return f"{count / 2**30:.1f} GiB" if count >= 2**30 else f"{max(1, round(count / 2**20))} MiB"
-
-
 def shortage(maps, repose):
-    """What to do where a bake of these MapSizes does not fit; empty where it does, or that is not known."""
+    """What to do if a bake of these MapSizes does not fit; empty if it fits or the free memory is unknown."""
     needed, free = estimate(maps, repose), available()
     if not free or needed <= free:
         return ""
     return (
-        f"The snow takes about {text(needed)} of memory and {text(free)} are free: lower the resolution of the largest "
-        "receivers (half of it takes a quarter), or bake the receivers in several runs"
+        f"The snow needs about {sized(needed)} of memory, but only {sized(free)} are free: lower the resolution of the "
+        "largest receivers (half the resolution needs a quarter of the memory), or bake the receivers in several runs"
     )

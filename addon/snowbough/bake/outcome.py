@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a bake ended, and what the scene learns from it: where the files of each receiver lie."""
+"""The outcome of a bake, and its result in the scene: the folder of each receiver's files."""
 
 from pathlib import Path
 
@@ -9,26 +9,29 @@ from .. import session
 from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
 from ..cache.manifest import read_manifest
+from ..names import counted
 from ..result import displacement
 from ..result.snow_surface import blend_path
 from ..scene.pose import library_path
 
 
 def describe(running):
-    """(severity, one clear line) on how a RunningBake ended."""
+    """(severity, one line of text) about the end of a RunningBake."""
     if running.error is not None:
         return "ERROR", one_line(running.error)
     if running.cancelled:
-        return "WARNING", "The bake was stopped. What was baked is kept: Resume goes on from there"
+        return "WARNING", "The bake was stopped. Finished frames are kept: Resume continues after them"
     results, refused = running.job.results, running.job.refused
     if results:
         seconds = sum(result.seconds["total"] for result in results)
-        text = f"Baked {len(results)} frames in {seconds:.1f} s"
+        text = f"Baked {counted(len(results), 'frame')} in {seconds:.1f} s"
     else:
-        text = "Everything was baked already, from the scene as it is now"
+        text = "Everything is already baked from the current scene"
     if not refused:
         return "INFO", text
-    return "WARNING", one_line(f"{text}, without {len(refused)} receivers: {'; '.join(refused.values())}")
+    return "WARNING", one_line(
+        f"{text}, without {counted(len(refused), 'receiver')}: {'; '.join(refused.values())}"
+    )
 
 
 def one_line(error):
@@ -37,8 +40,8 @@ def one_line(error):
 
 
 def after_bake(scene, running):
-    """What the scene learns from a bake: where the files of each receiver lie. What shows older ones is
-    wired to the new ones, and images are read again. Returns what the artist should know of that, a list of texts."""
+    """Sets the folder of each baked receiver, shows the new files where old ones were shown, and reloads images.
+    Returns a list of messages for the user."""
     job, notes = running.job, []
     scene.snowbough.cache_used = job.request.cache
     by_object = {}
@@ -58,9 +61,9 @@ def after_bake(scene, running):
         if receiver.recorder is not None and receiver.recorder.changed_at is not None:
             notes.append(
                 f"'{receiver.shown}' has other faces from frame {receiver.recorder.changed_at} on, so it has no snow "
-                "surface: choose Displacement > None to show its snow with the material"
+                "surface: choose Displacement > None to show its snow in the material"
             )
-    # On the first frame there is next to no snow to be seen.
+    # The first frame shows almost no snow.
     if job.results and scene.frame_current <= job.request.frame_start:
         scene.frame_set(job.results[-1].frame)
     for image in bpy.data.images:
@@ -70,7 +73,7 @@ def after_bake(scene, running):
 
 
 def conclude(scene, running):
-    """after_bake(), and describe() with what it noted."""
+    """after_bake(), and describe() with its messages."""
     severity, text = describe(running)
     notes = after_bake(scene, running)
     if not notes:
@@ -80,12 +83,12 @@ def conclude(scene, running):
 
 @bpy.app.handlers.persistent
 def _forget_outcome(*_):
-    """How a bake of another file went is no news here."""
+    """The outcome belongs to another file, or to a bake that was undone or redone."""
     session.last_outcome = session.NO_OUTCOME
 
 
 def _baked_name(entry):
-    """What a receiver was called when its folder was baked by an add-on that did not note it."""
+    """The name of a receiver at its bake, for files of older versions that did not store it."""
     try:
         manifest = read_manifest(Path(bpy.path.abspath(entry.folder)))
     except CacheError:
@@ -98,9 +101,9 @@ def _baked_name(entry):
 
 
 @bpy.app.handlers.persistent
-def heal_folders(*_):
-    """After Save As elsewhere the image paths are remapped by Blender, our folders beside the .blend are
-    not: finds them again in the cache that the last bake wrote to."""
+def relocate_folders(*_):
+    """After Save As in another folder, Blender updates image paths but not our folders beside the .blend: finds them in
+    the cache of the last bake."""
     for scene in bpy.data.scenes:
         used = scene.snowbough.cache_used
         for entry in scene.snowbough.receivers:
@@ -116,12 +119,14 @@ def heal_folders(*_):
 
 def register():
     for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_post):
-        handlers.append(heal_folders)
-    bpy.app.handlers.load_pre.append(_forget_outcome)
+        handlers.append(relocate_folders)
+    for name in ("load_pre", "undo_post", "redo_post"):
+        getattr(bpy.app.handlers, name).append(_forget_outcome)
 
 
 def unregister():
     for handlers in (bpy.app.handlers.load_post, bpy.app.handlers.save_post):
-        if heal_folders in handlers:
-            handlers.remove(heal_folders)
-    bpy.app.handlers.load_pre.remove(_forget_outcome)
+        if relocate_folders in handlers:
+            handlers.remove(relocate_folders)
+    for name in ("load_pre", "undo_post", "redo_post"):
+        getattr(bpy.app.handlers, name).remove(_forget_outcome)

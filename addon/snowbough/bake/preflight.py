@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What would spoil a bake, found before it: a list of issues, many with a fix at one click.
+"""Problems that can be found before a bake, as a list of issues, many with a one-click fix.
 
-check() looks at meshes as they are evaluated now and is too slow to run with every redraw, so an operator
-runs it and the panel shows what it found (session.issues).
+check() reads meshes as they are evaluated now, which is too slow for every redraw. So an operator runs it, and the
+panel shows its findings (session.issues).
 """
 
 import shutil
@@ -14,7 +14,7 @@ import numpy as np
 
 from .. import compat, native, session
 from ..cache import versions
-from ..names import FARTHEST
+from ..names import FARTHEST, counted, sized
 from ..result import displacement
 from ..scene import material_alpha, mesh_record, physics_caches, receivers, uv_maps, uv_overlap
 from ..scene.pose import Topology, library_path, metres_per_unit, outliers, world_positions
@@ -25,23 +25,35 @@ from .from_scene import constant_rates
 from .outcome import one_line
 from .snow_engine import driver_text, probe_engine
 
-# Measured: smooth float maps pack to about this share of their raw size.
+# Measured: packed size of smooth float maps as a share of their raw size.
 PACKED_SHARE = 0.5
 
 
 @dataclass(frozen=True)
 class Issue:
     severity: str
-    """ERROR (a bake would be refused, or would leave this receiver out), WARNING (it would not look right) or INFO."""
+    """ERROR (the bake would be refused or leave this receiver out), WARNING (the result would look wrong) or INFO."""
     text: str
     object_name: str = ""
     fix: str = ""
-    """UNWRAP, SHOW_IN_RENDER, SAVE, BAKE_SIMULATIONS or nothing."""
+    """UNWRAP, SHOW_IN_RENDER, SAVE, BAKE_SIMULATIONS or empty."""
 
 
 def check(scene, depsgraph):
-    """All issues of a bake of the scene now, the worst first."""
-    issues = [*_environment(scene), *_settings(scene), *_cache(scene)]
+    """All issues of the scene, the worst first."""
+    issues = [*_environment(scene), *of_bake(scene, depsgraph)]
+    for text in [
+        *changes_since_bake.settings_changes(scene),
+        *changes_since_bake.scene_changes(scene, depsgraph),
+    ]:
+        issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
+    order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
+    return sorted(issues, key=lambda issue: order[issue.severity])
+
+
+def of_bake(scene, depsgraph):
+    """The issues of a bake that starts now, whichever engine runs it."""
+    issues = [*_settings(scene), *_cache(scene)]
     specs = receivers.receiver_specs(scene)
     if not specs:
         issues.append(Issue("ERROR", "There are no receivers: select meshes and use Add Snow to Selected"))
@@ -52,33 +64,12 @@ def check(scene, depsgraph):
             issues += own
             if size:
                 sizes.append(memory.MapSize(size, _triangle_count(entry.object, depsgraph)))
-    issues += _amounts(scene, sizes)
-    issues += _alpha(depsgraph)
-    issues += _outliers(scene, depsgraph)
-    issues += [Issue(*trouble) for trouble in physics_caches.troubles(scene)]
-    for text in [
-        *changes_since_bake.settings_changes(scene),
-        *changes_since_bake.scene_changes(scene, depsgraph),
-    ]:
-        issues.append(Issue("WARNING", f"Changed since the bake that is shown: {text}. Bake again"))
-    order = {"ERROR": 0, "WARNING": 1, "INFO": 2}
-    return sorted(issues, key=lambda issue: order[issue.severity])
-
-
-def warnings(scene, depsgraph):
-    """The texts of what would be baked but would not look right."""
-    enabled = [entry for entry in scene.snowbough.receivers if entry.object is not None and entry.enabled]
-    issues = [issue for entry in enabled for issue in _receiver(scene, entry, depsgraph)[0]]
-    issues += [
-        *_alpha(depsgraph),
-        *_outliers(scene, depsgraph),
-        *(Issue(*trouble) for trouble in physics_caches.troubles(scene)),
-    ]
-    return [issue.text for issue in issues if issue.severity == "WARNING"]
+    issues += [*_amounts(scene, sizes), *_alpha(depsgraph), *_outliers(scene, depsgraph)]
+    return issues + [Issue(*issue) for issue in physics_caches.issues(scene)]
 
 
 def _shown_meshes(depsgraph):
-    """(object, world matrix) of what snow meets, as evaluated, each mesh once."""
+    """(object, world matrix) of the evaluated meshes that snow meets, each mesh once."""
     seen = set()
     for instance in depsgraph.object_instances:
         obj = instance.object
@@ -92,19 +83,19 @@ def _shown_meshes(depsgraph):
 
 
 def _outliers(scene, depsgraph):
-    """Meshes of which a bake leaves vertices out."""
+    """Meshes whose vertices a bake leaves out."""
     for obj, matrix in _shown_meshes(depsgraph):
         lost = outliers(world_positions(compat.read_positions(obj.data), matrix, metres_per_unit(scene)))
         if lost is not None:
             text = (
-                f"{lost.sum()} of {len(lost)} vertices of '{obj.name}' are beyond {FARTHEST / 1000:g} km or nowhere, "
-                f"the first is number {lost.argmax()}: they and their faces are left out; move or delete them"
+                f"{lost.sum()} of {len(lost)} vertices of '{obj.name}' are not finite or beyond {FARTHEST / 1000:g} km "
+                f"(the first is number {lost.argmax()}). They and their faces are left out: move or delete them"
             )
             yield Issue("WARNING", text, obj.name)
 
 
 def _alpha(depsgraph):
-    """Materials whose alpha snow cannot follow, and objects that lack the UVs for one that it can."""
+    """Materials whose alpha snow cannot follow, and objects without the UV map of an alpha image."""
     alphas, issues = {}, []
     for obj, _ in _shown_meshes(depsgraph):
         for material in mesh_record.materials_of(obj, obj.data):
@@ -113,14 +104,14 @@ def _alpha(depsgraph):
             known = (material.name, library_path(material))
             try:
                 if known not in alphas:
-                    alphas[known] = None  # a material that cannot be followed is told of once
+                    alphas[known] = None  # report each material once
                     alphas[known] = material_alpha.of_material(material)
                 alpha = alphas[known]
                 if alpha is not None and mesh_record.alpha_uv_map(alpha, obj.data) is None:
                     wanted = f" '{alpha.uv_map}'" if alpha.uv_map else ""
                     raise material_alpha.UnknownAlpha(f"'{obj.name}' has no UV map{wanted}")
             except material_alpha.UnknownAlpha as error:
-                text = f"Snow takes the material '{material.name}' for opaque: {error}"
+                text = f"Snow treats the material '{material.name}' as opaque: {error}"
                 issues.append(Issue("WARNING", text, obj.name))
     return issues
 
@@ -141,7 +132,7 @@ def _environment(scene):
 def _settings(scene):
     settings = scene.snowbough
     rates = constant_rates(scene, settings.frame_start, settings.frame_end)
-    if rates is None:  # driven: only a walk through the frames can tell
+    if rates is None:  # driven: known only by evaluating all frames
         rates = (1.0,) * (settings.frame_end - settings.frame_start + 1)
     try:
         plan.plan_snowfall(
@@ -165,7 +156,7 @@ def _cache(scene):
     if numbers:
         yield Issue(
             "INFO",
-            f"There are bakes already, the newest is v{numbers[-1]:03d}; finished ones are never overwritten",
+            f"There are bakes already; the newest is v{numbers[-1]:03d}. Finished bakes are never overwritten",
         )
 
 
@@ -180,7 +171,7 @@ def _is_writable(folder):
 
 
 def _receiver(scene, entry, depsgraph):
-    """(issues, map size in texels a side or None) of one line of the list."""
+    """(issues, map size in texels per side or None) of one receiver."""
     obj = entry.object
     name = obj.name
     issues = []
@@ -204,14 +195,14 @@ def _receiver(scene, entry, depsgraph):
     outside = uv_overlap.outside_share(uv)
     if outside:
         issues.append(
-            Issue("ERROR", f"{outside:.0%} of '{name}'s UV map '{uv_map}' lie outside 0 to 1", name, "UNWRAP")
+            Issue("ERROR", f"{outside:.0%} of '{name}'s UV map '{uv_map}' is outside 0 to 1", name, "UNWRAP")
         )
     overlap = uv_overlap.overlap_share(uv)
     if overlap > uv_overlap.TOLERANCE:
         issues.append(
             Issue(
                 "WARNING",
-                f"{overlap:.0%} of '{name}'s UV map '{uv_map}' overlap: snow that falls on one place shows on all",
+                f"{overlap:.0%} of '{name}'s UV map '{uv_map}' overlaps: snow on one place also shows on the others",
                 name,
                 "UNWRAP",
             )
@@ -230,7 +221,17 @@ def _receiver(scene, entry, depsgraph):
                 name,
             )
         )
-    return issues, receivers.receiver_resolution(entry) or _automatic_size(scene, obj, mesh, uv)
+    size = receivers.receiver_resolution(entry)
+    if not size:
+        size, texel = _automatic_size(scene, obj, mesh, uv)
+        wanted = scene.snowbough.texel_size
+        if texel > wanted:
+            text = (
+                f"'{name}' is too large for texels of {1000 * wanted:.3g} mm: its map of {size} texels a side has "
+                f"texels of {1000 * texel:.3g} mm. Set a higher resolution, split it, or raise Texel Size"
+            )
+            issues.append(Issue("WARNING", text, name))
+    return issues, size
 
 
 def _triangle_count(obj, depsgraph):
@@ -241,6 +242,7 @@ def _triangle_count(obj, depsgraph):
 
 
 def _automatic_size(scene, obj, mesh, uv):
+    """(automatic resolution, metres of a texel) of a mesh; (None, 0.0) without an area."""
     compat.ensure_triangles(mesh)
     triangles = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
     mesh.loop_triangles.foreach_get("vertices", triangles)
@@ -250,13 +252,14 @@ def _automatic_size(scene, obj, mesh, uv):
     topology = Topology(triangles.reshape(-1, 3), uv, len(positions), "")
     try:
         areas = baked_receiver.surface_and_uv_area(topology, positions)
-        return plan.automatic_resolution(*areas, scene.snowbough.texel_size)
+        size = plan.automatic_resolution(*areas, scene.snowbough.texel_size)
+        return size, plan.metres_per_map(*areas) / size
     except ValueError:
-        return None
+        return None, 0.0
 
 
 def _amounts(scene, maps):
-    """Disk and memory that the maps take; maps: memory.MapSize."""
+    """Disk and memory that the maps need; maps: memory.MapSize."""
     if not maps:
         return
     repose = scene.snowbough.repose
@@ -269,8 +272,8 @@ def _amounts(scene, maps):
     disk = texels * 4 * PACKED_SHARE * frames
     yield Issue(
         "INFO",
-        f"{len(sizes)} maps, up to {max(sizes)} texels a side: at most about {memory.text(disk)} on disk for {frames} "
-        f"frames, {memory.text(memory.estimate(maps, repose))} of memory",
+        f"{counted(len(sizes), 'map')}, up to {max(sizes)} texels a side: at most about {sized(disk)} on disk for "
+        f"{counted(frames, 'frame')}, {sized(memory.estimate(maps, repose))} of memory",
     )
     try:
         folder = Path(cache_directory(scene))
@@ -279,20 +282,24 @@ def _amounts(scene, maps):
     except (ValueError, OSError):
         return
     if free < disk:
-        text = f"Only {memory.text(free)} are free in {existing}; the bake may take {memory.text(disk)}"
+        text = (
+            f"Only {sized(free)} are free in {existing}, and the bake may need {sized(disk)}: free disk space"
+        )
         yield Issue("WARNING", text)
 
 
 @bpy.app.handlers.persistent
 def _forget(*_):
-    """What was found in another file is no news here."""
+    """The findings belong to another file, or to a scene that was undone or redone."""
     session.issues.clear()
 
 
 def register():
-    bpy.app.handlers.load_pre.append(_forget)
+    for name in ("load_pre", "undo_post", "redo_post"):
+        getattr(bpy.app.handlers, name).append(_forget)
 
 
 def unregister():
     session.issues.clear()
-    bpy.app.handlers.load_pre.remove(_forget)
+    for name in ("load_pre", "undo_post", "redo_post"):
+        getattr(bpy.app.handlers, name).remove(_forget)

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From which checkpoint a bake goes on, and whether it belongs to the scene as it is. No ``bpy``."""
+"""Which checkpoint a bake resumes from, and whether it fits the current scene. No ``bpy``."""
 
 from ..cache.errors import InputsChanged, NoCheckpoint
 from ..cache.folder import checkpoints
@@ -8,9 +8,9 @@ from .snow_engine import other_engine
 
 
 def checkpoint_frame(request, receivers, version):
-    """The frame of the checkpoint that the receivers of a BakeRequest go on from, None for a fresh start.
+    """The frame of the checkpoint that the receivers of a BakeRequest resume from, None for a fresh start.
 
-    Raises NoCheckpoint, naming those that are there, where the frames asked for need another one."""
+    Raises NoCheckpoint, naming the existing ones, if the requested frames need another checkpoint."""
     common = set.intersection(*(set(checkpoints(receiver.folder)) for receiver in receivers))
     if request.resume:
         usable = [frame for frame in common if request.first - 1 <= frame <= request.last]
@@ -28,15 +28,15 @@ def checkpoint_frame(request, receivers, version):
 
 
 def read_checkpoints(native, receivers, frame, driver):
-    """Reads each BakedReceiver's checkpoint of ``frame``: (state for set_simulation_state, {receiver's label: the
-    poses that it was baked from, as scene.inputs has them}). driver: the one it must have been made with, None for any.
+    """Reads each BakedReceiver's checkpoint of ``frame``: (state for set_simulation_state, {receiver's label: the poses
+    that it was baked from, as in scene.inputs}). driver: the required engine and driver, None for any.
 
-    Raises InputsChanged where they were made by another one, or not by one bake."""
+    Raises InputsChanged if another driver made them, or if they are from different bakes."""
     numbers, states, inputs = set(), {}, {}
     for receiver in receivers:
         number, states[receiver.key], made_with, poses = receiver.read_checkpoint(native, frame)
         numbers.add(number)
-        # Thousands of receivers have the same ones: one list of them is enough.
+        # Thousands of receivers may have equal lists: keep one of them.
         inputs[receiver.shown] = next((known for known in inputs.values() if known == poses), poses)
         if driver is not None and made_with != driver:
             raise other_engine(made_with, driver)
@@ -49,7 +49,7 @@ def read_checkpoints(native, receivers, frame, driver):
 
 
 def compare_scenes(recorded, inputs, what, remedy):
-    """Raises InputsChanged, naming the first difference, where SceneInputs differ from the poses that any receiver was
+    """Raises InputsChanged, naming the first difference, if SceneInputs differ from the poses that any receiver was
     baked from. recorded: {receiver's label: poses}."""
     compared = []
     for label, poses in sorted(recorded.items()):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How a scene's poses become a simulation: its grid, and its objects as they come and change. No ``bpy``.
+"""Makes a simulation from a scene's poses: its grid, and its objects as they appear and change. No ``bpy``.
 
-The bake and the live preview both go this way.
+Used by the bake and the live preview.
 """
 
 import numpy as np
@@ -12,8 +12,8 @@ from . import plan
 
 
 def pixel_size(pose, texel_sizes, wanted=0.0):
-    """Edge of an occlusion pixel in metres: `wanted`, or where that is 0 what suits the receivers' texel
-    sizes and the extent of a scene.pose.ScenePose."""
+    """Edge of an occlusion pixel in metres: `wanted`, or if that is 0, a size that suits the receivers' texel sizes and
+    the extent of a scene.pose.ScenePose."""
     if wanted:
         return wanted
     filled = [obj.positions for obj in pose.objects.values() if len(obj.positions)]
@@ -23,21 +23,20 @@ def pixel_size(pose, texel_sizes, wanted=0.0):
 
 
 def changeable(snow):
-    """What of settings.simulation.snow_of a SnowSimulation takes while it runs, for its change_settings."""
+    """The settings from settings.simulation.snow_of that a running SnowSimulation's change_settings takes."""
     return {name: value for name, value in snow.items() if name != "mapping"}
 
 
 def make_simulation(native, snow, pixel_size, engine="AUTO", wait_for_gpu=True):
-    """A SnowSimulation of the module snowbough_native. snow: settings.simulation.snow_of. engine: AUTO, GL or
-    CPU."""
+    """A SnowSimulation of the module snowbough_native. snow: settings.simulation.snow_of. engine: AUTO, GL or CPU."""
     return native.SnowSimulation(pixel_size=pixel_size, engine=engine, wait_for_gpu=wait_for_gpu, **snow)
 
 
 class Registry:
-    """The objects that a native SnowSimulation has.
+    """The objects of a native SnowSimulation.
 
-    maps: {key: (resolution, sigma of the blur in metres, sides)} of the receivers that it keeps a map of; all
-    else only shelters them.
+    maps: {key: (resolution, sigma of the blur in metres, sides)} of the receivers that have a map; all other objects
+    only block snow.
     """
 
     def __init__(self, simulation, maps):
@@ -47,10 +46,10 @@ class Registry:
         self._unprepared = []
 
     def register_changes(self, added):
-        """Adds the objects of {key: scene.tracker.Registration}, or gives those that are there their new
-        mesh. A receiver's snow stays where it lies on its map. Needs no engine yet.
+        """Adds the objects of {key: scene.tracker.Registration}, or gives existing ones their new mesh. A receiver's
+        snow keeps its place on the map. Needs no engine yet.
 
-        Raises TopologyChanged, naming object and frame, for a new mesh that its map cannot carry.
+        Raises TopologyChanged, naming object and frame, for a new mesh that the map cannot carry.
         """
         for key, registration in added.items():
             topology = registration.topology
@@ -80,13 +79,13 @@ class Registry:
                 self._simulation.replace_object(*arguments, **options)
             except ValueError as error:
                 raise TopologyChanged(
-                    f"'{registration.label}' has other faces at frame {registration.pose} than before, and its "
-                    f"snow cannot go on there ({error}): apply the modifier that changes it, or take it off the "
+                    f"The faces of '{registration.label}' change at frame {registration.pose}, and its snow cannot "
+                    f"follow ({error}): apply the modifier that changes them, or remove it from the "
                     "list of receivers"
                 ) from error
 
     def prepare(self):
-        """Begins with what the maps of new receivers take, beside the next steps. Waits for the engine."""
+        """Starts the preparation of the maps of new receivers, in parallel to the next steps. Waits for the engine."""
         for key in self._unprepared:
             self._simulation.prepare_output(key)
         self._unprepared.clear()

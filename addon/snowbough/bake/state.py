@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""How far a scene's bake is, as the panels show it."""
+"""Progress of a scene's bake, for the panels."""
 
 import time
 
@@ -10,7 +10,7 @@ from ..cache.files import folders_in
 from ..cache.manifest import read_manifest
 from .cache_place import existing_cache
 
-# A look into the cache is a few file reads; panels redraw with every movement of the mouse.
+# Seconds between looks into the cache, which read a few files; panels redraw with every movement of the mouse.
 LOOK_SECONDS = 1.0
 
 
@@ -25,7 +25,7 @@ def state_of(scene):
 
 
 def resumable(scene):
-    """Whether the newest version holds an unfinished bake, as it was at most LOOK_SECONDS ago."""
+    """Whether the newest version has an unfinished bake. Cached for LOOK_SECONDS."""
     root = existing_cache(scene)
     if root is None:
         return False

@@ -1,8 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where snow ever lay on a map during the bake. No ``bpy``.
-
-It is an image for compositors and for materials of one's own: white where there is snow in any frame.
-"""
+"""A mask of where snow lay in any frame of a bake, for compositing and for custom materials. No ``bpy``."""
 
 import base64
 import zlib
@@ -15,7 +12,7 @@ class Coverage:
 
     def __init__(self, resolution, mask=None):
         self.mask = np.zeros((resolution, resolution), dtype=bool) if mask is None else mask
-        # Filled again for every map: to be given so much fresh memory takes longer than to fill it.
+        # Reused for every map: allocating so much memory takes longer than filling it.
         self._shows = np.empty_like(self.mask)
 
     def add(self, height):
@@ -24,23 +21,21 @@ class Coverage:
         np.logical_or(self.mask, self._shows, out=self.mask)
 
     def pack(self):
-        """The mask as a text for a checkpoint; unpack reads it."""
+        """The mask as text for a checkpoint; unpack reads it."""
         return base64.b64encode(zlib.compress(np.packbits(self.mask).tobytes(), 1)).decode()
 
     @classmethod
     def unpack(cls, resolution, text):
-        """What pack gave for a map of that resolution. Raises ValueError for any other text; never unpacks more than
-        such a map takes."""
+        """Reads the text of pack() for a map of that resolution. Raises ValueError for other texts, and never unpacks
+        more than such a map takes."""
         size = (resolution * resolution + 7) // 8
         unpacker = zlib.decompressobj()
         try:
             packed = unpacker.decompress(base64.b64decode(text, validate=True), size + 1)
         except (ValueError, zlib.error) as error:
-            raise ValueError(f"the mask of what was ever covered is no packed mask: {error}") from error
+            raise ValueError(f"the coverage mask is damaged: {error}") from error
         if len(packed) != size or not unpacker.eof:
-            raise ValueError(
-                f"the mask of what was ever covered is not that of {resolution} x {resolution} texels"
-            )
+            raise ValueError(f"the coverage mask does not have {resolution} x {resolution} texels")
         mask = np.unpackbits(np.frombuffer(packed, dtype=np.uint8), count=resolution * resolution).astype(
             bool
         )

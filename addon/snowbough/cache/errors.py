@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What may be wrong with a cache. No ``bpy``."""
+"""Errors of the cache. No ``bpy``."""
 
 import errno
 import os
 
-# What the system says -> what to do about it. The native module has the system's own words too.
+# Error codes of the system -> what to do. Messages of the native module contain the system's text, too.
 _REMEDIES = (
-    ((errno.ENOSPC, errno.EDQUOT), "What is done is kept: make room, then resume"),
+    ((errno.ENOSPC, errno.EDQUOT), "Finished frames are kept: free disk space, then resume"),
     (
         (errno.ENOENT, errno.ENOTDIR, errno.ESTALE),
-        "The folder is gone: put it back and resume, or bake again",
+        "The folder is gone: restore it and resume, or bake again",
     ),
-    ((errno.EACCES, errno.EPERM, errno.EROFS), "What is done is kept: allow writing there, then resume"),
+    ((errno.EACCES, errno.EPERM, errno.EROFS), "Finished frames are kept: allow writing there, then resume"),
 )
 
 
@@ -20,11 +20,11 @@ def remedy_for(error):
     for codes, remedy in _REMEDIES:
         if any(os.strerror(code) in str(error) for code in codes):
             return remedy
-    return "What is done is kept: see to the disk, then resume"
+    return "Finished frames are kept: check the disk, then resume"
 
 
 class CacheError(RuntimeError):
-    """The cache cannot be written or read; says where and why."""
+    """The cache cannot be read or written; the message says where and why."""
 
 
 class CacheBusy(CacheError):
@@ -32,16 +32,16 @@ class CacheBusy(CacheError):
 
 
 class LockLost(CacheError):
-    """The lock of a running bake was removed or replaced; it writes nothing more."""
+    """The lock of a running bake was removed or replaced; the bake stops writing."""
 
 
 class CacheFinished(CacheError):
-    """The receiver is finished in this version; nothing may write there."""
+    """The receiver is finished in this version, which must not be written again."""
 
 
 class NoCheckpoint(CacheError):
-    """A bake was to start in the middle, and the checkpoint before it is not there."""
+    """A bake should start in the middle of the shot, but the checkpoint before is missing."""
 
 
 class InputsChanged(CacheError):
-    """The bake's settings or scene are not those that the cache was baked from; says what changed."""
+    """Settings or scene differ from those of the cached bake; the message says what changed."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The names of a bake's files, and small files written whole or not at all. No ``bpy``."""
+"""Names of a bake's files, and writing of small files as a whole or not at all. No ``bpy``."""
 
 import contextlib
 import hashlib
@@ -26,24 +26,24 @@ LOGS = "logs"
 TEMPORARY_SUFFIX = ".tmp"
 PROBE = ".probe-"
 
-# What belongs to a bake in a receiver's folder: files that there are once, and those of each frame with the number of
-# their frame. The manifest lists them by these (bake_files); what it does not list is never removed.
+# Files of a bake in a receiver's folder: those that exist once, and those of each frame, with the number of the frame.
+# The manifest lists them (bake_files); files that it does not list are never removed.
 ONCE = (
     MANIFEST, INPUTS, EVER_COVERED, RECEIVER, POSITIONS, SURFACE_FACES, SURFACE_POINTS, SURFACE,
 )  # fmt: skip
 EACH_FRAME = ("height_{:04d}.exr", "normal_{:04d}.exr", "state_{:04d}", "state_{:04d}.json")
 
-# A manifest while the files that it lists are being removed: no bake any more.
+# Name of a manifest while its files are being removed; the folder is not a bake any more.
 REMOVED_MANIFEST = f"{MANIFEST}.removed"
 
-# Cycles keeps its copies of images in a folder of this name beside them (Blender 5.2).
+# Folder in which Cycles stores its copies of images, beside the images (Blender 5.2).
 TEXTURE_CACHE = "blender_tx"
 
 VERSION_PATTERN = re.compile(r"v(\d{3,})$")
 STATE_PATTERN = re.compile(r"state_(\d{4,})$")
 FRAME_PATTERN = re.compile(r"(?:height|normal)_(\d{4,})\.exr$")
 LOG_PATTERN = re.compile(r"\d{8}T\d{6}-[A-Za-z0-9._-]+-\d+\.log$")
-# What a file that is being written is called: by write_bytes, and by the native module.
+# Temporary names, as made by write_bytes and by the native module.
 _TEMPORARY = re.compile(r"(.+?)(?:\.\d+\.\d+|\.[0-9a-f]{8})?\.tmp$")
 _TEXTURE = re.compile(r"((?:height|normal)_\d{4,}|ever_covered)(?![A-Za-z0-9]).*\.tx$")
 
@@ -57,13 +57,13 @@ def state_file(frame):
 
 
 def bake_files(first, last):
-    """Names of all files that a bake of the frames first to last may leave in a receiver's folder, sorted."""
+    """Sorted names of all files that a bake of frames first to last may leave in a receiver's folder."""
     frames = range(first, last + 1)
     return sorted([*ONCE, *(name.format(frame) for name in EACH_FRAME for frame in frames)])
 
 
 def is_bake_file(name):
-    """Whether bake_files could give that name."""
+    """Whether bake_files could give the name."""
     number = re.search(r"_(\d{4,})", name)
     return (
         name in ONCE
@@ -73,19 +73,19 @@ def is_bake_file(name):
 
 
 def finished_name(name):
-    """The name that a temporary file is to get; of any other file its own."""
+    """The final name of a temporary file; any other name is returned as it is."""
     match = _TEMPORARY.fullmatch(name)
     return match.group(1) if match else name
 
 
 def texture_source(name):
-    """The image that a file in Cycles' folder was made of, or None."""
+    """The image from which Cycles made a file in its folder, or None."""
     match = _TEXTURE.fullmatch(name)
     return f"{match.group(1)}.exr" if match else None
 
 
 def is_regular(path):
-    """Whether there is a file itself, and not a link to one."""
+    """Whether the path is a file and not a link to one."""
     try:
         return stat.S_ISREG(os.lstat(path).st_mode)
     except OSError:
@@ -93,7 +93,7 @@ def is_regular(path):
 
 
 def folders_in(path):
-    """Names of the folders in a folder, sorted, without links to folders; empty where it is not there."""
+    """Sorted names of the folders in a folder, without links; empty if the folder does not exist."""
     try:
         with os.scandir(path) as entries:
             return sorted(entry.name for entry in entries if entry.is_dir(follow_symlinks=False))
@@ -102,7 +102,7 @@ def folders_in(path):
 
 
 def write_bytes(path, data):
-    """Writes all of data or nothing. Raises CacheError with path and reason."""
+    """Writes data completely or not at all. Raises CacheError with path and reason."""
     temporary = Path(f"{path}.{uuid.uuid4().hex[:8]}{TEMPORARY_SUFFIX}")
     try:
         with open(temporary, "wb") as stream:
@@ -117,22 +117,22 @@ def write_bytes(path, data):
 
 
 def to_json(value):
-    """The one spelling of value: equal values are equal bytes."""
+    """Canonical JSON: equal values give equal bytes."""
     return json.dumps(value, sort_keys=True, indent=1, ensure_ascii=False).encode() + b"\n"
 
 
 def write_report(path, report):
-    """Writes what a command line reports as JSON, as write_bytes does."""
+    """Writes the report of a command line as JSON, with write_bytes."""
     write_bytes(path, json.dumps(report, indent=2).encode() + b"\n")
 
 
 def digest(value):
-    """16 bytes in hex of plain data (dicts, lists, numbers, texts)."""
+    """A digest of plain data (dicts, lists, numbers, texts): 16 bytes in hex."""
     return hashlib.blake2b(to_json(value), digest_size=16).hexdigest()
 
 
 def make_folder(path):
-    """Makes a folder that can be written to. Raises CacheError with what to do."""
+    """Makes a folder and checks that it can be written. Raises CacheError with what to do."""
     try:
         Path(path).mkdir(parents=True, exist_ok=True)
         probe = Path(path) / f"{PROBE}{os.getpid()}"

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""One receiver's folder: its frames and checkpoints, and clearing it away. No ``bpy``."""
+"""The folder of one receiver: its frames and checkpoints, and removing them. No ``bpy``."""
 
 import contextlib
 import os
@@ -26,7 +26,7 @@ from .sealed import FORMAT, read_sealed, text, write_sealed
 
 
 def checkpoints(folder):
-    """Frames of the whole checkpoints in a folder, ascending."""
+    """Frames of the complete checkpoints in a folder, ascending."""
     if not Path(folder).is_dir():
         return []
     matches = (STATE_PATTERN.match(name) for name in os.listdir(folder))
@@ -35,9 +35,9 @@ def checkpoints(folder):
 
 
 def read_sidecar(folder, frame):
-    """What write_sidecar wrote. Raises NoCheckpoint where it is not there, CacheError where it is damaged."""
+    """Reads the file of write_sidecar. Raises NoCheckpoint if it is missing, CacheError if it is damaged."""
     shape = {"covered": text, "driver": text, "frames": FRAMES, "inputs": POSES}
-    remedy = "Remove it to resume from the checkpoint before it, or free the bake and bake again"
+    remedy = "Delete it to resume from the checkpoint before it, or free the bake and bake again"
     shapes = {0: shape, FORMAT: shape}
     sidecar = read_sealed(Path(folder) / f"{state_file(frame)}.json", remedy, shapes.get)
     if sidecar is None:
@@ -46,26 +46,26 @@ def read_sidecar(folder, frame):
 
 
 def write_sidecar(folder, frame, sidecar):
-    """Writes state_NNNN.json; to be followed by state_NNNN itself, which makes the checkpoint whole."""
+    """Writes state_NNNN.json. state_NNNN must be written after it, which completes the checkpoint."""
     write_sealed(Path(folder) / f"{state_file(frame)}.json", sidecar)
 
 
 def remove_checkpoint(folder, frame):
-    """Removes a checkpoint, state first, so that what a crash leaves is not taken for a whole one."""
+    """Removes a checkpoint, the state first, so that a crash does not leave one that looks complete."""
     for name in (state_file(frame), f"{state_file(frame)}.json"):
         with contextlib.suppress(FileNotFoundError):
             (Path(folder) / name).unlink()
 
 
 def remove_irregular_checkpoints(folder, frame_start, interval, before):
-    """Removes checkpoints older than frame ``before`` that are not at a multiple of the interval."""
+    """Removes the checkpoints before frame ``before`` that are not at a multiple of the interval."""
     for frame in checkpoints(folder):
         if frame < before and (frame - frame_start + 1) % interval:
             remove_checkpoint(folder, frame)
 
 
 def is_foreign(folder):
-    """Whether something is there that no bake has made: a link, or files without a manifest."""
+    """Whether the folder is not from a bake: a link, or files without a manifest."""
     folder = Path(folder)
     if not os.path.lexists(folder):
         return False
@@ -78,8 +78,8 @@ def is_foreign(folder):
 
 
 def listed_files(folder):
-    """Paths of the files in a receiver's folder that its manifest lists, the manifest last: with what a killed bake
-    left half written of them, and what Cycles made of them. Links are none of them. Empty without a manifest."""
+    """Paths of the files in a receiver's folder that its manifest lists, the manifest last, including temporary files
+    of a killed bake and Cycles' copies of images, but no links. Empty without a manifest."""
     folder = Path(folder)
     manifest = read_any_manifest(folder)
     if manifest is None:
@@ -96,11 +96,11 @@ def listed_files(folder):
 
 
 def clear(folder):
-    """Removes listed_files(), and the folder when that leaves it empty. Returns the number of files removed."""
+    """Removes listed_files(), and the folder if it is empty then. Returns the number of removed files."""
     folder = Path(folder)
     listed = listed_files(folder)
     try:
-        # What is left of an interrupted removal is no bake any more, and still has its list.
+        # After an interrupted removal the folder is not a bake any more, but still has the list.
         if (folder / MANIFEST) in listed:
             os.replace(folder / MANIFEST, folder / REMOVED_MANIFEST)
         for path in listed:
@@ -115,7 +115,7 @@ def clear(folder):
 
 
 def remove_stray_files(folder):
-    """Removes what a killed bake left half written: temporary files, sidecars without a state."""
+    """Removes incomplete files of a killed bake: temporary files, and sidecars without a state."""
     folder = Path(folder)
     whole = set(checkpoints(folder))
     for name in os.listdir(folder):
@@ -127,8 +127,8 @@ def remove_stray_files(folder):
 
 
 def remove_frames_after(folder, frame):
-    """Removes frames that were written after a checkpoint: the resumed bake writes them again, and a
-    folder never shows frames of two different scenes."""
+    """Removes the frames after a checkpoint: the resumed bake writes them again, and a folder never has frames of two
+    scenes."""
     for name in os.listdir(folder):
         match = FRAME_PATTERN.match(name)
         if match and int(match.group(1)) > frame:
@@ -136,7 +136,7 @@ def remove_frames_after(folder, frame):
 
 
 def baked_frames(folder):
-    """Frames whose height map is there, ascending."""
+    """Frames that have a height map, ascending."""
     if not Path(folder).is_dir():
         return []
     matches = (re.match(r"height_(\d{4,})\.exr$", name) for name in os.listdir(folder))

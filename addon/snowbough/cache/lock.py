@@ -39,12 +39,12 @@ class FolderLock:
         os.write(descriptor, self._text)
 
     def check(self):
-        """Raises LockLost where the file is not this bake's any more: removed, or made again by another bake, which
-        has cleared the folder. To be called before each file is written."""
+        """Raises LockLost if the lock file was removed, or replaced by another bake, which has cleared the folder. Must
+        be called before each file is written."""
         if not self._is_held():
             raise LockLost(
-                f"{self._path} was removed or replaced while this bake ran, so another one may write there: this one "
-                "has stopped. See that no other bake runs, then bake again, or resume"
+                f"{self._path} was removed or replaced during this bake, so another bake may write there. This bake "
+                "has stopped: make sure that no other bake runs, then resume or bake again"
             )
 
     def _is_held(self):
@@ -66,8 +66,9 @@ class FolderLock:
 
 @contextlib.contextmanager
 def lock_folder(folder):
-    """Holds a receiver's folder (made if need be) for one bake, gives the FolderLock. The system drops the lock with
-    the process, so a killed bake blocks nobody. Raises CacheBusy with the holder's host and process."""
+    """Locks a receiver's folder, which is made if needed, for one bake; yields the FolderLock. The system releases the
+    lock with the process, so a killed bake does not block others. Raises CacheBusy with the holder's host and
+    process."""
     make_folder(folder)
     path = Path(folder) / LOCK
     while True:
@@ -82,8 +83,7 @@ def lock_folder(folder):
             raise CacheBusy(
                 f"{Path(folder).name} is being baked by {holder}: wait for it, or stop it ({path})"
             )
-        # Between open and lock the former holder may have removed the file: then ours is not the one
-        # that others see.
+        # The former holder may have removed the file between open and lock; then other bakes see another file.
         try:
             same = os.path.samestat(os.fstat(descriptor), os.stat(path))
         except FileNotFoundError:
@@ -99,8 +99,8 @@ def lock_folder(folder):
 
 
 def drop_dead_lock(folder):
-    """Removes the lock file that a bake left which was killed between finishing this receiver and its end.
-    A lock that is held, or that cannot be removed, stays."""
+    """Removes the lock file of a bake that was killed after it finished this receiver. A lock that is held, or that
+    cannot be removed, stays."""
     if (Path(folder) / LOCK).exists():
         with contextlib.suppress(CacheError), lock_folder(folder):
             pass

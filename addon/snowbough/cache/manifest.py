@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A receiver's manifest, object.json, and the fingerprints of what it was baked from. No ``bpy``."""
+"""A receiver's manifest, object.json, and the fingerprints of its baked scene. No ``bpy``."""
 
 import math
 from pathlib import Path
 
 import numpy as np
 
+from ..names import with_unit
 from .files import INPUTS, MANIFEST, REMOVED_MANIFEST, bake_files, digest, is_bake_file
 from .sealed import FORMAT, dict_of, either, flag, nothing, number, read_sealed, text, whole, write_sealed
 
-# What every manifest holds, of whatever format.
+# Required content of manifests of all formats.
 _FRAME = {"frame": whole, "depth": number}
 _SHAPE = {
     "object": text,
@@ -38,15 +39,14 @@ FRAMES = [_FRAME]
 
 
 def read_manifest(folder, name=MANIFEST):
-    """object.json of a receiver's folder as a dict, or None where it is not there yet.
+    """object.json of a receiver's folder as a dict, or None if it does not exist.
 
-    Keys: ``format``, ``object``, ``library``, ``complete`` (all frames of the shot are there), ``hash``
-    (of settings), ``settings`` (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with
-    ``frame`` and its statistics), ``cache`` (the identity of the .blend's cache, empty where it was not saved),
-    ``files`` (names of all files that belong to the bake). Earlier formats come as this one, without the last two.
-    Raises CacheError for a damaged one.
+    Keys: ``format``, ``object``, ``library``, ``complete`` (all frames of the shot exist), ``hash`` (of settings),
+    ``settings`` (dict: lengths in metres, angles in radians), ``frames`` (list of dicts with ``frame`` and its
+    statistics), ``cache`` (identity of the .blend's cache, empty if the file was never saved), ``files`` (names of all
+    files of the bake). Earlier formats are converted, but lack the last two. Raises CacheError if it is damaged.
     """
-    remedy = f"Remove the folder {folder} by hand, then bake again"
+    remedy = f"Delete the folder {folder}, then bake again"
     manifest = read_sealed(Path(folder) / name, remedy, _SHAPES.get)
     if manifest is None:
         return None
@@ -56,8 +56,8 @@ def read_manifest(folder, name=MANIFEST):
 
 
 def _from_format_1(manifest):
-    """The manifest as format 2 has it. Angles were written as degrees of what Blender stores in single
-    precision, so rounding to that gives the very number that is compared with."""
+    """Converts a manifest to format 2. Format 1 had angles in degrees, computed from Blender's single precision, so
+    rounding to single precision restores the exact number."""
     settings = dict(manifest["settings"])
     flutter = float(np.float32(math.radians(settings["snowfall"]["flutter"])))
     settings["snowfall"] = {**settings["snowfall"], "flutter": flutter}
@@ -66,15 +66,15 @@ def _from_format_1(manifest):
 
 
 def read_any_manifest(folder):
-    """read_manifest, or that of a removal which was interrupted."""
+    """read_manifest, or the manifest of an interrupted removal."""
     manifest = read_manifest(folder)
     return read_manifest(folder, REMOVED_MANIFEST) if manifest is None else manifest
 
 
 def listing(manifest):
-    """Names of the files that a manifest lists, a set, without those that no bake gives."""
+    """The set of file names that a manifest lists, without names that no bake writes."""
     listed = manifest.get("files")
-    if listed is None:  # of an earlier format
+    if listed is None:  # an earlier format
         shot = manifest["settings"]["snowfall"]
         listed = bake_files(shot["frame_start"], shot["frame_end"])
     return {name for name in listed if is_bake_file(name)}
@@ -85,34 +85,28 @@ def write_manifest(folder, manifest):
 
 
 def write_inputs(folder, poses):
-    """Fingerprints of all poses of a finished bake (scene.inputs), to tell later what has changed."""
+    """Writes the fingerprints of all poses of a finished bake (scene.inputs), to find changes later."""
     write_sealed(Path(folder) / INPUTS, {"poses": poses})
 
 
 def read_inputs(folder):
-    """What write_inputs wrote, or None. Raises CacheError for a damaged file."""
+    """Reads the file of write_inputs; None if it does not exist. Raises CacheError if it is damaged."""
     shapes = {0: POSES, FORMAT: {"poses": POSES}}
     inputs = read_sealed(Path(folder) / INPUTS, "Free the bake, then bake again", shapes.get)
     return inputs["poses"] if isinstance(inputs, dict) else inputs
 
 
-def describe_changes(before, after, prefix=""):
-    """Differences between two dicts of settings as texts: ``end_depth: 0.1 -> 0.2``. Nested dicts are
-    walked; long values are not printed."""
+def describe_changes(before, after):
+    """Differences between two dicts of settings as texts: ``end depth: 0.1 m, now 0.2 m``. Nested dicts are compared
+    entry by entry."""
     changes = []
-    for name in sorted(set(before) | set(after)):
+    for name in sorted((before.keys() | after.keys()) - {"shot", "totals"}):
         old, new = before.get(name), after.get(name)
-        if old == new:
-            continue
-        label = f"{prefix}{name}"
         if isinstance(old, dict) and isinstance(new, dict):
-            changes += describe_changes(old, new, f"{label}: ")
-        elif old is None:
-            changes.append(f"{label}: added")
-        elif new is None:
-            changes.append(f"{label}: removed")
-        elif isinstance(old, list) or len(str(old)) + len(str(new)) > 80:
-            changes.append(f"{label}: changed")
-        else:
-            changes.append(f"{label}: {old} -> {new}")
+            changes += describe_changes(old, new)
+        elif old != new:
+            changes.append(f"{name.replace('_', ' ')}: {with_unit(name, old)}, now {with_unit(name, new)}")
+    # The depth of each frame follows from other settings, unless the rate is animated.
+    if not changes and before.get("totals") != after.get("totals"):
+        changes.append("rate: its animation changed")
     return changes

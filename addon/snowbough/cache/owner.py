@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which .blend a scene's folder in the cache belongs to. No ``bpy``.
+"""The .blend that owns a scene's folder in the cache. No ``bpy``.
 
-A .blend carries the identity of its cache, and so does each copy of it. The folder says which file came first
-(``owner.json``): for the others it is not theirs as long as that file is there, and they get folders of their own.
-The file is named relative to the cache where that lies beside it, so both may move together.
+A .blend stores the identity of its cache, and so does each copy of it. ``owner.json`` in the folder names the file that
+baked first. While that file exists, the other files get folders of their own. If the file lies beside the cache, its
+path is relative, so both can be moved together.
 """
 
 import os
@@ -16,7 +16,7 @@ from .sealed import FORMAT, read_sealed, text, write_sealed
 
 
 def _named(blend, root):
-    """How a scene's folder `root` names a .blend."""
+    """How ``owner.json`` in a scene's folder `root` names a .blend."""
     blend, cache = Path(blend).resolve(), Path(root).resolve().parent
     if blend.parent in (cache, *cache.parents):
         return {"blend": Path(os.path.relpath(blend, cache)).as_posix(), "host": ""}
@@ -24,17 +24,17 @@ def _named(blend, root):
 
 
 def _recorded(root):
-    """What claim() wrote, or None."""
+    """The entry that claim() wrote, or None."""
     shapes = {FORMAT: {"blend": text, "host": text}}
     recorded = read_sealed(
-        Path(root) / OWNER, "Remove it, then open the .blend that baked there first", shapes.get
+        Path(root) / OWNER, "Delete it, then open the .blend that baked there first", shapes.get
     )
     return None if recorded is None else {name: recorded[name] for name in ("blend", "host")}
 
 
 def is_owner(root, blend):
-    """Whether a scene's folder, which need not be there, belongs to a .blend: it was the first to bake there, or
-    that one is gone from where it was, moved or renamed. On another computer it cannot be known to be gone."""
+    """Whether a .blend owns a scene's folder, which need not exist: it was the first to bake there, or the first file
+    was moved or renamed. A file on another computer cannot be looked for, so it stays the owner."""
     recorded = _recorded(root)
     if recorded is None:
         return True
@@ -51,16 +51,16 @@ def is_owner(root, blend):
 
 
 def claim(root, blend):
-    """Makes a .blend the owner of a scene's folder. Raises CacheBusy where another one was faster."""
+    """Makes a .blend the owner of a scene's folder. Raises CacheBusy if another one was faster."""
     own = _named(blend, root)
     if is_owner(root, blend) and _recorded(root) != own:
         write_sealed(Path(root) / OWNER, own)
     if not is_owner(root, blend):
         raise CacheBusy(
-            f"Another .blend has just begun to bake in {root}: bake again, then this one gets its own"
+            f"Another .blend has just started to bake in {root}: bake again, and this file gets its own folder"
         )
 
 
 def copy_identity(identity, blend, root):
-    """The identity of a copy's cache, where `root`, that of `identity`, belongs to another file."""
+    """The identity of the cache of a copied file, if `root`, the folder of `identity`, belongs to another file."""
     return digest([identity, _named(blend, root)["blend"]])[:16]

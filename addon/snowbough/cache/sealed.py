@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""JSON files of the cache that are read as they were written, or not at all. No ``bpy``.
+"""JSON files of the cache with a checksum: a file that has changed on disk is refused. No ``bpy``.
 
-The last entry, ``checksum``, is that of all bytes before it: a file that a disk or a hand has changed is refused and
-never half understood. What a file holds is compared with a shape as well, since earlier formats had no checksum.
+The last entry, ``checksum``, covers all bytes before it. The content is also compared with a shape, since earlier
+formats had no checksum.
 """
 
 import hashlib
@@ -18,7 +18,7 @@ from .files import to_json, write_bytes
 FORMAT = 3
 SEALED_SINCE = 3
 
-# More than the poses of a long shot with thousands of objects take.
+# Larger than the poses of a long shot with thousands of objects.
 MAX_BYTES = 1 << 29
 
 _SEAL = re.compile(rb',\n "checksum": "([0-9a-f]{32})"\n\}\n\Z')
@@ -54,8 +54,8 @@ def nothing(value):
 
 
 def fits(value, shape):
-    """Whether a value has a shape: a test; {key: shape of what must be there}; [shape of all entries]; (shape of the
-    first entry, of the second, ...)."""
+    """Whether a value has a shape: a test; {key: shape} of required keys; [shape of all entries]; or (shapes of the
+    entries, in order)."""
     if isinstance(shape, dict):
         return isinstance(value, dict) and all(key in value and fits(value[key], shape[key]) for key in shape)
     if isinstance(shape, list):
@@ -70,16 +70,16 @@ def _checksum(body):
 
 
 def write_sealed(path, value):
-    """Writes a dict, its format and its checksum. Raises CacheError."""
+    """Writes a dict with its format and its checksum. Raises CacheError."""
     body = to_json({**value, "format": FORMAT})
     write_bytes(path, body[: -len(_END)] + b',\n "checksum": "' + _checksum(body) + b'"\n}\n')
 
 
 def read_sealed(path, remedy, shape_of):
-    """What write_sealed wrote, or a file of an earlier format; None where it is not there.
+    """Reads a file of write_sealed, or of an earlier format; None if it does not exist.
 
-    shape_of(format) -> the shape that a file of that format has, None for a format that is not known; a file without
-    one counts as 0. remedy: what to do with a damaged file. Raises CacheError for such and for unknown formats.
+    shape_of(format) -> the shape of a file of that format, None if the format is unknown; files without one have format
+    0. remedy: what to do with a damaged file. Raises CacheError for damaged files and unknown formats.
     """
     path = Path(path)
     try:
@@ -88,17 +88,17 @@ def read_sealed(path, remedy, shape_of):
         raw = path.read_bytes()
         seal = _SEAL.search(raw[-80:])
         if seal and seal.group(1) != _checksum(raw[: -len(seal.group(0))] + _END):
-            raise ValueError("its checksum is not that of its content")
+            raise ValueError("its checksum does not match its content")
         value = json.loads(raw, parse_constant=_refuse)
         number_of_format = value.get("format", 0) if isinstance(value, dict) else 0
         if not whole(number_of_format):
-            raise ValueError("its format is no number")
+            raise ValueError("its format is not a number")
         if not seal and (number_of_format >= SEALED_SINCE or isinstance(value, dict) and "checksum" in value):
             raise ValueError("its checksum is missing")
         shape = shape_of(number_of_format)
         if shape is not None and not fits(value, shape):
-            raise ValueError("something is missing in it, or is of another kind than it should be")
-    except FileNotFoundError:
+            raise ValueError("an entry is missing or has the wrong type")
+    except (FileNotFoundError, NotADirectoryError):
         return None
     except (OSError, ValueError, RecursionError) as error:
         raise CacheError(f"{path} is damaged ({_reason(error)}). {remedy}") from error
@@ -113,12 +113,12 @@ def read_sealed(path, remedy, shape_of):
 
 
 def _refuse(constant):
-    raise ValueError(f"{constant} is no number")
+    raise ValueError(f"{constant} is not a number")
 
 
 def _reason(error):
     if isinstance(error, OSError):
         return error.strerror or str(error)
     if isinstance(error, (json.JSONDecodeError, UnicodeDecodeError, RecursionError)):
-        return "it is no JSON"
+        return "it is not JSON"
     return str(error)

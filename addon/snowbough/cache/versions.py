@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A scene's versions: which one a bake writes to, and freeing them. No ``bpy``."""
+"""The versions of a scene's bake: choosing one, and removing them. No ``bpy``."""
 
 import contextlib
 from dataclasses import dataclass, field
@@ -14,8 +14,8 @@ from .manifest import read_any_manifest, read_manifest
 
 
 def scene_folder(cache, scene_name, identity=""):
-    """A scene's folder in a cache. identity: of the .blend's cache; empty for one that was never saved, and for what
-    was baked before caches had one, which shared folders that were called by less of the name."""
+    """A scene's folder in a cache. identity: of the .blend's cache; empty for files that were never saved, and for
+    bakes from before caches had one, whose folders are named by safe_name."""
     cache = Path(cache)
     if identity:
         return cache / tagged_name(scene_name, (identity,))
@@ -41,11 +41,11 @@ def _manifests(folder):
 
 
 def choose_version(root, keys, shot_hash):
-    """The version that a new bake of the receivers ``keys`` writes to.
+    """The version for a new bake of the receivers ``keys``.
 
-    It is the newest one as long as none of them is finished there and all receivers that are there come
-    from the same shot (``shot_hash``: all settings but the receiver's own), so that machines that share
-    a shot fill one version; else the next one. What no bake has made there is left alone.
+    It is the newest one if none of them is finished there and all its receivers come from the same shot (``shot_hash``:
+    all settings except the receiver's own), so that machines that share a shot fill one version. Else it is the next
+    one. Folders that are not from a bake are left alone.
     """
     existing = versions(root)
     if not existing:
@@ -64,8 +64,8 @@ def choose_version(root, keys, shot_hash):
 
 
 def resumable_version(root, keys):
-    """The newest version that holds or may hold an unfinished bake of any of ``keys``: (number, keys
-    that are finished there). A version without any trace of them is not one; (None, []) without any."""
+    """The newest version that has a bake of any of ``keys``: (number, the keys finished there); (None, []) if there is
+    none."""
     for number in reversed(versions(root)):
         folder = version_folder(root, number)
         there = folders_in(folder)
@@ -77,7 +77,8 @@ def resumable_version(root, keys):
 
 
 def remove_empty_folders(root, folders):
-    """Removes those of a scene's receivers' folders that are empty, and what that empties: versions, the scene's."""
+    """Removes those of the receivers' folders that are empty, then empty versions, then an empty folder of the
+    scene."""
     emptied = [*folders, *sorted({Path(folder).parent for folder in folders}), Path(root)]
     for folder in emptied:
         with contextlib.suppress(OSError):
@@ -86,17 +87,17 @@ def remove_empty_folders(root, folders):
 
 @dataclass
 class Bakes:
-    """The bakes in a scene's folder that belong to one .blend, and what removing them takes away."""
+    """The bakes in a scene's folder that belong to one .blend, and their size."""
 
     root: Path
     folders: list = field(default_factory=list)
     """Of receivers."""
     logs: list = field(default_factory=list)
     count: int = 0
-    """Files in all, and their bytes."""
+    """Number of files, and their bytes."""
     size: int = 0
     skipped: list = field(default_factory=list)
-    """Texts on folders that are left as they are."""
+    """Messages about folders that are left unchanged."""
 
     def _add(self, files):
         self.count += len(files)
@@ -104,8 +105,8 @@ class Bakes:
 
 
 def find_bakes(root, identities=("",), shown=None, keys=None):
-    """The Bakes below `root` whose manifests carry one of these identities of a cache (None: that of an earlier format,
-    which has none). shown: only in the versions of these names. keys: only of these receivers. Links are not followed.
+    """The Bakes below `root` whose manifests have one of these identities (None: an earlier format, without one).
+    shown: only versions of these names. keys: only these receivers. Links are not followed.
     """
     found = Bakes(Path(root))
     numbers = versions(root)
@@ -135,8 +136,8 @@ def find_bakes(root, identities=("",), shown=None, keys=None):
 
 
 def free(found):
-    """Removes find_bakes(), and every folder that this leaves empty. Returns the number of files. Raises CacheBusy when
-    one is baking."""
+    """Removes the result of find_bakes(), and all folders that are empty then. Returns the number of files. Raises
+    CacheBusy if one of them is being baked."""
     removed = 0
     for folder in found.folders:
         with lock_folder(folder):

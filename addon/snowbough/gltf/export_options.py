@@ -13,20 +13,20 @@ class ExportProperties:
 
     levels: IntProperty(
         name="Levels",
-        description="How many levels of detail are written at most, the finest as it stands in the scene (levels)",
+        description="Maximum number of levels of detail. The finest is the tree in the scene (levels)",
         default=4,
         min=1,
         max=MOST_LEVELS,
     )
     file_per_level: BoolProperty(
         name="One File a Level",
-        description="Write <name>_LOD0, <name>_LOD1 and so on instead of one file in which MSFT_lod joins them",
+        description="Write <name>_LOD0, <name>_LOD1 and so on, instead of one file with the extension MSFT_lod",
         default=False,
     )
     leaf_share: FloatProperty(
         name="Leaves Kept",
-        description="Share of the leaves that each level keeps of the one before; they grow, so that the crown "
-        "covers as much (0 to 1)",
+        description="Share of leaves that each level keeps from the one before. The kept leaves are enlarged to fill "
+        "the crown (0 to 1)",
         default=0.5,
         min=0.01,
         max=1.0,
@@ -43,24 +43,24 @@ class ExportProperties:
     )
     snow_format: EnumProperty(
         name="Heights",
-        description="What height maps are written as; normals are PNG images of 8 bits either way",
+        description="File format of height maps. Normals are always PNG images of 8 bits",
         items=(
-            ("PNG", "PNG, 16 Bits", "Every engine reads it; scale and offset are written beside it"),
-            ("EXR", "OpenEXR, 32 Bits", "Metres as they are"),
+            ("PNG", "PNG, 16 Bits", "Readable by every engine. Scale and offset are in a separate file"),
+            ("EXR", "OpenEXR, 32 Bits", "Heights in metres"),
         ),
         default="PNG",
     )
     atlas_frames: IntProperty(
         name="Frames",
-        description="Frames in the atlas, spread evenly over the bake from its first to its last (frames)",
+        description="Number of frames in the atlas, evenly spread from the first to the last baked frame (frames)",
         default=16,
         min=2,
         max=256,
     )
     atlas_tile: IntProperty(
         name="Tile",
-        description="Side of a frame in the atlas, 0 = as baked; finer maps are averaged down, where the twigs of "
-        "trees run into one another (texels)",
+        description="Side of a frame in the atlas (texels). 0 keeps the baked size. Larger maps are averaged down, "
+        "which blurs neighbouring twigs of trees together",
         default=0,
         min=0,
         max=8192,

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
+from ..names import counted
 from ..tree.import_options import BY_DETAIL
 from ..tree.import_tree import LOD_PROPERTY
 from . import levels, scene_materials, scene_snow, scene_tree, tree_file
@@ -113,6 +114,7 @@ def summary(report):
     triangles = " / ".join(f"{sum(level.values()):,}" for level in report["levels"])
     count = len(report["warnings"])
     return (
-        f"{report['tree']}: {len(report['files'])} files, {report['bones']} bones, {len(report['levels'])} levels of "
-        f"{triangles} triangles" + (f", {count} warnings" if count else "")
+        f"{report['tree']}: {counted(len(report['files']), 'file')}, {counted(report['bones'], 'bone')}, "
+        f"{counted(len(report['levels']), 'level')} of {triangles} triangles"
+        + (f", {counted(count, 'warning')}" if count else "")
     )

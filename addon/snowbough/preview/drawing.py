@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Draws the snow of receivers over a 3D view with Blender's ``gpu`` module (3.4 to 5.2; OpenGL, Vulkan, Metal).
 
-Points and normals of a receiver's surface (receiver_surface) are sent when they have changed and are next drawn.
+Points and normals of a receiver's surface (receiver_surface) are uploaded at the next draw after a change.
 """
 
 import bpy
@@ -15,23 +15,23 @@ from . import interface
 MOST_POINTS, SCALE = 200_000, 1.0
 MOST_POINTS_SOFTWARE, SCALE_SOFTWARE = 15_000, 2.0
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
-# Where light comes from, in the view: left, above and from behind the one who looks.
+# Direction to the light in the view: left, above and behind the viewer.
 LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
 LIGHT_IN_WORLD = Vector((-0.2, -0.2, 0.9))
-# What of the snow is there in the Wireframe view, through which one looks.
+# Opacity of the snow in the Wireframe view.
 ALPHA_IN_WIREFRAME = 0.45
 
 
-def why_not():
-    """Why nothing can be drawn in this Blender, as a sentence that says what to do; empty where it can."""
+def unavailable_reason():
+    """Why this Blender cannot draw, as a sentence that says what to do; empty if it can."""
     if not bpy.app.background:
         return ""
     try:
-        gpu.init()  # from 5.2 on; before, nothing of the module may be touched without a window
+        gpu.init()  # exists from 5.2 on; older versions must not use the module without a window
         return ""
     except (AttributeError, SystemError, RuntimeError):
         return (
-            "The live preview is drawn into 3D views, and this Blender runs without a window: open the file in "
+            "The live preview draws into 3D views, but this Blender runs without a window: open the file in "
             "Blender's window, or bake"
         )
 
@@ -93,14 +93,14 @@ class ReceiverDrawing:
         self._batch = gpu.types.GPUBatch(type="TRIS", buf=vertices, elem=self._indices)
 
     def draw(self, shader):
-        """With the shader bound and its view set."""
+        """The shader must be bound and its view set."""
         self._send()
         if self._batch is not None and len(self._triangles):
             self._batch.draw(shader)
 
 
 class Drawing:
-    """The snow of all receivers. metres: a Blender unit."""
+    """The snow of all receivers. metres: of a Blender unit."""
 
     def __init__(self, metres):
         self._metres = metres
@@ -109,7 +109,7 @@ class Drawing:
         """Key -> ReceiverDrawing."""
 
     def draw(self, wireframe):
-        """Into the view that is being drawn. wireframe: nothing in it hides what is behind."""
+        """Draws into the current view. wireframe: the view shows objects through each other."""
         if self._shader is None:
             self._shader = _shader()
         view = gpu.matrix.get_model_view_matrix()
@@ -123,7 +123,7 @@ class Drawing:
         self._shader.uniform_float("view_projection", to_clip)
         self._shader.uniform_float("light", (*light.normalized(), ALPHA_IN_WIREFRAME if wireframe else 1.0))
         try:
-            if wireframe:  # what lies nearest first, or snow behind snow would shine through
+            if wireframe:  # the nearest depth first, or snow would show through snow
                 gpu.state.color_mask_set(False, False, False, False)
                 self._draw_receivers()
                 gpu.state.color_mask_set(True, True, True, True)

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps baked snow out of sight while the preview runs, and brings it back whatever happens meanwhile.
+"""Hides baked snow while the preview runs, and restores it in every case.
 
-What was hidden is noted on the objects themselves. So an undo to a step in which the preview ran, or a file that
-Blender saved by itself then, carries the note with it, and show_again() puts right what is there.
+The objects themselves store how they were. So an undo to a step with a running preview, or an auto-saved file, brings
+that record with it, and show_again() can restore the objects.
 """
 
 import json
@@ -14,7 +14,7 @@ from ..result import snow_surface
 
 
 def hide(scene):
-    """Hides the shells of the scene's receivers, and what displaces them, in the viewport."""
+    """Hides the snow surfaces of the scene's receivers, and their displacement modifiers, in the viewport."""
     for entry in scene.snowbough.receivers:
         for shell in snow_surface.find(entry):
             _hide(shell, shell.hide_viewport, {})
@@ -33,7 +33,7 @@ def _hide(obj, was_hidden, modifiers):
 
 
 def show_again():
-    """Puts back what hide() has changed, in all scenes."""
+    """Reverts hide() in all scenes."""
     for obj in bpy.data.objects:
         note = obj.snowbough.hidden_by_preview
         if not note or obj.library is not None:

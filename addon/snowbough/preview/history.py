@@ -1,32 +1,32 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What was played: the snow and the pose of frames, in memory, within a budget. No ``bpy``.
+"""The snow and the pose of played frames, in memory, within a budget. No ``bpy``.
 
-Where the budget is exceeded, moments go whose neighbours lie closest together, the oldest of them first, so that
-what stays is spread evenly over the frames. The first and the newest always stay.
+If the budget is exceeded, the moment whose neighbours are closest goes first, the oldest of equals, so that the
+remaining moments are evenly spread over the frames. The first and the newest always stay.
 """
 
 from bisect import bisect_right
 from dataclasses import dataclass, replace
 
-# Fewer are no history: what scrubbing falls back to then is laying anew.
+# Moments that always stay. With fewer, scrubbing would have to simulate all the snow again.
 FEWEST = 2
 
 
 @dataclass(frozen=True)
 class Moment:
-    """The snow at the end of a frame."""
+    """The snow after a frame."""
 
     frame: int
     pose: object
-    """scene.pose.ScenePose that it lay on."""
+    """scene.pose.ScenePose under the snow."""
     total: float
-    """Metres on open level ground by then."""
+    """Metres on open, level ground after the frame."""
     state: dict
-    """snowbough_native.simulation_state; None where only the pose is known any more."""
+    """snowbough_native.simulation_state; None if only the pose is known."""
 
 
 class History:
-    """Moments by frame. budget: bytes that their maps and positions may take together."""
+    """Moments by frame. budget: bytes for their maps and positions together."""
 
     def __init__(self, budget):
         self.budget = budget
@@ -43,7 +43,7 @@ class History:
 
     @property
     def bytes(self):
-        """What is held. Positions that several moments share count once."""
+        """Bytes in use. Positions that several moments share count once."""
         maps = positions = 0
         seen = set()
         for moment in self._moments.values():
@@ -56,7 +56,7 @@ class History:
         return maps + positions
 
     def put(self, moment):
-        """Keeps a moment, in the place of an earlier one of its frame, and lets go of what is too much."""
+        """Adds a moment, which replaces an earlier one of its frame, and removes moments over the budget."""
         if moment.frame not in self._moments:
             self._frames.insert(bisect_right(self._frames, moment.frame), moment.frame)
         self._moments[moment.frame] = moment
@@ -64,12 +64,12 @@ class History:
             self._remove(self._most_crowded())
 
     def at(self, frame):
-        """The moment of that frame where its snow is known, or None."""
+        """The moment of that frame if its snow is known, or None."""
         moment = self._moments.get(frame)
         return moment if moment is not None and moment.state is not None else None
 
     def before(self, frame):
-        """The newest moment up to and with that frame whose snow is known, or None."""
+        """The newest moment at or before that frame whose snow is known, or None."""
         for known in reversed(self._frames[: bisect_right(self._frames, frame)]):
             if self._moments[known].state is not None:
                 return self._moments[known]
@@ -80,11 +80,11 @@ class History:
         return [(frame, self._moments[frame].pose) for frame in self._frames]
 
     def forget_snow(self):
-        """Keeps the poses only."""
+        """Keeps only the poses."""
         self._moments = {frame: replace(moment, state=None) for frame, moment in self._moments.items()}
 
     def drop_after(self, frame):
-        """Forgets what comes after that frame."""
+        """Removes the moments after that frame."""
         for later in [known for known in self._frames if known > frame]:
             self._remove(later)
 
@@ -93,7 +93,7 @@ class History:
         self._frames.clear()
 
     def _most_crowded(self):
-        """The frame, neither first nor last, whose neighbours are closest; of several, the first."""
+        """The frame, neither first nor last, whose neighbours are closest; the first of equals."""
         frames = self._frames
         return frames[min(range(1, len(frames) - 1), key=lambda i: (frames[i + 1] - frames[i - 1], i))]
 

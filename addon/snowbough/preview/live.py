@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Live preview: while it is on, snow lies in the viewport as the timeline and the settings have it.
+"""Live preview: while it runs, the viewport shows the snow of the current frame and settings.
 
-It simulates what the viewport shows (playback) and draws the snow over it (drawing). Nothing of it is an object, so
-nothing is in the outliner, in renders, in undo or in files; baked snow is out of sight meanwhile (hidden).
+playback simulates what the viewport shows, and drawing draws the snow over it. The snow is no object, so it is not in
+the outliner, in renders, in undo or in files. Baked snow is hidden meanwhile (hidden).
 """
 
 import functools
@@ -18,10 +18,10 @@ from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
 from .receiver_surface import ReceiverSurface
 
-# Seconds between looks at the settings: Blender tells nobody when one of an add-on's changes.
+# Seconds between checks of the settings: Blender sends no message when an add-on's setting changes.
 INTERVAL = 0.08
 ENDED = "The live preview has ended"
-# Seconds after a setting's last change in which what was laid quickly is laid well.
+# Seconds after the last change of a setting before the snow is simulated in all steps.
 PAUSE = 0.4
 
 
@@ -44,24 +44,24 @@ def _surface(pose, most_points, scale):
 
 
 class Preview:
-    """A running preview. simulated: playback.Playback; drawn: drawing.Drawing, None where it was started without."""
+    """A running preview. simulated: playback.Playback; drawn: drawing.Drawing, None without drawing."""
 
     def __init__(self, scene, depsgraph, draws=True):
         self.scene_name = scene.name
         self.simulated = None
         self.drawn = None
         self.was_undone = False
-        """Whether undo may have changed anything, frame included, which it tells of by its own handlers only."""
+        """Whether an undo may have changed anything, the frame included; only undo handlers are called for it."""
         self.revision = 0
-        """Counts changes of the snow or of where it lies."""
+        """Counts changes of the snow and of its position."""
         self._heights = {}
         self._metres = metres_per_unit(scene)
         self._draws = draws
         # The simulation that self.drawn was made for.
         self._shown = None
         self._handle = None
-        # When what was laid quickly is to be laid well (time.monotonic), or None.
-        self._due = None
+        # time.monotonic() at which to simulate in all steps, or None.
+        self._refine_at = None
         try:
             self._begin(scene, depsgraph)
         except BaseException:
@@ -81,13 +81,13 @@ class Preview:
         return self.simulated.simulation
 
     def heights(self, key):
-        """(H, H) metres of snow on a receiver as it is now, row 0 = v 0, negative on the back."""
+        """(H, H) current height of the snow on a receiver in metres, row 0 = v 0, negative on the back."""
         if key not in self._heights:
             self._heights[key] = self.simulation.output(key, normal=False)["height"]
         return self._heights[key]
 
     def show(self):
-        """Hands the snow as it is now to what draws it."""
+        """Passes the current snow to the drawing."""
         self.revision += 1
         self._heights = {}
         if not self._draws:
@@ -95,8 +95,8 @@ class Preview:
         if self._shown is not self.simulation:
             self._shown = self.simulation
             self.drawn = make_drawing(self.simulated, self._metres)
-        styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.wishes.styles}
-        depth = self.simulated.wishes.total(self.simulated.frame)
+        styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.settings.styles}
+        depth = self.simulated.settings.total(self.simulated.frame)
         for key, receiver in self.drawn.receivers.items():
             pose = self.simulated.pose.objects.get(key)
             receiver.is_there = pose is not None
@@ -113,28 +113,28 @@ class Preview:
             return
         shading = context.space_data.shading
         if shading.type == "RENDERED" and context.engine == REALTIME_ENGINE:
-            return  # which shows this snow in its own picture
+            return  # the engine shows this snow in its own picture
         try:
             self.drawn.draw(shading.type == "WIREFRAME" or (shading.type == "SOLID" and shading.show_xray))
         except Exception as error:
-            # Once, and not with every redraw; the handler cannot go while it runs.
+            # Report it once, not at every redraw; the handler cannot be removed while it runs.
             self.drawn = None
             bpy.app.timers.register(functools.partial(_end_with, error), first_interval=0.0)
 
     def watch(self, scene, depsgraph, now):
-        """Follows the settings, and undo. now: time.monotonic()."""
-        changed = self.simulated.heed_settings(scene, depsgraph)
+        """Follows changed settings and undo. now: time.monotonic()."""
+        changed = self.simulated.apply_settings(scene, depsgraph)
         if self.was_undone:
             self.was_undone = False
-            self.simulated.heed_scene(scene, depsgraph)
+            self.simulated.apply_scene(scene, depsgraph)
             self.simulated.go_to(scene, depsgraph)
             changed = True
         if self.simulated.stale:
-            self.simulated.relay(QUICK_STEPS)
-            self._due = now + PAUSE
-        elif self._due is not None and now >= self._due:
-            self._due = None
-            self.simulated.relay(STEPS)
+            self.simulated.resimulate(QUICK_STEPS)
+            self._refine_at = now + PAUSE
+        elif self._refine_at is not None and now >= self._refine_at:
+            self._refine_at = None
+            self.simulated.resimulate(STEPS)
         elif not changed:
             return
         self.show()
@@ -151,12 +151,12 @@ class Preview:
 
 
 def start(scene, depsgraph, draws=True):
-    """Begins the preview at the current frame. draws: False where only its simulation is wanted.
+    """Starts the preview at the current frame. draws: False to simulate only.
 
-    Raises ValueError where nothing can be drawn, and what reading the scene or making the simulation raises.
+    Raises ValueError if drawing is impossible, and the errors of reading the scene and making the simulation.
     """
     stop()
-    reason = drawing.why_not() if draws else ""
+    reason = drawing.unavailable_reason() if draws else ""
     if reason:
         raise ValueError(reason)
     session.preview = Preview(scene, depsgraph, draws)
@@ -168,7 +168,7 @@ def start(scene, depsgraph, draws=True):
 
 
 def stop():
-    """Ends the preview; the viewport is as it was."""
+    """Ends the preview and restores the viewport."""
     for handlers, own in (
         (bpy.app.handlers.frame_change_post, _on_frame),
         (bpy.app.handlers.depsgraph_update_post, _on_update),
@@ -194,7 +194,7 @@ def _redraw():
 
 
 def _running(scene):
-    """The preview of that scene, unless something else has its hands on it."""
+    """The preview of that scene; None while a render runs."""
     preview = session.preview
     if (
         preview is None
@@ -207,7 +207,7 @@ def _running(scene):
 
 
 def _end_with(error):
-    """Ends the preview and lets the panel show why."""
+    """Ends the preview and shows the reason in the panel."""
     text = f"{ENDED}: {native.error_text(error)}"
     print(f"Snowbough: {text}")
     session.last_outcome = ("ERROR", text)
@@ -215,11 +215,11 @@ def _end_with(error):
 
 
 def _end_without_scene():
-    """Ends a preview whose scene was removed or renamed. Returns whether it did."""
+    """Ends the preview if its scene was removed or renamed. Returns whether it did."""
     name = session.preview.scene_name
     is_gone = name not in bpy.data.scenes
     if is_gone:
-        _end_with(ValueError(f"the scene '{name}' was removed or renamed: start it again"))
+        _end_with(ValueError(f"the scene '{name}' was removed or renamed: start the preview again"))
     return is_gone
 
 
@@ -231,22 +231,22 @@ def _on_frame(scene, depsgraph=None):
     try:
         preview.simulated.go_to(scene, depsgraph)
         preview.show()
-    except Exception as error:  # whatever it is, the next frame would raise it again
+    except Exception as error:  # the next frame would raise it again
         _end_with(error)
 
 
 @bpy.app.handlers.persistent
 def _on_update(scene, depsgraph):
-    """An object was changed, by hand or by undo."""
+    """An object was changed, by the user or by undo."""
     preview = _running(scene)
     if preview is None or not any(
         update.is_updated_geometry or update.is_updated_transform for update in depsgraph.updates
     ):
         return
     try:
-        if preview.simulated.heed_scene(scene, depsgraph):
+        if preview.simulated.apply_scene(scene, depsgraph):
             preview.show()
-    except Exception as error:  # whatever it is, the next frame would raise it again
+    except Exception as error:  # the next update would raise it again
         _end_with(error)
 
 
@@ -271,13 +271,14 @@ def _before_load(*_):
 
 @bpy.app.handlers.persistent
 def _before_save(*_):
-    """The file is saved as it would be without a preview."""
+    """Saves the file as if no preview ran."""
     hidden.show_again()
 
 
 @bpy.app.handlers.persistent
-def _put_right(*_):
-    """After saving, undo and loading: what shall be hidden is, and nothing else; and the preview looks around."""
+def _update_hidden(*_):
+    """After saving, undo and loading: hides baked snow if a preview runs, else shows it; the preview reads the scene
+    again."""
     preview = session.preview
     if preview is None or _end_without_scene():
         hidden.show_again()
@@ -289,10 +290,10 @@ def _put_right(*_):
 HANDLERS = (
     ("load_pre", _before_load),
     ("save_pre", _before_save),
-    ("save_post", _put_right),
-    ("undo_post", _put_right),
-    ("redo_post", _put_right),
-    ("load_post", _put_right),
+    ("save_post", _update_hidden),
+    ("undo_post", _update_hidden),
+    ("redo_post", _update_hidden),
+    ("load_post", _update_hidden),
 )
 
 

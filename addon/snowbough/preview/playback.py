@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The simulation behind the live preview: it goes where the timeline goes, and follows the settings.
+"""The simulation behind the live preview: it follows the timeline and the settings.
 
-- **Forwards** each frame's snow falls on that frame's pose; frames that playback drops are made up for.
-- **Back**, and forwards within what was played: the snow of then, from memory (history). A frame that memory has let
-  go of is the one before with what fell since laid on the pose of now.
-- **Anywhere else** all the snow of that frame is laid anew on its pose.
-- **Settings.** Another depth scales what lies, another blur smooths it differently. Whatever else changes, such as the
-  direction, makes what lies stale: `relay` lays it once more over poses that were played, in few steps at first, for
-  the eye, and then in as many as the start depth of a bake takes.
+- **Forwards**, each frame's snow falls on the pose of that frame. A step over dropped frames includes their snow.
+- **Back**, and forwards within the played frames, the snow comes from the history. For a frame that the history has
+  dropped, the snow since the moment before it falls on the current pose.
+- **Anywhere else**, all the snow of that frame falls on its pose.
+- **Settings.** Another depth scales the snow, another blur smooths it again. Other changes, such as the direction, make
+  the snow stale: `resimulate` repeats the snowfall on poses that were played, first in few steps for a quick picture,
+  then in as many as a bake takes for its start depth.
 """
 
 from dataclasses import dataclass, replace
@@ -25,38 +25,38 @@ from ..settings.preferences import preferred_engine, preview_limits
 from ..settings.simulation import snow_of
 from .history import History, Moment
 
-# Frames that playback may drop and that are made up for in one go.
+# Frames dropped by playback that one step may include.
 MAX_SKIPPED = 8
-# Steps in which the snow of a whole shot is laid anew: while a setting is being dragged, and afterwards.
+# Steps that repeat the snow of a whole shot: while a setting is being dragged, and afterwards.
 QUICK_STEPS = 6
 STEPS = plan.PREROLL_STEPS
-# Maps where neither preferences nor receiver say otherwise: on a graphics card, and on the processor.
+# Map sides if neither the preferences nor the receiver set one: on a graphics card, and on the processor.
 RESOLUTION = 1024
 RESOLUTION_ON_PROCESSOR = 256
 SOFTWARE_DRIVERS = ("llvmpipe", "softpipe", "swiftshader")
 
 
 @dataclass(frozen=True)
-class Wishes:
-    """The settings of a scene that the preview heeds, as plain data."""
+class PreviewSettings:
+    """The settings of a scene that the preview uses, as plain data."""
 
     snowfall: plan.Snowfall
     fps: float
     snow: dict
     """settings.simulation.snow_of."""
     blur_radius: float
-    """Texels of a bake's map."""
+    """In texels of the baked map."""
     texel_size: float
     specs: tuple
-    """scene.pose.ReceiverSpec, without styles: these change nothing of the simulation."""
+    """scene.pose.ReceiverSpec without styles, which do not affect the simulation."""
     styles: tuple
     """The same with styles."""
     winds: tuple
-    """(fall angle, bearing) of every frame of the shot; empty where only evaluating the scene can tell."""
+    """(fall angle, bearing) of every frame of the shot; empty if they are only known by evaluating the scene."""
 
     @classmethod
-    def of(cls, scene):
-        """Raises ValueError for settings that make no snowfall."""
+    def from_scene(cls, scene):
+        """Raises ValueError for settings that give no snowfall."""
         settings = scene.snowbough
         start, end = settings.frame_start, settings.frame_end
         winds = [constant_values(scene, name, start, end) for name in ("fall_angle", "bearing")]
@@ -74,12 +74,12 @@ class Wishes:
         )
 
     def total(self, frame):
-        """Metres on open level ground at the end of a frame."""
+        """Metres on open, level ground after a frame."""
         first, last = self.snowfall.frame_start, self.snowfall.frame_end
         return self.snowfall.totals[min(frame, last) - first] if frame >= first else self.snowfall.preroll
 
     def with_wind(self, pose, frame):
-        """A pose of a frame with the wind that blows there by these settings."""
+        """The pose of a frame with the wind of these settings."""
         if not self.winds:
             return pose
         first = self.snowfall.frame_start
@@ -87,7 +87,7 @@ class Wishes:
         return replace(pose, fall_angle=fall_angle, bearing=bearing)
 
     def needs_new_simulation(self, other):
-        """Whether what differs cannot be changed in a simulation that runs."""
+        """Whether a running simulation cannot take the changed settings."""
         return (self.specs, self.texel_size, self.snow["mapping"]) != (
             other.specs,
             other.texel_size,
@@ -103,20 +103,20 @@ class Map:
     texel: float
     """Metres."""
     baked_texel: float
-    """Metres of a texel in a bake, in which blur is told."""
+    """Metres of a texel in a bake, the unit of the blur radius."""
 
 
 class Playback:
     """Snow over the frames of a scene. Raises what reading the scene or making the simulation raises."""
 
     def __init__(self, scene, depsgraph):
-        self.wishes = Wishes.of(scene)
+        self.settings = PreviewSettings.from_scene(scene)
         limit, budget = preview_limits()
         self._limit = limit
         self.history = History(budget)
         self.simulation = None
         self.stale = False
-        """Whether what lies does not fit the settings any more: relay() mends it."""
+        """Whether the snow does not fit the settings any more; resimulate() corrects it."""
         try:
             self._begin(scene, depsgraph)
         except BaseException:
@@ -131,34 +131,38 @@ class Playback:
     # -- beginning -----------------------------------------------------------------------------------
 
     def _begin(self, scene, depsgraph):
-        """A new simulation with the pose of the current frame, and all of that frame's snow on it."""
+        """Makes a new simulation at the pose of the current frame, with all the snow of that frame."""
         self.close()
         self.history.clear()
-        self.reader = SceneReader(list(self.wishes.specs), metres_per_unit(scene))
+        self.reader = SceneReader(list(self.settings.specs), metres_per_unit(scene))
         pose = self._read(depsgraph, scene.frame_current)
         module = native.load()
         engine = preferred_engine()
-        with module.Engine(engine=engine, mapping=self.wishes.snow["mapping"]) as held:
+        with module.Engine(engine=engine, mapping=self.settings.snow["mapping"]) as held:
             self.maps = self._plan_maps(pose, self._limit or _automatic_limit(held.info))
             self.simulation = simulation.make_simulation(
                 module,
-                self.wishes.snow,
+                self.settings.snow,
                 simulation.pixel_size(pose, [own.texel for own in self.maps.values()]),
                 engine,
             )
         maps = {
-            key: (own.resolution, self.wishes.blur_radius * own.baked_texel, pose.objects[key].receiver.sides)
+            key: (
+                own.resolution,
+                self.settings.blur_radius * own.baked_texel,
+                pose.objects[key].receiver.sides,
+            )
             for key, own in self.maps.items()
         }
         self._registry = simulation.Registry(self.simulation, maps)
         self._tracker = SceneTracker()
         self.pose, self.frame = pose, scene.frame_current
-        self._take_pose(pose)
-        self._lay([(self.frame, pose)], STEPS)
+        self._set_pose(pose)
+        self._accumulate([(self.frame, pose)], STEPS)
 
     def _read(self, depsgraph, frame):
-        """The pose of a frame. The wind is the settings': Blender's evaluation may not have heard of them yet."""
-        return self.wishes.with_wind(self.reader.read(depsgraph, frame), frame)
+        """The pose of a frame. The wind comes from the settings, which Blender may not have evaluated yet."""
+        return self.settings.with_wind(self.reader.read(depsgraph, frame), frame)
 
     def _plan_maps(self, pose, limit):
         """{key: Map} of the receivers."""
@@ -166,7 +170,7 @@ class Playback:
         for key, obj in pose.objects.items():
             if obj.receiver is None or not obj.receiver.enabled:
                 continue
-            baked = baked_receiver.measure(obj, self.wishes.texel_size)
+            baked = baked_receiver.measure(obj, self.settings.texel_size)
             resolution = min(baked.resolution, limit)
             maps[key] = Map(resolution, baked.texel * baked.resolution / resolution, baked.texel)
         if not maps:
@@ -175,8 +179,8 @@ class Playback:
 
     # -- steps ---------------------------------------------------------------------------------------
 
-    def _take_pose(self, pose):
-        """Tells the simulation where everything is; returns what the next step must say of it."""
+    def _set_pose(self, pose):
+        """Passes new meshes to the simulation and the moved positions to the next step, and returns those."""
         added, moved = self._tracker.register_changes(pose, self.frame, 0.0)
         self._registry.register_changes(added)
         self._registry.prepare()
@@ -188,56 +192,56 @@ class Playback:
         self.simulation.step(moved, depth=depth, direction=_direction(pose), dt=dt)
 
     def _settle_pose(self, pose):
-        """The pose without any snow, where something is not where it was."""
-        if self._take_pose(pose):
+        """Applies the pose in a step without snow, if anything has moved."""
+        if self._set_pose(pose):
             self._step(pose, 0.0, 0.0)
 
-    def _lay(self, poses, steps):
-        """Lays all the snow of the last of the poses [(frame, pose)] anew: each of them gets what fell since the one
-        before, and becomes a moment of the history. steps: of the whole shot. The simulation has the first pose and no
-        snow."""
-        wishes = self.wishes
-        falling = wishes.snowfall.totals[-1] - wishes.snowfall.preroll
-        before, time = 0.0, wishes.snowfall.frame_start - 1
-        if wishes.snowfall.preroll > 0.0:
-            for step in plan.preroll_steps(wishes.snowfall, wishes.fps, wishes.snow["slide_half_life"]):
+    def _accumulate(self, poses, steps):
+        """Simulates all the snow up to the last of the poses [(frame, pose)]. Each pose gets the snow since the one
+        before and becomes a moment of the history. steps: of the whole shot. The simulation must have the first pose
+        and no snow."""
+        settings = self.settings
+        falling = settings.snowfall.totals[-1] - settings.snowfall.preroll
+        before, time = 0.0, settings.snowfall.frame_start - 1
+        if settings.snowfall.preroll > 0.0:
+            for step in plan.preroll_steps(settings.snowfall, settings.fps, settings.snow["slide_half_life"]):
                 self._step(poses[0][1], step.depth, step.dt)
-            before = wishes.snowfall.preroll
+            before = settings.snowfall.preroll
         for index, (frame, pose) in enumerate(poses):
             if index:
-                self._take_pose(pose)
-            depth, seconds = max(0.0, wishes.total(frame) - before), max(0, frame - time) / wishes.fps
+                self._set_pose(pose)
+            depth, seconds = max(0.0, settings.total(frame) - before), max(0, frame - time) / settings.fps
             share = depth / falling if falling > 0.0 else 0.0
             count = max(1, round(steps * share))
             for _ in range(count):
                 self._step(pose, depth / count, seconds / count)
-            before, time = wishes.total(frame), max(time, frame)
+            before, time = settings.total(frame), max(time, frame)
             self._keep(frame, pose)
 
     def _clear_snow(self):
         bare = _scaled(native.load().simulation_state(self.simulation), 0.0)
         native.load().set_simulation_state(self.simulation, {**bare, "step_number": 0})
 
-    def _fall(self, pose, first, last):
-        """The snow of frames first to last falls on a pose."""
-        plan_ = self.wishes.snowfall
-        frames = range(max(first, plan_.frame_start), min(last, plan_.frame_end) + 1)
-        steps = [step for frame in frames for step in plan.frame_steps(plan_, frame, self.wishes.fps)]
+    def _snow_frames(self, pose, first, last):
+        """Lets the snow of the frames first to last fall on a pose."""
+        snowfall = self.settings.snowfall
+        frames = range(max(first, snowfall.frame_start), min(last, snowfall.frame_end) + 1)
+        steps = [step for frame in frames for step in plan.frame_steps(snowfall, frame, self.settings.fps)]
         for step in steps:
             self._step(pose, step.depth, step.dt)
-        if not steps:  # it still hears where everything is
+        if not steps:  # the simulation still needs the positions
             self._step(pose, 0.0, 0.0)
 
     # -- memory --------------------------------------------------------------------------------------
 
     def _keep(self, frame, pose):
         state = native.load().simulation_state(self.simulation)
-        self.history.put(Moment(frame, pose, self.wishes.total(frame), state))
+        self.history.put(Moment(frame, pose, self.settings.total(frame), state))
 
     def _restore(self, moment, pose):
-        """The snow of a moment, as much as the settings have of it now, on a pose."""
+        """Restores the snow of a moment, scaled to the current depth, on a pose."""
         self._settle_pose(pose)
-        state, total = moment.state, self.wishes.total(moment.frame)
+        state, total = moment.state, self.settings.total(moment.frame)
         if total != moment.total and moment.total > 0.0:
             state = _scaled(state, total / moment.total)
         native.load().set_simulation_state(self.simulation, state)
@@ -245,17 +249,17 @@ class Playback:
     # -- following the timeline ------------------------------------------------------------------------
 
     def go_to(self, scene, depsgraph):
-        """Comes to the scene's current frame. Raises ValueError where there is nothing to snow on any more."""
-        self.heed_settings(scene, depsgraph)
+        """Goes to the scene's current frame. Raises ValueError if no receiver is left."""
+        self.apply_settings(scene, depsgraph)
         if self.stale:
-            self.relay(QUICK_STEPS)
+            self.resimulate(QUICK_STEPS)
         frame = scene.frame_current
         if frame == self.frame:
             return
         pose = self._read(depsgraph, frame)
         try:
             self._come_to(frame, pose)
-        except TopologyChanged:  # a receiver that came in, or whose map ends here
+        except TopologyChanged:  # a receiver appeared, or its map cannot carry its new faces
             self._begin(scene, depsgraph)
 
     def _come_to(self, frame, pose):
@@ -269,47 +273,46 @@ class Playback:
             self.history.drop_after(frame - 1)
         nearest = self.history.before(frame)
         if 0 < ahead <= MAX_SKIPPED:
-            self._take_pose(pose)
-            self._fall(pose, last + 1, frame)
+            self._set_pose(pose)
+            self._snow_frames(pose, last + 1, frame)
         elif nearest is not None and self.history.frames[-1] > frame:
             self._restore(nearest, pose)
-            self._fall(pose, nearest.frame + 1, frame)
-            return  # what memory has let go of stays out of it
+            self._snow_frames(pose, nearest.frame + 1, frame)
+            return  # frames that the history has dropped stay out of it
         else:
             self.history.drop_after(frame)
             self._clear_snow()
-            self._take_pose(pose)
-            self._lay([(frame, pose)], STEPS)
+            self._set_pose(pose)
+            self._accumulate([(frame, pose)], STEPS)
             return
         self._keep(frame, pose)
 
     # -- following the settings --------------------------------------------------------------------------
 
-    def heed_settings(self, scene, depsgraph):
-        """Takes changed settings over. Returns whether the snow is another than before; where only relay() can show
-        it, `stale` is set. Raises ValueError for settings that make no snowfall."""
-        before, wishes = self.wishes, Wishes.of(scene)
-        if wishes == before:
+    def apply_settings(self, scene, depsgraph):
+        """Applies changed settings. Returns whether the snow has changed. Where only resimulate() can show the change,
+        sets `stale` instead. Raises ValueError for settings that give no snowfall."""
+        before, settings = self.settings, PreviewSettings.from_scene(scene)
+        if settings == before:
             return False
-        self.wishes = wishes
-        if wishes.needs_new_simulation(before):
+        self.settings = settings
+        if settings.needs_new_simulation(before):
             self._begin(scene, depsgraph)
             return True
-        if wishes.snow != before.snow:
-            self.simulation.change_settings(**simulation.changeable(wishes.snow))
-        self.stale |= (wishes.snow, wishes.fps, wishes.winds) != (before.snow, before.fps, before.winds)
+        if settings.snow != before.snow:
+            self.simulation.change_settings(**simulation.changeable(settings.snow))
+        self.stale |= (settings.snow, settings.fps, settings.winds) != (before.snow, before.fps, before.winds)
         changed = False
-        if wishes.blur_radius != before.blur_radius:
+        if settings.blur_radius != before.blur_radius:
             for key, own in self.maps.items():
-                self.simulation.set_blur_radius(key, wishes.blur_radius * own.baked_texel)
+                self.simulation.set_blur_radius(key, settings.blur_radius * own.baked_texel)
             changed = True
-        if wishes.snowfall != before.snowfall and not self.stale:
-            changed |= self._heed_depth(before)
+        if settings.snowfall != before.snowfall and not self.stale:
+            changed |= self._apply_depth(before)
         return changed
 
-    def heed_scene(self, scene, depsgraph):
-        """Takes over what was moved, or turned the wind, while the timeline stands still. Returns whether anything
-        was."""
+    def apply_scene(self, scene, depsgraph):
+        """Applies moved objects and turned wind while the timeline stands still. Returns whether anything changed."""
         if scene.frame_current != self.frame:
             return False
         pose = self._read(depsgraph, self.frame)
@@ -326,8 +329,8 @@ class Playback:
             self._begin(scene, depsgraph)
         return True
 
-    def _heed_depth(self, before):
-        was, now = before.total(self.frame), self.wishes.total(self.frame)
+    def _apply_depth(self, before):
+        was, now = before.total(self.frame), self.settings.total(self.frame)
         if was == now:
             return False
         if was <= 0.0:
@@ -337,16 +340,16 @@ class Playback:
         native.load().set_simulation_state(self.simulation, state)
         return True
 
-    def relay(self, steps=STEPS):
-        """Lays what lies anew by the settings as they are, over the poses that were played."""
+    def resimulate(self, steps=STEPS):
+        """Repeats the snowfall with the current settings over the poses that were played."""
         played = [(frame, pose) for frame, pose in self.history.poses() if frame < self.frame]
         stride = max(1, -(-len(played) // max(1, steps // 2)))
         poses = [*played[::-stride][::-1], (self.frame, self.pose)]
-        poses = [(frame, self.wishes.with_wind(pose, frame)) for frame, pose in poses]
+        poses = [(frame, self.settings.with_wind(pose, frame)) for frame, pose in poses]
         self.history.forget_snow()
         self._clear_snow()
-        self._take_pose(poses[0][1])
-        self._lay(poses, steps)
+        self._set_pose(poses[0][1])
+        self._accumulate(poses, steps)
         self.stale = False
 
 
@@ -360,7 +363,7 @@ def _direction(pose):
 
 
 def _same_scene(one, other):
-    """Whether snow that fell on the one lies rightly on the other."""
+    """Whether the snow that fell on one pose also fits the other."""
     return (
         (one.fall_angle, one.bearing) == (other.fall_angle, other.bearing)
         and one.objects.keys() == other.objects.keys()
@@ -369,7 +372,7 @@ def _same_scene(one, other):
 
 
 def _scaled(state, factor):
-    """A simulation's state with all heights times a factor."""
+    """A simulation's state with all heights multiplied by a factor."""
     objects = {
         key: {**own, "height": own["height"] * np.float32(factor)} for key, own in state["objects"].items()
     }

@@ -8,7 +8,7 @@ from bpy.props import BoolProperty, EnumProperty, FloatProperty, IntProperty, Po
 class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     samples: IntProperty(
         name="Samples",
-        description="Pictures that a rendered one is the mean of: more make edges and leaves smoother (no unit)",
+        description="Images averaged for a render. Higher values give smoother edges and leaves, and slower renders",
         default=16,
         min=1,
         soft_max=64,
@@ -16,19 +16,19 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     target_pixels: FloatProperty(
         name="Detail",
-        description="How long the edges of bark are that trees are subdivided into (pixels)",
+        description="Target edge length of tessellated bark. Higher values are coarser and faster (pixels)",
         default=4.0,
         min=0.5,
         soft_max=32.0,
     )
     shadow_resolution: EnumProperty(
         name="Shadows",
-        description="Texels a side of the sun's shadow map",
+        description="Side of the sun's shadow map, in texels",
         items=(
-            ("0", "None", "Nothing casts shadows"),
-            ("512", "512 px", "Soft and coarse, for slow machines"),
+            ("0", "None", "No shadows"),
+            ("512", "512 px", "Soft and coarse, for slow computers"),
             ("1024", "1024 px", "Enough for single trees"),
-            ("2048", "2048 px", "Fine twigs cast shadows from near"),
+            ("2048", "2048 px", "Shows shadows of fine twigs in close views"),
             ("4096", "4096 px", "For whole gardens"),
         ),
         default="2048",
@@ -36,13 +36,13 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
 
     show_flakes: BoolProperty(
         name="Falling Snow",
-        description="Show flakes in the air. They fall in the direction and flutter of the scene's snow",
+        description="Show flakes in the air, with the direction and flutter of the scene's snow",
         default=False,
     )
     flake_rate: FloatProperty(
         name="Snowfall",
-        description="What the flakes in the air would lay in an hour, times the scene's Rate: how many there are "
-        "(metres an hour)",
+        description="Snow depth that the flakes would add, multiplied by the scene's Rate. Higher values show more "
+        "flakes (metres an hour)",
         default=0.015,
         min=0.0,
         soft_max=0.2,
@@ -50,7 +50,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     flake_speed: FloatProperty(
         name="Speed",
-        description="How fast flakes fall (metres a second)",
+        description="Speed of the falling flakes (metres a second)",
         default=1.2,
         min=0.05,
         soft_max=10.0,
@@ -58,7 +58,7 @@ class SnowboughRealtimeSettings(bpy.types.PropertyGroup):
     )
     flake_size: FloatProperty(
         name="Size",
-        description="Radius of a flake: the same snowfall in larger ones is fewer of them (metres)",
+        description="Radius of a flake. Larger flakes are fewer for the same snowfall (metres)",
         default=0.004,
         min=0.0005,
         soft_max=0.02,

@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Baked maps as Blender images: the sequence of a folder, with the frames that are really there.
+"""Baked maps as Blender images: the sequence of a folder, with the frames that exist.
 
-A frame outside the files renders magenta and displaces wildly, so the duration is counted from the
-files. Blender holds the last file after its frame; before the first one there is no file, and whoever
-shows the sequence must show no snow there.
+A frame outside the files renders magenta and gives extreme displacement, so the duration is counted from the files.
+After the last file Blender keeps showing it; before the first file there is none, and users of the sequence must show
+no snow.
 """
 
 import re
@@ -43,7 +43,7 @@ class BakedSequence:
 
 
 def frames_on_disk(folder, kind):
-    """Frame numbers of `<kind>_<frame>.exr` in `folder`: the unbroken run from the first one on."""
+    """Frame numbers of `<kind>_<frame>.exr` in `folder`: the first and all that follow it without a gap."""
     pattern = re.compile(rf"{re.escape(kind)}_(\d+)\.exr")
     matches = (pattern.fullmatch(entry.name) for entry in Path(folder).glob(f"{kind}_*.exr"))
     frames = sorted(int(match.group(1)) for match in matches if match)
@@ -51,7 +51,7 @@ def frames_on_disk(folder, kind):
 
 
 def _load(path, name):
-    """The image of that file, loaded once and read again from disk."""
+    """The image of a file, loaded once, and reloaded if it is known."""
     path = Path(path)
     for image in bpy.data.images:
         if image.library is None and image.filepath and Path(bpy.path.abspath(image.filepath)) == path:
@@ -70,8 +70,8 @@ def _load(path, name):
 
 
 def _width(path):
-    """Texels of an EXR file, as its header says, or 0 where it is none. Blender would read all of it; and the
-    sequence's own image is empty while the scene stands before its first frame."""
+    """Width of an EXR file in texels, from its header, or 0 if it is none. Blender would read the whole file, and the
+    sequence's own image is empty before the first frame."""
     with open(path, "rb") as stream:
         header = stream.read(HEADER_BYTES)
     at = header.find(DATA_WINDOW)
@@ -82,7 +82,7 @@ def _width(path):
 
 
 def load_sequence(folder, kind):
-    """The BakedSequence of `height` or `normal` files in `folder`, or None where there are none."""
+    """The BakedSequence of `height` or `normal` files in `folder`, or None if there are none."""
     if not folder:
         return None
     folder = Path(bpy.path.abspath(folder))
@@ -96,14 +96,14 @@ def load_sequence(folder, kind):
 
 
 def baked_uv_map(folder):
-    """The UV map that the maps in `folder` were baked in; empty where the folder does not say."""
+    """The UV map of the maps in `folder`; empty if unknown."""
     manifest = read_manifest(Path(bpy.path.abspath(folder))) if folder else None
     return manifest["settings"]["receiver"]["uv_map"] if manifest else ""
 
 
 def folders_of_members(folder, instancer):
-    """{(object, library): folder} of all that the empty `instancer` instances. folder: that of any one of them,
-    baked beside the others, which says what the empty was called then."""
+    """{(object, library): folder} of all objects that the empty `instancer` instances. folder: that of any of them,
+    which was baked beside the others and has the empty's name at the bake."""
     one, found = read_manifest(Path(bpy.path.abspath(folder))) if folder else None, {}
     if one is not None:
         instancer = one["label"].removesuffix(f" / {one['object']}")

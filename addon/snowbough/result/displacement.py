@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Gives baked snow its thickness: by the material, by modifiers, or as a surface of its own.
+"""Gives baked snow its thickness: in the material, with modifiers, or as a separate surface.
 
-ADAPTIVE  Cycles displaces the surface in the material and dices it to the pixel.
-MODIFIER  Subdivision and Displace modifiers: real geometry in every renderer and the viewport.
-SHELL     a snow surface, an object of its own (see snow_surface): the receiver itself is not touched.
+ADAPTIVE  Cycles displaces the surface in the material and dices it to pixels.
+MODIFIER  Subdivision and Displace modifiers: geometry in every renderer and the viewport.
+SHELL     a snow surface, a separate object (see snow_surface); the receiver stays unchanged.
 NONE      the material only.
 """
 
@@ -19,6 +19,8 @@ from . import baked_images, original_state, snow_material, snow_surface
 SCALE_TOLERANCE = 1e-3
 MAX_FACES = 500_000
 MAX_LEVEL = 11
+# The mode of objects for which the user has not chosen one.
+DEFAULT_MODE = "SHELL"
 
 MODES = (
     (
@@ -29,32 +31,27 @@ MODES = (
     (
         "MODIFIER",
         "Modifiers",
-        "Subdivision and Displace modifiers: geometry in every renderer; needs uniform scale",
+        "Subdivision and Displace modifiers: geometry in every renderer; needs a uniform scale",
     ),
     (
         "SHELL",
         "Snow Surface",
-        "A mesh of its own with its own material, with hems and overhangs; also for linked and instanced meshes",
+        "A separate mesh with its own material, hems and overhangs; also for linked and instanced meshes",
     ),
-    ("NONE", "None", "Snow changes the material only"),
+    ("NONE", "None", "The snow changes only the material"),
 )
 
 
 def uniform_scale(obj):
-    """The object's world scale where it is the same along all axes (without mirroring), else None."""
+    """The object's world scale if it is equal along all axes and not mirrored, else None."""
     scale = obj.matrix_world.to_scale()
     if min(scale) <= 0.0 or max(scale) > min(scale) * (1.0 + SCALE_TOLERANCE):
         return None
     return sum(scale) / 3.0
 
 
-def default_mode(obj):
-    """What suits an object when the artist has not chosen."""
-    return "SHELL"
-
-
 def _subdivision_levels(obj, size):
-    """Simple subdivisions that bring the object to about a face per four texels of a map `size` wide."""
+    """Levels of simple subdivision that give the object about one face per four texels of a map `size` wide."""
     wanted = min(size * size / 4.0, MAX_FACES) / max(len(obj.data.polygons), 1)
     return min(MAX_LEVEL, math.floor(math.log(max(wanted, 1.0), 4.0) + 0.5))
 
@@ -71,17 +68,12 @@ def _texture(obj, sequence):
 def _add_modifiers(scene, receiver):
     obj = receiver.object
     scale = uniform_scale(obj)
-    if scale is None:
-        raise ValueError(
-            f"{obj.name} is scaled differently along its axes, which would bend the snow: "
-            "apply the scale (Ctrl+A) or choose the snow surface"
-        )
     sequence = baked_images.load_sequence(receiver.folder, "height")
     subdivision = obj.modifiers.new(SUBDIVISION_MODIFIER, "SUBSURF")
     subdivision.subdivision_type = "SIMPLE"
     if sequence is not None:
         subdivision.render_levels = _subdivision_levels(obj, sequence.size)
-    else:  # not baked yet: nothing to displace
+    else:  # not baked yet
         subdivision.render_levels = 0
     subdivision.levels = max(0, subdivision.render_levels - 1)
     if sequence is None:
@@ -104,7 +96,7 @@ def _add_adaptive(scene, receiver):
     subdivision.render_levels = 1
     if not compat.set_adaptive_subdivision(scene, obj, subdivision, True):
         obj.modifiers.remove(subdivision)
-        raise ValueError("Cycles is switched off in the preferences: enable its add-on or choose Modifiers")
+        raise ValueError("Cycles is disabled in the preferences: enable its add-on or choose Modifiers")
     return feature_set
 
 
@@ -133,7 +125,7 @@ def _remove_modifiers(scene, receiver, record):
 
 
 def clear(scene, receiver):
-    """Removes what apply() added and leaves the materials as they are."""
+    """Removes what apply() added, except the materials."""
     record = original_state.read(receiver)
     _remove_modifiers(scene, receiver, record)
     snow_surface.remove(receiver)
@@ -144,21 +136,20 @@ def clear(scene, receiver):
 
 
 def apply(scene, receiver, mode):
-    """Adds snow of that mode to the receiver, replacing what an earlier call made.
+    """Adds snow of that mode to the receiver and replaces that of an earlier call. Materials of surfaces keep their
+    sliders.
 
-    Materials of surfaces keep their sliders.
-
-    Raises ValueError that says what to do when the mode does not suit the object; nothing is changed then.
+    Raises ValueError, saying what to do, if the mode does not suit the object; then nothing is changed.
     """
     obj = receiver.object
     if mode == "MODIFIER" and uniform_scale(obj) is None:
         raise ValueError(
-            f"{obj.name} is scaled differently along its axes, which would bend the snow: "
-            "apply the scale (Ctrl+A) or choose the snow surface"
+            f"{obj.name} has a different scale along its axes, which would distort the snow: apply the scale (Ctrl+A) "
+            "or choose the snow surface"
         )
     if mode != "SHELL" and snow_material.is_shared(obj):
         raise ValueError(
-            f"{obj.name} is linked or instanced and is never changed: choose the snow surface instead"
+            f"{obj.name} is linked or instanced, and such objects are never changed: choose the snow surface"
         )
     materials = snow_surface.touched_materials(receiver)
     clear(scene, receiver)
@@ -178,25 +169,25 @@ def apply(scene, receiver, mode):
 
 
 def mode_of(receiver):
-    """The mode of the snow that is on the receiver now, or None."""
+    """The current mode of the receiver's snow, or None."""
     return original_state.read(receiver).get("displacement")
 
 
 def refresh(scene, receiver):
-    """After a bake: shows the new files on a receiver that has snow already."""
+    """After a bake: shows the new files on a receiver that already has snow."""
     mode = mode_of(receiver)
     if mode is not None:
         apply(scene, receiver, mode)
 
 
 def remove(scene, receiver):
-    """Restores the object exactly as it was before snow was added to it."""
+    """Restores the object as it was before snow was added."""
     clear(scene, receiver)
     snow_material.remove(receiver)
 
 
 class Muted:
-    """Context: our own displacement is off, so that snow does not fall on snow, and surfaces read no points.
+    """A context in which our own displacement is off, so that snow does not fall on snow, and surfaces read no points.
 
     switch: "show_render" for render evaluation, "show_viewport" for what the viewport shows.
     """

@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Kinds of snow: what they set on the sliders of all snow in a scene, and on the scene's angle of repose and
-cohesion.
+"""Kinds of snow: their values for the sliders of all snow in a scene, and for the scene's repose and cohesion.
 
-The sliders stay the artist's: choosing a kind sets them once, and nothing sets them back.
+Choosing a kind sets the sliders once; afterwards they are the artist's.
 """
 
 import math
@@ -14,7 +13,7 @@ from .relief_nodes import RELIEF_INPUT
 
 @dataclass(frozen=True)
 class Look:
-    """Values of the inputs of those names (snow_nodes.INPUTS), the relief, the repose in degrees, the
+    """Values of the inputs with these names (snow_nodes.INPUTS), of the relief, of the repose in degrees, and of the
     cohesion in metres."""
 
     color: tuple
@@ -37,8 +36,8 @@ class Look:
         }
 
 
-# Wet and old snow have larger grains, which mirror less light and swallow more of it, red first (S. G. Warren,
-# Optical Properties of Snow, Reviews of Geophysics 20, 1982). Powder hardly holds together, wet snow sticks.
+# Grains of wet and old snow are larger: they reflect less light and absorb more, mostly red (S. G. Warren, Optical
+# Properties of Snow, Reviews of Geophysics 20, 1982). Powder has little cohesion, wet snow has much.
 LOOKS = dict(
     zip(
         (kind for kind, *_ in SNOW_KINDS),
@@ -52,7 +51,7 @@ LOOKS = dict(
 )
 
 
-# Relief of fresh snow, which the surface's own slider has as 1.
+# Relief of fresh snow, at which the slider of the surface is 1.
 FRESH_RELIEF = 0.6
 
 
@@ -69,7 +68,7 @@ def set_group_inputs(node, look):
 
 
 def group_nodes(material):
-    """The nodes of a material, which may be None, that make it snow."""
+    """The snow nodes of a material, which may be None."""
     nodes = material.node_tree.nodes if material is not None and material.node_tree else ()
     return [
         node
@@ -79,7 +78,7 @@ def group_nodes(material):
 
 
 def apply(scene, kind):
-    """Makes all snow of the scene snow of that kind, and what is made later too."""
+    """Gives all snow of the scene, and snow that is added later, the look of that kind."""
     settings, look = scene.snowbough, LOOKS[kind]
     settings.kind = kind
     settings.repose = math.radians(look.repose)

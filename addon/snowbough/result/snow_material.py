@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Adds snow to a receiver's materials, and removes it.
 
-Each of the object's materials is copied for this receiver, the copy mixes the node group
-`Snowbough Snow` over the original surface, and the copy sits in an OBJECT-linked slot: neither the
-original material nor the mesh's own slots are changed, and other users of both see nothing of it.
+Each material of the object is copied for this receiver. The copy mixes the node group `Snowbough Snow` over the
+original surface and is used in an OBJECT-linked slot. So the original material and the mesh's own slots stay unchanged
+for their other users.
 """
 
 import bpy
@@ -17,7 +17,7 @@ FRAME_LABEL = "Snowbough"
 
 
 def uv_map_name(receiver):
-    """The UV map that the snow is stored in: the receiver's own choice, `snow`, or the active one."""
+    """The UV map that stores the snow: the receiver's choice, `snow`, or the active one."""
     if receiver.object.type != "MESH":  # an instanced collection: its meshes share the name
         return receiver.uv_map or SNOW_UV
     layers = receiver.object.data.uv_layers
@@ -28,7 +28,7 @@ def uv_map_name(receiver):
 
 
 def is_shared(obj):
-    """Linked, overridden or instanced objects and meshes are never changed: they get a surface."""
+    """Whether the object or mesh is linked, overridden or instanced: those are never changed and get a surface."""
     if obj.type != "MESH":
         return True
     return bool(obj.library or obj.override_library or obj.data.library or obj.data.users > 1)
@@ -71,8 +71,8 @@ def _sampled(builder, sequence, uv_map, location):
 def _height(builder, sequence, uv_map):
     """The height in metres: the sequence from its first frame on, nothing before it.
 
-    Blender has no file to show before the first frame and would show magenta: a step on the first frame,
-    keyframed like anything an artist makes, switches it off there.
+    Before the first frame Blender has no file and would show magenta. A keyframed step, which artists can edit,
+    switches the snow off there.
     """
     if sequence is None:  # not baked yet: no snow
         value = builder.node("ShaderNodeValue", (-700, 0))
@@ -98,13 +98,13 @@ def _normal(builder, sequence, uv_map):
 
 
 def output_node(tree):
-    """The material output that is in use; made where there is none."""
+    """The active material output; made if there is none."""
     node = tree.get_output_node("ALL") or tree.get_output_node("CYCLES") or tree.get_output_node("EEVEE")
     return node or tree.nodes.new("ShaderNodeOutputMaterial")
 
 
 def _position(builder, scale, rest):
-    """The place on the object in metres, undeformed where the object keeps that."""
+    """The position on the object in metres, undeformed if the object stores that."""
     if rest:
         node = builder.node("ShaderNodeAttribute", (-700, -620))
         node.attribute_name = REST_ATTRIBUTE
@@ -119,12 +119,11 @@ def _position(builder, scale, rest):
 
 
 def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres, rest):
-    """Mixes snow over what the material shows.
+    """Mixes snow over the material.
 
-    height, normal: BakedSequence or None. displacement_scale: Blender units per metre when the
-    material moves the surface (Cycles displacement), or None when geometry does. metres: of a unit of the
-    object's own space, along its three axes. rest: whether the object keeps its undeformed positions.
-    Returns the node of the group.
+    height, normal: BakedSequence or None. displacement_scale: Blender units per metre if the material displaces the
+    surface (Cycles displacement), else None. metres: of a unit of the object's own space, along its three axes. rest:
+    whether the object stores its undeformed positions. Returns the node of the group.
     """
     tree = material.node_tree
     output = output_node(tree)
@@ -169,7 +168,7 @@ def add_snow_nodes(material, height, normal, uv_map, displacement_scale, metres,
 
 
 def _plain_material(name, original):
-    """A material with nodes that looks like `original`, one without nodes, or like Blender's default."""
+    """A material with nodes that looks like `original`, which has none, or like Blender's default."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
     principled = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
@@ -188,12 +187,12 @@ def _snowy_copy(obj, original):
     material.name = name
     animation = material.node_tree.animation_data
     if animation is not None and animation.action is not None:
-        animation.action = animation.action.copy()  # a copied material still shares its curves
+        animation.action = animation.action.copy()  # the copied material still shares its curves
     return material
 
 
 def _note_slots(obj, record):
-    """Notes, once, what is in the object's slots, and keeps it from being lost; one without slots gets one."""
+    """Records the object's slots, once, and keeps their materials from being lost. Adds a slot if there is none."""
     if "slots" in record:
         return
     record["added_slot"] = not obj.material_slots
@@ -239,18 +238,14 @@ def _drop_copies(obj, record):
 
 
 def add(scene, receiver, displace):
-    """Adds snow to the receiver's materials, or renews it after a bake. `displace`: by the material.
+    """Adds snow to the receiver's materials, or renews it after a bake. displace: whether the material displaces.
 
-    Raises ValueError for objects that must not be changed and objects without a UV map.
+    Raises ValueError for objects without a UV map. Objects that is_shared() finds must not be passed.
     """
     obj = receiver.object
-    if is_shared(obj):
-        raise ValueError(
-            f"{obj.name} is linked or instanced and is never changed: choose the snow surface instead"
-        )
     uv_map = uv_map_name(receiver)
     if not uv_map:
-        raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which makes it")
+        raise ValueError(f"{obj.name} has no UV map: add one, or use Add Snow to Selected, which adds it")
     height = baked_images.load_sequence(receiver.folder, "height")
     normal = baked_images.load_sequence(receiver.folder, "normal")
     scale = 1.0 / metres_per_unit(scene) if displace else None
@@ -272,7 +267,7 @@ def add(scene, receiver, displace):
 
 
 def remove(receiver):
-    """Gives the receiver its own materials and slots back."""
+    """Restores the receiver's own materials and slots."""
     obj = receiver.object
     record = original_state.read(receiver)
     if "slots" not in record:
@@ -289,5 +284,5 @@ def remove(receiver):
             original.use_fake_user = False
     rest_position.release(record)
     if record.pop("added_slot"):
-        obj.data.materials.clear()  # the one slot is ours; pop() would leave it on the object
+        obj.data.materials.clear()  # the only slot is ours; pop() would leave it on the object
     original_state.write(receiver, record)

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The node group `Snowbough Snow`: how snow looks, mixed over a surface by its depth.
+"""The node group `Snowbough Snow`: the look of snow, mixed over a surface by its depth.
 
-Plain nodes only, so that files render without the add-on, and only such as Cycles and EEVEE have in common. Everything
-is fixed to the object: the coordinate `Position` goes with it. The group is made once and then belongs to the artist:
-changes to it are kept.
+It uses only nodes that Cycles and EEVEE share, so files render without the add-on. Everything is fixed to the object by
+the coordinate `Position`. The group is made once; later changes by the artist are kept.
 """
 
 import bpy
@@ -11,38 +10,39 @@ import bpy
 from .. import compat_nodes
 from ..names import SNOW_GROUP
 from ..node_builder import NodeBuilder
-from .relief_nodes import OCTAVES, add_relief
+from .relief_nodes import add_relief
 
-# Light enters snow some centimetres deep, red less than blue; albedo of fresh snow about 0.9 and
-# nearly white (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
+# Light enters snow by some centimetres, red less than blue. Fresh snow has an albedo of about 0.9 and is nearly white
+# (S. G. Warren, Optical Properties of Snow, Reviews of Geophysics 20, 1982).
 SNOW_COLOR = (0.90, 0.93, 0.96, 1.0)
 SUBSURFACE_RADIUS = (0.010, 0.013, 0.018)
-# From this depth on light is scattered as in deep snow (metres).
+# Depth in metres from which light scatters as in deep snow.
 SCATTERING_DEPTH = 0.05
 
-# Grains and lumps of the surface, as a bump: (waves a metre, metres up and down).
+# Grains and lumps of the surface, as a bump: (waves per metre, amplitude in metres).
 BUMPS = ((110.0, 0.0011), (420.0, 0.0004))
-# Patches and grains of a thin dusting: waves a metre. What patches count decides how far flecks stray from the edge.
+# Patches and grains of a thin dusting: waves per metre. A higher weight of patches spreads flecks further from the
+# edge.
 DUST_SCALES = (45.0, 520.0)
 PATCHES, GRAINS = 0.2, 0.7
 CRYSTALS = 650.0
-# The share of crystals that mirror at full sparkle.
+# Share of crystals that reflect at full sparkle.
 MOST_SPARKLE = 0.06
 ROUGH, MIRROR = 0.65, 0.12
 
-# name, socket type, default, least, most, tooltip
+# name, socket type, default, minimum, maximum, tooltip
 INPUTS = (
     ("Shader", "NodeSocketShader", None, None, None, "The object's own material"),
     ("Height", "NodeSocketFloat", 0.0, -1000.0, 1000.0, "Thickness of the snow (metres)"),
-    ("Position", "NodeSocketVector", (0.0, 0.0, 0.0), None, None, "Place on the object, undeformed (metres)"),
+    ("Position", "NodeSocketVector", (0.0, 0.0, 0.0), None, None, "Undeformed position on the object (metres)"),
     ("Normal", "NodeSocketVector", (0.0, 0.0, 1.0), None, None, "Normal of the snow, in world space"),
     ("Color", "NodeSocketColor", SNOW_COLOR, None, None, "Colour of the snow"),
-    ("Dusting", "NodeSocketFloat", 0.004, 1e-5, 1.0, "Depth at which snow hides the surface; less shows it "
-     "between the grains (metres)"),
-    ("Grain", "NodeSocketFloat", 1.0, 0.0, 4.0, "Bumps of grains and lumps; 1 is fresh snow"),
-    ("Subsurface", "NodeSocketFloat", 0.4, 0.0, 1.0, "Share of the light that enters deep snow (0 to 1)"),
+    ("Dusting", "NodeSocketFloat", 0.004, 1e-5, 1.0, "Depth at which snow hides the surface. Thinner snow shows the "
+     "surface between its grains (metres)"),
+    ("Grain", "NodeSocketFloat", 1.0, 0.0, 4.0, "Height of the bumps of grains and lumps; 1 is fresh snow"),
+    ("Subsurface", "NodeSocketFloat", 0.4, 0.0, 1.0, "Share of light that enters deep snow (0 to 1)"),
     ("Sparkle", "NodeSocketFloat", 0.3, 0.0, 1.0, "Share of glittering crystals (0 to 1)"),
-    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Relief of materials that displace; fresh snow has 0.6"),
+    ("Relief", "NodeSocketFloat", 1.0, 0.0, 10.0, "Height of the relief in materials that displace; 0.6 is fresh snow"),
 )  # fmt: skip
 OUTPUTS = (
     ("Shader", "NodeSocketShader", "The material with snow on it"),
@@ -58,7 +58,7 @@ def _noise(tree, position, scale, detail=0.0):
 
 
 def _coverage(tree, inputs, thickness):
-    """The share of the surface that grains hide: on thin snow some are there and others are not."""
+    """The share of the surface that grains hide; on thin snow there are gaps between grains."""
     patches, grains = (_noise(tree, inputs["Position"], scale, 2.0) for scale in DUST_SCALES)
     threshold = tree.add(tree.multiply(patches, PATCHES), tree.multiply(grains, GRAINS))
     filled = tree.divide(thickness, inputs["Dusting"])
@@ -66,7 +66,7 @@ def _coverage(tree, inputs, thickness):
 
 
 def _grain(tree, inputs):
-    """The normal with grains on it."""
+    """The normal, with bumps of grains."""
     height = None
     for waves, metres in BUMPS:
         wave = tree.multiply(_noise(tree, inputs["Position"], waves, 1.0), 2.0 * metres)
@@ -78,7 +78,7 @@ def _grain(tree, inputs):
 
 
 def _sparkle(tree, inputs, normal):
-    """(roughness, normal): single crystals, turned any way, mirror the light."""
+    """(roughness, normal): single crystals with random orientation reflect the light."""
     cells = tree.node("ShaderNodeTexVoronoi")
     tree.feed(cells, Vector=inputs["Position"], Scale=CRYSTALS)
     color = tree.output(cells, "Color")
@@ -111,7 +111,7 @@ def _fill(tree):
     mix = builder.node("ShaderNodeMixShader")
     for socket, value in zip(mix.inputs, (coverage, inputs["Shader"], snow.outputs["BSDF"])):
         builder.set(socket, value)
-    relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"], OCTAVES)
+    relief = add_relief(builder, inputs["Position"], thickness, inputs["Relief"])
     sign = builder.math("SIGN", inputs["Height"])
     displaced = builder.add(inputs["Height"], builder.multiply(relief, sign))
     group_output = builder.node("NodeGroupOutput")
@@ -126,7 +126,7 @@ def _is_current(tree):
 def ensure_group():
     """The node group of this file, made on first use. Returns a ShaderNodeTree.
 
-    One of an earlier version, with other inputs, keeps the materials it is in, under another name."""
+    A group of an earlier version, with other inputs, is renamed and stays in its materials."""
     tree = next(
         (group for group in bpy.data.node_groups if group.name == SNOW_GROUP and not group.library), None
     )

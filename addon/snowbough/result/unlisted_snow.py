@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Snow on objects that are on no list of receivers, such as those appended from another file.
+"""Snow on objects that are on no list of receivers, such as appended ones.
 
-The record of what an object was like before stays with the list, in the scene that it came from. So what is ours is
-found by what it is: modifiers by their names, copies of materials by their node group, surfaces by their parent. A mesh
-still has its own materials under the copies; where it has none, our nodes come out of the copy.
+The record of an object's original state stays in the scene that it came from. So our additions are recognised by their
+properties: modifiers by name, copies of materials by their node group, surfaces by their parent. If the mesh still has
+its own materials, the copies are removed; otherwise our nodes are removed from the copies.
 """
 
 import bpy
@@ -14,14 +14,14 @@ from .snow_material import FRAME_LABEL, output_node
 
 
 def is_snowy(obj):
-    """Whether there is snow of ours on an object that can be changed, or it is a surface."""
+    """Whether an object has our snow and can be changed, or is a snow surface."""
     if obj.type != "MESH" or obj.library is not None:
         return False
     return obj.snowbough.is_shell or bool(_modifiers(obj) or _snowy_slots(obj) or _shells_of(obj))
 
 
 def remove(obj):
-    """Takes the snow off. `obj` is gone afterwards where it is a surface."""
+    """Removes the snow. If `obj` is a snow surface, it is deleted."""
     if obj.snowbough.is_shell:
         snow_surface.delete_object(obj)
         return
@@ -38,7 +38,7 @@ def remove(obj):
             slot.material = None
             slot.link = "DATA"
         else:
-            strip(copy)
+            remove_snow_nodes(copy)
         if copy.users == 0:
             bpy.data.materials.remove(copy)
 
@@ -52,7 +52,7 @@ def _snowy_slots(obj):
 
 
 def _shells_of(obj):
-    """Its surfaces, and shells of earlier versions."""
+    """Snow surfaces of an object, and shells of earlier versions."""
     return [
         shell
         for shell in bpy.data.objects
@@ -75,23 +75,23 @@ def _shows(tree, obj):
     )
 
 
-def strip(material):
-    """Takes the snow's nodes out of a material: what they were mixed over shows again."""
+def remove_snow_nodes(material):
+    """Removes the snow nodes from a material, so that the surface below them shows again."""
     tree = material.node_tree
     frames = {node for node in tree.nodes if node.type == "FRAME" and node.label == FRAME_LABEL}
     ours = {node for node in tree.nodes if node.parent in frames}
     output = output_node(tree)
     for group in look.group_nodes(material):
-        _bridge(tree, group.inputs["Shader"], output.inputs["Surface"], ours)
+        _reconnect(tree, group.inputs["Shader"], output.inputs["Surface"], ours)
     for node in ours:
         if node.type == "VECT_MATH" and node.operation == "ADD":
-            _bridge(tree, node.inputs[0], output.inputs["Displacement"], ours)
+            _reconnect(tree, node.inputs[0], output.inputs["Displacement"], ours)
     for node in ours | frames:
         tree.nodes.remove(node)
 
 
-def _bridge(tree, under, input_, ours):
-    """Links what one of our nodes was laid over to where that node led."""
+def _reconnect(tree, under, input_, ours):
+    """Links the input of one of our nodes to the socket that the node was linked to."""
     if input_.links and input_.links[0].from_node in ours:
         for link in under.links:
             tree.links.new(link.from_socket, input_)

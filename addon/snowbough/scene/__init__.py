@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What snow falls on: from Blender's evaluated scene to plain arrays, and the list of receivers."""
+"""What snow falls on: Blender's evaluated scene as plain arrays, and the list of receivers."""

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The meshes of one pose in their objects' own space, read as seldom as may be.
+"""The meshes of one pose in the space of their objects, read as rarely as possible.
 
-What nothing deforms is read once, and again when it was edited or is another mesh (scene.updates).
+The mesh of an object that nothing deforms is read once, and again if it was edited or replaced (scene.updates).
 """
 
 from ..names import OWN_MODIFIERS
@@ -10,7 +10,7 @@ from .mesh_record import MeshRecord, materials_of
 from .pose import library_path
 from .updates import Updates
 
-# These only move vertices: where an object has no others, its topology cannot change.
+# These modifiers only move vertices: an object that has no others keeps its topology.
 DEFORMING_MODIFIERS = {
     "ARMATURE", "CAST", "CURVE", "DISPLACE", "HOOK", "LAPLACIANDEFORM", "LATTICE", "MESH_DEFORM",
     "SHRINKWRAP", "SIMPLE_DEFORM", "SMOOTH", "CORRECTIVE_SMOOTH", "LAPLACIANSMOOTH", "SURFACE_DEFORM",
@@ -25,8 +25,8 @@ def _is_deforming_only(obj):
 
 
 def _is_rigid(obj, switch):
-    """The object's mesh in its own space is the same on every frame: nothing can deform it, since our own
-    displacement is off while a bake or preview reads. switch: what of a modifier counts, as in Muted."""
+    """Whether the object's mesh in its own space is the same on every frame. Our own displacement is off during bakes
+    and previews. switch: the property that says whether a modifier is on, as in Muted."""
     original = obj.original
     data = original.data
     return (
@@ -42,14 +42,14 @@ def _is_rigid(obj, switch):
 
 
 class LocalMeshes:
-    """Reads the meshes of evaluated objects, pose after pose."""
+    """Reads the meshes of evaluated objects, pose by pose."""
 
     def __init__(self):
-        # (object's name, library, whether it receives) -> what of() gives of a rigid object.
+        # (object's name, library, whether it receives) -> result of read() for a rigid object.
         self._rigid = {}
         # The same -> identity of its mesh at the last pose.
         self._identities = {}
-        # What of() has given within this pose.
+        # Results of read() in this pose.
         self._shared = {}
         self._updates = None
         self._switch = ""
@@ -57,15 +57,15 @@ class LocalMeshes:
         self._alphas = {}
 
     def begin(self, depsgraph):
-        """From here on of() reads the pose that a depsgraph holds now."""
+        """Starts the pose that a depsgraph has now."""
         self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         self._updates = Updates(depsgraph)
         self._shared = {}
 
-    def of(self, obj, receives):
-        """(positions in the object's space, a record of its mesh). Both are shared between the instances
-        of one evaluated mesh within a pose, and between poses while nothing can deform the object.
-        receives: its shading matters. (None, None) for what has no faces."""
+    def read(self, obj, receives):
+        """(positions in the object's space, MeshRecord). Instances of one evaluated mesh share both within a pose, and
+        poses share them while nothing can deform the object. receives: whether its shading is needed. (None, None) for
+        objects without faces."""
         pointer = (obj.original.as_pointer(), obj.data.as_pointer() if obj.data else 0, receives)
         if pointer in self._shared:
             return self._shared[pointer]
@@ -102,7 +102,7 @@ class LocalMeshes:
         return found
 
     def _has_another_mesh(self, own, obj):
-        """Whether an object's mesh is not the one of the pose before."""
+        """Whether an object has another mesh than at the pose before."""
         data = obj.original.data
         mesh = (data.name, library_path(data), data.as_pointer())
         before = self._identities.get(own, mesh)
@@ -120,6 +120,6 @@ class LocalMeshes:
         if known not in self._alphas:
             try:
                 self._alphas[known] = material_alpha.of_material(material)
-            except material_alpha.UnknownAlpha:  # opaque then; preflight tells
+            except material_alpha.UnknownAlpha:  # treated as opaque; preflight reports it
                 self._alphas[known] = None
         return self._alphas[known]

@@ -1,11 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Where a material lets snow through: its opacity as an image, found by following its nodes.
 
-of_material() goes from the material's output backwards: Principled BSDF's Alpha, Mix with Transparent,
-groups, arithmetic, Separate Color, so that what importers make of an MTL's ``map_d``, of glTF's masks and
-Snowbough's own leaves are all found. The opacity must come from one image with UVs; what cannot be told
-(a procedural texture, two images at once, a file that is missing) raises UnknownAlpha, and the surface
-counts as opaque. A constant opacity counts as opaque, too: glass keeps snow from what is below it.
+of_material() follows the nodes backwards from the material's output: Principled BSDF's Alpha, Mix with Transparent,
+groups, arithmetic, Separate Color. This covers what importers make of an MTL's ``map_d`` and of glTF's masks, and
+Snowbough's own leaves. The opacity must come from one image with UVs. Otherwise (a procedural texture, two images, a
+missing file) UnknownAlpha is raised, and the surface is treated as opaque. So is a constant opacity: glass blocks snow.
 """
 
 from dataclasses import dataclass
@@ -15,9 +14,9 @@ import numpy as np
 from ..names import SNOW_GROUP
 from .inputs import fingerprint
 
-# Images are averaged down to this many texels a side at most: one bit each lies on the GPU.
+# Largest side of an alpha image; larger ones are averaged down. It takes one bit per texel on the GPU.
 MAX_SIZE = 1024
-# The smallest alpha, of 255, at which a surface is there. The native module has the same.
+# The smallest opaque alpha, of 255. The native module has the same.
 THRESHOLD = 128
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
@@ -26,7 +25,7 @@ IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 class UnknownAlpha(ValueError):
-    """A material's opacity cannot be told; says why. The surface counts as opaque."""
+    """A material's opacity is unknown, for the reason in the message. The surface is treated as opaque."""
 
 
 @dataclass(frozen=True)
@@ -36,19 +35,19 @@ class AlphaImage:
     name: str
     """The image's."""
     pixels: np.ndarray
-    """(H, W) uint8, row 0 = v 0; 255 is there."""
+    """(H, W) uint8, row 0 = v 0; 255 is opaque."""
     extension: str
     """REPEAT, MIRROR, EXTEND or CLIP."""
     uv_map: str
-    """Empty: the mesh's UV map for rendering."""
+    """Empty for the mesh's UV map for rendering."""
     transform: tuple
     """Two rows (a, b, c): u' = a u + b v + c, likewise v'; from a Mapping node."""
     print: str
-    """Fingerprint of all that decides about where snow falls through."""
+    """Fingerprint of all that affects where snow falls through."""
 
 
 def of_material(material):
-    """The AlphaImage of a material, or None where all of it is opaque. Raises UnknownAlpha."""
+    """The AlphaImage of a material, or None if it is opaque everywhere. Raises UnknownAlpha."""
     tree = material.node_tree if material is not None and material.use_nodes else None
     output = tree.get_output_node("ALL") or tree.get_output_node("CYCLES") if tree is not None else None
     if output is None:
@@ -70,29 +69,29 @@ def of_material(material):
     return AlphaImage(image.image.name, pixels, extension, uv_map, transform, printed)
 
 
-# A value is (the image texture node it comes from or None, a float or an array (H, W)); `groups` are the
-# group nodes around, the innermost last.
+# A value is (the image texture node it comes from or None, a float or an array (H, W)). `groups` are the enclosing
+# group nodes, the innermost last.
 
 
 def source(socket, groups):
-    """(output socket that an input gets its value from or None, the group nodes around that)."""
+    """(output socket that gives an input its value or None, the group nodes around that socket, the last input)."""
     while socket.is_linked:
         link = socket.links[0]
         node, output = link.from_node, link.from_socket
         if link.is_muted or node.mute:
-            raise UnknownAlpha("a muted node decides about its alpha")
+            raise UnknownAlpha("its alpha comes from a muted node")
         if node.type == "REROUTE":
             socket = node.inputs[0]
         elif node.type == "GROUP_INPUT" and groups:
             socket, groups = _same(groups[-1].inputs, output), groups[:-1]
         elif node.type == "GROUP" and node.node_tree is not None:
             if node.node_tree.name.startswith(SNOW_GROUP):
-                socket = node.inputs["Shader"]  # where snow lies is for us to say
+                socket = node.inputs["Shader"]  # skip our own snow
             else:
                 ends = [inner for inner in node.node_tree.nodes if inner.type == "GROUP_OUTPUT"]
                 active = next((end for end in ends if end.is_active_output), None)
                 if active is None:
-                    raise UnknownAlpha("a node group without an output decides about its alpha")
+                    raise UnknownAlpha("its alpha comes from a node group without an output")
                 socket, groups = _same(active.inputs, output), (*groups, node)
         else:
             return output, groups, socket
@@ -104,7 +103,7 @@ def _same(sockets, wanted):
 
 
 def _shader(socket, groups):
-    """Opacity of what a shader input shows."""
+    """The opacity of the shader that an input shows."""
     output, groups, _ = source(socket, groups)
     node = output.node if output is not None else None
     if node is None:
@@ -119,7 +118,7 @@ def _shader(socket, groups):
     if node.type == "MIX_SHADER":
         first, second = _shader(node.inputs[1], groups), _shader(node.inputs[2], groups)
         if first == (None, 1.0) and second == (None, 1.0):
-            return None, 1.0  # whatever mixes them
+            return None, 1.0  # opaque, whatever the factor
         factor = _value(node.inputs[0], groups)
         if factor[0] is None and first[0] is None and second[0] is None:
             return None, 1.0  # a constant: glass
@@ -131,7 +130,7 @@ def _shader(socket, groups):
 def _combine(operation, first, second):
     if first[0] is not None and second[0] is not None and first[0] != second[0]:
         names = f"'{first[0].image.name}' and '{second[0].image.name}'"
-        raise UnknownAlpha(f"two images, {names}, decide about its alpha")
+        raise UnknownAlpha(f"its alpha comes from two images, {names}")
     return first[0] or second[0], operation(first[1], second[1])
 
 
@@ -152,7 +151,7 @@ ONE_INPUT = ("ROUND", "ABSOLUTE")
 
 
 def _value(socket, groups):
-    """What a float or colour input holds, colours as their luminance."""
+    """The value of a float or colour input; of colours the luminance."""
     output, groups, end = source(socket, groups)
     if output is None:
         given = end.default_value
@@ -194,7 +193,7 @@ def channels_of(node):
     """(H, W, 4) float32 of an image texture node: linear colour and alpha."""
     image = node.image
     if image is None:
-        raise UnknownAlpha("an image texture without an image decides about its alpha")
+        raise UnknownAlpha("its alpha comes from an image texture without an image")
     if image.source not in ("FILE", "GENERATED"):
         raise UnknownAlpha(f"its alpha image '{image.name}' is a {image.source.lower()}, not a single image")
     if node.projection != "FLAT":
@@ -217,7 +216,7 @@ def channels_of(node):
 
 
 def _shrunk(opacity):
-    """(H, W) uint8 of at most MAX_SIZE a side: means of blocks of texels."""
+    """(H, W) uint8 of at most MAX_SIZE a side, as means of blocks of texels."""
     for axis in (0, 1):
         size = opacity.shape[axis]
         if size > MAX_SIZE:
@@ -242,16 +241,16 @@ def coordinates(socket):
         return node.attribute_name, IDENTITY
     if node.type == "MAPPING" and node.vector_type in ("POINT", "TEXTURE") and not groups:
         return _mapped(node)
-    raise UnknownAlpha(f"its alpha image is laid out by a node '{node.name}', not by a UV map")
+    raise UnknownAlpha(f"its alpha image gets its coordinates from the node '{node.name}', not from a UV map")
 
 
 def _mapped(node):
     parts = [node.inputs[name] for name in ("Location", "Rotation", "Scale")]
     if any(part.is_linked for part in parts):
-        raise UnknownAlpha(f"its alpha image is moved by what is linked to the node '{node.name}'")
+        raise UnknownAlpha(f"its alpha image is moved by links to the node '{node.name}'")
     location, rotation, scale = (part.default_value for part in parts)
     if abs(rotation[0]) > 1e-6 or abs(rotation[1]) > 1e-6:
-        raise UnknownAlpha(f"its alpha image is turned out of its plane by the node '{node.name}'")
+        raise UnknownAlpha(f"its alpha image is rotated out of its plane by the node '{node.name}'")
     uv_map, inner = coordinates(node.inputs["Vector"])
     cosine, sine = float(np.cos(rotation[2])), float(np.sin(rotation[2]))
     own = np.array(

@@ -1,14 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What is read of one evaluated mesh: positions, triangles, UV maps, how it is shaded, and where its materials have
-holes.
+"""The data of one evaluated mesh: positions, triangles, UV maps, shading, and the holes of its materials.
 
-Shading. Corners of a vertex that Blender shades with one normal share a number, corners of flat faces have none.
-That carries smooth faces, sharp edges, Auto Smooth and the seams that custom normals make; which way the normals of a
-number point follows from the mesh's shape at each moment, as it bends, and not from custom normals. Which corners go
-together is found when the mesh is taken over, and stays while it deforms.
+Shading: corners of a vertex that Blender shades with one normal share a number; corners of flat faces have none. This
+covers smooth faces, sharp edges, Auto Smooth and the seams of custom normals. The direction of the shared normals
+follows from the mesh's current shape, not from custom normals. The numbers are determined when the mesh is read, and
+stay while it deforms.
 
-A MeshRecord reads from the mesh what it is asked for, and only once; detach() reads all of it, so that the
-record outlives the mesh.
+A MeshRecord reads data from the mesh on first use, and only once. detach() reads everything, so that the record
+outlives the mesh.
 """
 
 import numpy as np
@@ -19,7 +18,7 @@ from .uv_maps import choose_uv_map
 
 
 def materials_of(obj, mesh):
-    """The materials that an evaluated mesh shows on an evaluated object, by material index."""
+    """The materials of an evaluated mesh on an evaluated object, by material index."""
     slots = obj.material_slots
     materials = list(mesh.materials)
     for index, slot in enumerate(slots):
@@ -29,13 +28,13 @@ def materials_of(obj, mesh):
 
 
 def alpha_uv_map(alpha, mesh):
-    """The name of the UV map in which a mesh shows a material_alpha.AlphaImage, or None."""
+    """The name of the UV map of a material_alpha.AlphaImage on a mesh, or None."""
     name = alpha.uv_map or _rendered_uv_map(mesh)
     return name if name in mesh.uv_layers else None
 
 
 def join_alphas(alphas):
-    """One TopologyAlpha of what MeshRecord.alpha gave for each instance, or None."""
+    """One TopologyAlpha from the MeshRecord.alpha of each instance, or None."""
     images = []
     for _, _, own in alphas:
         images += [image for image in own if not any(image is known for known in images)]
@@ -54,7 +53,7 @@ def join_alphas(alphas):
 
 
 def join_shadings(shadings, corner_counts):
-    """One (T, 3) int32 of what MeshRecord.shading gave for each instance, or None where all are flat."""
+    """One (T, 3) int32 from the MeshRecord.shading of each instance, or None if all are flat."""
     if all(own is None for own, _ in shadings):
         return None
     joined, offset = [], 0
@@ -66,7 +65,7 @@ def join_shadings(shadings, corner_counts):
 
 
 def number_corners(vertices, normals):
-    """(L,) int32: of corners of one vertex that have one normal (within a five-hundredth), the first one's index."""
+    """(L,) int32: the index of the first corner with the same vertex and the same normal (within 1/500)."""
     key = vertices.astype(np.int64)
     for axis in range(3):
         key = key * 2048 + np.clip(np.rint(normals[:, axis] * 512.0), -1023, 1023).astype(np.int64) + 1023
@@ -75,17 +74,17 @@ def number_corners(vertices, normals):
 
 
 def _rendered_uv_map(mesh):
-    """The UV map that image textures show without a UV Map node; empty without any."""
+    """The UV map that image textures use without a UV Map node; empty if there is none."""
     return next((layer.name for layer in mesh.uv_layers if layer.active_render), "")
 
 
 class MeshRecord:
-    """An evaluated mesh within one pose; after detach() without it."""
+    """An evaluated mesh within one pose; after detach(), independent of it."""
 
     def __init__(self, mesh, alphas=()):
         self._mesh = mesh
         self._alphas = list(alphas)
-        # Compared with the pose before: whether corners may differ, UVs as well, or all of it as another mesh's.
+        # Since the pose before: corners may differ; UVs may differ, too; or it is another mesh.
         self.may_change = self.is_edited = self.is_another = False
         self.positions = compat.read_positions(mesh)
         self.counts = (len(mesh.vertices), len(mesh.loops), len(mesh.polygons))
@@ -97,7 +96,7 @@ class MeshRecord:
         self._active = self._rendered = ""
 
     def detach(self, with_shading):
-        """Reads everything, so that the mesh may go; with_shading: shading() will be asked for."""
+        """Reads everything, so that the mesh may be freed. with_shading: shading() is needed."""
         self.corners()
         self.triangle_corners()
         mesh, self._uv = self._mesh, {}
@@ -126,7 +125,7 @@ class MeshRecord:
         return self._triangle_corners
 
     def triangle_materials(self):
-        """(T,) indices of materials, clamped to those there are."""
+        """(T,) indices of materials, clamped to the existing ones."""
         if self._triangle_materials is None:
             indices = np.empty(len(self.triangle_corners()), dtype=np.int32)
             self._mesh.loop_triangles.foreach_get("material_index", indices)
@@ -134,8 +133,8 @@ class MeshRecord:
         return self._triangle_materials
 
     def shading(self, corner_triangles):
-        """((T, 3) int32 of the triangles, or None where all are flat; T). Corners of one number share a smooth
-        normal; -1 is flat."""
+        """((T, 3) int32 of the triangles, or None if all are flat; T). Corners with one number share a smooth normal;
+        -1 is flat."""
         if self._shading is None:
             smooth = np.empty(self.counts[2], dtype=bool)
             self._mesh.polygons.foreach_get("use_smooth", smooth)
@@ -151,7 +150,7 @@ class MeshRecord:
         return np.where(smooth[:, None], numbers[corner_triangles], np.int32(-1)), len(corner_triangles)
 
     def alpha(self, corner_triangles):
-        """(uv (T, 3, 2), image (T,), images) of the triangles, or (None, T, ()) where all are opaque."""
+        """(uv (T, 3, 2), image (T,), images) of the triangles, or (None, T, ()) if all are opaque."""
         count = len(corner_triangles)
         if not any(self._alphas):
             return None, count, ()
@@ -164,7 +163,7 @@ class MeshRecord:
             own = self.triangle_materials() == index
             layer = self._layer(alpha.uv_map or self._rendered_name()) if own.any() else None
             if layer is None:
-                continue  # without UVs it counts as opaque: preflight says so
+                continue  # without UVs it is treated as opaque, which preflight reports
             (a, b, c), (d, e, f) = np.array(alpha.transform, dtype=np.float32)
             u, v = layer[..., 0][corner_triangles[own]], layer[..., 1][corner_triangles[own]]
             uv[own] = np.stack([(a * u + b * v) + c, (d * u + e * v) + f], axis=-1)
@@ -183,8 +182,8 @@ class MeshRecord:
         return compat.read_uv(layer, self.counts[1]) if layer is not None else None
 
     def uv(self, wanted, used, label, frame):
-        """(name, (L, 2) float32). used: the map's name at an earlier pose, which it must still be, or empty.
-        Raises SceneError where there is none."""
+        """(name, (L, 2) float32). used: the map's name at an earlier pose, which must still exist, or empty. Raises
+        SceneError if there is no map."""
         if self._mesh is not None:
             names = [layer.name for layer in self._mesh.uv_layers]
             active = self._mesh.uv_layers.active
@@ -194,15 +193,15 @@ class MeshRecord:
         name = choose_uv_map(used or wanted, names, active)
         if name is None and used:
             raise SceneError(
-                f"'{label}' has other faces at frame {frame} than before, and its UV map '{used}' is gone, so "
-                "its snow has no place to stay: apply the modifier that changes the mesh, or take "
-                f"'{label}' off the list of receivers"
+                f"The faces of '{label}' change at frame {frame}, and its UV map '{used}' is gone, so its snow cannot "
+                "follow: apply the modifier that changes the mesh, or remove "
+                f"'{label}' from the list of receivers"
             )
         if name is None:
             missing = f"has no UV map '{wanted}'" if wanted and names else "has no UV map"
             raise SceneError(
-                f"'{label}' {missing} at frame {frame}: use 'Add Snow to Selected', which makes one, "
-                "or unwrap it without overlaps"
+                f"'{label}' {missing} at frame {frame}: use 'Add Snow to Selected', which adds one, or unwrap it "
+                "without overlaps"
             )
         if self._mesh is None:
             return name, self._uv[name]

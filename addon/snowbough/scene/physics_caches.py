@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's own simulations and whether a bake sees them move.
+"""Blender's physics simulations, and whether a bake sees them move.
 
-A bake looks at the scene as a render does. There, rigid bodies and soft bodies only move where their cache
-is filled; cloth and particles also play as the frames pass, from the first frame of their cache on. So a
-baked cache is always right; without one, what cannot play is refused and what can is warned about: cloth
-then stands still between whole frames, and a bake that goes on replays all frames before.
+A bake reads the scene as a render does. There, rigid bodies and soft bodies move only if their cache is baked; cloth
+and particles also play from frame to frame, from the first frame of their cache on. So a baked cache is always right.
+Without one, simulations that cannot play are an error, and the others are a warning: cloth does not move between whole
+frames, and a resumed bake must play all frames before.
 """
 
 BAKE_ALL = "bake the simulations (Physics properties, Cache, Bake All Dynamics)"
 
 
 def _caches(scene):
-    """(object's name, what it is, its point cache, whether it plays in a render) of what the render shows."""
+    """(object's name, kind, point cache, whether it plays in a render) of the rendered simulations."""
     world = scene.rigidbody_world
     if world is not None and world.enabled and world.collection is not None:
         for obj in world.collection.objects:
@@ -38,8 +38,8 @@ def _has_instances(system):
     return moves and settings.render_type in ("OBJECT", "COLLECTION")
 
 
-def troubles(scene):
-    """[(severity, text, object's name, fix)] as preflight's Issue takes them, one for each object."""
+def issues(scene):
+    """[(severity, text, object's name, fix)], the arguments of preflight's Issue, one for each object."""
     found = {}
     for name, kind, cache, plays in _caches(scene):
         if cache.is_baked or name in found:
@@ -47,25 +47,25 @@ def troubles(scene):
         if not plays:
             found[name] = (
                 "ERROR",
-                f"'{name}' is a {kind} whose simulation is not baked, so a render does not see it move: {BAKE_ALL}",
+                f"'{name}' is a {kind} whose simulation is not baked, so it does not move in a render: {BAKE_ALL}",
             )
         elif cache.frame_start < scene.snowbough.frame_start:
             found[name] = (
                 "ERROR",
-                f"'{name}' is a {kind} simulation that begins at frame {cache.frame_start}, before the snow's "
+                f"'{name}' is a {kind} simulation that starts at frame {cache.frame_start}, before the snow's "
                 f"first frame, and is not baked: {BAKE_ALL}",
             )
         else:
             found[name] = (
                 "WARNING",
-                f"'{name}' is a {kind} simulation that is not baked: it plays along, but stands still between "
-                f"whole frames, and other machines may see another one: {BAKE_ALL}",
+                f"'{name}' is a {kind} simulation that is not baked: it does not move between whole frames, and may "
+                f"differ on other machines: {BAKE_ALL}",
             )
     return [(severity, text, name, "BAKE_SIMULATIONS") for name, (severity, text) in found.items()]
 
 
 def require_cached(scene):
-    """Raises ValueError for a simulation that a bake would see in a wrong pose."""
-    for severity, text, _, _ in troubles(scene):
+    """Raises ValueError for a simulation that would be in a wrong pose during a bake."""
+    for severity, text, _, _ in issues(scene):
         if severity == "ERROR":
             raise ValueError(text)

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The scene at one moment as plain data: texts, numbers and numpy arrays. No ``bpy``.
 
-SceneReader makes it of Blender's evaluation; simulations and fingerprints are made of it.
+Made by SceneReader from Blender's evaluation; the input of simulations and fingerprints.
 """
 
 from dataclasses import dataclass, field
@@ -13,11 +13,11 @@ from .inputs import fingerprint
 
 
 class SceneError(ValueError):
-    """The scene cannot be baked as it is; names the object, the frame and what to do."""
+    """The scene cannot be baked as it is; the message names the object, the frame and what to do."""
 
 
 class TopologyChanged(ValueError):
-    """An object's vertices or triangles are others than before, and its snow cannot go on with them."""
+    """An object's vertices or triangles have changed, and its snow cannot follow."""
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class TopologyAlpha:
     """Where snow falls through a mesh."""
 
     uv: np.ndarray
-    """(T, 3, 2) float32, in the triangle's image."""
+    """(T, 3, 2) float32, in the image of the triangle."""
     image: np.ndarray
     """(T,) int32 index into images; -1 = opaque."""
     images: tuple
@@ -38,7 +38,7 @@ class TopologyAlpha:
         return fingerprint(*prints)
 
     def argument(self):
-        """What the native add_object takes as ``alpha``."""
+        """The argument ``alpha`` of the native add_object."""
         return {
             "uv": self.uv,
             "image": self.image,
@@ -49,47 +49,47 @@ class TopologyAlpha:
 
 @dataclass(frozen=True)
 class ReceiverSpec:
-    """A line of the scene's list, without references into the scene."""
+    """An entry of the scene's list, without references into the scene."""
 
     name: str
     library: str
     uv_map: str = ""
-    """Empty: the map named ``snow``, else the active one."""
+    """Empty for the map named ``snow``, or else the active one."""
     resolution: int = 0
     enabled: bool = True
     sides: str = "AUTO"
-    """Which take snow: AUTO, FRONT or BOTH, as the native add_object takes it."""
+    """Sides that receive snow: AUTO, FRONT or BOTH, as in the native add_object."""
     surface: object = None
-    """surface.style.SurfaceStyle of the snow surface that its bake ends with; None for none."""
+    """surface.style.SurfaceStyle of the snow surface at the end of its bake; None for no surface."""
     baked_as: str = ""
-    """The name that it was first baked under, which its folder, fingerprints and manifest keep; empty: its name."""
+    """Its name at its first bake, which its folder, fingerprints and manifest keep; empty for its current name."""
 
     @property
     def known_as(self):
         return self.baked_as or self.name
 
     def shown(self, label):
-        """A label that begins with known_as, for people, who know it by its name of today."""
+        """A label that begins with known_as, with the current name instead, for the user."""
         return self.name + label[len(self.known_as) :] if label.startswith(self.known_as) else label
 
 
 @dataclass(frozen=True)
 class Topology:
-    """What stays the same while an object moves and deforms."""
+    """The part of an object that stays the same while it moves and deforms."""
 
     triangles: np.ndarray
-    """(T, 3) int32, outside is where they run counter-clockwise."""
+    """(T, 3) int32, counter-clockwise seen from outside."""
     corner_uv: np.ndarray
     """(T, 3, 2) float32; an empty (0, 3, 2) for occluders."""
     vertex_count: int
     print: str
     alpha: TopologyAlpha = None
-    """None where all of it is opaque."""
+    """None if it is opaque."""
     shading: np.ndarray = None
-    """(T, 3) int32: corners of one number share a smooth normal, -1 is flat; None for flat ones and occluders."""
+    """(T, 3) int32: corners with one number share a smooth normal, -1 is flat. None for flat objects and occluders."""
 
     def is_same(self, other):
-        """Whether a mesh with the one topology can go on with the other's positions."""
+        """Whether a mesh with one topology can take positions of the other."""
         return self is other or (
             self.print == other.print
             and self.vertex_count == other.vertex_count
@@ -98,7 +98,7 @@ class Topology:
 
     @property
     def alpha_prints(self):
-        """Fingerprint of the alpha images, in a tuple; an empty one without any."""
+        """The fingerprint of the alpha images in a tuple, which is empty without any."""
         return (self.alpha.print,) if self.alpha else ()
 
 
@@ -109,21 +109,21 @@ class ObjectPose:
     key: str
     """Unique and the same on every machine; a receiver's folder name in the cache."""
     label: str
-    """For people."""
+    """For the user."""
     name: str
     library: str
     receiver: ReceiverSpec
     """None for occluders."""
     uv_map: str
-    """The UV map that is used; empty for occluders."""
+    """Name of the UV map in use; empty for occluders."""
     topology: Topology
-    """The same object again while nothing changes."""
+    """Stays the same Python object while nothing changes."""
     positions: np.ndarray
-    """(V, 3) float32, metres. The same array again while the object stands still; never written to."""
+    """(V, 3) float32, metres. The same array while the object stands still; never written to."""
     prints: tuple
-    """Fingerprints of transform, shape, topology and, where there are some, alpha images (scene.inputs)."""
+    """Fingerprints of transform, shape, topology and, if there are any, alpha images (scene.inputs)."""
     local: np.ndarray = None
-    """(V, 3) float32, Blender units in the object's own space, of an instance in its instancer's. The same array again
+    """(V, 3) float32, Blender units in the space of the object, or of the instancer of an instance. The same array
     while it does not change; None for occluders."""
     to_world: np.ndarray = None
     """(4, 4) float64 from there to metres in the world."""
@@ -139,39 +139,40 @@ class ScenePose:
     bearing: float
     rate: float
     refused: dict = field(default_factory=dict)
-    """Receiver's label -> why it cannot carry snow; it only blocks it."""
+    """Receiver's label -> reason why it cannot carry snow; it only blocks snow."""
 
 
 def library_path(id_block):
-    """The library file that an ID was linked from, as it is written in the .blend; empty for local ones."""
+    """The library file of a linked ID, as written in the .blend; empty for local ones."""
     return id_block.library.filepath if id_block.library else ""
 
 
 def own_key(name, library):
-    """The ObjectPose.key of an object that stands for itself."""
+    """The ObjectPose.key of an object that is no instance."""
     return receiver_key(name, (library, "", ""))
 
 
 def member_key(name, library, instancer, instancer_library, order):
-    """The ObjectPose.key of what an empty shows of the collection that it instances. order: the instance's
-    persistent_id, without what is not set."""
+    """The ObjectPose.key of an object of a collection that an empty instances. order: the instance's persistent_id,
+    without unused entries."""
     return receiver_key(f"{instancer}.{name}", (library, instancer_library, *order))
 
 
 def metres_per_unit(scene):
-    """Metres a Blender unit."""
+    """Metres of a Blender unit."""
     return scene.unit_settings.scale_length
 
 
 def outliers(positions):
-    """Which of the vertices (V, 3) in metres lie beyond names.FARTHEST or nowhere: (V,) bool, None where none does."""
+    """(V,) bool: the vertices (V, 3) in metres that lie beyond names.FARTHEST or are not finite; None if there are
+    none."""
     inside = (np.abs(positions) <= FARTHEST).all(axis=1)
     return None if inside.all() else ~inside
 
 
 def world_positions(local, matrix, scale_length):
-    """local (V, 3) float32 through matrix (4, 4) float64, in metres, as float32. Element by element: a
-    matrix product would leave the order of additions to the linear algebra library."""
+    """local (V, 3) float32 through matrix (4, 4) float64, in metres, as float32. Computed element by element: the order
+    of additions in a matrix product depends on the linear algebra library."""
     x, y, z = (local[:, axis].astype(np.float64) for axis in range(3))
     world = np.empty_like(local)
     with np.errstate(invalid="ignore", over="ignore"):  # outliers() finds them

@@ -1,24 +1,25 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From Blender's render evaluation to plain arrays: what snow falls on at one moment.
+"""Reads Blender's render evaluation into plain arrays: what snow falls on at one moment.
 
-SceneReader.read is called by the hidden render engine after each of its ``frame_set``. What it returns
-holds numpy arrays and texts only, nothing that Blender could free.
+The hidden render engine calls SceneReader.read after each ``frame_set``. The result has only numpy arrays and texts,
+nothing that Blender could free.
 
-- All meshes that the render would show are there, and curves, texts and metaballs as the meshes that
-  the render makes of them. Objects with ``snowbough.occlude`` off and Snowbough's own surfaces are not.
-- A receiver is an object of the scene's list. Where that is an empty that instances a collection, every
-  mesh instanced by it is a receiver of its own. All other instances of one object are gathered into one
-  occluder, so that a lawn is one object and not ten thousand.
-- Positions are world positions in metres: Blender units times ``unit_settings.scale_length``, worked out
-  with the same elementary operations everywhere, so that machines that share a bake agree in every bit.
-- Mirrored objects (negative scale) have their triangles turned, so that outside stays outside.
-- Vertices beyond names.FARTHEST or nowhere are left out with their triangles: one would stretch the grid.
-- An object that stands still is not read again; topology is read once and again when it changes. A
-  receiver keeps the UV map of its first pose: one that has lost it is refused.
-- Frame handlers may edit meshes or give objects other ones: who has another mesh, or whose geometry Blender has
-  updated (scene.updates), is read again.
-- Receivers say which corners of theirs share a smooth normal (mesh_record).
-- Where materials have alpha from an image, triangles carry the image and the UVs in it (material_alpha).
+- It has all meshes that the render shows, with curves, texts and metaballs as meshes, except objects with
+  ``snowbough.occlude`` off and Snowbough's own surfaces.
+- A receiver is an object of the scene's list. If that is an empty that instances a collection, every mesh that it
+  instances is a receiver. All other instances of one object form one occluder, so a lawn is one object and not ten
+  thousand.
+- Positions are world positions in metres: Blender units times ``unit_settings.scale_length``, computed with the same
+  elementary operations on every machine, so that machines that share a bake agree in every bit.
+- Triangles of mirrored objects (negative scale) are reversed, so that the outside stays outside.
+- Vertices that are not finite or beyond names.FARTHEST are left out with their triangles, since one of them would
+  stretch the grid.
+- An object that stands still is not read again; its topology is read once, and again when it changes. A receiver keeps
+  the UV map of its first pose, and is refused if it loses that map.
+- Frame handlers may edit or replace meshes: an object with another mesh, or whose geometry Blender has updated
+  (scene.updates), is read again.
+- Corners of receivers that share a smooth normal have a common number (mesh_record).
+- For materials with alpha from an image, triangles have the image and its UVs (material_alpha).
 """
 
 from dataclasses import dataclass, field
@@ -48,7 +49,7 @@ SURFACE_TYPES = {"MESH", "CURVE", "SURFACE", "FONT", "META"}
 
 @dataclass
 class _Known:
-    """What the reader keeps of an object (or of all instances of one) from pose to pose."""
+    """Data of an object, or of all instances of one, that the reader keeps between poses."""
 
     topology: Topology = None
     counts: tuple = None
@@ -61,38 +62,38 @@ class _Known:
     lost: np.ndarray = None
     """pose.outliers of the vertices."""
     left_out: np.ndarray = None
-    """The same of those whose triangles the topology lacks."""
+    """The outliers when the topology was made, which lacks their triangles."""
     flips: tuple = ()
     uv_map: str = ""
     layers: list = field(default_factory=list)
-    """Fingerprints of a receiver's UV map, one a record."""
+    """Fingerprints of a receiver's UV map, one per record."""
     in_parent: tuple = None
-    """(positions, matrix, positions by the inverse of the matrix) of an instance."""
+    """(positions, matrix, positions in the parent's space) of an instance."""
 
 
 @dataclass
 class _Group:
-    """The instances of one object that make one pose, in a fixed order."""
+    """The instances of one object that form one pose, in a fixed order."""
 
     label: str
     name: str
     library: str
     receiver: ReceiverSpec
     instances: list = field(default_factory=list)
-    """(sort key, matrix (4, 4) float64, local positions, evaluated mesh's data)"""
+    """(sort key, matrix (4, 4) float64, local positions, MeshRecord)"""
     parent: np.ndarray = None
-    """(4, 4) float64 of the object, or of the one that instances it, of a receiver."""
+    """(4, 4) float64 of a receiver: the matrix of the object or of its instancer."""
 
     @property
     def shown(self):
-        """The label for people."""
+        """The label for the user."""
         return self.receiver.shown(self.label) if self.receiver is not None else self.label
 
 
 class SceneReader:
-    """Reads poses of one scene; keeps what does not change between them.
+    """Reads the poses of one scene, and keeps what does not change between them.
 
-    receivers: list of ReceiverSpec. scale_length: metres a Blender unit.
+    receivers: list of ReceiverSpec. scale_length: metres of a Blender unit.
     """
 
     def __init__(self, receivers, scale_length):
@@ -101,16 +102,16 @@ class SceneReader:
         self._scale = scale_length
         self._known = {}
         self._meshes = LocalMeshes()
-        # Receivers that cannot be ones from their first pose on: label -> why.
+        # Receivers that cannot carry snow, from their first pose on: label -> reason.
         self._refused = {}
-        # Objects that are shown as instances of their own: (name, library) -> [who scatters them, how many there are].
+        # Objects shown as instances: (name, library) -> [name of the object that scatters them, their number].
         self._scattered = {}
 
     def read(self, depsgraph, frame):
-        """The pose.ScenePose that depsgraph holds. frame: a number for messages.
+        """The pose.ScenePose that depsgraph has now. frame: a number for messages.
 
-        A receiver that has no mesh or no UV map when it is first read is refused: it only blocks snow, and the pose
-        says why. Raises SceneError for one that loses them later.
+        A receiver without a mesh or UV map at its first pose is refused: it only blocks snow, and the pose has the
+        reason. Raises SceneError for a receiver that loses them later.
         """
         self._scattered = {}
         self._meshes.begin(depsgraph)
@@ -123,7 +124,7 @@ class SceneReader:
         return ScenePose(objects, settings.fall_angle, settings.bearing, settings.rate, dict(self._refused))
 
     def _pose_or_refusal(self, key, group, frame):
-        """The pose of a group; of a receiver that cannot be one, as an occluder."""
+        """The pose of a group; as an occluder if it is a receiver that cannot carry snow."""
         if group.shown in self._refused:
             group.receiver = None
         if group.receiver is None or not group.receiver.enabled or key in self._known:
@@ -137,20 +138,20 @@ class SceneReader:
             return self._pose(key, group, frame)
 
     def _refuse_scattered(self, objects):
-        """Says of receivers that are only seen as instances what can be done about it."""
+        """Refuses receivers that exist only as instances, with what to do."""
         seen = {(o.receiver.name, o.receiver.library) for o in objects.values() if o.receiver}
         for (name, library), (scatterer, count) in self._scattered.items():
             spec = self._receivers.get((name, library))
             if spec is not None and spec.enabled and (name, library) not in seen:
                 self._refused[name] = (
-                    f"'{name}' is only seen as {count} instances that {_scatterer(name, scatterer)}, which would all "
+                    f"'{name}' exists only as {count} instances that {_scatterer(name, scatterer)}, which would all "
                     "share one map: end its geometry nodes with Realize Instances, apply them (Object > Apply > Visual "
-                    "Geometry to Mesh) and add snow to it again (instances on faces or vertices: Object > Apply > Make "
+                    "Geometry to Mesh) and add snow again (instances on faces or vertices: Object > Apply > Make "
                     "Instances Real)"
                 )
 
     def _gather(self, depsgraph):
-        """key -> _Group of everything that the render shows."""
+        """key -> _Group of all objects that the render shows."""
         groups = {}
         for instance in depsgraph.object_instances:
             obj = instance.object
@@ -165,7 +166,7 @@ class SceneReader:
             if group is None:
                 continue
             matrix = np.array(instance.matrix_world, dtype=np.float64)
-            local, mesh = self._meshes.of(obj, group.receiver is not None)
+            local, mesh = self._meshes.read(obj, group.receiver is not None)
             if local is None:
                 continue
             if group.receiver is not None:
@@ -180,7 +181,7 @@ class SceneReader:
             receiver = self._receivers.get((name, library))
             if receiver is not None:
                 name = receiver.known_as
-            elif (name, library) in self._names_taken:  # by a receiver that was renamed
+            elif (name, library) in self._names_taken:  # the former name of a renamed receiver
                 return _join(
                     groups, receiver_key(name, (library, "", "", "renamed")), name, name, library, None
                 ), ()
@@ -207,9 +208,7 @@ class SceneReader:
         records = [item[3] for item in group.instances]
         if not records:
             if group.receiver is not None:
-                raise SceneError(
-                    f"'{group.shown}' has no faces at frame {frame}: there is nothing to snow on"
-                )
+                raise SceneError(f"'{group.shown}' has no faces at frame {frame}, so it cannot carry snow")
             return _empty_pose(key, group)
         matrices = np.stack([item[1] for item in group.instances])
         flips = tuple(bool(np.linalg.det(matrix[:3, :3]) < 0) for matrix in matrices)
@@ -232,7 +231,7 @@ class SceneReader:
             known.positions.flags.writeable = False
         if known.lost is not None and known.lost.all():
             if group.receiver is not None:
-                raise SceneError(f"'{group.shown}' is beyond {FARTHEST:g} m at frame {frame}: move it nearer")
+                raise SceneError(f"'{group.shown}' is beyond {FARTHEST:g} m at frame {frame}: move it closer")
             return _empty_pose(key, group)
         self._update_topology(known, group, records, flips, frame)
         prints = (
@@ -288,9 +287,9 @@ class SceneReader:
         uv = np.ascontiguousarray(np.concatenate(uvs)) if receiver else np.empty((0, 3, 2), dtype=np.float32)
         if receiver and group.receiver.enabled and known.topology is not None and not _fits_map(uv):
             raise SceneError(
-                f"'{group.shown}' has other faces at frame {frame} than before, and they do not lie on its UV "
-                f"map '{known.uv_map}' from 0 to 1: apply the modifier that makes them, or take "
-                f"'{group.shown}' off the list of receivers"
+                f"The faces of '{group.shown}' change at frame {frame}, and do not lie on its UV map "
+                f"'{known.uv_map}' from 0 to 1: apply the modifier that makes them, or remove "
+                f"'{group.shown}' from the list of receivers"
             )
         known.counts, known.flips, known.left_out = counts, flips, known.lost
         known.corners = [record.corners() for record in records]
@@ -309,7 +308,7 @@ class SceneReader:
 
     @staticmethod
     def _has_same_faces(known, group, records, frame):
-        """Whether all meshes have the corners of before, and a receiver's that were edited the UVs as well."""
+        """Whether all meshes have the same corners as before, and edited meshes of a receiver the same UVs."""
         if not _same_arrays(known.corners, [record.corners() for record in records]):
             return False
         if group.receiver is None:
@@ -322,7 +321,7 @@ class SceneReader:
 
 
 def _join(groups, key, label, name, library, receiver):
-    """The _Group of that key; new where there is none."""
+    """The _Group of that key; made if needed."""
     group = groups.setdefault(key, _Group(label, name, library, receiver))
     if (group.label, group.library) != (label, library):
         raise SceneError(
@@ -336,7 +335,7 @@ def _scatterer(name, scatterer):
 
 
 def _fits_map(uv):
-    """Whether all of the triangles (T, 3, 2) lie on the map and at least one has room there."""
+    """Whether all triangles (T, 3, 2) lie on the map and at least one has an area."""
     edge, other = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     has_area = np.abs(edge[:, 0] * other[:, 1] - edge[:, 1] * other[:, 0]) > 1e-12
     return bool(has_area.any() and (uv >= -UV_TOLERANCE).all() and (uv <= 1.0 + UV_TOLERANCE).all())
@@ -359,7 +358,7 @@ def _same_arrays(before, after):
 
 
 def _each_once(arrays):
-    """The arrays without those that are the very same object again, in order."""
+    """The arrays without repetitions of the same object, in order."""
     seen, once = set(), []
     for array in arrays:
         if id(array) not in seen:

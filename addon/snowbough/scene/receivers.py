@@ -1,24 +1,24 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The scene's list of receivers: finding, adding and reading its lines, and where its objects are."""
+"""The scene's list of receivers: finding, adding and reading its entries, and the bounds of its objects."""
 
 import json
 from dataclasses import replace
 
 from mathutils import Vector
 
-from ..names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV
+from ..names import MAX_RESOLUTION, SNOW_RESOLUTION_PROPERTY, SNOW_UV, counted
 from ..surface.style import SurfaceStyle
 from . import uv_maps
 from .pose import ReceiverSpec, library_path
 
 
 def find(scene, obj):
-    """The list's line for an object, or None."""
+    """The entry of an object, or None."""
     return next((entry for entry in scene.snowbough.receivers if entry.object == obj), None)
 
 
 def scattered_by(context, obj):
-    """{object's name: number of instances} of what obj's geometry nodes or instancing scatter, sorted by name."""
+    """{name: number of instances} of the objects that obj scatters by geometry nodes or instancing, sorted by name."""
     counts = {}
     for instance in context.evaluated_depsgraph_get().object_instances:
         if instance.is_instance and instance.parent is not None and instance.parent.original == obj:
@@ -28,13 +28,14 @@ def scattered_by(context, obj):
 
 
 def scattered_text(counts):
-    """What scattered_by gives, for a message: 3 instances ('Leaf' 1, 'Stone' 2)."""
+    """The result of scattered_by as text: 3 instances ('Leaf' 1, 'Stone' 2)."""
     named = ", ".join(f"'{name}' {count}" for name, count in counts.items())
-    return f"{sum(counts.values())} instances ({named})"
+    return f"{counted(sum(counts.values()), 'instance')} ({named})"
 
 
 def _check_geometry_nodes(context, obj, uv_map):
-    """Raises ValueError where geometry nodes leave an object no faces, or faces without a place on the UV map."""
+    """Raises ValueError if geometry nodes leave an object without faces, or make faces without a place on the UV
+    map."""
     if not any(modifier.type == "NODES" and modifier.show_render for modifier in obj.modifiers):
         return
     mesh = obj.evaluated_get(context.evaluated_depsgraph_get()).data
@@ -42,13 +43,13 @@ def _check_geometry_nodes(context, obj, uv_map):
         raise ValueError(f"'{obj.name}' has no faces: {_without_faces(context, obj, mesh)}")
     if uv_map and not uv_maps.is_complete(mesh, uv_map):
         raise ValueError(
-            f"The geometry nodes of '{obj.name}' make faces without a place of their own on the UV map '{uv_map}': "
+            f"The geometry nodes of '{obj.name}' make faces that have no place on the UV map '{uv_map}': "
             "apply the nodes (Object > Apply > Visual Geometry to Mesh), then add snow again"
         )
 
 
 def _without_faces(context, obj, mesh):
-    """Why an object has none, and what to do."""
+    """Why an object has no faces, and what to do."""
     counts = scattered_by(context, obj)
     if counts:
         return (
@@ -57,14 +58,14 @@ def _without_faces(context, obj, mesh):
         )
     if len(mesh.vertices):
         return "it consists of points only. Put meshes on the points (Instance on Points, Realize Instances)"
-    return "its geometry nodes make nothing that snow can lie on"
+    return "its geometry nodes make no surface"
 
 
 def _bare_mesh(obj):
-    """Why an object whose own mesh has no faces cannot gather snow, and what to do."""
+    """Why an object whose own mesh has no faces cannot carry snow, and what to do."""
     if any(modifier.type == "NODES" for modifier in obj.modifiers):
         return (
-            f"'{obj.name}' has no faces but those that its geometry nodes make, which have no UV map: apply the nodes "
+            f"'{obj.name}' has only faces made by its geometry nodes, which have no UV map: apply the nodes "
             "(Object > Apply > Visual Geometry to Mesh), then add snow again"
         )
     points = "consists of points only" if len(obj.data.vertices) else "is empty"
@@ -72,8 +73,8 @@ def _bare_mesh(obj):
 
 
 def add(context, obj):
-    """Puts obj on the list (once) with a UV map that snow can use. Returns its line.
-    Raises ValueError for what cannot gather snow."""
+    """Adds obj to the list, once, with a UV map that snow can use. Returns its entry. Raises ValueError if it cannot
+    carry snow."""
     scene = context.scene
     uv_map = ""
     if obj.type == "MESH":
@@ -93,7 +94,9 @@ def add(context, obj):
                 obj.data.uv_layers.remove(obj.data.uv_layers[uv_map])
             raise
     elif not (obj.type == "EMPTY" and obj.instance_type == "COLLECTION"):
-        raise ValueError(f"'{obj.name}' is no mesh and instances no collection: convert it to a mesh first")
+        raise ValueError(
+            f"'{obj.name}' is not a mesh and instances no collection: convert it to a mesh first"
+        )
     entry = find(scene, obj)
     if entry is None:
         entry = scene.snowbough.receivers.add()
@@ -105,14 +108,14 @@ def add(context, obj):
 
 
 def receiver_resolution(entry):
-    """The resolution of a line of the list; where that is 0, the one that an imported tree's map ``snow``
-    was laid out for (charts and gutters are so many texels wide); else 0, automatic."""
+    """The resolution of an entry. If it is 0, the one that the map ``snow`` of an imported tree was packed for (the
+    width of its gutters depends on it), or else 0, automatic."""
     laid_out = entry.object.get(SNOW_RESOLUTION_PROPERTY, 0) if entry.uv_map in ("", SNOW_UV) else 0
     return entry.resolution or min(int(laid_out), MAX_RESOLUTION)
 
 
 def surface_style(scene, entry):
-    """The SurfaceStyle of a line of the list; None where its snow is not shown as a surface."""
+    """The SurfaceStyle of an entry; None if its snow is not shown as a surface."""
     if json.loads(entry.restore or "{}").get("displacement") != "SHELL":
         return None
     settings = scene.snowbough
@@ -127,8 +130,8 @@ def surface_style(scene, entry):
 
 
 def receiver_specs(scene, as_baked=False):
-    """The scene's list as ReceiverSpec, without empty and doubled lines. as_baked: those that were baked before go by
-    the names that they had then, and no other receiver does."""
+    """The scene's list as ReceiverSpec, without empty and repeated entries. as_baked: receivers keep the names of their
+    first bake, and no other receiver gets one of these."""
     entries = {}
     for entry in scene.snowbough.receivers:
         if entry.object is not None:
@@ -152,7 +155,7 @@ def receiver_specs(scene, as_baked=False):
 
 
 def _free_name(scene, name, library, taken):
-    """The name of a receiver that was never baked, or where one that is renamed now was baked under it, another one."""
+    """A name for a receiver that was never baked: its own, or another one if a renamed receiver was baked under it."""
     number, free = 1, name
     while (free, library) in taken or (free != name and free in scene.objects):
         number += 1
@@ -162,7 +165,7 @@ def _free_name(scene, name, library, taken):
 
 
 def note_baked_names(scene, specs):
-    """Notes for the receivers of a bake that begins what they are known as from now on."""
+    """Stores the names under which the receivers of a new bake are known from now on."""
     names = {(spec.name, spec.library): spec.known_as for spec in specs}
     for entry in scene.snowbough.receivers:
         if entry.object is not None and not entry.baked_as:

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What changes from pose to pose, for a simulation that wants to hear of changes only. No ``bpy``."""
+"""Changes from pose to pose, for a simulation that takes only changes. No ``bpy``."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from .pose import TopologyChanged
 
 @dataclass(frozen=True)
 class Registration:
-    """A mesh that the simulation is to take over from here on."""
+    """A mesh that the simulation uses from this pose on."""
 
     label: str
     pose: str
@@ -19,28 +19,28 @@ class Registration:
     topology: object
     """pose.Topology."""
     positions: np.ndarray
-    """(V, 3) metres at its first pose: a receiver's output measures distances there."""
+    """(V, 3) metres at its first pose, where a receiver's output measures distances."""
 
 
 class SceneTracker:
-    """Goes from one pose to the next. Which mesh an object has, and where it puts what has gone, follow from
-    the poses alone, so a resumed bake that walks them again arrives at the same scene."""
+    """Follows the poses. The mesh of an object, and the place of an object that has left, depend on the poses alone, so
+    a resumed bake that evaluates them again arrives at the same scene."""
 
     def __init__(self):
         self.inputs = SceneInputs()
         """Fingerprints of all poses so far."""
-        # Key -> its Topology.
+        # Key -> its current Topology.
         self._topologies = {}
         self._complete = False
-        # Key -> positions as the simulation has them after the steps taken so far.
+        # Key -> positions that the simulation has after the steps so far.
         self._sent = {}
         self._pose_recorded = None
 
     def register_changes(self, pose, frame, subframe):
-        """Notes a pose among the inputs; returns, for the simulation, (objects that are new or have a new
-        mesh: {key: Registration}, positions of what is not where it was: {key: (V, 3)}).
+        """Adds a pose to the inputs; returns, for the simulation, ({key: Registration} of objects that are new or have
+        a new mesh, {key: (V, 3)} of moved positions).
 
-        What leaves the render is drawn together in one point, where it shelters nothing.
+        An object that leaves the render is collapsed into one point, where it blocks nothing.
         """
         name = pose_name(frame, subframe)
         added, changed = {}, {}
@@ -49,7 +49,7 @@ class SceneTracker:
             if known is None and obj.receiver is not None and self._complete:
                 raise TopologyChanged(
                     f"'{obj.label}' is a receiver that appears at frame {name}, after the shot's first: "
-                    "make it renderable from the start, outside the picture"
+                    "render it from the start, outside the picture"
                 )
             if known is None or not known.is_same(obj.topology):
                 self._topologies[key] = obj.topology
@@ -60,10 +60,10 @@ class SceneTracker:
                     self._sent.pop(key, None)
             elif len(obj.positions) and self._sent.get(key) is not obj.positions:
                 changed[key] = self._sent[key] = obj.positions
-        for gone in sorted(self._sent.keys() - pose.objects.keys()):
-            last = self._sent[gone]
+        for key in sorted(self._sent.keys() - pose.objects.keys()):
+            last = self._sent[key]
             if not (last == last[0]).all():
-                changed[gone] = self._sent[gone] = np.repeat(last[:1], len(last), axis=0)
+                changed[key] = self._sent[key] = np.repeat(last[:1], len(last), axis=0)
         self._complete = True
         if name != self._pose_recorded:
             sky = fingerprint(np.array([pose.fall_angle, pose.bearing], dtype=np.float64))
@@ -73,7 +73,7 @@ class SceneTracker:
 
 
 def _unique_labels(objects):
-    """(label, prints) of every object; a label that several share gets a number, in the order of keys."""
+    """(label, prints) of every object; repeated labels get a number, in the order of keys."""
     counts = {}
     for key in sorted(objects):
         label = objects[key].label

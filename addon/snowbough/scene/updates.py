@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Which meshes have changed since the pose before, other than by what deforms them: frame handlers edit them.
+"""Meshes that were edited since the pose before, e.g. by frame handlers, and not only deformed.
 
-While it renders Blender lists what each evaluation updated (``depsgraph.updates``), edited meshes among it. Elsewhere
-the list may be that of another moment, so meshes that should stand still are compared.
+During a render Blender lists what each evaluation updated (``depsgraph.updates``), including edited meshes. Otherwise
+the list may be from another moment, so meshes that should be still are compared.
 """
 
 import bpy
@@ -12,11 +12,11 @@ from .. import compat
 
 
 class Updates:
-    """What one evaluation of a depsgraph updated."""
+    """The updates of one evaluation of a depsgraph."""
 
     def __init__(self, depsgraph):
         self._is_sure = depsgraph.mode == "RENDER"
-        # Names of objects and of meshes. One name may stand for several: then one more is read.
+        # Names of objects and of meshes. A name may stand for several; then more are read than needed.
         self._objects, self._meshes = set(), set()
         for update in depsgraph.updates if self._is_sure else ():
             if update.is_updated_geometry:
@@ -24,13 +24,13 @@ class Updates:
                 names.add(update.id.name)
 
     def is_still(self, name):
-        """Whether nothing at all has happened to the shape of objects of that name, which nothing deforms: they were
-        neither edited nor given another mesh."""
+        """Whether the shape of objects of that name, which nothing deforms, is unchanged: neither edited nor given
+        another mesh."""
         return self._is_sure and name not in self._objects
 
     def is_edited(self, obj):
-        """Whether an evaluated object's mesh was edited: with shape keys it would be listed at every frame, and only
-        moves."""
+        """Whether an evaluated object's mesh was edited. Meshes with shape keys are listed at every frame and only
+        move."""
         if not self._meshes:
             return False
         data = obj.original.data
@@ -41,11 +41,11 @@ class Updates:
         )
 
     def may_be_edited(self, obj):
-        """Whether it was, or nobody can tell."""
+        """Whether the mesh was edited, or this is unknown."""
         return not self._is_sure or self.is_edited(obj)
 
     def is_unchanged(self, obj, record):
-        """Whether an evaluated object that nothing deforms still has the mesh of a mesh_record.MeshRecord."""
+        """Whether an evaluated object that nothing deforms still has the mesh of a MeshRecord."""
         if self._is_sure:
             return False
         mesh = obj.data

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The UV map that snow is stored in: which one it is, and making one without overlaps.
+"""The UV map that stores snow: choosing it, and making one without overlaps.
 
-Snow needs a UV map that stores every place once. Where an object has none, a map ``snow`` is made by Smart UV
-Project, or by Lightmap Pack where that does not come out clean. The object's active map stays the active one.
+Each place of the surface needs its own place on the map. If an object has no such map, a map ``snow`` is made by Smart
+UV Project, or by Lightmap Pack if that gives overlaps. The object's active map stays active.
 """
 
 import bpy
@@ -16,7 +16,7 @@ MAX_UV_MAPS = 8
 
 
 def choose_uv_map(wanted, names, active):
-    """The UV map that a receiver uses: the one wanted, else ``snow``, else the active one, else None."""
+    """The UV map that a receiver uses: `wanted` if it is set, else ``snow``, else the active one, else None."""
     if wanted:
         return wanted if wanted in names else None
     if SNOW_UV in names:
@@ -25,7 +25,7 @@ def choose_uv_map(wanted, names, active):
 
 
 def corner_uv(mesh, name):
-    """(T, 3, 2) of a mesh's UV map, one row a triangle."""
+    """(T, 3, 2) of a mesh's UV map, one row per triangle."""
     compat.ensure_triangles(mesh)
     corners = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
     mesh.loop_triangles.foreach_get("loops", corners)
@@ -34,7 +34,7 @@ def corner_uv(mesh, name):
 
 
 def is_clean(mesh, name):
-    """True where the UV map stores every place once, inside the map, and has an area at all."""
+    """True if the UV map has no overlaps, lies inside 0 to 1 and has an area."""
     uv = corner_uv(mesh, name)
     a, b = uv[:, 1] - uv[:, 0], uv[:, 2] - uv[:, 0]
     if not len(uv) or np.abs(a[:, 0] * b[:, 1] - a[:, 1] * b[:, 0]).sum() <= 0:
@@ -43,7 +43,7 @@ def is_clean(mesh, name):
 
 
 def is_complete(mesh, name):
-    """True where a UV map is there and clean, and every face that has an area has one on the map, too."""
+    """True if the UV map exists and is clean, and every face with an area also has one on the map."""
     if name not in mesh.uv_layers or not is_clean(mesh, name):
         return False
     corners = np.empty(len(mesh.loop_triangles) * 3, dtype=np.int32)
@@ -57,7 +57,7 @@ def is_complete(mesh, name):
 
 
 def clean_uv_map(mesh):
-    """Name of a UV map that snow can use as it is, or None: ``snow``, the active one, any other."""
+    """Name of a UV map that snow can use, or None: ``snow``, the active one, any other."""
     active = mesh.uv_layers.active
     names = [layer.name for layer in mesh.uv_layers]
     order = sorted(names, key=lambda name: (name != SNOW_UV, active is None or name != active.name))
@@ -65,8 +65,8 @@ def clean_uv_map(mesh):
 
 
 def make_uv_map(context, obj):
-    """Unwraps obj without overlaps into a UV map ``snow`` and returns the map's name.
-    Raises ValueError where the mesh cannot be changed."""
+    """Unwraps obj without overlaps into a UV map ``snow`` and returns its name. Raises ValueError if the mesh cannot be
+    changed."""
     mesh = obj.data
     if mesh.library is not None or obj.library is not None:
         raise ValueError(
@@ -75,7 +75,7 @@ def make_uv_map(context, obj):
     layer = mesh.uv_layers.get(SNOW_UV)
     if layer is None:
         if len(mesh.uv_layers) >= MAX_UV_MAPS:
-            raise ValueError(f"'{obj.name}' has {MAX_UV_MAPS} UV maps already: remove one")
+            raise ValueError(f"'{obj.name}' already has {MAX_UV_MAPS} UV maps: remove one")
         first = not mesh.uv_layers
         active = None if first else mesh.uv_layers.active.name
         layer = mesh.uv_layers.new(name=SNOW_UV, do_init=False)
@@ -90,7 +90,7 @@ def make_uv_map(context, obj):
 
 
 def _unwrap(context, obj, name):
-    """Smart UV Project, then Lightmap Pack if need be, on this object only. Selection is put back."""
+    """Unwraps this object with Smart UV Project, or with Lightmap Pack if needed. Restores the selection."""
     layer = context.view_layer
     selected, active = list(context.selected_objects), layer.objects.active
     if context.mode != "OBJECT":

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Does a UV layout store every place of a surface once? No ``bpy``.
+"""Whether a UV layout has overlaps. No ``bpy``.
 
-The layout is drawn into a grid, triangle by triangle, row by row, as spans of cells. Spans are closed on the
-left and open on the right, and every edge is worked out from its lower to its upper end, so that
-neighbouring triangles share no cell. No grid is kept: the spans' ends in their order tell how many lie over
-each other where, and a grid's fresh memory would take longer than all the rest.
+The layout is drawn into a grid, triangle by triangle and row by row, as spans of cells. Spans include their left end
+and exclude their right end, and every edge is computed from its lower to its upper end, so neighbouring triangles share
+no cell. The grid itself is not stored: the sorted ends of the spans give the number of spans on each cell, which is
+faster than allocating a grid.
 """
 
 import numpy as np
@@ -13,15 +13,15 @@ from ..names import UV_TOLERANCE
 
 GRID = 1024
 
-# Shares below this come from cells on the borders of charts that touch.
+# Smaller shares come from cells on the borders of charts that touch.
 TOLERANCE = 0.005
 
 
 def overlap_share(corner_uv, grid=GRID):
-    """Share (0 to 1) of the drawn cells that more than one triangle claims.
+    """Share (0 to 1) of the covered cells that more than one triangle covers.
 
-    corner_uv: (T, 3, 2) in 0..1; what lies outside or is no number is left out. Triangles much smaller than a
-    cell seldom hold a cell's centre, so a share only says something on layouts that fill at least a few cells.
+    corner_uv: (T, 3, 2) in 0..1; triangles outside or not finite are left out. Triangles much smaller than a cell
+    rarely cover its centre, so the share is meaningful only for layouts that fill at least a few cells.
     """
     points = np.asarray(corner_uv, dtype=np.float64) * grid
     drawn, claimed_twice = _count_cells(points[np.isfinite(points).all(axis=(1, 2))], grid)
@@ -29,7 +29,7 @@ def overlap_share(corner_uv, grid=GRID):
 
 
 def outside_share(corner_uv):
-    """Share of the corners that lie outside the map by more than names.UV_TOLERANCE, or are no numbers."""
+    """Share of the corners that lie outside the map by more than names.UV_TOLERANCE, or are not finite."""
     uv = np.asarray(corner_uv)
     if not uv.size:
         return 0.0
@@ -38,12 +38,12 @@ def outside_share(corner_uv):
 
 
 def _count_cells(points, grid):
-    """Of the cells whose centres triangles (T, 3, 2) hold: how many, and how many of them more than one does."""
+    """(number of cells whose centres triangles (T, 3, 2) cover, number of those that more than one covers)."""
     row, left, right = _spans(points, grid)
     begin = np.clip(np.ceil(left - 0.5), 0, grid).astype(np.int64)
     end = np.clip(np.ceil(right - 0.5), 0, grid).astype(np.int64)
     valid = end > begin
-    # Rows behind each other; a span's end is never in the next row.
+    # Rows in sequence; the end of a span is never in the next row.
     first_cell = row[valid] * (grid + 1)
     ends = np.concatenate([first_cell + begin[valid], first_cell + end[valid]])
     order = np.argsort(ends)
@@ -53,8 +53,8 @@ def _count_cells(points, grid):
 
 
 def _spans(points, grid):
-    """The rows that triangles cross at the height of their cells' centres, one entry a triangle and row: the
-    row, and where the triangle begins and ends there."""
+    """The rows in which triangles cross the centres of cells, one entry per triangle and row: the row, and the left and
+    right end of the triangle there."""
     low = np.clip(np.ceil(points[:, :, 1].min(axis=1) - 0.5), 0, grid).astype(np.int64)
     high = np.clip(np.ceil(points[:, :, 1].max(axis=1) - 0.5), 0, grid).astype(np.int64)
     rows_of = np.maximum(high - low, 0)
@@ -70,7 +70,7 @@ def _spans(points, grid):
         across, rise = (upper - lower).T
         bottom = lower[:, 1][triangle]
         crosses = (bottom <= y) & (y < upper[:, 1][triangle])
-        with np.errstate(divide="ignore", invalid="ignore"):  # level edges, which no row crosses
+        with np.errstate(divide="ignore", invalid="ignore"):  # level edges cross no row
             x = lower[:, 0][triangle] + across[triangle] * ((y - bottom) / rise[triangle])
         left = np.where(crosses, np.minimum(left, x), left)
         right = np.where(crosses, np.maximum(right, x), right)

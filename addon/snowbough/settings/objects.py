@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What belongs to one object: its line in the scene's list of receivers, ``object.snowbough`` and ``mesh.snowbough``.
+"""Settings of one object: its entry in the scene's list of receivers, ``object.snowbough`` and ``mesh.snowbough``.
 
-The list of receivers belongs to the scene, because settings on linked or overridden objects get lost.
+The scene holds the list, because settings on linked or overridden objects get lost.
 """
 
 import bpy
@@ -15,64 +15,64 @@ SIDES = (
     (
         "AUTO",
         "Automatic",
-        "Both sides of parts that have no inside, such as leaves, cards, flags and bowls; the outside of all else",
+        "Both sides of open parts, such as leaves, cards, flags and bowls; the outside of closed parts",
     ),
-    ("FRONT", "Front", "Only the front of faces, where their normals point to"),
-    ("BOTH", "Both", "Whichever side faces the sky"),
+    ("FRONT", "Front", "Only the side that the face normals point to"),
+    ("BOTH", "Both", "The side that faces the sky, front or back"),
 )
 
 
 class SnowboughReceiver(SurfaceProperties, bpy.types.PropertyGroup):
-    """One entry of the scene's list: an object that snow accumulates on."""
+    """An entry of the scene's list: an object that receives snow."""
 
     object: PointerProperty(
         name="Object",
-        description="Mesh, or empty that instances a collection, that snow accumulates on",
+        description="Object that receives snow: a mesh, or an empty that instances a collection",
         type=bpy.types.Object,
     )
     enabled: BoolProperty(
         name="Bake",
-        description="Bake this receiver. Switched off it still shelters what is below it",
+        description="Bake snow on this receiver. If off, it still blocks snow from objects below it",
         default=True,
     )
     resolution: IntProperty(
         name="Resolution",
-        description="Width and height of the accumulation map (texels). "
-        "0 chooses a power of two from 256 to 4096 from the surface area and the texel size",
+        description="Width and height of the height map (texels). Higher values show finer detail and take more "
+        "memory. 0 chooses a power of two from 256 to 4096, from the surface area and Texel Size",
         default=0,
         min=0,
         max=MAX_RESOLUTION,
     )
     uv_map: StringProperty(
         name="UV Map",
-        description="UV map without overlaps that snow is stored in. "
-        "Empty takes the map named 'snow', else the object's active one",
+        description="UV map without overlaps that stores the snow. If empty, the map named 'snow', or else the "
+        "active map",
     )
     sides: EnumProperty(
         name="Sides",
-        description="Which sides of its faces take snow",
+        description="Sides of the faces that receive snow",
         items=SIDES,
         default="AUTO",
     )
     own_surface: BoolProperty(
         name="Own Surface Sliders",
-        description="Shape this receiver's snow by its own sliders and not by those of the scene",
+        description="Shape the snow of this receiver with its own sliders instead of the scene's",
         default=False,
     )
     folder: StringProperty(
         name="Baked Files",
-        description="Folder of the newest finished bake of this receiver",
+        description="Folder of the newest bake of this receiver",
         subtype="DIR_PATH",
         options={"HIDDEN"} | compat.BLEND_RELATIVE,
     )
     baked_as: StringProperty(
         name="Baked As",
-        description="Name that the object had when it was first baked: a renamed one keeps its bake by it",
+        description="Name of the object at its first bake. A renamed object keeps its bake",
         options={"HIDDEN"},
     )
     restore: StringProperty(
         name="Restore",
-        description="What the object was like before Snowbough changed it, as JSON",
+        description="State of the object before Snowbough changed it, as JSON",
         options={"HIDDEN"},
     )
 
@@ -82,17 +82,17 @@ class SnowboughObjectSettings(bpy.types.PropertyGroup):
 
     occlude: BoolProperty(
         name="Blocks Snow",
-        description="This object keeps snow from what is below it",
+        description="Let this object block snow from objects below it",
         default=True,
     )
     is_shell: BoolProperty(
         name="Is Snow",
-        description="A snow surface that Snowbough made; bakes leave it out",
+        description="This object is a snow surface made by Snowbough. Bakes ignore it",
         options={"HIDDEN"},
     )
     hidden_by_preview: StringProperty(
         name="Hidden by the Preview",
-        description="What the live preview keeps out of sight while it runs, and how it was before, as JSON",
+        description="Visibility of this object before the live preview hid it, as JSON",
         options={"HIDDEN"},
     )
 
@@ -102,7 +102,7 @@ class SnowboughMeshData(bpy.types.PropertyGroup):
 
     bark_vertices: IntProperty(
         name="Vertices of the Bark",
-        description="As many as the import made: with others it has been edited (no unit)",
+        description="Number of vertices after the import. A different number means that the mesh was edited",
         options={"HIDDEN"},
     )
 

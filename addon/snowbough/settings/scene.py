@@ -1,7 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""``scene.snowbough``: one snowfall over one shot. Nothing here computes: :mod:`..bake.plan` turns the numbers into
-snowfall.
-"""
+"""``scene.snowbough``: one snowfall over one shot. :mod:`..bake.plan` turns these settings into snowfall."""
 
 import math
 
@@ -45,7 +43,7 @@ def _range_setter(name):
 def _own_frame(which, default):
     return IntProperty(
         name=f"Own {which} Frame",
-        description=f"{which} frame where Scene Range is off (frames)",
+        description=f"{which} frame if Scene Range is off (frames)",
         default=default,
         min=0,
         options={"HIDDEN"},
@@ -55,7 +53,7 @@ def _own_frame(which, default):
 def _depth(name, frame, default):
     return FloatProperty(
         name=name,
-        description=f"Snow on open level ground at the {frame} frame (metres)",
+        description=f"Depth of the snow on open, level ground at the {frame} frame (metres)",
         default=default,
         min=0.0,
         soft_max=1.0,
@@ -69,46 +67,46 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
 
     surface_detail: EnumProperty(
         name="Detail",
-        description="How many points the snow surfaces of the scene have together",
+        description="Number of points of all snow surfaces in the scene together. More points show finer edges",
         items=SURFACE_DETAILS,
         default="DEFAULT",
     )
 
     cache_directory: StringProperty(
         name="Cache",
-        description="Folder for the baked maps; // stands for the folder of the .blend",
+        description="Folder of the baked maps. // is the folder of the .blend",
         subtype="DIR_PATH",
         default="//snowbough_cache",
         options={"ANIMATABLE"} | compat.BLEND_RELATIVE,
     )
     cache_identity: StringProperty(
         name="Identity of the Cache",
-        description="Tells apart the caches of .blend files that share a folder; given when the file is saved",
+        description="Separates the caches of .blend files that share a folder; set when the file is saved",
         options={"HIDDEN"},
     )
     cache_used: StringProperty(
         name="Cache of the Last Bake",
-        description="Absolute folder that the last bake wrote to; found again after Save As",
+        description="Absolute folder of the last bake; finds the bake after Save As",
         options={"HIDDEN"},
     )
 
     use_scene_range: BoolProperty(
         name="Scene Range",
-        description="Snow falls over the scene's frame range",
+        description="Let snow fall over the scene's frame range",
         default=True,
     )
     own_frame_start: _own_frame("First", default=1)
     own_frame_end: _own_frame("Last", default=250)
     frame_start: IntProperty(
         name="First Frame",
-        description="First frame of the shot; the start depth lies there before its own snow (frames)",
+        description="First frame of the shot. Start Depth is the depth before its own snow falls (frames)",
         min=0,
         get=_range_getter("frame_start"),
         set=_range_setter("frame_start"),
     )
     frame_end: IntProperty(
         name="Last Frame",
-        description="Last frame of the shot: the end depth lies there (frames)",
+        description="Last frame of the shot, where the snow reaches End Depth (frames)",
         min=0,
         get=_range_getter("frame_end"),
         set=_range_setter("frame_end"),
@@ -116,7 +114,7 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
 
     kind: EnumProperty(
         name="Kind of Snow",
-        description="What snow that is put on objects looks like (Set Kind of Snow changes what lies already)",
+        description="Look of the snow on objects that are added. Use Set Kind of Snow to change existing snow",
         items=SNOW_KINDS,
         default="FRESH",
     )
@@ -124,15 +122,15 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
     end_depth: _depth("End Depth", "last", default=0.10)
     rate: FloatProperty(
         name="Rate",
-        description="Relative strength of the snowfall, to be keyframed: it spreads the depth over the "
-        "shot and does not change the end depth (no unit)",
+        description="Strength of the snowfall over time, relative to other frames. Keyframe it to move snow between "
+        "frames; the end depth stays the same",
         default=1.0,
         min=0.0,
         soft_max=10.0,
     )
     fall_angle: FloatProperty(
         name="Fall Angle",
-        description="Angle between the falling snow and the vertical (degrees)",
+        description="Angle between the falling snow and the vertical. Higher values give more slanted snow (degrees)",
         subtype="ANGLE",
         default=0.0,
         min=0.0,
@@ -140,7 +138,7 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
     )
     bearing: FloatProperty(
         name="Bearing",
-        description="Where the wind blows to, clockwise from +Y seen from above (degrees)",
+        description="Direction that the wind blows to, clockwise from +Y seen from above (degrees)",
         subtype="ANGLE",
         default=0.0,
         soft_min=-2 * math.pi,
@@ -154,7 +152,7 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
 
     texel_size: FloatProperty(
         name="Texel Size",
-        description="Target size of a texel for receivers with automatic resolution (metres)",
+        description="Texel size of receivers with automatic resolution. Smaller values give larger maps (metres)",
         default=0.01,
         min=1e-5,
         soft_max=1.0,
@@ -163,7 +161,8 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
     )
     pixel_size: FloatProperty(
         name="Pixel Size",
-        description="Grid on which occlusion is found (metres). 0 takes the finest receiver's texel",
+        description="Pixel size of the grid that finds sheltered places. Smaller values give sharper shadows and "
+        "slower bakes. 0 is automatic: the smallest texel size, coarser in large scenes (metres)",
         default=0.0,
         min=0.0,
         soft_max=1.0,
@@ -172,29 +171,29 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
     )
     blur_radius: FloatProperty(
         name="Blur Radius",
-        description="Smoothing of the written maps: sigma in each map's own texels (texels)",
+        description="Smoothing of the baked maps, as a standard deviation. Higher values give rounder snow (texels)",
         default=2.0,
         min=0.0,
         soft_max=16.0,
     )
     substeps: IntProperty(
         name="Substeps",
-        description="Poses that each frame's snowfall is spread over, for fast objects (poses a frame)",
+        description="Poses per frame that the snow falls on. Higher values suit fast objects (poses a frame)",
         default=1,
         min=1,
         max=16,
     )
     directions: IntProperty(
         name="Directions",
-        description="Directions of flutter that a shot's snow falls from at least: few frames are divided into more "
-        "steps, so that a still is as smooth as a long shot (directions a shot)",
+        description="Least number of directions that fluttering snow falls from over a shot. Higher values give "
+        "smoother shadows in short shots and stills, and slower bakes (directions a shot)",
         default=64,
         min=1,
         soft_max=256,
     )
     checkpoint_interval: IntProperty(
         name="Checkpoint Every",
-        description="A stopped bake resumes from the last checkpoint (frames)",
+        description="Interval of checkpoints. A stopped bake resumes from the last checkpoint (frames)",
         default=10,
         min=1,
         soft_max=100,
@@ -207,12 +206,12 @@ class SnowboughSceneSettings(SnowProperties, SurfaceProperties, bpy.types.Proper
 
     receivers: CollectionProperty(
         name="Receivers",
-        description="Objects that snow accumulates on; all other rendered meshes shelter them",
+        description="Objects that receive snow. All other rendered meshes only block it",
         type=SnowboughReceiver,
     )
     active_receiver: IntProperty(
         name="Active Receiver",
-        description="Line of the list that is shown below it (no unit)",
+        description="Index of the selected receiver",
         options={"HIDDEN"},
     )
 

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The settings of the simulation itself. They stand in SnowProperties and nowhere else: bakes, previews and manifests
-carry them all as one dict (snow_of), under the names that the native ``SnowSimulation`` has for them.
+"""The settings of the simulation, declared once in SnowProperties. Bakes, previews and manifests pass them on as one
+dict (snow_of), under the names that the native ``SnowSimulation`` uses.
 """
 
 import math
@@ -8,21 +8,21 @@ import math
 from bpy.props import EnumProperty, FloatProperty, IntProperty
 
 MAPPINGS = (
-    ("COMPUTE", "Compute", "Texels gather what they see of the sky: smooth, and the same bytes every time"),
+    ("COMPUTE", "Compute", "Texels gather their snow: smooth, and identical in every run"),
     (
         "GEOMETRY",
         "Geometry",
-        "Pixels scatter their snow over texels, as first published: uneven, needs OpenGL; for comparison",
+        "Pixels scatter their snow over texels, as in the original thesis: uneven, needs OpenGL; for comparison",
     ),
 )
 
 
 class SnowProperties:
-    """What ``SnowSimulation`` takes under the same names: metres, seconds, radians."""
+    """Arguments of ``SnowSimulation``, under the same names: metres, seconds, radians."""
 
     flutter: FloatProperty(
         name="Flutter",
-        description="Half angle of the cone in which flakes stray from the direction (degrees)",
+        description="Half angle of the cone of flake directions. Higher values give softer shadows (degrees)",
         subtype="ANGLE",
         default=math.radians(10.0),
         min=0.0,
@@ -30,22 +30,22 @@ class SnowProperties:
     )
     max_depth: FloatProperty(
         name="Maximum Depth",
-        description="Snow that level ground holds before it slides off (metres)",
+        description="Depth that level ground holds before snow slides off. Higher values keep more snow (metres)",
         default=1.0,
         min=1e-4,
         soft_max=10.0,
     )
     slide_half_life: FloatProperty(
         name="Slide Half-Life",
-        description="Time in which half of the excess snow slides off (seconds)",
+        description="Time in which half of the excess snow slides off. Higher values slide more slowly (seconds)",
         default=2.0,
         min=1e-3,
         soft_max=60.0,
     )
     repose: FloatProperty(
         name="Repose",
-        description="Steepest slope of snow's own surface before it moves to what lies lower or falls over an edge: "
-        "wet snow stands steeper than powder. At 90 snow stays where it fell, on walls too (degrees)",
+        description="Steepest slope of the snow surface. Steeper snow slides to lower places or over edges: use high "
+        "values for wet snow, low values for powder. At 90 snow stays where it fell, even on walls (degrees)",
         subtype="ANGLE",
         default=math.radians(65.0),
         min=math.radians(5.0),
@@ -53,28 +53,28 @@ class SnowProperties:
     )
     cohesion: FloatProperty(
         name="Cohesion",
-        description="How high a front of snow stands by itself: what is smooth and about as thin as that, twigs and "
-        "wires, carries steeper, taller caps. 0 for snow that does not hold together (metres)",
+        description="Height at which a vertical snow face stays up. Higher values give steeper, taller caps on twigs "
+        "and wires; 0 is loose snow (metres)",
         default=0.005,
         min=0.0,
         soft_max=0.1,
     )
     seed: IntProperty(
         name="Seed",
-        description="Another number gives other random flakes (no unit)",
+        description="Random seed of the flakes",
         default=0,
         min=0,
     )
     noise_density: FloatProperty(
         name="Noise Density",
-        description="Share of pixels that catch a flake in one step; below 1 the snow gets grainy (0 to 1)",
+        description="Fraction of pixels that catch a flake in one step. Lower values give grainier snow (0 to 1)",
         default=1.0,
         min=0.001,
         max=1.0,
     )
     mapping: EnumProperty(
         name="Mapping",
-        description="How snow gets from the occlusion grid onto the maps; both give the same snow",
+        description="How snow is transferred from the occlusion grid to the maps. Both give the same snow",
         items=MAPPINGS,
         default="COMPUTE",
     )

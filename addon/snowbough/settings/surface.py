@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Sliders of the snow surface. They change the surface and never the maps: the frame that is shown follows at once, the
-others with Update Surface.
+"""Sliders of the snow surface. They change the surface and not the maps: the current frame updates at once, the other
+frames with Update Surface.
 """
 
 from bpy.props import FloatProperty
@@ -11,7 +11,7 @@ SURFACE_DETAILS = (
     ("FILM", "Film", "Up to a million points, for close-ups"),
 )
 
-# Called with the settings that a slider belongs to: result.surface_preview sets it.
+# Functions that are called with the context when a slider has changed; result.surface_preview adds its own.
 changed = []
 
 
@@ -27,22 +27,21 @@ def _slider(name, description):
 
 
 class SurfaceProperties:
-    """What the native ``SnowSurface.set_style`` takes, as ``surface_<name>``."""
+    """Arguments of the native ``SnowSurface.set_style``, as ``surface_<name>``."""
 
     surface_overhang: _slider(
         "Overhang",
-        "How far snow leans out over rims and hangs down where it ends on slopes: 1 is fresh snow, 0 is none (no unit)",
+        "How far snow leans over edges and hangs down where it ends on slopes: 1 is fresh snow, 0 is no overhang",
     )
     surface_hem_variation: _slider(
         "Hem Variation",
-        "How unevenly the lower edge of snow runs along rims: 1 is fresh snow, 0 makes it straight (no unit)",
+        "Unevenness of the lower edge of overhanging snow: 1 is fresh snow, 0 is a straight edge",
     )
     surface_bridging: _slider(
         "Bridging",
-        "How readily snow closes narrow gaps, as between boards or stones: 1 is fresh snow, 0 leaves all gaps "
-        "open (no unit)",
+        "How easily snow closes narrow gaps, as between boards or stones: 1 is fresh snow, 0 keeps all gaps open",
     )
     surface_relief: _slider(
         "Relief Scale",
-        "Height of the waves and bumps of the surface: 1 is fresh snow, 0 is smooth (no unit)",
+        "Height of the waves and bumps of the surface: 1 is fresh snow, 0 is smooth snow",
     )

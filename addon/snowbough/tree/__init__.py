@@ -1,2 +1,2 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From an OBJ file to a rigged tree in the scene, and its sway in the wind."""
+"""Imports OBJ files as rigged trees, and animates them in the wind."""

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The armature of a tree from the bones' arrays, and the weights of meshes that it deforms."""
+"""The armature of a tree, from arrays of its bones, and the weights of the meshes that it deforms."""
 
 from dataclasses import dataclass
 from itertools import islice
@@ -11,18 +11,17 @@ import numpy as np
 from .. import compat
 from .bone_names import fitting_names
 
-# Leaving edit mode silently deletes bones shorter than 1e-6; this share of the tree's height is far
-# below anything seen and safely above that.
+# Leaving edit mode silently deletes bones shorter than 1e-6. This share of the tree's height is safely above that, and
+# far below any real bone.
 SHORTEST_BONE = 1e-5
 
 
 @dataclass
 class BoneArrays:
-    """One row a bone, parents before their children. Metres, Z up.
+    """One row per bone, parents before their children. Metres, Z up.
 
-    heads, tails float32 (B, 3); parents int32 (B,), -1 for a root; names: list of str, unique;
-    branches, levels int32 (B,): the branch a bone belongs to and that branch's level;
-    head_radii, tail_radii float32 (B,): the limb's radius there.
+    heads, tails float32 (B, 3); parents int32 (B,), -1 for a root; names: list of str, unique; branches, levels int32
+    (B,): the branch of a bone and the branch's level; head_radii, tail_radii float32 (B,): the limb's radius there.
     """
 
     heads: np.ndarray
@@ -36,7 +35,7 @@ class BoneArrays:
 
 
 def bone_arrays(tree):
-    """BoneArrays of a native mesh, with names that fit into Blender."""
+    """BoneArrays of a native mesh, with names that fit Blender's limits."""
     return BoneArrays(
         tree.bone_heads,
         tree.bone_tails,
@@ -50,7 +49,7 @@ def bone_arrays(tree):
 
 
 def _usable_tails(bones):
-    """Tails moved away from their heads where a bone is too short for Blender."""
+    """The tails, with bones that are too short for Blender lengthened."""
     along = bones.tails - bones.heads
     lengths = np.linalg.norm(along, axis=1)
     extent = np.ptp(np.concatenate([bones.heads, bones.tails]), axis=0).max()
@@ -66,9 +65,9 @@ def _usable_tails(bones):
 def create_armature(context, name, bones, collection):
     """Makes the armature object in `collection` and returns it; the object is active, in object mode.
 
-    Plain bones (no B-bones) named as `bones.names`. A segment that continues its branch is connected
-    to the one before, a branch's first is not: the connections tell limbs apart later on. The limb's
-    radii are the bones' head and tail radius. Bones are grouped by branch level.
+    Plain bones (no B-bones) with the names `bones.names`. A segment that continues its branch is connected to the
+    segment before, the first of a branch is not, so that the connections separate the limbs. The radii of the limb are
+    the head and tail radius of the bones. Bones are grouped by branch level.
     """
     armature = bpy.data.armatures.new(name)
     rig = bpy.data.objects.new(name, armature)
@@ -103,12 +102,11 @@ def create_armature(context, name, bones, collection):
 
 
 def write_weights(mesh, indices, weights):
-    """Writes the weights into `mesh`, which has vertices only as yet; the groups' names are the object's.
+    """Writes the weights into `mesh`, which has only vertices so far; the object has the names of the groups.
 
-    indices int32 (V, K): vertex groups by number; weights float32 (V, K), 0 where unused; no bone twice in a
-    row. Weights go through a BMesh: VertexGroup.add walks the list of groups for every single vertex,
-    which takes several times longer with a thousand bones. Edges and faces come later, so that the
-    BMesh stays small.
+    indices int32 (V, K): vertex groups by number; weights float32 (V, K), 0 if unused; no bone twice in a row. This
+    uses a BMesh: VertexGroup.add searches the list of groups for every vertex, which takes several times longer with a
+    thousand bones. Edges and faces are added later, so that the BMesh stays small.
     """
     weights = np.asarray(weights)
     used = weights > 0

@@ -1,10 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Procedural bark: plates between furrows that run along the limb, as colour and as bump.
 
-The map `bark` goes once round a limb and keeps its aspect from trunk to twig. Rolled up into a cylinder of radius 1
-it gives textures in three dimensions no seam along the limb, and everything lies as densely on a twig as on the
-trunk. Plates are the cells of a Voronoi texture whose walls have been bent by noise (S. Worley, A Cellular Texture
-Basis Function, 1996). Thinner, younger limbs have less of them and are smoother.
+The map `bark` goes once around a limb and keeps its aspect ratio from trunk to twig. Rolled into a cylinder of radius
+1, it gives coordinates for 3D textures without a seam along the limb and with the same density on twigs and trunk.
+Plates are the cells of a Voronoi texture whose walls are distorted by noise (S. Worley, A Cellular Texture Basis
+Function, 1996). Thinner, younger limbs have weaker plates and are smoother.
 """
 
 import math
@@ -15,20 +15,20 @@ from ..node_builder import NodeBuilder
 
 # Ends of the colour ramp.
 FURROW, RIDGE = (0.034, 0.026, 0.02), (0.2, 0.165, 0.13)
-# Plates a radius, and how much longer than wide they are.
+# Plates per radius, and their ratio of length to width.
 PLATES, LENGTH_TO_WIDTH = 3.0, 3.4
-# Scale and reach, in radii, of the noise that bends their walls: as a whole, and raggedly.
+# Scale and strength, in radii, of the noise that distorts the walls: coarse and fine.
 BENT, RAGGED = (0.9, 0.3), (5.0, 0.09)
-# Furrows between plates, and cracks across them: scale beside the plates', width in cells, depth beside the furrows'.
+# Furrows between plates, and cracks across them: scale relative to plates, width in cells, depth relative to furrows.
 FURROWS, CRACKS = (1.0, 0.14, 1.0), (2.6, 0.12, 0.35)
-# Of the grain on plates: scale and depth.
+# Scale and depth of the grain on plates.
 GRAIN_SCALE, GRAIN = 9.0, 0.8
-# Depth of the trunk's furrows in metres, and what part of depth and of plates the next level of branches has.
+# Depth of the trunk's furrows in metres, and factor on depth and plates for each level of branches.
 DEPTH, YOUNGER = 0.025, 0.5
 
 
 def _place(builder):
-    """Where on the rolled-up limb a point is."""
+    """The point's position on the rolled-up limb."""
     uv = builder.node("ShaderNodeUVMap", uv_map=BARK_UV)
     u, v, _ = builder.components(uv.outputs["UV"])
     angle = builder.multiply(u, 2.0 * math.pi)
@@ -42,7 +42,7 @@ def _noise(builder, place, scale, detail, roughness=0.5):
 
 
 def _moved(builder, place, scale, reach):
-    """The place, moved at random."""
+    """The position, moved by noise."""
     noise = _noise(builder, place, scale, 4.0)
     colour = next(output for output in noise.outputs if output.type == "RGBA")
     away = builder.vector("SUBTRACT", colour, (0.5, 0.5, 0.5))
@@ -50,7 +50,7 @@ def _moved(builder, place, scale, reach):
 
 
 def _open(builder, place, scale, width, depth):
-    """1 on the cells of a Voronoi texture, less by up to `depth` towards their walls."""
+    """1 on the cells of a Voronoi texture, down to 1 - `depth` at their walls."""
     cells = builder.node("ShaderNodeTexVoronoi", feature="DISTANCE_TO_EDGE")
     builder.feed(cells, Vector=place, Scale=scale * PLATES)
     inside = builder.math("DIVIDE", cells.outputs["Distance"], width, clamp=True)
@@ -61,8 +61,8 @@ def _open(builder, place, scale, width, depth):
 def add_bark(tree, surface, ridge=None):
     """Adds nodes of bark to a material and links them to its Principled BSDF.
 
-    tree: the material's node tree; surface: the node. ridge: the colour of what stands out, linear RGB; the furrows'
-    follows it.
+    tree: the material's node tree; surface: the Principled BSDF. ridge: the colour of the plates, linear RGB; the
+    colour of the furrows follows from it.
     """
     builder = NodeBuilder(tree)
     ridge = ridge or RIDGE
@@ -74,7 +74,7 @@ def add_bark(tree, surface, ridge=None):
     x, y, z = builder.components(_moved(builder, _moved(builder, place, *BENT), *RAGGED))
     long = builder.combine(x, y, builder.divide(z, LENGTH_TO_WIDTH))
     plates = builder.multiply(_open(builder, long, *FURROWS), _open(builder, long, *CRACKS))
-    # Where limbs are young they are hardly there.
+    # Young limbs have hardly any plates.
     hollow = builder.multiply(builder.subtract(1.0, plates), builder.math("POWER", age, 0.5))
     grain = compat_nodes.noise_value(_noise(builder, long, GRAIN_SCALE, 9.0, 0.65))
     height = builder.add(builder.subtract(1.0, hollow), builder.multiply(builder.subtract(grain, 0.5), GRAIN))

@@ -1,19 +1,19 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Names that fit into Blender: at most 63 bytes of UTF-8, unique, the same for the same input."""
+"""Names within Blender's limits: at most 63 bytes of UTF-8, unique, the same for the same input."""
 
 NAME_BYTES = 63
 
 
 def clip_utf8(text, size):
-    """The longest start of `text` that takes at most `size` bytes and breaks no character."""
+    """The longest start of `text` with at most `size` bytes and without broken characters."""
     return text.encode("utf-8")[: max(size, 0)].decode("utf-8", errors="ignore")
 
 
 def fitting_names(names, size=NAME_BYTES):
-    """Shortens what is longer than `size` bytes; returns a list as long as `names`, without repeats.
+    """Shortens names longer than `size` bytes; returns a list as long as `names`, without repetitions.
 
-    What follows the last dot (a bone's segment number) stays, the branch's name before it is
-    clipped; where that makes two names equal, a counter `~n` goes in between.
+    The part after the last dot (a bone's segment number) stays, and the branch's name before it is clipped. If two
+    names become equal, a counter `~n` is inserted.
     """
     whole = {name for name in names if len(name.encode("utf-8")) <= size}
     seen = set()

@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``cli.py import``: imports trees into the loaded file, saves a .blend and a JSON report.
 
-Exit codes: 0 done; 1 a file is no tree, or something could not be written; 6 no native module;
-130 stopped. Of several files those that are trees come in all the same. A file appears under its name
-only when it is complete.
+Exit codes: 0 done; 1 a file is not a tree, or a file could not be written; 6 the native module is missing; 130 stopped.
+If some files are not trees, the others are imported. A file gets its final name only when it is complete.
 """
 
 import os
@@ -19,19 +18,19 @@ from ..options import add_options, options_of
 from . import import_tree
 from .import_options import ImportOptions, ImportProperties
 
-# Options of an import whose names on the command line are not their own.
+# Flags of options whose flag is not their name.
 FLAGS = {"foliage": "--no-foliage", "foliage_names": "--foliage"}
 
 
 def add_arguments(parser):
-    """What ``import`` takes; options as tree.import_options declares them."""
+    """Adds the arguments of ``import``; the options are those of tree.import_options."""
     parser.add_argument(
-        "files", metavar="FILE.obj", nargs="+", help="trees, or folders with trees, side by side in one scene"
+        "files", metavar="FILE.obj", nargs="+", help="trees, or folders of trees, to import into one scene"
     )
     parser.add_argument(
-        "--out", metavar="F.blend", help="where the scene is saved; without it nothing is saved"
+        "--out", metavar="F.blend", help="file to save the scene to (default: nothing is saved)"
     )
-    parser.add_argument("--json", metavar="R.json", help="where the import report goes")
+    parser.add_argument("--json", metavar="R.json", help="file for the report")
     add_options(parser, ImportProperties, FLAGS)
 
 
@@ -58,20 +57,20 @@ def checked_target(name, suffix):
 
 
 def _import(args, options):
-    """([(collection, report), ...], [Failure, ...]) of the files that the command line names."""
+    """([(collection, report), ...], [Failure, ...]) of the files in the command line."""
     paths = import_tree.chosen_files("", "", [str(Path(name).absolute()) for name in args.files])
-    metre = import_tree.metre_of(bpy.context.scene)
-    # A callback is what lets Ctrl-C reach the native part.
-    trees, failures = import_tree.read_files(paths, options, lambda _share: True, metre)
+    units = import_tree.units_per_metre(bpy.context.scene)
+    # The callback lets Ctrl-C reach the native module.
+    trees, failures = import_tree.read_files(paths, options, lambda _share: True, units)
     if trees and not bpy.data.filepath:
-        # No .blend was given: the startup file's cube, lamp and camera are nobody's scene.
+        # Without a .blend, the scene has only the objects of the startup file.
         bpy.data.batch_remove(list(bpy.context.scene.objects))
     collections = import_tree.create_trees(bpy.context, trees, options)
     return list(zip(collections, (tree.report for _path, tree in trees))), failures
 
 
 def _json(reports, failures, several):
-    """What goes into the report file: of one file its report, of several a list of them."""
+    """The content of the report file: the report of one file, or a list for several."""
     if not several:
         return reports[0]
     refused = [
@@ -81,7 +80,7 @@ def _json(reports, failures, several):
 
 
 def run(args):
-    """Imports as the command line says; returns the exit code. args: see add_arguments."""
+    """Imports the files; returns the exit code. args: see add_arguments."""
     try:
         blend, report_file = checked_target(args.out, ".blend"), checked_target(args.json, "")
         made, failures = _import(args, options_of(ImportOptions, args))
@@ -101,7 +100,7 @@ def run(args):
         return EXIT_FAILED
     for report in reports:
         named = f"{report['file']}: " if several else ""
-        for text in import_tree.told(report):
+        for text in import_tree.warning_lines(report):
             print(f"Snowbough: warning: {named}{text}")
     if several:
         print(f"Snowbough: {import_tree.summary_of_all(reports, failures)}")

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""From OBJ files to rigged, weighted, unwrapped meshes in the scene, one collection a file.
+"""Imports OBJ files as rigged, weighted, unwrapped meshes in the scene, one collection per file.
 
-First everything native is computed (:mod:`native_tree`; it can run on another thread and be stopped),
-only then Blender's data-blocks are made (:func:`create_trees`): bad input or Esc leaves Blender as it was.
+The native part is computed first (:mod:`native_tree`); it can run in another thread and be stopped. Then the
+data-blocks are made (:func:`create_trees`). So invalid input or Esc leaves Blender unchanged.
 """
 
 import json
@@ -14,26 +14,26 @@ import bpy
 import numpy as np
 
 from .. import compat, native
-from ..names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY
+from ..names import BARK_UV, FAILURES, ORIGINAL_UV, SNOW_RESOLUTION_PROPERTY, counted
 from . import armature, kept_bark, kept_skeleton, materials, objects, textures, thumbnail, wind_attributes
 from .import_options import BY_DETAIL, LOD_COUNT
 from .native_tree import read_native
 
 REPORT_PROPERTY = "snowbough_report"
 LOD_PROPERTY = "snowbough_lod"
-# The native module's reason for leaves that an option keeps out.
+# The native module's reason for leaves that an option excludes.
 BY_OPTION = "left out by option"
-# Several trees of one import stand in a row, this share of their widths apart.
+# Trees of one import stand in a row; gap as a share of their widths.
 ROW_GAP = 0.1
 
 
 def _lod_suffix(lod, chain):
-    # Game engines call the finest level LOD0; ours counts up from the four-sided base.
+    # In game engines LOD0 is the finest level; our levels count up from the four-sided base.
     return f"_LOD{LOD_COUNT - 1 - lod}" if chain else ""
 
 
 def _used(sources, chosen, make):
-    """Materials for `sources` and, last, for faces without (-1): None where no face has it.
+    """Materials for `sources`, and a last one for faces without (-1); None for materials that no face has.
 
     chosen: arrays of indices into sources; make(source or None) -> material.
     """
@@ -92,7 +92,7 @@ def _create_leaves(name, tree, options, bone_names, check):
 
 
 def _select(context, rig, barks, leaves):
-    """The finest bark is active; with it are selected the leaves, and the armature, which moves them all."""
+    """Selects the tree: the finest bark, which becomes active, the leaves, and the armature, which moves them all."""
     for other in context.view_layer.objects.selected:
         other.select_set(False)
     for obj in (rig, barks[0], *leaves):
@@ -101,13 +101,13 @@ def _select(context, rig, barks, leaves):
 
 
 def create_tree(context, title, tree, options):
-    """Makes collection, armature, bark and leaves; returns the collection. On an error nothing stays."""
+    """Makes collection, armature, bark and leaves; returns the collection. After an error nothing remains."""
     with objects.Ledger():
         if context.object is not None and context.object.mode != "OBJECT":
             bpy.ops.object.mode_set(mode="OBJECT")
         name = objects.file_title(title, len("_leaves_LOD0"))
         collection = bpy.data.collections.new(name)
-        # The scene's own collection cannot be hidden or excluded: the armature needs edit mode there.
+        # The armature needs edit mode, which hidden collections prevent; only the scene's own cannot be hidden.
         context.scene.collection.children.link(collection)
 
         bones = armature.bone_arrays(tree.meshes[0].native)
@@ -122,7 +122,7 @@ def create_tree(context, title, tree, options):
         for obj in (*barks, *leaves):
             collection.objects.link(obj)
             objects.bind(obj, rig)
-        # Of a chain only the finest is shown: the others lie in the same place.
+        # Only the finest level of a chain is visible: all levels are in the same place.
         for bark in barks[1:]:
             bark.hide_render = True
             bark.hide_set(True)
@@ -136,7 +136,7 @@ def create_tree(context, title, tree, options):
 
 
 def _reach(tree):
-    """(least, largest) x of a native tree."""
+    """(minimum, maximum) x of a native tree."""
     x = [made.native.vertices[:, 0] for made in tree.meshes]
     if tree.leaf_bones is not None:
         x.append(tree.skeleton.foliage.vertices[:, 0])
@@ -145,8 +145,8 @@ def _reach(tree):
 
 
 def create_trees(context, trees, options):
-    """Makes the trees of `trees`, [(path, NativeTree), ...], in a row along X, the first where its file has it;
-    returns their collections. On an error none stays."""
+    """Makes the trees of `trees`, [(path, NativeTree), ...], in a row along X, the first at its place in the file;
+    returns their collections. After an error none remains."""
     collections, made, end = [], [], None
     with objects.Ledger():
         for path, tree in trees:
@@ -156,7 +156,7 @@ def create_trees(context, trees, options):
             shift = 0.0 if end is None else end + ROW_GAP * (high - low) - low
             end = shift + high + ROW_GAP * (high - low)
             rig = next(obj for obj in collections[-1].objects if obj.type == "ARMATURE")
-            # Blender's own precision is enough for one place, though not for the points around it.
+            # Single precision suffices for this offset, but not for the points around it.
             x, y, z = trees[0][1].skeleton.origin
             rig.location = (x + shift, y, z)
         for obj in made:
@@ -164,8 +164,8 @@ def create_trees(context, trees, options):
     return collections
 
 
-def metre_of(scene):
-    """What a metre is in the scene's units."""
+def units_per_metre(scene):
+    """Blender units of a metre."""
     return 1.0 / scene.unit_settings.scale_length
 
 
@@ -174,14 +174,14 @@ class Failure(NamedTuple):
     error: Exception
 
     def text(self):
-        """What is told of it, with the file's name."""
-        told = message(self.error)
-        return told if self.path.name in told else f"{self.path.name}: {told}"
+        """The error message, with the name of the file."""
+        text = message(self.error)
+        return text if self.path.name in text else f"{self.path.name}: {text}"
 
 
-def read_files(paths, options, progress=None, metre=1.0):
+def read_files(paths, options, progress=None, units_per_metre=1.0):
     """([(path, NativeTree), ...], [Failure, ...]) of several files; see read_native."""
-    native.load()  # what is missing for all is told once
+    native.load()  # report a missing module once, not for each file
     trees, failures = [], []
     for number, path in enumerate(paths):
 
@@ -189,17 +189,17 @@ def read_files(paths, options, progress=None, metre=1.0):
             return progress is None or progress((before + share) / len(paths))
 
         try:
-            trees.append((Path(path), read_native(path, options, step, metre)))
+            trees.append((Path(path), read_native(path, options, step, units_per_metre)))
         except FAILURES as error:
             failures.append(Failure(Path(path), error))
     return trees, failures
 
 
 def import_files(context, paths, options, progress=None):
-    """Imports `paths`; returns ([(collection, report), ...], [Failure, ...]). What is no tree keeps none of the
-    others out."""
+    """Imports `paths`; returns ([(collection, report), ...], [Failure, ...]). If some files are not trees, the others
+    are imported."""
     started = time.perf_counter()
-    trees, failures = read_files(paths, options, progress, metre_of(context.scene))
+    trees, failures = read_files(paths, options, progress, units_per_metre(context.scene))
     collections = create_trees(context, trees, options)
     seconds = round(time.perf_counter() - started, 4)
     made = []
@@ -210,17 +210,9 @@ def import_files(context, paths, options, progress=None):
     return made, failures
 
 
-def import_file(context, path, options, progress=None):
-    """Imports `path` into the scene; returns (collection, report). ValueError for bad input."""
-    made, failures = import_files(context, [path], options, progress)
-    if failures:
-        raise failures[0].error
-    return made[0]
-
-
 def chosen_files(filepath, directory="", names=()):
-    """The OBJ files that a user chose, each once: `names` in `directory`, or else `filepath`. A folder stands for
-    the OBJ files in it."""
+    """The chosen OBJ files, each once: `names` in `directory`, or else `filepath`. A folder stands for its OBJ
+    files."""
     given = [Path(directory) / name for name in names if name] or [Path(filepath)]
     files = []
     for path in given:
@@ -235,25 +227,25 @@ def chosen_files(filepath, directory="", names=()):
 
 
 def summary(report):
-    """The report in one line."""
+    """The report as one line."""
     levels = "/".join(str(count) for count in report["branches_per_level"])
     faces = " + ".join(str(mesh["faces"]) for mesh in report["meshes"])
     text = (
-        f"{report['file']}: {report['form']}, {report['up_axis']} up, {report['branches']} branches ({levels}), "
-        f"{report['bones']} of {report['bones_found']} bones, {faces} faces, {report['leaves']} leaves"
+        f"{report['file']}: {report['form']}, {report['up_axis']} up, "
+        f"{counted(report['branches'], 'branch', 'branches')} ({levels}), {report['bones']} of "
+        f"{counted(report['bones_found'], 'bone')}, {faces} faces, {counted(report['leaves'], 'leaf', 'leaves')}"
     )
-    for count, what in (
-        (len(report["skipped_parts"]), "parts skipped"),
-        (len(report["extra_roots"]), "extra roots"),
-        (len(report["warnings"]), "warnings"),
+    for count, noun in (
+        (len(report["skipped_parts"]), "skipped part"),
+        (len(report["extra_roots"]), "extra root"),
+        (len(report["warnings"]), "warning"),
     ):
-        text += f", {count} {what}" if count else ""
+        text += f", {counted(count, noun)}" if count else ""
     return text
 
 
-def told(report):
-    """What is told of a tree beside its summary, a line each: its warnings and the wood that was left out."""
-    # What was left out because it was asked for surprises nobody.
+def warning_lines(report):
+    """The warnings about a tree, one line each, including parts that were left out without being asked for."""
     left_out = [part for part in report["skipped_parts"] if part["reason"] != BY_OPTION]
     return report["warnings"] + [f"{part['name']} was left out: {part['reason']}" for part in left_out]
 
@@ -261,19 +253,20 @@ def told(report):
 def summary_of_all(reports, failures):
     """Several trees in one line."""
     faces = sum(report["meshes"][-1]["faces"] for report in reports)
+    branches, leaves = (sum(report[name] for report in reports) for name in ("branches", "leaves"))
     names = ", ".join(report["file"] for report in reports[:5])
     names += f" and {len(reports) - 5} more" if len(reports) > 5 else ""
     text = (
-        f"{len(reports)} trees: {names}; {sum(r['branches'] for r in reports)} branches, {faces} faces, "
-        f"{sum(r['leaves'] for r in reports)} leaves"
+        f"{counted(len(reports), 'tree')}: {names}; {counted(branches, 'branch', 'branches')}, {faces} faces, "
+        f"{counted(leaves, 'leaf', 'leaves')}"
     )
     warnings = sum(len(report["warnings"]) for report in reports)
-    text += f", {warnings} warnings" if warnings else ""
-    return text + (f"; {len(failures)} files were no trees" if failures else "")
+    text += f", {counted(warnings, 'warning')}" if warnings else ""
+    return text + (f"; could not import {counted(len(failures), 'file')}" if failures else "")
 
 
 def message(error):
-    """What is told of an error; a MemoryError says nothing of its own."""
+    """The text of an error for the user; a MemoryError has none of its own."""
     if isinstance(error, MemoryError):
         return "The tree does not fit into memory: choose a lower detail, or simplify it"
     return str(error)

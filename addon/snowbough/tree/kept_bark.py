@@ -1,8 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an imported tree keeps of its bark's images: where they lie on the four-sided base that the real-time renderer
-draws, and which material its quads have.
-
-It lies on the armature's data (``armature.snowbough_bark``), beside the skeleton that the base is built from.
+"""Data of an imported tree's bark for its images, stored on the armature's data (``armature.snowbough_bark``) beside
+the skeleton: their coordinates on the four-sided base that the real-time renderer draws, and the material of each quad.
 """
 
 import base64
@@ -17,18 +15,18 @@ FORMAT = b"bark 1\n"
 
 class KeptBark(NamedTuple):
     uv: np.ndarray
-    """(Q, 4, 2) float32: the export's own texture coordinates."""
+    """(Q, 4, 2) float32: texture coordinates of the export."""
     slots: np.ndarray
     """(Q,) int32: material slots of the finest bark object."""
 
 
 def keep(armature, base, finest):
-    """Writes a native_tree.BarkMesh of lod=0 onto a new armature; finest: the one whose object has the slots.
-    Where no piece has coordinates, nothing is kept."""
+    """Stores a native_tree.BarkMesh of lod=0 on a new armature. finest: the mesh whose object has the slots. Stores
+    nothing if the mesh has no coordinates."""
     if base.original_uv is None:
         return
     count = 1 + max(int(made.face_material.max(initial=-1)) for made in (base, finest))
-    # As objects.create_bark fills the slots: those in use in their order, faces without a material last.
+    # As in objects.create_bark: slots for the used materials in order, faces without a material last.
     used = np.unique(finest.face_material % (count + 1))
     slots = np.searchsorted(used, base.face_material % (count + 1)).clip(max=len(used) - 1)
     data = slots.astype("<i4").tobytes() + np.ascontiguousarray(base.original_uv, "<f4").tobytes()
@@ -36,7 +34,7 @@ def keep(armature, base, finest):
 
 
 def kept(armature):
-    """The KeptBark of an armature; None where it keeps none that can be read."""
+    """The KeptBark of an armature; None if it has none that can be read."""
     if not armature.snowbough_bark:
         return None
     try:
@@ -54,7 +52,9 @@ def kept(armature):
 
 def register():
     bpy.types.Armature.snowbough_bark = bpy.props.StringProperty(
-        name="Bark", description="Where the bark's images lie on the tree's base", options={"HIDDEN"}
+        name="Bark",
+        description="Coordinates of the bark's images on the base of the tree",
+        options={"HIDDEN"},
     )
 
 

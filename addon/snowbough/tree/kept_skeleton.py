@@ -1,9 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What an imported tree keeps of its skeleton, so that other levels of detail of it can be built at any time, without
-the file that it came from.
+"""The skeleton of an imported tree, stored on the armature's data (``armature.snowbough_skeleton``), so that other
+levels of detail can be built without the imported file.
 
-It lies on the armature's data (``armature.snowbough_skeleton``), not on an object: copies of a tree share it. A real
-tree of 200 branches takes 70 KB.
+Copies of a tree share the armature's data. The skeleton of a real tree with 200 branches takes 70 KB.
 """
 
 from dataclasses import asdict
@@ -13,20 +12,20 @@ import bpy
 from .. import native
 from .skeleton_text import from_text, to_text
 
-# What build_tree_mesh and reduce_bones are told again.
+# Options that are passed again to build_tree_mesh and reduce_bones.
 OPTIONS = ("width", "species", "snow_resolution", "max_bones", "max_bone_level")
 
 
 def keep(armature, tree, options):
-    """Writes the skeleton of a NativeTree, and how fine its finest mesh is, onto a new armature."""
+    """Stores the skeleton of a NativeTree, and the fineness of its finest mesh, on a new armature."""
     built = {name: getattr(options, name) for name in OPTIONS}
     built["fineness"] = asdict(tree.meshes[-1].fineness)
     armature.snowbough_skeleton = to_text(tree.skeleton.branches, built)
 
 
 def kept(armature):
-    """(native Skeleton, what it was built with: a dict) of an imported tree's armature; None where it keeps none,
-    as those of older imports. Raises ValueError for one that cannot be read."""
+    """(native Skeleton, dict of the options it was built with) of an imported tree's armature; None if it has none, as
+    in older imports. Raises ValueError if it cannot be read."""
     if not armature.snowbough_skeleton:
         return None
     branches, built = from_text(armature.snowbough_skeleton)
@@ -34,8 +33,8 @@ def kept(armature):
 
 
 def base_arrays(armature):
-    """The four-sided base of an imported tree, which the real-time renderer subdivides itself: what the native
-    tree_arrays gives; None where the armature keeps no skeleton that can be read."""
+    """The four-sided base of an imported tree, which the real-time renderer subdivides, as from the native tree_arrays;
+    None if the armature has no readable skeleton."""
     try:
         found = kept(armature)
     except ValueError:
@@ -52,7 +51,7 @@ def base_arrays(armature):
 
 def register():
     bpy.types.Armature.snowbough_skeleton = bpy.props.StringProperty(
-        name="Skeleton", description="The tree's branches as they were imported", options={"HIDDEN"}
+        name="Skeleton", description="Branches of the tree as they were imported", options={"HIDDEN"}
     )
 
 

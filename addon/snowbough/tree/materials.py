@@ -1,9 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Materials of an imported tree: those of the export's MTL as Principled materials, and what stands in for them.
+"""Materials of an imported tree: those of the export's MTL as Principled materials, and substitutes for missing ones.
 
-A source is a native ObjMaterial, or a copy of one by :class:`textures.Check`. Its textures lie on the UV map that the
-caller names: on wood `original`, the export's own coordinates, on leaves `leaf`. Textures that could not be found or
-read are empty in it; the import's report has named them.
+A source is a native ObjMaterial, or a copy of one by :class:`textures.Check`. The caller names the UV map of its
+textures: `original`, the export's own coordinates, on wood, and `leaf` on leaves. Textures that were not found or
+cannot be read are empty in the source; the import's report names them.
 """
 
 import bpy
@@ -14,16 +14,16 @@ from .bark_nodes import add_bark
 from .textures import Textures
 
 GREEN = (0.08, 0.22, 0.04)
-# Colours whose components differ by less say nothing: exporters write greys where nobody chose one.
+# Colours whose components differ by less are ignored: exporters write greys as a default.
 COLOURLESS = 0.04
-# No component of what is taken for black is larger.
+# Largest component of a colour that counts as black.
 BLACK = 0.01
-# Share of the light that a leaf with a filter (Tf) lets through.
+# Share of light that a leaf with a transmission filter (Tf) lets through.
 TRANSLUCENCY = 0.5
 
 
 def _fresh(name):
-    """(material, node tree, Principled BSDF, output) of a new material with nothing else in it."""
+    """(material, node tree, Principled BSDF, output) of a new material with no other nodes."""
     material = bpy.data.materials.new(name)
     compat.use_material_nodes(material)
     tree = material.node_tree
@@ -35,14 +35,14 @@ def _fresh(name):
     return material, tree, surface, output
 
 
-def _chosen(colour):
-    """The colour if it is one that somebody chose."""
+def _deliberate(colour):
+    """The colour, or None if it looks like an exporter's default."""
     colour = tuple(map(float, colour))
     return colour if max(colour) - min(colour) > COLOURLESS else None
 
 
 def _relief(tree, surface, source, textures, uv_map):
-    """Normals from the normal map, the bump map, or both."""
+    """Links normals from the normal map, the bump map, or both."""
     normal = None
     image = textures.node(source.normal_texture, "Non-Color", -900)
     if image is not None:
@@ -70,7 +70,7 @@ def _gloss(tree, surface, source, textures):
     image = textures.node(source.specular_texture, "Non-Color", -1180)
     if image is None:
         return
-    half = tree.nodes.new("ShaderNodeMath")  # Principled's 0.5 is what most things have
+    half = tree.nodes.new("ShaderNodeMath")  # 0.5 is the default of Principled
     half.operation = "MULTIPLY"
     half.location = (-600, -950)
     half.inputs[1].default_value = 0.5
@@ -79,9 +79,9 @@ def _gloss(tree, surface, source, textures):
 
 
 def _mask(source, textures, colour_node, own_alpha):
-    """The output that says where the material is opaque; None where it is so everywhere.
+    """The output with the opacity of the material; None if it is opaque everywhere.
 
-    own_alpha: a colour texture's own alpha counts too, where there is no mask.
+    own_alpha: without a mask, use the alpha of the colour texture.
     """
     mask = source.alpha_texture
     if mask.path and mask.path == source.diffuse_texture.path:
@@ -94,16 +94,16 @@ def _mask(source, textures, colour_node, own_alpha):
 
 
 def _filter(source):
-    """The colour of light that the material lets through; None for an opaque one.
+    """The colour of light that passes through the material; None for an opaque one.
 
-    Exporters write Tf as white, or black, where it means nothing.
+    Exporters write white or black as Tf where it has no meaning.
     """
     colour = tuple(min(max(float(c), 0.0), 1.0) for c in source.transmission)
     return colour if max(colour) > 0.01 and min(colour) < 0.99 else None
 
 
 def _let_light_through(tree, surface, output, colour, mask, opacity):
-    """Light from behind, filtered by `colour`, and the mask cutting all of it."""
+    """Adds light from behind, filtered by `colour`, and cuts everything by the mask."""
     nodes, link = tree.nodes, tree.links.new
     surface.location, output.location = (-500, 0), (500, 0)
     back = nodes.new("ShaderNodeBsdfTranslucent")
@@ -137,8 +137,8 @@ def _let_light_through(tree, surface, output, colour, mask, opacity):
     link(result, output.inputs["Surface"])
 
 
-def _wear(parts, source, uv_map, opacity, own_alpha):
-    """Puts the source's textures onto a fresh material."""
+def _add_textures(parts, source, uv_map, opacity, own_alpha):
+    """Adds the source's textures to a new material."""
     material, tree, surface, output = parts
     textures = Textures(tree, uv_map)
     colour = textures.node(source.diffuse_texture, "sRGB")
@@ -159,34 +159,34 @@ def _wear(parts, source, uv_map, opacity, own_alpha):
 
 
 def bark_material(name, source=None, uv_map=BARK_UV):
-    """Wood as its maker meant it: the source's textures on `uv_map`, or procedural bark where it has no colour
-    texture, in the source's colour if that is one.
+    """The material of wood: the source's textures on `uv_map`, or procedural bark if there is no colour texture, in the
+    source's colour unless that is a default.
 
-    name: of a material without a source.
+    name: for a material without a source.
     """
     parts = _fresh(source.name if source and source.name else name)
     material, tree, surface, _output = parts
     surface.inputs["Roughness"].default_value = 0.9
     if source is None or not source.diffuse_texture.path:
-        add_bark(tree, surface, _chosen(source.diffuse) if source and source.defined else None)
+        add_bark(tree, surface, _deliberate(source.diffuse) if source and source.defined else None)
     if source is not None:
-        _wear(parts, source, uv_map, 1.0, own_alpha=False)
+        _add_textures(parts, source, uv_map, 1.0, own_alpha=False)
     return material
 
 
 def leaf_material(source=None, name="leaf"):
-    """A leaf's material from its source, or plain green where that has neither a texture nor a colour."""
+    """The material of a leaf from its source, or plain green without a texture and a colour."""
     parts = _fresh(source.name if source and source.name else name)
     material, _tree, surface, _output = parts
     surface.inputs["Roughness"].default_value = 0.6
     colour = GREEN
     if source is not None and source.defined:
-        # White stands for a texture: the leaf shows it through its own colour. Black is what nobody chose.
+        # White is for textures, which show through the leaf's own colour. Black is a default.
         extreme = min(source.diffuse) >= 0.5 or max(source.diffuse) <= BLACK
-        unsaid = extreme and _chosen(source.diffuse) is None
+        unsaid = extreme and _deliberate(source.diffuse) is None
         colour = GREEN if unsaid else tuple(map(float, source.diffuse))
     surface.inputs["Base Color"].default_value = (*colour, 1.0)
     if source is not None:
-        # No leaf is meant to be seen nowhere: some exporters write d and Tr the wrong way round.
-        _wear(parts, source, LEAF_UV, float(source.opacity) or 1.0, own_alpha=True)
+        # Fully transparent leaves make no sense: some exporters swap d and Tr.
+        _add_textures(parts, source, LEAF_UV, float(source.opacity) or 1.0, own_alpha=True)
     return material

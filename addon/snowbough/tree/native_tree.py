@@ -1,7 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The native part of an import: from an OBJ file to arrays, without Blender's data.
-
-It can run on another thread and be stopped.
+"""The native part of an import: from an OBJ file to arrays, without Blender's data. It can run in another thread and be
+stopped.
 """
 
 import threading
@@ -14,19 +13,19 @@ from typing import NamedTuple
 from .. import native
 from .import_options import BY_DETAIL, LOD_COUNT, METRES_OF_UNIT
 
-# A dead trunk or a stump may well be meant; a lamp post has hardly come here on purpose.
-BARE = "nothing in the file branches or bears leaves: it was imported as a bare trunk, but may be a mere pole"
+# A dead trunk or a stump may be intended, but a pole rarely is.
+BARE_TRUNK = "nothing in the file has branches or leaves: it was imported as a bare trunk, but may be a pole"
 
 
 @dataclass(frozen=True)
 class Fineness:
-    """How fine a mesh is: a level of the chain, counted from the four-sided base, or a detail."""
+    """The fineness of a mesh: a level of the chain, counted from the four-sided base, or a detail."""
 
     lod: int = BY_DETAIL
     detail: str = ""
 
     def settings(self):
-        """As build_tree_mesh takes it."""
+        """The arguments for build_tree_mesh."""
         return {"detail": self.detail} if self.lod == BY_DETAIL else {"lod": self.lod}
 
 
@@ -40,28 +39,27 @@ def wanted(options):
 class BarkMesh(NamedTuple):
     fineness: Fineness
     native: object  # with reduced bones
-    original_uv: object  # float32 (F, 4, 2): the export's own; None where it has none
+    original_uv: object  # float32 (F, 4, 2) of the export, or None
     face_material: object  # int32 (F,): index into the skeleton's wood_materials, -1 for none
 
 
 @dataclass
 class NativeTree:
-    """Everything an import needs, before Blender hears of it. Meshes share their bones."""
+    """All native data of an import. The meshes share their bones."""
 
     skeleton: object
     meshes: list  # of BarkMesh, the coarsest first
     base: BarkMesh  # the four-sided base, which may be the coarsest of them
     leaf_bones: object
-    leaf_layout: dict  # the leaves' UV map `snow` and the resolution it is for; None without leaves
+    leaf_layout: dict  # the leaves' UV map `snow` and its resolution; None without leaves
     report: dict
 
 
 def _build_meshes(module, skeleton, options, progress):
     """(the first mesh with all bones, [BarkMesh, ...]).
 
-    progress(share 0..1) -> False stops: KeyboardInterrupt. The native module works outside Python's
-    lock: the finest level of a chain takes as long as all others together, which a second thread makes
-    meanwhile.
+    progress(share 0..1) -> False stops: KeyboardInterrupt. The native module releases Python's lock. The finest level
+    of a chain takes as long as all others together, so a second thread makes the others.
     """
     meshes = wanted(options)
     shares = dict.fromkeys(meshes, 0.0)
@@ -108,14 +106,17 @@ def _base_of(module, skeleton, options, meshes):
     return BarkMesh(Fineness(0), base, *module.original_uvs(skeleton, base))
 
 
-def size_settings(options, metre):
-    """What read_tree is told about the tree's size; metre: a metre in the scene's units."""
+def size_settings(options, units_per_metre):
+    """The arguments of read_tree for the tree's size. units_per_metre: Blender units of a metre."""
     unit = METRES_OF_UNIT[options.unit]
-    return {"unit": 1.0 if unit is None else unit * metre, "height": options.height * metre}
+    return {
+        "unit": 1.0 if unit is None else unit * units_per_metre,
+        "height": options.height * units_per_metre,
+    }
 
 
 def _lay_out_leaves(module, skeleton, options, stopped):
-    """The leaves' UV map `snow`; None without leaves. stopped: an event that ends it."""
+    """The leaves' UV map `snow`; None without leaves. stopped: an event that stops it."""
     if not len(skeleton.foliage.vertices):
         return None
 
@@ -125,10 +126,10 @@ def _lay_out_leaves(module, skeleton, options, stopped):
     return module.layout_leaf_uvs(skeleton, options.snow_resolution, progress=go_on)
 
 
-def read_native(path, options, progress=None, metre=1.0):
-    """Reads `path` and computes the tree. Touches no Blender data; raises ValueError for bad input.
+def read_native(path, options, progress=None, units_per_metre=1.0):
+    """Reads `path` and computes the tree, without Blender's data. Raises ValueError for invalid input.
 
-    metre: what a metre is in the scene's units. progress(share 0..1) -> False stops: KeyboardInterrupt.
+    units_per_metre: Blender units of a metre. progress(share 0..1) -> False stops: KeyboardInterrupt.
     """
     path = Path(path)
     if not path.name or path.is_dir():
@@ -139,7 +140,7 @@ def read_native(path, options, progress=None, metre=1.0):
     started = time.perf_counter()
 
     def part(begin, end):
-        """Reports the shares of a stage as those of the whole."""
+        """Converts the progress of a stage to that of the whole."""
         return lambda share: progress is None or progress(begin + (end - begin) * share)
 
     skeleton = module.read_tree(
@@ -148,14 +149,14 @@ def read_native(path, options, progress=None, metre=1.0):
         levels=options.levels,
         simplify=options.simplify,
         tolerance=options.tolerance,
-        **size_settings(options, metre),
+        **size_settings(options, units_per_metre),
         outside_files=options.outside_files,
         foliage=(options.foliage_names or "AUTO") if options.foliage else "NONE",
         progress=part(0.0, 0.4),
     )
     if not skeleton.branches:
-        raise ValueError(f"{path} holds no branches: there is no tree to import")
-    # The leaves' charts need the skeleton alone: a second thread lays them out beside the mesh.
+        raise ValueError(f"{path} has no branches: there is no tree to import")
+    # The leaves' charts need only the skeleton: a second thread packs them while the mesh is built.
     stopped = threading.Event()
     with ThreadPoolExecutor(1, "snowbough-leaves") as worker:
         try:
@@ -174,8 +175,8 @@ def read_native(path, options, progress=None, metre=1.0):
         leaf_bones = leaf_bones if bone_map is None else bone_map[leaf_bones]
         if leaf_layout["resolution"] > options.snow_resolution:
             warnings.append(
-                f"the leaves' snow UV map needs a resolution of {leaf_layout['resolution']}, "
-                f"not {options.snow_resolution}"
+                f"the leaves' UV map for snow needs a resolution of {leaf_layout['resolution']} texels, not "
+                f"{options.snow_resolution}"
             )
     if part(0.95, 1.0)(1.0) is False:
         raise KeyboardInterrupt("cancelled")
@@ -193,7 +194,7 @@ def read_native(path, options, progress=None, metre=1.0):
     report["leaves"] = 0 if leaf_bones is None else len(leaf_bones)
     report["surface"] = {key: whole.report[key] for key in ("components", "closed", "crossing_junctions")}
     if all(branch.parent < 0 for branch in skeleton.branches) and leaf_layout is None:
-        warnings.append(BARE)
+        warnings.append(BARE_TRUNK)
     report["warnings"] = list(report["warnings"]) + warnings
     report["native_seconds"] = round(time.perf_counter() - started, 4)
     return NativeTree(skeleton, meshes, base, leaf_bones, leaf_layout, report)

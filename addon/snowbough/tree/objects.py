@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Blender's objects from the native arrays: meshes and their collection.
+"""Makes Blender's meshes and objects from native arrays.
 
-What goes in are plain numpy arrays; what comes out are data-blocks named as the user finds them. A
-:class:`Ledger` remembers every data-block made, so that an error on the way leaves nothing behind.
+A :class:`Ledger` records the data-blocks that are made, so that an error leaves nothing behind.
 """
 
 import bpy
@@ -17,7 +16,7 @@ LEVEL_ATTRIBUTE = "branch_level"
 
 
 class Ledger:
-    """Data-blocks made since it was opened; used as a context, it removes them when an error passes."""
+    """A context that removes all data-blocks made in it if an error leaves it."""
 
     KINDS = ("objects", "meshes", "armatures", "collections", "materials", "images", "actions")
 
@@ -38,23 +37,22 @@ class Ledger:
 
 
 def file_title(path_stem, room):
-    """The file's name as data-blocks carry it, with `room` bytes left for what is appended."""
+    """The file's name for data-blocks, with `room` bytes left for a suffix."""
     return clip_utf8(path_stem, NAME_BYTES - room) or "tree"
 
 
 def _checked(corner_vertex, vertex_count):
     if len(corner_vertex) and (corner_vertex.min() < 0 or corner_vertex.max() >= vertex_count):
-        raise ValueError("a face names a vertex that is not there")
+        raise ValueError("a face refers to a vertex that does not exist")
     return corner_vertex
 
 
 def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, weights):
     """A mesh from flat arrays.
 
-    vertices float32 (V, 3); corner_vertex int32 (L,); face_begin int32 (F + 1,): polygon f owns the
-    corners from face_begin[f] to face_begin[f + 1]; uvs: list of (name, float32 (L, 2)), in the
-    order the layers shall have; bones int32, weights float32 (V, K): see armature.write_weights.
-    Raises ValueError for an index out of range.
+    vertices float32 (V, 3); corner_vertex int32 (L,); face_begin int32 (F + 1,): polygon f has the corners from
+    face_begin[f] to face_begin[f + 1]; uvs: list of (name, float32 (L, 2)), in the order of the layers; bones int32,
+    weights float32 (V, K): see armature.write_weights. Raises ValueError for an index out of range.
     """
     corner_vertex = _checked(np.ascontiguousarray(corner_vertex, dtype=np.int32).reshape(-1), len(vertices))
     face_begin = np.ascontiguousarray(face_begin, dtype=np.int32)
@@ -77,7 +75,7 @@ def create_mesh(name, vertices, corner_vertex, face_begin, uvs, smooth, bones, w
 
 
 def create_object(name, mesh, bone_names):
-    """An object of `mesh` whose vertex groups are the bones, in their order."""
+    """An object with `mesh` and a vertex group for each bone, in their order."""
     obj = bpy.data.objects.new(name, mesh)
     for bone in bone_names:
         obj.vertex_groups.new(name=bone)
@@ -85,16 +83,16 @@ def create_object(name, mesh, bone_names):
 
 
 def point_levels(quads, face_level, vertex_count):
-    """int32 (V,): a vertex has the lowest branch level of its faces; 0 without faces."""
+    """int32 (V,): the lowest branch level of the faces of each vertex; 0 without faces."""
     levels = np.zeros(vertex_count, dtype=np.int32)
-    # Deepest level first: what is written last stays.
+    # Deepest level first: later ones overwrite it.
     for level in np.unique(face_level)[::-1]:
         levels[quads[face_level == level].reshape(-1)] = level
     return levels
 
 
 def _fill_slots(mesh, materials, chosen):
-    """Gives the mesh the materials that its faces use, in their order, and each face its slot.
+    """Gives the mesh the materials that its faces use, in order, and each face its slot.
 
     chosen int (F,): index into materials.
     """
@@ -105,13 +103,12 @@ def _fill_slots(mesh, materials, chosen):
 
 
 def create_bark(name, tree, bone_names, materials, face_material=None, original_uv=None):
-    """The bark object: UV maps `bark`, `snow` and, if the export has any, `original` (in this order), branch
-    levels, weights, the materials that it uses.
+    """The bark object: UV maps `bark`, `snow` and, if the export has it, `original` (in this order), branch levels,
+    weights, and the materials in use.
 
-    tree: the native mesh (vertices, quads, uv_bark, uv_snow, branch_level, bone_indices,
-    bone_weights); bone_names: the armature's, one a native bone. materials: of the export, then the one for
-    faces without; face_material int (F,): index into them, -1 for none; without it all faces have none.
-    original_uv float32 (F, 4, 2) or None.
+    tree: the native mesh (vertices, quads, uv_bark, uv_snow, branch_level, bone_indices, bone_weights); bone_names: of
+    the armature, one per native bone. materials: those of the export, then one for faces without; face_material int
+    (F,): index into them, -1 for none; without it all faces have none. original_uv float32 (F, 4, 2) or None.
     """
     quads = np.asarray(tree.quads, dtype=np.int32)
     vertices = np.asarray(tree.vertices, dtype=np.float32)
@@ -130,7 +127,7 @@ def create_bark(name, tree, bone_names, materials, face_material=None, original_
     )
     levels = np.ascontiguousarray(tree.branch_level, dtype=np.int32)
     mesh.attributes.new(LEVEL_ATTRIBUTE, "INT", "FACE").data.foreach_set("value", levels)
-    # Float: glTF has no 32-bit integer attributes.
+    # As floats, since glTF has no 32-bit integer attributes.
     at_points = point_levels(quads, levels, len(vertices)).astype(np.float32)
     mesh.attributes.new(POINT_LEVEL_ATTRIBUTE, "FLOAT", "POINT").data.foreach_set("value", at_points)
     if face_material is None:
@@ -140,10 +137,10 @@ def create_bark(name, tree, bone_names, materials, face_material=None, original_
 
 
 def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
-    """The leaves' object: UV maps `leaf` (the export's) and `snow`, each leaf weighted 1 to its bone.
+    """The leaves object: UV maps `leaf` (the export's) and `snow`, each leaf with weight 1 for its bone.
 
-    foliage: the native arrays. snow_uv float32 (C, 2). leaf_bones int32 (leaves,) into bone_names.
-    materials: one a native material, then the one for faces without; slots hold those in use.
+    foliage: the native arrays. snow_uv float32 (C, 2). leaf_bones int32 (leaves,) into bone_names. materials: one per
+    native material, then one for faces without; the slots are those in use.
     """
     corner_vertex, face_begin = np.asarray(foliage.corner_vertex), np.asarray(foliage.face_begin)
     uvs = [(LEAF_UV, foliage.corner_uv), (SNOW_UV, snow_uv)]
@@ -161,13 +158,13 @@ def create_leaves(name, foliage, snow_uv, leaf_bones, bone_names, materials):
         weights=np.ones(bones.shape, dtype=np.float32),
     )
     mesh.attributes.new(LEAF_BONE_ATTRIBUTE, "INT", "POINT").data.foreach_set("value", bones.reshape(-1))
-    # -1, no material, is the last one.
+    # -1, no material, becomes the last index.
     _fill_slots(mesh, materials, np.asarray(foliage.face_material) % len(materials))
     return create_object(name, mesh, bone_names)
 
 
 def bind(obj, rig):
-    """Parents `obj` to the armature and gives it the modifier that deforms it."""
+    """Parents `obj` to the armature and adds the modifier that deforms it."""
     obj.parent = rig
     modifier = obj.modifiers.new("Armature", "ARMATURE")
     modifier.object = rig

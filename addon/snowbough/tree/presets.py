@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Ready-made settings of the import operator, shown in its file browser as Blender's operator presets.
+"""Presets of the import operator, shown in its file browser as Blender's operator presets.
 
-A preset says where it differs from the options' defaults. What follows from the file at hand is left as it is.
+A preset has the differences from the options' defaults. Options that depend on the file are not in presets.
 """
 
 import tempfile
@@ -15,7 +15,7 @@ from .import_options import ImportOptions
 
 OPERATOR = "import_scene.xfrog_tree"
 
-# Options that no preset sets.
+# Options that presets do not set.
 OF_THE_FILE = {
     "up_axis",
     "unit",
@@ -45,7 +45,7 @@ _registered = []
 
 
 def text_of(preset):
-    """The script with which Blender applies a preset to the operator."""
+    """The script by which Blender applies a preset to the operator."""
     values = {
         **{name: value for name, value in asdict(ImportOptions()).items() if name not in OF_THE_FILE},
         **preset,
@@ -55,7 +55,7 @@ def text_of(preset):
 
 
 def write_presets(folder):
-    """Writes all presets as files into folder/operator/<operator>."""
+    """Writes all presets as files to folder/operator/<operator>."""
     target = Path(folder) / "operator" / OPERATOR
     target.mkdir(parents=True, exist_ok=True)
     for name, preset in PRESETS.items():
@@ -63,7 +63,7 @@ def write_presets(folder):
 
 
 def register():
-    # In Blender's own temporary folder, which goes with the session.
+    # In Blender's temporary folder, which is deleted with the session.
     folder = Path(tempfile.mkdtemp(prefix="snowbough-", dir=bpy.app.tempdir)) / "presets"
     write_presets(folder)
     _registered.append((folder, compat.register_presets(folder)))

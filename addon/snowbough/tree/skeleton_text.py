@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A skeleton as a text that a .blend can keep, and back. No ``bpy``.
+"""Converts a skeleton to text for storage in a .blend, and back. No ``bpy``.
 
-The text is base 85 of zlib of a line of JSON (names, levels, parents, points a branch, and what the tree was built
-with) and the numbers themselves, float32: every number comes back bit for bit.
+The text is the base 85 encoding of zlib data: a line of JSON (names, levels, parents, points per branch, build options)
+and the numbers as float32, which are restored exactly.
 """
 
 import base64
@@ -16,7 +16,7 @@ FORMAT = 1
 
 
 def to_text(branches, built):
-    """branches: as the native module's Skeleton has them; built: plain data that is kept beside them."""
+    """branches: of the native module's Skeleton; built: plain data to store with them."""
     points = [np.asarray(branch.points, dtype=np.float32) for branch in branches]
     header = {
         "format": FORMAT,
@@ -37,7 +37,7 @@ def to_text(branches, built):
 
 
 def from_text(text):
-    """(branches, built) as to_text took them; branches as namespaces. Raises ValueError for any other text."""
+    """The (branches, built) of to_text, with branches as namespaces. Raises ValueError for other texts."""
     try:
         line, _, rest = zlib.decompress(base64.b85decode(text)).partition(b"\n")
         header = json.loads(line)
@@ -48,7 +48,7 @@ def from_text(text):
         numbers = np.frombuffer(rest, "<f4", 5 * total + 3 * branches)
     except (ValueError, KeyError, zlib.error) as error:
         raise ValueError(
-            f"the skeleton that the tree keeps cannot be read ({error}): import the tree anew with this Snowbough"
+            f"the stored skeleton of the tree cannot be read ({error}): import the tree again with this version"
         ) from error
     points, radii, areas, attach = np.split(numbers, np.cumsum([3 * total, total, total]))
     ends = np.cumsum(counts)[:-1]

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """Looping wind keyframes for a tree's armature.
 
-Each bone gets two channels (bending, no twist) of about 16 keys that repeat through a Cycles modifier:
-a key on every frame of 1,000 bones would make a file of 63 MB. The physics are in :mod:`.wind`.
+Each bone gets two channels (bending, no twist) of about 16 keys, repeated by a Cycles modifier: a key on every frame
+for 1,000 bones would make a file of 63 MB. The physics is in :mod:`.wind`.
 """
 
 import bpy
@@ -13,7 +13,7 @@ from . import wind
 
 
 def wind_direction(bearing):
-    """Unit vector in which the wind blows: 0 is +Y, clockwise seen from above, as for the snow's fall."""
+    """Unit vector of the wind's direction: 0 is +Y, clockwise seen from above, as for snowfall."""
     return np.array([np.sin(bearing), np.cos(bearing), 0.0])
 
 
@@ -39,10 +39,10 @@ def _bone_arrays(armature):
 def sway_angles(armature, to_world, direction, strength, gusts, seed, keys, seconds, scale):
     """Euler angles (B, keys, 2) about each bone's own X and Z axis, in the order of `armature.bones`.
 
-    to_world: the armature's 3 x 3 world matrix as numpy; scale: metres a Blender unit.
+    to_world: the armature's 3 x 3 world matrix as numpy; scale: metres of a Blender unit.
     """
     parents, connected, heads, tails, radii, local_axes = _bone_arrays(armature)
-    # The armature may be turned and scaled: physics happen in world metres.
+    # The armature may be rotated and scaled; the physics uses world metres.
     size = abs(np.linalg.det(to_world)) ** (1 / 3) * scale
     rotation = to_world / max(np.cbrt(abs(np.linalg.det(to_world))), 1e-12)
     along = tails - heads
@@ -57,14 +57,14 @@ def sway_angles(armature, to_world, direction, strength, gusts, seed, keys, seco
     blow = rotation.T @ direction
     blow /= max(np.linalg.norm(blow), 1e-12)
     vectors = wind.sway_vectors(chains, shares, bone_y, roots, blow, strength, gusts, seed, keys, seconds)
-    # A rotation vector across the bone has only X and Z components in the bone's own frame.
+    # A rotation vector perpendicular to the bone has only X and Z components in the bone's own frame.
     return np.einsum("bki,bai->bka", vectors, local_axes[:, (0, 2)])
 
 
 def _write_curves(new_curve, bones, angles, start, step):
-    """One F-curve a bone and axis: keys at start + k * step, closing with the first key's value again.
+    """One F-curve per bone and axis: keys at start + k * step, and the first key's value again at the end.
 
-    Handles are the periodic cubic's own tangents, so the loop closes in value and in speed.
+    Handles are the tangents of the periodic cubic, so the loop closes in value and in speed.
     """
     keys = angles.shape[1]
     closed = np.concatenate([angles, angles[:, :1]], axis=1)
@@ -88,14 +88,14 @@ def _write_curves(new_curve, bones, angles, start, step):
             write("co", points.reshape(-1))
             write("handle_left", before.reshape(-1))
             write("handle_right", after.reshape(-1))
-            # Enumerations are not written by foreach_set. New keys are Bezier keys.
+            # foreach_set cannot write enumerations. New keys are Bezier keys.
             for key in curve.keyframe_points:
                 key.handle_left_type = key.handle_right_type = "FREE"
             curve.modifiers.new("CYCLES")
 
 
 def add_sway(rig, scene, bearing, strength, gusts, seed, frame_start, loop_frames, keys):
-    """Replaces the armature object's action by a looping sway; returns the action.
+    """Replaces the action of the armature object by a looping sway; returns the action.
 
     bearing in radians, strength 1 = fresh breeze, gusts 0 to 1, loop_frames > 0, keys >= 4.
     """
@@ -124,7 +124,7 @@ def add_sway(rig, scene, bearing, strength, gusts, seed, frame_start, loop_frame
 
 
 def rig_of(obj):
-    """The armature object itself, or the one that deforms the mesh object; None without."""
+    """The object itself if it is an armature, else the armature that deforms it; None if there is none."""
     if obj is None:
         return None
     if obj.type == "ARMATURE":

@@ -18,7 +18,7 @@ def _uv_node(tree, uv_map):
 
 
 class Textures:
-    """Image nodes of one material, all on the same UV map."""
+    """Image texture nodes of one material, all on the same UV map."""
 
     def __init__(self, tree, uv_map):
         self._tree, self._uv_map, self._uv, self._nodes = tree, uv_map, None, {}
@@ -52,10 +52,10 @@ class Textures:
 
 
 def _image(path, color_space):
-    """The image, once a colour space: a file may be both a colour and a mask."""
+    """The image, once per colour space: a file may be both a colour and a mask."""
     path = str(Path(path))
     for image in bpy.data.images:
-        # One that nobody uses yet was only looked at (Check).
+        # An image without users was only loaded by Check.
         if bpy.path.abspath(image.filepath) == path and (
             image.colorspace_settings.name == color_space or image.users == 0
         ):
@@ -67,13 +67,13 @@ def _image(path, color_space):
 
 
 def _is_readable(path):
-    """Whether Blender can show a file: what it cannot read it shows in pink."""
+    """Whether Blender can read an image file; others would be shown in pink."""
     known = {image.as_pointer() for image in bpy.data.images}
     try:
         image = bpy.data.images.load(path, check_existing=True)
     except RuntimeError:
         return False
-    # Asking for the size reads the file; it stays in memory for the material.
+    # Reading the size loads the file, which stays in memory for the material.
     if all(image.size):
         return True
     if image.as_pointer() not in known:
@@ -82,16 +82,16 @@ def _is_readable(path):
 
 
 class Check:
-    """Which textures of a tree's materials Blender can read.
+    """Finds out which textures of a tree's materials Blender can read.
 
-    warnings: receives one line for each file that it cannot.
+    warnings: a list that gets one line for each unreadable file.
     """
 
     def __init__(self, warnings):
         self._warnings, self._answers = warnings, {}
 
     def readable(self, sources):
-        """The materials `sources` without the textures that cannot be read: they fall back to their colour."""
+        """The materials `sources` without unreadable textures, so that they use their colour."""
         return [_without(source, self._broken(source)) for source in sources]
 
     def _broken(self, source):

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""A tree as an asset, with a picture that needs no renderer and no window.
+"""Marks a tree as an asset, with a picture that needs no renderer and no window.
 
-Points spread over the faces are drawn into a small depth buffer, lit from above and the left: enough to tell one tree
-from another at the size of an icon.
+Points spread over the faces are drawn into a small depth buffer, lit from above and the left. This is enough to
+distinguish trees at the size of an icon.
 """
 
 import numpy as np
@@ -10,15 +10,15 @@ import numpy as np
 SIZE = 256
 # Points in the picture.
 POINTS = 600_000
-# Towards the light, and towards the viewer, who stands a little above.
+# Direction to the light, and to the viewer, who is slightly above.
 LIGHT = np.array((-0.5, -0.55, 0.67))
 VIEW = np.array((0.35, -0.92, 0.18))
 MARGIN = 0.06
 
 
 def spread(triangles, count):
-    """(index of the triangle (N,), barycentric (N, 2)): about `count` points, evenly over the area of triangles
-    (T, 3, 3), the same each time."""
+    """(index of the triangle (N,), barycentric (N, 2)) of about `count` points, evenly spread over the area of
+    triangles (T, 3, 3); deterministic."""
     across = np.cross(triangles[:, 1] - triangles[:, 0], triangles[:, 2] - triangles[:, 0])
     ends = np.cumsum(np.linalg.norm(across, axis=1))
     if not len(ends) or ends[-1] <= 0.0:
@@ -60,18 +60,18 @@ def picture(parts):
         shades.append(colours[index] * light[:, None])
     at = ((np.concatenate(pixels) - middle) * scale + SIZE / 2).astype(np.int64)
     at = np.clip(at, 0, SIZE - 1)
-    # The nearest is written last and stays.
+    # The nearest is written last and remains.
     order = np.argsort(np.concatenate(depths), kind="stable")
     rows = at[order]
     image[rows[:, 1], rows[:, 0], :3] = np.concatenate(shades)[order]
     image[rows[:, 1], rows[:, 0], 3] = 1.0
-    # The preview is shown as it is: from linear light to what a screen takes.
+    # The picture is shown without conversion: from linear light to display values.
     image[..., :3] = np.clip(image[..., :3], 0.0, 1.0) ** (1.0 / 2.2)
     return image
 
 
 def _colour_of(material):
-    """About the colour of a material: the mean of its colour texture, or its Principled's."""
+    """The approximate colour of a material: the mean of its colour texture, or its base colour."""
     if material is None or material.node_tree is None:
         return (0.5, 0.5, 0.5)
     surface = next((node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED"), None)
@@ -85,7 +85,7 @@ def _colour_of(material):
         pixels = pixels.reshape(-1, node.image.channels)
         seen = pixels[pixels[:, 3] > 0.5] if node.image.channels == 4 else pixels
         colour = (seen if len(seen) else pixels).mean(axis=0)
-        # The bytes of an image are as a screen takes them.
+        # The bytes of an image are display values.
         return tuple((np.resize(colour[:3], 3) ** 2.2).tolist())
     if node is not None and node.type == "VALTORGB":
         colours = [element.color[:3] for element in node.color_ramp.elements]
@@ -110,7 +110,7 @@ def _triangles(obj):
 
 
 def mark_asset(collection, description):
-    """Makes the collection an asset, described and with a picture of its visible meshes."""
+    """Marks the collection as an asset, with a description and a picture of its visible meshes."""
     collection.asset_mark()
     collection.asset_data.description = description
     collection.asset_data.tags.new("tree")

@@ -1,17 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """How the limbs of a tree swing in the wind: from their lengths and radii to bone angles over a loop.
 
-Pure numpy, no Blender. A limb is one branch's chain of bones; it is taken as a cantilever that its
-parent limb carries along.
+Pure numpy, no Blender. A limb is the chain of bones of one branch, treated as a cantilever that its parent limb
+carries.
 
 - Frequency: first bending mode of a uniform round cantilever, f = 1.875^2 / (2 pi) * r / (2 L^2) *
   sqrt(E / rho) (W. T. Thomson, Theory of Vibration with Applications, table 9.5-1: 3.52 = 1.875^2 for a
   cantilever; r / 2 is a round section's radius of gyration): long thin limbs swing slowly.
 - Amplitude: angle at the tip under an even load, q L^3 / (6 E I) (any table of beam slopes and
   deflections) with I = pi r^4 / 4 and the wind's drag q = rho_air / 2 * v^2 * c_d * 2 r: proportional to
-  (L / r)^3. It levels off at `LARGEST_ANGLE`, since slender plants bend out of the wind and feel less of
-  it (E. de Langre, A. Gutierrez, J. Cosse, On the scaling of drag reduction by reconfiguration in plants,
-  Comptes Rendus Mecanique 340, 2012, pages 35-40); how it levels off is our choice.
+  (L / r)^3. It is limited to `LARGEST_ANGLE`, since slender plants bend out of the wind and feel less of it (E. de
+  Langre, A. Gutierrez, J. Cosse, On the scaling of drag reduction by reconfiguration in plants, Comptes Rendus
+  Mecanique 340, 2012, pages 35-40); the form of the limit is our choice.
 - Share of each bone: curvature of that cantilever, M / (E I) with M ~ (1 - s)^2 and the bone's own radius.
 """
 
@@ -19,21 +19,21 @@ from dataclasses import dataclass
 
 import numpy as np
 
-# Living wood: Young's modulus 7 GPa, density 900 kg/m3. Round numbers of our choice; species differ by
-# a factor of two, which the operator's strength covers.
+# Living wood: Young's modulus 7 GPa, density 900 kg/m3. These are our round numbers; species differ by a factor of two,
+# which the operator's strength covers.
 WOOD_SPEED = (7.0e9 / 900.0) ** 0.5
 WOOD_MODULUS = 7.0e9
 AIR_DENSITY = 1.2
-# Twigs and leaves catch far more wind than the limb's own silhouette. Chosen by eye: a fresh breeze moves
-# small trees as a whole.
+# Twigs and leaves catch far more wind than the limb's silhouette. Chosen by eye, so that a fresh breeze moves small
+# trees as a whole.
 CROWN_DRAG = 40.0
-# Metres a second at strength 1: a fresh breeze, Beaufort 5 (8.0 to 10.7 m/s).
+# Metres per second at strength 1: a fresh breeze, Beaufort 5 (8.0 to 10.7 m/s).
 WIND_SPEED = 9.0
-# Radians that a limb's tip turns by at most, relative to its base.
+# Largest angle in radians between a limb's tip and its base.
 LARGEST_ANGLE = np.radians(22.0)
-# A curve needs four keys a cycle.
+# A sine curve needs four keys per cycle.
 KEYS_PER_CYCLE = 4
-# A limb thinner than this share of its length would have no stiffness at all.
+# Lower limit for radius / length; a thinner limb would have almost no stiffness.
 SLENDEREST = 1.0 / 400.0
 
 
@@ -41,8 +41,8 @@ SLENDEREST = 1.0 / 400.0
 class Chains:
     """Limbs as chains of bones. Rows are bones, parents before children, except where noted.
 
-    limb int32 (B,): which limb a bone belongs to; position float (B,): the bone's middle along its limb,
-    0 at the base, 1 at the tip; limb_length, limb_radius float (limbs,): metres; limb_level int (limbs,).
+    limb int32 (B,): index of a bone's limb; position float (B,): the bone's middle along its limb, 0 at the base, 1 at
+    the tip; limb_length, limb_radius float (limbs,): metres; limb_level int (limbs,).
     """
 
     limb: np.ndarray
@@ -53,7 +53,7 @@ class Chains:
 
 
 def find_chains(parents, connected, lengths, radii):
-    """Groups bones into limbs: a connected bone continues its parent's limb, any other begins one.
+    """Groups bones into limbs: a connected bone continues its parent's limb, any other bone starts one.
 
     parents int (B,), -1 for roots, parents first; connected bool (B,); lengths, radii float (B,), metres.
     """
@@ -63,7 +63,7 @@ def find_chains(parents, connected, lengths, radii):
     first, level = [], []
     continued = np.zeros(count, dtype=bool)
     for bone, parent in enumerate(np.asarray(parents).tolist()):
-        # A second connected child would be a fork: it begins a limb of its own.
+        # A second connected child is a fork: it starts its own limb.
         if parent >= 0 and connected[bone] and not continued[parent]:
             continued[parent] = True
             limb[bone] = limb[parent]
@@ -80,22 +80,22 @@ def find_chains(parents, connected, lengths, radii):
 
 
 def natural_frequencies(length, radius):
-    """First bending mode of each limb in Hz; arrays in metres."""
+    """Frequency in Hz of the first bending mode of each limb; arrays in metres."""
     return 1.875**2 / (2 * np.pi) * radius / (2 * length**2) * WOOD_SPEED
 
 
 def tip_angles(length, radius, speed):
-    """Angle in radians that wind of `speed` m/s bends each limb's tip by."""
+    """Angle in radians by which wind of `speed` m/s bends the tip of each limb."""
     load = 0.5 * AIR_DENSITY * speed**2 * CROWN_DRAG * 2 * radius
     stiffness = WOOD_MODULUS * np.pi * radius**4 / 4
     return LARGEST_ANGLE * np.tanh(load * length**3 / (6 * stiffness) / LARGEST_ANGLE)
 
 
 def loop_cycles(frequency, seconds, keys):
-    """Whole cycles each limb makes in the loop, at least 1, at most keys / KEYS_PER_CYCLE.
+    """Number of whole cycles of each limb in the loop, at least 1, at most keys / KEYS_PER_CYCLE.
 
-    Where the fastest limb needs more than the keys can draw, all are compressed logarithmically between
-    the slowest and that limit, so that the order from slow to fast stays.
+    If the fastest limb exceeds the limit, all are compressed logarithmically between the slowest and the limit, which
+    keeps their order.
     """
     most = max(1, keys // KEYS_PER_CYCLE)
     cycles = np.asarray(frequency) * seconds
@@ -108,7 +108,7 @@ def loop_cycles(frequency, seconds, keys):
 
 
 def bone_shares(chains, lengths, radii):
-    """Part of its limb's bend that each bone makes; the shares of a limb sum to 1."""
+    """Share of each bone in the bend of its limb; the shares of a limb sum to 1."""
     at_least = 0.5 * chains.limb_radius[chains.limb]
     curvature = (1.02 - np.minimum(chains.position, 1.0)) ** 2 / np.maximum(radii, at_least) ** 4
     share = curvature * np.maximum(lengths, 1e-9)
@@ -127,11 +127,10 @@ def gust_curve(phases, gusts, generator):
 def sway_vectors(chains, shares, axes, roots, wind, strength, gusts, seed, keys, seconds):
     """Rotation vectors of every bone at `keys` moments of the loop: float (B, keys, 3), radians.
 
-    axes float (B, 3): unit vectors along the bones at rest; roots (limbs, 3): where each limb begins,
-    metres; wind: unit vector in which the wind blows, in the same space; strength 1 = fresh breeze;
-    gusts 0 to 1; seconds: the loop's length. Moment k is k / keys of the loop: the curve is periodic,
-    so that moment `keys` is moment 0 again. A rotation vector is perpendicular to its bone: limbs bend
-    and do not twist.
+    axes float (B, 3): unit vectors along the bones at rest; roots (limbs, 3): base of each limb in metres; wind: unit
+    vector of the wind's direction, in the same space; strength 1 = fresh breeze; gusts 0 to 1; seconds: length of the
+    loop. Moment k is at k / keys of the loop, and the curve is periodic, so moment `keys` is moment 0. A rotation
+    vector is perpendicular to its bone: limbs bend and do not twist.
     """
     generator = np.random.default_rng(seed)
     limbs = len(chains.limb_length)
@@ -140,14 +139,14 @@ def sway_vectors(chains, shares, axes, roots, wind, strength, gusts, seed, keys,
     cycles = loop_cycles(frequency, seconds, keys)[:, None]
     angle = tip_angles(chains.limb_length, chains.limb_radius, WIND_SPEED * strength)[:, None]
 
-    # Gusts travel with the wind: what stands further downwind feels them later.
+    # Gusts travel with the wind: limbs further downwind feel them later.
     delay = (roots @ wind)[:, None] / (max(WIND_SPEED * strength, 1e-6) * seconds)
     gust = gust_curve(moments - delay, gusts, generator)
     phase = chains.limb_level[:, None] / 3.0 + 0.35 * generator.random((limbs, 1))
     swing = np.sin(2 * np.pi * (cycles * moments - phase))
     across_phase = generator.random((limbs, 1))
     across = np.sin(2 * np.pi * (cycles * moments - across_phase))
-    # The wind pushes one way: a steady lean, and the swing about it.
+    # The wind pushes in one direction: a constant lean with a swing around it.
     downwind = angle * gust * (0.45 + 0.55 * swing)
     crosswind = 0.3 * angle * gust * across
 

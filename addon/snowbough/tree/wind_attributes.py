@@ -1,22 +1,22 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Attributes of points by which an engine's shader can bend branches without bones.
+"""Point attributes by which a shader in a game engine can bend branches without bones.
 
-In the manner of Pivot Painter 2 (J. Lindquist, Epic Games, 2017): every point knows the branch that it belongs to,
-where that one turns and which way it runs. All branches of a tree have the same number of attributes, so one shader
-serves. Names begin with an underscore, for glTF carries no others.
+As in Pivot Painter 2 (J. Lindquist, Epic Games, 2017), every point has the pivot and the direction of its branch. All
+branches have the same attributes, so one shader suffices. Their names begin with an underscore, since glTF exports no
+others.
 """
 
 import numpy as np
 
-# Where the branch leaves its parent, metres from the tree's origin; its direction from there to its tip, of unit
-# length; the way between the two, metres; a number from 0 to 1 by which neighbours do not swing in step.
+# Base of the branch, in metres from the tree's origin; unit vector from there to its tip; distance between both in
+# metres; a number from 0 to 1 that lets neighbours swing out of phase.
 PIVOT, AXIS, LENGTH, PHASE = "_PIVOT", "_AXIS", "_LENGTH", "_PHASE"
 
 _GOLDEN = 0.6180339887498949
 
 
 def phases(count):
-    """float32 (count,): evenly spread from 0 to 1, neighbours far apart: multiples of the golden section."""
+    """float32 (count,): multiples of the golden section modulo 1: evenly spread, neighbours far apart."""
     return ((np.arange(1, count + 1) * _GOLDEN) % 1.0).astype(np.float32)
 
 
@@ -31,9 +31,9 @@ def branch_axes(branches):
 
 
 def branch_of_points(quads, face_branch, branch_level, count):
-    """int32 (count,): the branch of each point. Where several meet it is the one of the lowest level, then number:
-    what is shared moves with the parent, and nothing tears."""
-    # Deepest first: what is written last stays.
+    """int32 (count,): the branch of each point. If several meet, it is the one with the lowest level, then number, so
+    that shared points move with the parent and nothing tears."""
+    # Deepest level first: later ones overwrite it.
     order = np.lexsort((-face_branch, -branch_level[face_branch]))
     points = np.zeros(count, dtype=np.int32)
     points[quads[order].reshape(-1)] = np.repeat(face_branch[order], 4)
@@ -67,7 +67,7 @@ def add_to_bark(mesh, skeleton, native_mesh):
 
 
 def add_to_leaves(mesh, skeleton):
-    """Writes the attributes of the leaves: each turns where it hangs and runs from there to its farthest point."""
+    """Writes the attributes of the leaves: the pivot is the attach point, and the axis points to the farthest point."""
     foliage = skeleton.foliage
     points = np.asarray(foliage.vertices)
     leaf = np.zeros(len(points), dtype=np.int32)

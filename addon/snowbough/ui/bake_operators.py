@@ -8,9 +8,10 @@ from ..bake import cache_place, engine, from_scene, outcome
 from ..cache import versions
 from ..cache.errors import CacheError
 from ..cache.folder import baked_frames
+from ..names import counted, sized
 from ..result import displacement
 from . import editing_lock
-from .text import counted, sized, wrapped
+from .text import wrapped
 
 POPUP_LETTERS = 80
 DIALOG_WIDTH = 520
@@ -21,7 +22,7 @@ def _finished_in_window(running):
     scene = bpy.data.scenes.get(running.job.request.scene_name)
     if scene is not None:
         session.last_outcome = outcome.conclude(scene, running)
-        # A step of its own: else the next undo would take back what was done before the bake as well.
+        # The bake gets its own undo step; otherwise Undo would also revert the action before it.
         bpy.ops.ed.undo_push(message=SNOWBOUGH_OT_bake.bl_label)
     severity, text = session.last_outcome
     if severity == "ERROR":
@@ -37,14 +38,14 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.bake"
     bl_label = "Bake Snow"
     bl_description = (
-        "Let snow fall over the shot and write a height map per receiver and frame. "
-        "Esc stops between frames and keeps what is done"
+        "Simulate the snowfall over the shot and write one height map per receiver and frame. "
+        "Esc stops after the current frame and keeps the finished frames"
     )
     bl_options = {"REGISTER"}
 
     resume: bpy.props.BoolProperty(
         name="Resume",
-        description="Go on from the last checkpoint of a bake that was stopped",
+        description="Continue a stopped bake from its last checkpoint",
         default=False,
     )
 
@@ -70,7 +71,7 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     def execute(self, context):
         try:
             running = self._prepare(context)
-            if bpy.app.background:  # nobody sees a progress bar there: a line a frame
+            if bpy.app.background:  # there is no progress bar: print one line per frame
                 running.on_frame = lambda _result: print(f"Snowbough: baked {running.status()}", flush=True)
             engine.run(context, running)
         except (ValueError, RuntimeError) as error:
@@ -88,7 +89,7 @@ class SNOWBOUGH_OT_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
 class SNOWBOUGH_OT_stop_bake(bpy.types.Operator):
     bl_idname = "snowbough.stop_bake"
     bl_label = "Stop Baking"
-    bl_description = "Stop after the frame that is being baked and keep what is done"
+    bl_description = "Stop after the current frame and keep the finished frames"
 
     @classmethod
     def poll(cls, _context):
@@ -102,30 +103,28 @@ class SNOWBOUGH_OT_stop_bake(bpy.types.Operator):
         return {"FINISHED"}
 
 
-def _freeing(scene):
-    """What Free Bake would remove, as texts for people."""
+def _removal_texts(scene):
+    """Describes what Free Bake would remove, one text per folder."""
     texts = []
     for found in cache_place.own_bakes(scene):
         if found.count:
-            texts.append(
-                f"Remove {counted(found.count, 'file')} ({sized(found.size)}) of bakes from {found.root}"
-            )
+            texts.append(f"Remove {counted(found.count, 'file')} ({sized(found.size)}) from {found.root}")
         texts += found.skipped
-    return texts or ["The cache holds no bake of this scene in this .blend: nothing is removed"]
+    return texts or ["The cache has no bake of this scene and file: nothing is removed"]
 
 
 class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.free_bake"
     bl_label = "Free Bake"
     bl_description = (
-        "Remove the files of all bakes of this scene from the cache, and nothing else; asks first, with the folder "
-        "and the size. Files do not come back with undo"
+        "Delete all baked files of this scene from the cache, after showing the folder and the size. "
+        "Undo does not restore the files"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     def invoke(self, context, _event):
         try:
-            self._questions = _freeing(context.scene)
+            self._questions = _removal_texts(context.scene)
         except (CacheError, OSError) as error:
             self.report({"ERROR"}, outcome.one_line(error))
             return {"CANCELLED"}
@@ -139,7 +138,7 @@ class SNOWBOUGH_OT_free_bake(editing_lock.NotWhileBaking, bpy.types.Operator):
     def execute(self, context):
         scene = context.scene
         try:
-            texts = _freeing(scene)
+            texts = _removal_texts(scene)
             removed = sum(versions.free(found) for found in cache_place.own_bakes(scene))
         except (CacheError, OSError) as error:
             self.report({"ERROR"}, outcome.one_line(error))

@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """The direction of the falling snow in the 3D view: two dials with an arrow, or an Empty that drives it.
 
-Both edit `fall_angle` and `bearing` of the scene's settings, which stay the only truth: keyframes and
-drivers on them work with or without either.
+Both edit the scene settings `fall_angle` and `bearing`. Keyframes and drivers on these settings work with or without
+them.
 """
 
 import math
@@ -17,9 +17,9 @@ from .editing_lock import NotWhileBaking
 
 ARROW_NAME = "Snow Direction"
 
-# With the Empty's world rotation as XYZ Euler angles x, y, z its +Z axis, the arrow, points to
+# With x, y, z as the Empty's world rotation (XYZ Euler angles), its +Z axis, the arrow, points to
 #   (cos z sin y cos x + sin z sin x,  sin z sin y cos x - cos z sin x,  cos y cos x).
-# Only functions of Blender's own expression evaluator, so that the drivers run where scripts may not.
+# The expressions use only functions that Blender evaluates itself, so the drivers run where scripts are disabled.
 _DRIVER_FALL_ANGLE = f"min(acos(min(max(-cos(y)*cos(x), -1), 1)), {MAX_FALL_ANGLE:.6f})"
 _DRIVER_BEARING = "atan2(cos(z)*sin(y)*cos(x)+sin(z)*sin(x), sin(z)*sin(y)*cos(x)-cos(z)*sin(x))"
 
@@ -30,7 +30,7 @@ def arrow_rotation(fall_angle, bearing):
 
 
 def frame_matrix(axis, zero, origin):
-    """4x4 matrix at `origin` whose Z is `axis` and whose Y is `zero`: how a dial is placed."""
+    """4x4 matrix of a dial at `origin` whose Z axis is `axis` and whose Y axis is `zero`."""
     z = axis.normalized()
     y = (zero - zero.dot(z) * z).normalized()
     x = y.cross(z)
@@ -38,10 +38,10 @@ def frame_matrix(axis, zero, origin):
 
 
 def drive_by(scene, empty):
-    """Lets the Empty's rotation drive the scene's fall angle and bearing."""
+    """Makes the Empty's rotation drive the scene's fall angle and bearing."""
     settings = scene.snowbough
-    # Both get stored values before their drivers run: Blender evaluates drivers side by side, and two that
-    # each have to store a first value can lose one of them.
+    # Store both values before adding drivers: Blender evaluates drivers in parallel, and if both store a first value,
+    # one of the two can be lost.
     settings.fall_angle, settings.bearing = settings.fall_angle, settings.bearing
     for path, expression in (("fall_angle", _DRIVER_FALL_ANGLE), ("bearing", _DRIVER_BEARING)):
         settings.driver_remove(path)
@@ -60,14 +60,14 @@ def drive_by(scene, empty):
 
 
 def is_driven(scene):
-    """Whether a driver or an action decides the direction, so that dials could not."""
+    """True if drivers control the direction, so that the dials cannot."""
     animation = scene.animation_data
     paths = {"snowbough.fall_angle", "snowbough.bearing"}
     return animation is not None and any(driver.data_path in paths for driver in animation.drivers)
 
 
 class SNOWBOUGH_OT_add_direction_arrow(NotWhileBaking, bpy.types.Operator):
-    """Adds an arrow whose rotation drives the direction of the snow"""
+    """Add an arrow whose rotation sets the direction of the falling snow"""
 
     bl_idname = "snowbough.add_direction_arrow"
     bl_label = "Add Direction Arrow"
@@ -88,7 +88,7 @@ class SNOWBOUGH_OT_add_direction_arrow(NotWhileBaking, bpy.types.Operator):
 
 
 class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
-    """Dials for the bearing (level) and the fall angle (upright), and an arrow along the fall."""
+    """Dials for the bearing (horizontal) and the fall angle (vertical), and an arrow along the fall."""
 
     bl_idname = "SNOWBOUGH_GGT_direction"
     bl_label = "Snow Direction"
@@ -102,7 +102,7 @@ class SNOWBOUGH_GGT_direction(bpy.types.GizmoGroup):
         return bool(scene.snowbough.show_direction and scene.snowbough.receivers) and not is_driven(scene)
 
     def setup(self, context):
-        # The gizmos outlive the scene they were made for: handlers ask for the current one.
+        # Gizmos outlive the scene that they were made for, so the handlers read the current scene.
         def getter(name):
             return lambda: getattr(bpy.context.scene.snowbough, name)
 

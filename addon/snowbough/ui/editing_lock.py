@@ -1,10 +1,9 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Keeps the artist's hands off the scene while it is baked, without taking the window away.
+"""Prevents edits of the scene during a bake, without blocking the window.
 
-Blender can lock its interface during a render, but then the 3D view is not drawn any more and no button
-can be pressed, the Stop button neither. So a modal operator stands before all other handlers of each window
-and lets through what cannot edit: looking around (middle mouse button, wheel), Esc, copying, quitting, and
-clicks on the Stop button.
+Blender can lock its interface during a render, but then the 3D view is not redrawn and the Stop button does not work.
+Instead, a modal operator handles the events of each window first. It passes only events that cannot edit: navigation
+(middle mouse button, wheel), Esc, Copy, Quit, and clicks on the Stop button.
 """
 
 import bpy
@@ -28,7 +27,7 @@ STOP = "bpy.ops.snowbough.stop_bake("
 
 
 def is_harmless(kind, ctrl):
-    """Whether an event (its type, and whether Ctrl is held) can change nothing in the scene."""
+    """True if an event of this type cannot change the scene. ctrl: whether Ctrl is held."""
     if kind in {"WHEELUPMOUSE", "WHEELDOWNMOUSE"}:
         return not ctrl  # with Ctrl the wheel changes the number under the pointer
     if kind in {"C", "Q"}:
@@ -37,7 +36,7 @@ def is_harmless(kind, ctrl):
 
 
 def _region_at(window, x, y):
-    """(area, region) at a place of the window, or (None, None). Regions may overlap: the uppermost is last."""
+    """(area, region) at a window position, or (None, None). Regions may overlap; the topmost is the last."""
     for area in window.screen.areas:
         for region in reversed(area.regions):
             if (
@@ -53,7 +52,7 @@ def _inside(region, x, y):
 
 
 def _is_over_stop(context, event):
-    """Whether the pointer is over a Stop button: copied as Python, as Ctrl+C does, it names its operator."""
+    """True if the pointer is over a Stop button: the button's Python command names its operator."""
     area, region = _region_at(context.window, event.mouse_x, event.mouse_y)
     if region is None:
         return False
@@ -70,7 +69,7 @@ def _is_over_stop(context, event):
 class SNOWBOUGH_OT_lock_editing(bpy.types.Operator):
     bl_idname = "snowbough.lock_editing"
     bl_label = "Lock Editing"
-    bl_description = "Keep the scene as it is while it is baked"
+    bl_description = "Prevent edits of the scene during a bake"
     bl_options = {"INTERNAL"}
 
     def invoke(self, context, _event):
@@ -88,9 +87,9 @@ class SNOWBOUGH_OT_lock_editing(bpy.types.Operator):
 
 
 class NotWhileBaking:
-    """Mix-in of operators that change what a bake reads: greyed with the reason while one runs.
+    """Mix-in for operators that change what a bake reads: disabled, with the reason, while a bake runs.
 
-    A class says in ready(context) what else it needs, with poll_message_set where it is not there.
+    A subclass overrides ready(context), which calls poll_message_set if the operator cannot run.
     """
 
     @classmethod
@@ -106,15 +105,10 @@ class NotWhileBaking:
 
 
 def lock(context):
-    """Locks all windows until the running bake has ended."""
+    """Locks all windows until the running bake ends."""
     for window in context.window_manager.windows:
         with context.temp_override(window=window):
             bpy.ops.snowbough.lock_editing("INVOKE_DEFAULT")
 
 
-def register():
-    bpy.utils.register_class(SNOWBOUGH_OT_lock_editing)
-
-
-def unregister():
-    bpy.utils.unregister_class(SNOWBOUGH_OT_lock_editing)
+register, unregister = bpy.utils.register_classes_factory((SNOWBOUGH_OT_lock_editing,))

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator ``export_scene.snowbough_tree``: an imported tree for game engines (gltf.export_tree)."""
+"""Operator ``export_scene.snowbough_tree``: exports an imported tree for game engines (gltf.export_tree)."""
 
 from pathlib import Path
 
@@ -17,7 +17,7 @@ SECTIONS = (
     ("Tree", ("levels", "file_per_level", "leaf_share")),
     ("Snow", ("snow", "snow_format", "atlas_frames", "atlas_tile")),
 )
-OF_THE_ATLAS = ("atlas_frames", "atlas_tile")
+ATLAS_OPTIONS = ("atlas_frames", "atlas_tile")
 
 
 class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types.Operator, ExportHelper):
@@ -30,7 +30,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
     filename_ext = ".glb"
     filter_glob: StringProperty(
         name="File Names",
-        description="Files that the browser shows",
+        description="Pattern of the file names that the browser shows",
         default="*.glb;*.gltf",
         options={"HIDDEN"},
     )
@@ -67,7 +67,7 @@ class EXPORT_SCENE_OT_snowbough_tree(NotWhileBaking, ExportProperties, bpy.types
             for name in names:
                 row = box.row()
                 row.enabled = self.snow != "NONE" or not name.startswith(("snow_", "atlas_"))
-                row.enabled = row.enabled and (self.snow == "ATLAS" or name not in OF_THE_ATLAS)
+                row.enabled = row.enabled and (self.snow == "ATLAS" or name not in ATLAS_OPTIONS)
                 row.prop(self, name)
 
     def execute(self, context):

@@ -1,7 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator ``import_scene.xfrog_tree``: OBJ trees as rigged, weighted, unwrapped meshes (tree.import_tree).
+"""Operator ``import_scene.xfrog_tree``: imports OBJ trees as rigged, weighted, unwrapped meshes (tree.import_tree).
 
-In a window a second operator does the work, on a thread of its own, so that the window stays alive and Esc stops it.
+In a window, a second operator does the work in a background thread, so the window stays responsive and Esc stops it.
 """
 
 import threading
@@ -21,46 +21,49 @@ from ..tree.import_tree import REPORT_PROPERTY
 from .import_panels import draw_sections
 
 
-def _tell(operator, reports, failures):
-    """Reports what came in: of one tree all that it has to say, of several one summary."""
+def _report_import(operator, reports, failures):
+    """Reports the import: all warnings of one tree, one summary of several."""
     texts = [failure.text() for failure in failures]
     several = len(reports) + len(failures) > 1
     for report in reports:
-        texts += [f"{report['file']}: {text}" if several else text for text in import_tree.told(report)]
+        texts += [
+            f"{report['file']}: {text}" if several else text for text in import_tree.warning_lines(report)
+        ]
     for text in texts[:5]:
         operator.report({"WARNING"}, text)
     if len(texts) > 5:
         operator.report(
-            {"WARNING"}, f"and {len(texts) - 5} more: see the collections' custom property {REPORT_PROPERTY}"
+            {"WARNING"},
+            f"{len(texts) - 5} more warnings are in the collections' custom property {REPORT_PROPERTY}",
         )
-    what = import_tree.summary_of_all(reports, failures) if several else import_tree.summary(reports[0])
-    operator.report({"INFO"}, what)
+    summary = import_tree.summary_of_all(reports, failures) if several else import_tree.summary(reports[0])
+    operator.report({"INFO"}, summary)
 
 
 def _refuse(operator, failures):
-    """Reports that nothing came in."""
+    """Reports that nothing was imported."""
     for failure in failures:
         operator.report({"ERROR"}, failure.text())
     return {"CANCELLED"}
 
 
 class _Job:
-    """read_files on a thread of its own: it gets plain values and gives back native data only."""
+    """Runs read_files in a background thread, which takes plain values and returns native data only."""
 
-    def __init__(self, paths, options, metre):
+    def __init__(self, paths, options, units):
         self.share, self.trees, self.failures, self.error = 0.0, [], [], None
         self._stop = threading.Event()
-        self._thread = threading.Thread(target=self._run, args=(paths, options, metre), daemon=True)
-        native.load()  # on the main thread: a missing module is told at once
+        self._thread = threading.Thread(target=self._run, args=(paths, options, units), daemon=True)
+        native.load()  # on the main thread, so that a missing module is reported at once
         self._thread.start()
 
     def _progress(self, share):
         self.share = share
         return not self._stop.is_set()
 
-    def _run(self, paths, options, metre):
+    def _run(self, paths, options, units):
         try:
-            self.trees, self.failures = import_tree.read_files(paths, options, self._progress, metre)
+            self.trees, self.failures = import_tree.read_files(paths, options, self._progress, units)
         except KeyboardInterrupt as error:
             self.error = error
 
@@ -73,20 +76,20 @@ class _Job:
 
 
 class _Files:
-    """Mix-in: the files that an import is for, as Blender's file browser gives them."""
+    """Mix-in: the files to import, as Blender's file browser passes them."""
 
     directory: StringProperty(
-        name="Folder", description="Where Files are", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
+        name="Folder", description="Folder of Files", subtype="DIR_PATH", options={"HIDDEN", "SKIP_SAVE"}
     )
     files: CollectionProperty(
         name="Files",
-        description="Names of several files in Folder, instead of one path",
+        description="Names of files in Folder, to import several files instead of one path",
         type=bpy.types.OperatorFileListElement,
         options={"HIDDEN", "SKIP_SAVE"},
     )
 
     def chosen(self):
-        """The paths; ValueError where there are none."""
+        """The chosen paths. Raises ValueError if there are none."""
         return import_tree.chosen_files(self.filepath, self.directory, [file.name for file in self.files])
 
     def import_now(self, context):
@@ -100,30 +103,33 @@ class _Files:
             return {"CANCELLED"}
         if not made:
             return _refuse(self, failures)
-        _tell(self, [report for _collection, report in made], failures)
+        _report_import(self, [report for _collection, report in made], failures)
         return {"FINISHED"}
 
 
 class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, _Files, bpy.types.Operator, ImportHelper):
-    """Import a tree that Xfrog or a similar modeller exported, as one continuous, rigged mesh"""
+    """Import a tree from Xfrog or a similar modeller as one continuous, rigged mesh"""
 
     bl_idname = "import_scene.xfrog_tree"
     bl_label = "Import Xfrog Tree"
-    # In a window the job leaves the step to undo; a script's caller does otherwise.
+    # In a window the job pushes the undo step; a script pushes its own.
     bl_options = {"PRESET"}
 
     filename_ext = ".obj"
     filter_glob: StringProperty(
-        name="File Names", description="Files that the browser shows", default="*.obj", options={"HIDDEN"}
+        name="File Names",
+        description="Pattern of the file names that the browser shows",
+        default="*.obj",
+        options={"HIDDEN"},
     )
 
     def draw(self, context):
-        # Beside the file browser stand panels of their own (ui.import_panels).
+        # The file browser shows the panels of ui.import_panels instead.
         if context.space_data is None or context.space_data.type != "FILE_BROWSER":
             draw_sections(self.layout, self)
 
     def invoke(self, context, event):
-        # Files dropped onto the window come with their paths: only the options are asked for.
+        # Dropped files come with their paths: ask for the options only.
         self._in_window = True
         dropped = self.properties.is_property_set("filepath") and Path(self.filepath).is_file()
         if dropped or any(file.name for file in self.files):
@@ -132,7 +138,7 @@ class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, _Files, bpy.types.Operator, I
 
     def execute(self, context):
         if getattr(self, "_in_window", False) and context.window is not None and not bpy.app.background:
-            # A job of its own keeps the window alive, listens to Esc, and can be adjusted afterwards.
+            # A separate job keeps the window responsive, handles Esc, and can be adjusted afterwards.
             try:
                 files = [{"name": str(path)} for path in self.chosen()]
             except (ValueError, OSError) as error:
@@ -146,7 +152,7 @@ class IMPORT_SCENE_OT_xfrog_tree(ImportProperties, _Files, bpy.types.Operator, I
 
 
 class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator):
-    """Read trees while the window stays alive; Esc stops it and leaves everything as it was"""
+    """Import trees in the background; Esc stops the import and changes nothing"""
 
     bl_idname = "snowbough.import_tree_job"
     bl_label = "Import Tree"
@@ -158,22 +164,22 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
         draw_sections(self.layout, self)
 
     def execute(self, context):
-        # Adjusted after it is done: Blender has undone it and calls this with the new options.
+        # Adjust Last Operation: Blender has undone the import and passes the new options.
         return self.import_now(context)
 
     def invoke(self, context, _event):
         self._options = options_of(ImportOptions, self)
         try:
             paths = self.chosen()
-            self._job = _Job(paths, self._options, import_tree.metre_of(context.scene))
+            self._job = _Job(paths, self._options, import_tree.units_per_metre(context.scene))
         except (ValueError, RuntimeError) as error:
             self.report({"ERROR"}, str(error))
             return {"CANCELLED"}
         manager = context.window_manager
         self._timer = manager.event_timer_add(0.05, window=context.window)
         manager.progress_begin(0, 100)
-        what = paths[0].name if len(paths) == 1 else f"{len(paths)} trees"
-        context.workspace.status_text_set(f"Reading {what} (Esc: stop)")
+        name = paths[0].name if len(paths) == 1 else f"{len(paths)} trees"
+        context.workspace.status_text_set(f"Reading {name} (Esc: stop)")
         manager.modal_handler_add(self)
         return {"RUNNING_MODAL"}
 
@@ -196,7 +202,7 @@ class SNOWBOUGH_OT_import_tree_job(ImportProperties, _Files, bpy.types.Operator)
         except FAILURES as error:
             self.report({"ERROR"}, import_tree.message(error))
             return {"CANCELLED"}
-        _tell(self, [tree.report for _path, tree in job.trees], job.failures)
+        _report_import(self, [tree.report for _path, tree in job.trees], job.failures)
         self._job = None
         return {"FINISHED"}
 

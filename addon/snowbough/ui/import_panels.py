@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The import's options under headings: panels beside the file browser, and sections of dialogs."""
+"""The import options, grouped: panels of the file browser, and sections of dialogs."""
 
 import bpy
 
@@ -8,7 +8,7 @@ from ..tree.import_options import SECTIONS
 
 OPERATOR = "IMPORT_SCENE_OT_xfrog_tree"
 
-# Options that say nothing while another is as given.
+# Options that have an effect only under a condition; they are greyed out otherwise.
 ONLY_WITH = {
     "species": lambda options: options.width == "INVERSE",
     "tolerance": lambda options: options.simplify == "TOLERANCE",
@@ -19,7 +19,7 @@ ONLY_WITH = {
 
 
 def draw_options(layout, options, names):
-    """Draws the options of one section, one below the other."""
+    """Draws the options of one section in a column."""
     layout.use_property_split = True
     layout.use_property_decorate = False
     for name in names:
@@ -29,7 +29,7 @@ def draw_options(layout, options, names):
 
 
 def draw_sections(layout, options):
-    """Draws all sections: in the panel that adjusts the last operation, and where files were dropped."""
+    """Draws all sections, in Adjust Last Operation and in the dialog for dropped files."""
     for identifier, text, names in SECTIONS:
         body = compat.section(layout, f"snowbough_import_{identifier}", text)
         if body is not None:
@@ -37,7 +37,7 @@ def draw_sections(layout, options):
 
 
 class _Panel:
-    """Beside the file browser, below its own panel of the operator."""
+    """A panel of the file browser, below Blender's own panel of the operator."""
 
     bl_space_type = "FILE_BROWSER"
     bl_region_type = "TOOL_PROPS"

@@ -1,12 +1,13 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""What several panels show: the bake with its progress and outcome, what the check found, the result's buttons,
-one receiver's settings; and texts broken into lines that fit."""
+"""Parts that several panels share: the bake and its progress, the findings of the check, the result's buttons, the
+settings of one receiver, and wrapped text."""
 
 import blf
 
 from .. import compat, session
 from ..bake import changes_since_bake
 from ..bake import state as bake_state
+from ..names import unit_of
 from ..result import displacement
 from ..settings.surface import SurfaceProperties
 from .text import wrapped
@@ -14,18 +15,18 @@ from .text import wrapped
 ICONS = {"ERROR": "CANCEL", "WARNING": "ERROR", "INFO": "INFO"}
 MODE_NAMES = {mode[0]: mode[1] for mode in displacement.MODES} | {"NONE": "Material Only"}
 
-# So many changes are named in the panel.
+# The panel lists at most this many changed settings.
 MAX_CHANGES = 5
 
-# Pixels that a line of text loses to its icon, the margins of panel and box, and a scroll bar; to the tabs of
-# a sidebar; and to a button beside it.
+# Width in pixels that a line of text loses: to its icon, the margins of panel and box, and a scroll bar; to the tabs
+# of the sidebar; and to a button beside it.
 MARGIN, TABS, BUTTON = 71, 20, 48
 FEWEST_LETTERS = 12
 UI_FONT = 0
 
 
 def draw_text(column, context, text, icon, reserved=0):
-    """A text in as many lines as the region's width asks for; reserved: pixels that something else needs."""
+    """A text, wrapped to the width of the region. reserved: pixels for other items in the row."""
     preferences, region = context.preferences, context.region
     scale = preferences.system.ui_scale
     room = region.width - scale * (MARGIN + reserved + (TABS if region.type == "UI" else 0))
@@ -49,7 +50,7 @@ def draw_bake(layout, context):
         if left:
             compat.draw_progress(column, running.fraction, f"{running.fraction:.0%}, {left}")
         column.operator("snowbough.stop_bake", icon="CANCEL")
-        draw_text(column, context, "Editing is locked. Esc stops, too", "LOCKED")
+        draw_text(column, context, "Editing is locked. Press Esc to stop", "LOCKED")
         return
     state, unfinished = bake_state.state_of(scene), bake_state.resumable(scene)
     changes = changes_since_bake.settings_changes(scene) if state == "BAKED" else []
@@ -70,7 +71,7 @@ def draw_bake(layout, context):
         buttons.operator("snowbough.free_bake", icon="TRASH")
     if changes:
         box = column.box().column(align=True)
-        draw_text(box, context, "Baked with other settings. Bake again to see these:", "ERROR")
+        draw_text(box, context, "These settings have changed. Bake again to apply them:", "ERROR")
         for change in changes[:MAX_CHANGES]:
             draw_text(box, context, change, "DOT")
         if len(changes) > MAX_CHANGES:
@@ -86,7 +87,7 @@ def draw_issues(layout, context):
     if issues is None:
         return
     if not any(issue.severity != "INFO" for issue in issues):
-        layout.label(text="Nothing in the way", icon="CHECKMARK")
+        layout.label(text="No problems found", icon="CHECKMARK")
     for issue in issues:
         row = layout.row()
         draw_text(
@@ -112,12 +113,18 @@ def draw_result(layout, context):
     if not column.enabled:
         layout.label(text="Bake first", icon="INFO")
     if not compat.eevee_displaces():
-        text = "EEVEE of this Blender shows Cycles Displacement as bumps only"
+        text = "In this Blender version, EEVEE shows Cycles Displacement as bumps only"
         draw_text(layout.column(align=True), context, text, "INFO")
 
 
+def setting_label(settings, name):
+    """The label of a setting's field, with the unit where Blender shows none: ``End Depth (m)``."""
+    label, unit = settings.bl_rna.properties[name].name, unit_of(name)
+    return label if unit in ("", "°") else f"{label} ({unit})"
+
+
 def draw_receiver(layout, entry):
-    """The settings of one line of the list."""
+    """The settings of one receiver."""
     column = layout.column()
     column.use_property_split = True
     column.use_property_decorate = False

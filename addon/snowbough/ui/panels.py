@@ -1,8 +1,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Where an artist finds everything: Scene properties (all settings and the list of receivers), the sidebar
-of the 3D view (quick actions), and the Physics properties of an object.
+"""The panels: Scene properties (all settings and the receivers), sidebar of the 3D view (quick actions), and Physics
+properties of an object.
 
-Panels only read; what takes time is done by operators, which leave their results for the panels.
+Panels only read. Slow work runs in operators, which store their results in `session`.
 """
 
 import bpy
@@ -17,7 +17,7 @@ from . import panel_parts
 class SNOWBOUGH_UL_receivers(bpy.types.UIList):
     def draw_item(self, _context, layout, _data, item, _icon, _active_data, _active_property, _index=0):
         if item.object is None:
-            layout.label(text="Object is gone: take this line off", icon="ERROR")
+            layout.label(text="Object was deleted: remove this entry", icon="ERROR")
             return
         split = layout.split(factor=0.62)
         row = split.row(align=True)
@@ -46,7 +46,7 @@ class SNOWBOUGH_PT_scene(_ScenePanel, bpy.types.Panel):
         scene = context.scene
         if state.state_of(scene) == "EMPTY":
             column = self.layout.column()
-            panel_parts.draw_text(column, context, "No object gathers snow yet. Select some, then:", "INFO")
+            panel_parts.draw_text(column, context, "There are no receivers. Select objects, then:", "INFO")
             column.operator("snowbough.add_receivers", icon="ADD")
             return
         panel_parts.draw_bake(self.layout, context)
@@ -80,10 +80,11 @@ class _Settings(_ScenePanel):
         layout = self.layout
         layout.use_property_split = True
         layout.enabled = session.bake is None
+        settings = context.scene.snowbough
         for group in self.names:
             column = layout.column(align=True)
             for name in group:
-                column.prop(context.scene.snowbough, name)
+                column.prop(settings, name, text=panel_parts.setting_label(settings, name))
 
 
 class SNOWBOUGH_PT_snowfall(_Settings, bpy.types.Panel):
@@ -158,11 +159,9 @@ class SNOWBOUGH_PT_sidebar(_SidebarPanel, bpy.types.Panel):
         column.enabled = session.bake is None
         column.operator("snowbough.add_receivers", icon="ADD")
         if len(settings.receivers):
-            split = column.column(align=True)
-            split.use_property_split = True
-            split.use_property_decorate = False
+            fields = column.column(align=True)
             for name in ("end_depth", "fall_angle", "bearing"):
-                split.prop(settings, name)
+                fields.prop(settings, name, text=panel_parts.setting_label(settings, name))
             running = session.preview is not None
             column.operator("snowbough.toggle_preview", depress=running, icon="PAUSE" if running else "PLAY")
         panel_parts.draw_bake(layout, context)

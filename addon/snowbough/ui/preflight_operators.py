@@ -1,11 +1,12 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that look for what would spoil a bake, and mend it."""
+"""Operators that check the scene before a bake and fix problems."""
 
 import bpy
 
 from .. import session
 from ..bake import preflight
 from ..bake.outcome import one_line
+from ..names import counted
 from ..scene import uv_maps
 from .editing_lock import NotWhileBaking
 
@@ -13,26 +14,31 @@ from .editing_lock import NotWhileBaking
 class SNOWBOUGH_OT_preflight(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.preflight"
     bl_label = "Check Scene"
-    bl_description = "Look for what would spoil a bake: UV maps, visibility, scale, cache, memory"
+    bl_description = (
+        "Find problems before a bake: UV maps, visibility, scale, map sizes, cache, disk and memory"
+    )
     bl_options = {"REGISTER"}
 
     def execute(self, context):
         issues = preflight.check(context.scene, context.evaluated_depsgraph_get())
         session.issues[context.scene.name] = issues
-        counts = {kind: sum(issue.severity == kind for issue in issues) for kind in ("ERROR", "WARNING")}
-        self.report({"INFO"}, f"{counts['ERROR']} errors, {counts['WARNING']} warnings")
+        counts = [
+            counted(sum(issue.severity == kind.upper() for issue in issues), kind)
+            for kind in ("error", "warning")
+        ]
+        self.report({"INFO"}, ", ".join(counts))
         return {"FINISHED"}
 
 
 class SNOWBOUGH_OT_fix(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.fix"
     bl_label = "Fix"
-    bl_description = "Mend this, then check again"
+    bl_description = "Fix this problem, then check again"
     bl_options = {"REGISTER", "UNDO"}
 
-    kind: bpy.props.StringProperty(name="Kind", description="What to mend", options={"HIDDEN"})
+    kind: bpy.props.StringProperty(name="Kind", description="Problem to fix", options={"HIDDEN"})
     object_name: bpy.props.StringProperty(
-        name="Object", description="The receiver to mend it on", options={"HIDDEN"}
+        name="Object", description="Receiver that has the problem", options={"HIDDEN"}
     )
 
     def execute(self, context):
@@ -44,7 +50,7 @@ class SNOWBOUGH_OT_fix(NotWhileBaking, bpy.types.Operator):
         entries = [entry for entry in context.scene.snowbough.receivers if entry.object is not None]
         entry = next((entry for entry in entries if entry.object.name == self.object_name), None)
         if entry is None:
-            self.report({"ERROR"}, f"'{self.object_name}' is no receiver any more: check again")
+            self.report({"ERROR"}, f"'{self.object_name}' is not a receiver any more: check again")
             return {"CANCELLED"}
         try:
             if self.kind == "SHOW_IN_RENDER":

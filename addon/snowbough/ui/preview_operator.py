@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The operator that switches the live preview on and off."""
+"""The operator that starts and stops the live preview."""
 
 import bpy
 
@@ -10,7 +10,7 @@ from .editing_lock import NotWhileBaking
 
 
 class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
-    """Shows snow in the viewport as the timeline plays and settings change; nothing is baked, rendered or saved"""
+    """Show snow in the 3D view while the timeline plays and settings change. Nothing is baked, rendered or saved"""
 
     bl_idname = "snowbough.toggle_preview"
     bl_label = "Live Preview"
@@ -36,9 +36,4 @@ class SNOWBOUGH_OT_toggle_preview(NotWhileBaking, bpy.types.Operator):
         return {"FINISHED"}
 
 
-def register():
-    bpy.utils.register_class(SNOWBOUGH_OT_toggle_preview)
-
-
-def unregister():
-    bpy.utils.unregister_class(SNOWBOUGH_OT_toggle_preview)
+register, unregister = bpy.utils.register_classes_factory((SNOWBOUGH_OT_toggle_preview,))

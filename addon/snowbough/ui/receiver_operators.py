@@ -1,8 +1,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that put objects on the scene's list of receivers and take them off.
+"""Operators that add objects to the scene's list of receivers and remove them.
 
-add_receivers also gives the objects snow material and displacement, which show nothing until there are baked
-files; a bake refreshes them.
+add_receivers also adds snow material and displacement. They show nothing until a bake refreshes them.
 """
 
 import bpy
@@ -16,14 +15,14 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.add_receivers"
     bl_label = "Add Snow to Selected"
     bl_description = (
-        "Let snow lie on the selected objects: gives them a UV map without overlaps where needed, snow material "
-        "and displacement. They show snow once it is baked"
+        "Make the selected objects receive snow: adds a UV map without overlaps where needed, snow material and "
+        "displacement. The snow shows after a bake"
     )
     bl_options = {"REGISTER", "UNDO"}
 
     setup_result: bpy.props.BoolProperty(
         name="Set Up Material and Displacement",
-        description="Also give them snow material and displacement, as suits each; Remove Snow takes both off",
+        description="Also add snow material and the displacement that suits each object. Remove Snow removes both",
         default=True,
     )
 
@@ -41,13 +40,13 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
                 entry = receivers.add(context, obj)
                 added += 1
                 if self.setup_result and displacement.mode_of(entry) is None:
-                    displacement.apply(context.scene, entry, displacement.default_mode(obj))
+                    displacement.apply(context.scene, entry, displacement.DEFAULT_MODE)
                 counts = receivers.scattered_by(context, obj) if obj.type == "MESH" else {}
                 if counts:
                     self.report(
                         {"INFO"},
-                        f"No snow will lie on what '{obj.name}' scatters, {receivers.scattered_text(counts)}: to cover "
-                        "it, realize the instances and apply the geometry nodes",
+                        f"'{obj.name}' scatters {receivers.scattered_text(counts)}, which receive no snow: realize "
+                        "the instances and apply the geometry nodes to cover them",
                     )
             except ValueError as error:
                 refused.append(str(error))
@@ -58,9 +57,9 @@ class SNOWBOUGH_OT_add_receivers(NotWhileBaking, bpy.types.Operator):
 
 class SNOWBOUGH_OT_remove_receiver(NotWhileBaking, bpy.types.Operator):
     bl_idname = "snowbough.remove_receiver"
-    bl_label = "Take off the List"
+    bl_label = "Remove from List"
     bl_description = (
-        "Take the active line off the list, with its snow in the scene; the object and the baked files stay"
+        "Remove the active receiver from the list and its snow from the scene. Object and baked files stay"
     )
     bl_options = {"REGISTER", "UNDO"}
 

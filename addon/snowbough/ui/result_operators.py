@@ -1,18 +1,17 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operators that put the baked result into the scene: material, displacement, plain geometry, removal."""
+"""Operators that show the baked result in the scene: material, displacement, plain geometry; and remove it."""
 
 import bpy
 from bpy.props import BoolProperty, EnumProperty
 
 from ..cache.errors import CacheError
-from ..names import SNOW_KINDS
+from ..names import SNOW_KINDS, counted
 from ..result import baked_images, displacement, look, snow_material, snow_surface, unlisted_snow
 from .editing_lock import NotWhileBaking
-from .text import counted
 
 
 def _chosen(context, only_selected):
-    """The receivers to work on: those of the selected objects, or all."""
+    """The receivers to process: all, or those of the selected objects."""
     receivers = [receiver for receiver in context.scene.snowbough.receivers if receiver.object is not None]
     if only_selected:
         receivers = [receiver for receiver in receivers if receiver.object.select_get()]
@@ -20,7 +19,7 @@ def _chosen(context, only_selected):
 
 
 def _unlisted(context):
-    """The selected objects that are on no list of receivers and have snow all the same."""
+    """The selected objects that have snow but are on no list of receivers."""
     listed = {
         name
         for scene in bpy.data.scenes
@@ -32,12 +31,12 @@ def _unlisted(context):
 
 
 class _ReceiverOperator(NotWhileBaking):
-    """Runs `work` on each chosen receiver and reports what does not suit one; the others go on."""
+    """Calls `work` for each chosen receiver. An error is reported, and the other receivers are still processed."""
 
     bl_options = {"REGISTER", "UNDO"}
 
     only_selected: BoolProperty(
-        name="Only Selected", description="Work on the receivers of the selected objects only", default=False
+        name="Only Selected", description="Process only the receivers of the selected objects", default=False
     )
 
     @classmethod
@@ -50,7 +49,7 @@ class _ReceiverOperator(NotWhileBaking):
     def execute(self, context):
         receivers = _chosen(context, self.only_selected)
         if not receivers:
-            self.report({"ERROR"}, "None of the selected objects is a receiver: select one, or add it first")
+            self.report({"ERROR"}, "No selected object is a receiver: select one, or add it first")
             return {"CANCELLED"}
         done = 0
         for receiver in receivers:
@@ -61,12 +60,12 @@ class _ReceiverOperator(NotWhileBaking):
                 self.report({"WARNING" if len(receivers) > 1 else "ERROR"}, str(error))
         if not done:
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{self.done_text}: {done} of {len(receivers)} receivers")
+        self.report({"INFO"}, f"{self.done_text}: {done} of {counted(len(receivers), 'receiver')}")
         return {"FINISHED"}
 
 
 class SNOWBOUGH_OT_setup_material(_ReceiverOperator, bpy.types.Operator):
-    """Mixes the snow material over the receivers' own materials, which stay as they are"""
+    """Mix snow over the materials of the receivers. The original materials stay unchanged"""
 
     bl_idname = "snowbough.setup_material"
     bl_label = "Set Up Snow Material"
@@ -80,7 +79,7 @@ class SNOWBOUGH_OT_setup_material(_ReceiverOperator, bpy.types.Operator):
 
 
 class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
-    """Gives the baked snow its thickness"""
+    """Give the baked snow its thickness: as a surface, with modifiers or in the material"""
 
     bl_idname = "snowbough.setup_displacement"
     bl_label = "Set Up Snow Displacement"
@@ -88,18 +87,18 @@ class SNOWBOUGH_OT_setup_displacement(_ReceiverOperator, bpy.types.Operator):
 
     mode: EnumProperty(
         name="Displacement",
-        description="How snow gets its thickness",
+        description="How the snow gets its thickness",
         items=(("AUTO", "Automatic", "A snow surface, which suits all objects"),) + displacement.MODES,
         default="AUTO",
     )
 
     def work(self, context, receiver):
-        mode = displacement.default_mode(receiver.object) if self.mode == "AUTO" else self.mode
+        mode = displacement.DEFAULT_MODE if self.mode == "AUTO" else self.mode
         return displacement.apply(context.scene, receiver, mode)
 
 
 class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
-    """Makes plain mesh objects of the snow as it lies in the current frame"""
+    """Create plain mesh objects from the snow of the current frame"""
 
     bl_idname = "snowbough.apply_at_frame"
     bl_label = "Apply Snow at Frame"
@@ -116,8 +115,8 @@ class SNOWBOUGH_OT_apply_at_frame(_ReceiverOperator, bpy.types.Operator):
 
 
 class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
-    """Takes the snow off again: materials and modifiers are as they were, and snow surfaces go; baked files stay. Also
-    off selected objects that were appended with it"""
+    """Remove the snow: restores materials and modifiers, and deletes snow surfaces. Baked files stay. Also works on
+    selected objects that were appended with their snow"""
 
     bl_idname = "snowbough.remove"
     bl_label = "Remove Snow"
@@ -130,7 +129,7 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
     def execute(self, context):
         unlisted = _unlisted(context)
         for name in [obj.name for obj in unlisted]:
-            if name in bpy.data.objects:  # a surface goes with its receiver
+            if name in bpy.data.objects:  # removing a receiver may have removed its surface
                 unlisted_snow.remove(bpy.data.objects[name])
         if unlisted and not _chosen(context, self.only_selected):
             self.report(
@@ -144,14 +143,14 @@ class SNOWBOUGH_OT_remove(_ReceiverOperator, bpy.types.Operator):
 
 
 class SNOWBOUGH_OT_set_kind(NotWhileBaking, bpy.types.Operator):
-    """Makes all snow of the scene powder, fresh, wet or old: its looks at once, its slopes with the next bake"""
+    """Make all snow of the scene powder, fresh, wet or old. The look changes at once, the slopes with the next bake"""
 
     bl_idname = "snowbough.set_kind"
     bl_label = "Set Kind of Snow"
     bl_options = {"REGISTER", "UNDO"}
 
     kind: EnumProperty(
-        name="Kind of Snow", description="What the snow is like", items=SNOW_KINDS, default="FRESH"
+        name="Kind of Snow", description="Kind of snow to set", items=SNOW_KINDS, default="FRESH"
     )
 
     def execute(self, context):

@@ -1,6 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """``cli.py surface``: computes the snow surfaces of the loaded file's bakes again, without simulating and without
-evaluating the scene. Exit codes are those of ``bake``.
+evaluating the scene. The exit codes are those of ``bake``.
 """
 
 import json
@@ -20,13 +20,13 @@ from ..surface.style import DETAILS
 
 
 def add_arguments(parser):
-    """What ``surface`` takes."""
-    parser.add_argument("--objects", metavar="A,B", help="only these receivers")
-    parser.add_argument("--detail", choices=list(DETAILS), help="default: the scene's setting")
+    """Adds the arguments of ``surface``."""
+    parser.add_argument("--objects", metavar="A,B", help="update only these receivers (default: all)")
+    parser.add_argument("--detail", choices=list(DETAILS), help="point budget (default: the scene's setting)")
 
 
 def run(args):
-    """Updates surfaces as the command line says and returns the exit code."""
+    """Updates the surfaces and returns the exit code. args: see add_arguments."""
     scene = bpy.context.scene
     if args.detail:
         scene.snowbough.surface_detail = args.detail

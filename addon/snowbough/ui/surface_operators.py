@@ -8,6 +8,7 @@ import bpy
 
 from .. import native
 from ..cache.errors import CacheError
+from ..names import counted
 from ..result import surface_preview
 from ..surface import compute
 from ..surface.side_by_side import run_side_by_side
@@ -18,7 +19,7 @@ FAILURES = (ValueError, CacheError, RuntimeError, OSError, MemoryError)
 
 
 class _Update:
-    """Computes surfaces in a thread of its own, from plain data."""
+    """Computes surfaces in a background thread, from plain data."""
 
     def __init__(self, module, tasks):
         self.receivers = [receiver.object.name for receiver, _, _ in tasks]
@@ -40,7 +41,7 @@ class _Update:
 
 
 class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
-    """Computes the snow surfaces of all frames with the sliders as they are now; nothing is simulated. Esc stops"""
+    """Compute the snow surfaces of all frames with the current sliders, without simulating. Esc stops"""
 
     bl_idname = "snowbough.update_surface"
     bl_label = "Update Surface"
@@ -68,9 +69,9 @@ class SNOWBOUGH_OT_update_surface(NotWhileBaking, bpy.types.Operator):
             self.report({"ERROR"}, str(update.error))
             return {"CANCELLED"}
         if update.stop:
-            self.report({"WARNING"}, "Stopped: surfaces that were not done are as before")
+            self.report({"WARNING"}, "Stopped. Unfinished surfaces are unchanged")
             return {"CANCELLED"}
-        self.report({"INFO"}, f"Surfaces of {len(set(update.receivers))} receivers are up to date")
+        self.report({"INFO"}, f"Updated the surfaces of {counted(len(set(update.receivers)), 'receiver')}")
         return {"FINISHED"}
 
     def execute(self, context):

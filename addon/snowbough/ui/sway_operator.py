@@ -1,15 +1,16 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Operator ``snowbough.add_sway``: lets a tree sway in the wind (tree.sway)."""
+"""Operator ``snowbough.add_sway``: animates a tree in the wind (tree.sway)."""
 
 import bpy
 from bpy.props import FloatProperty, IntProperty
 
+from ..names import counted
 from ..tree import sway
 from .editing_lock import NotWhileBaking
 
 
 class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
-    """Let the active armature sway in the wind, in a loop that closes exactly"""
+    """Animate the active armature in the wind, as a seamless loop"""
 
     bl_idname = "snowbough.add_sway"
     bl_label = "Add Tree Sway"
@@ -17,38 +18,36 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
 
     bearing: FloatProperty(
         name="Bearing",
-        description="Where the wind blows to, clockwise from +Y seen from above (degrees)",
+        description="Direction that the wind blows to, clockwise from +Y seen from above (degrees)",
         subtype="ANGLE",
         default=1.5707964,
     )
     strength: FloatProperty(
         name="Strength",
-        description="Wind speed: 1 is a fresh breeze of 9 m/s (no unit)",
+        description="Wind speed: 1 is a fresh breeze of 9 m/s. Higher values bend the branches more",
         default=1.0,
         min=0.0,
         soft_max=3.0,
     )
     gusts: FloatProperty(
         name="Gusts",
-        description="How much the wind's speed varies over the loop (0 to 1)",
+        description="Variation of the wind speed over the loop (0 to 1)",
         default=0.4,
         min=0.0,
         max=1.0,
     )
-    seed: IntProperty(
-        name="Seed", description="Another number gives another sway (no unit)", default=0, min=0
-    )
-    frame_start: IntProperty(name="First Frame", description="Where the loop begins (frames)", default=1)
+    seed: IntProperty(name="Seed", description="Random seed; each value gives another sway", default=0, min=0)
+    frame_start: IntProperty(name="First Frame", description="First frame of the loop (frames)", default=1)
     loop_frames: IntProperty(
         name="Loop Length",
-        description="Time after which the sway repeats (frames)",
+        description="Length of the loop, after which the sway repeats (frames)",
         default=96,
         min=8,
         soft_max=1000,
     )
     keys: IntProperty(
         name="Keys",
-        description="Keys that each channel takes for the loop; the fastest limbs swing once in four (keys)",
+        description="Keyframes per channel and loop. The fastest limbs swing at most once per four keys (keys)",
         default=16,
         min=4,
         max=256,
@@ -57,14 +56,14 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
     @classmethod
     def ready(cls, context):
         if sway.rig_of(context.object) is None:
-            cls.poll_message_set("Select a tree: its armature, or a mesh that the armature bends")
+            cls.poll_message_set("Select a tree: its armature, or a mesh that the armature deforms")
             return False
         return True
 
     def execute(self, context):
         rig = sway.rig_of(context.object)
         if not rig.data.bones:
-            self.report({"ERROR"}, f"The armature {rig.name} has no bones to sway")
+            self.report({"ERROR"}, f"The armature {rig.name} has no bones")
             return {"CANCELLED"}
         if rig.library or rig.data.library and not rig.override_library:
             self.report({"ERROR"}, f"{rig.name} is linked: make a library override to animate it")
@@ -80,7 +79,8 @@ class SNOWBOUGH_OT_add_sway(NotWhileBaking, bpy.types.Operator):
             self.loop_frames,
             self.keys,
         )
-        self.report({"INFO"}, f"{len(rig.data.bones)} bones sway in a loop of {self.loop_frames} frames")
+        bones, frames = counted(len(rig.data.bones), "bone"), counted(self.loop_frames, "frame")
+        self.report({"INFO"}, f"Animated {bones} in a loop of {frames}")
         return {"FINISHED"}
 
 

@@ -1,25 +1,10 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Texts for people: amounts, and lines that fit where Blender does not wrap them. No ``bpy``."""
-
-
-def counted(number, noun):
-    """``1 file``, ``1,204 files``."""
-    return f"{number:,} {noun}{'' if number == 1 else 's'}"
-
-
-def sized(count):
-    """Bytes as people read them: ``640 KiB``, ``3.2 GiB``."""
-    for unit, size in (("GiB", 2**30), ("MiB", 2**20)):
-        if count >= size:
-            return f"{count / size:.1f} {unit}"
-    return f"{-(-count // 1024)} KiB"
+"""Line wrapping of texts for panels and pop-ups. No ``bpy``."""
 
 
 def wrapped(text, fits):
-    """The lines of a text that panels and pop-ups show, which do not wrap by themselves.
-
-    fits(line) says whether a line has room; a word that has none even by itself is broken, as paths have to be.
-    """
+    """Splits a text into lines for panels and pop-ups, which do not wrap. fits(line) says whether a line fits; a word
+    that does not fit, such as a path, is broken."""
     line = ""
     for word in text.split():
         longer = f"{line} {word}".strip()

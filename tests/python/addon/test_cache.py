@@ -199,16 +199,43 @@ def test_an_unwritable_cache_says_what_to_do(tmp_path):
             files.make_folder(tmp_path / "cache")
 
 
-def test_changed_settings_are_named():
-    before = {"end_depth": 0.1, "rates": [1] * 50, "receiver": {"resolution": 1024}, "old": 1}
-    after = {"end_depth": 0.2, "rates": [2] * 50, "receiver": {"resolution": 2048}, "new": 1}
+def test_changed_settings_are_named_with_their_units():
+    before = {
+        "shot": "a",
+        "end_depth": 0.1,
+        "flutter": math.pi / 18,
+        "receiver": {"resolution": 1024},
+        "old": 1,
+    }
+    after = {
+        "shot": "b",
+        "end_depth": 0.2,
+        "flutter": math.pi / 9,
+        "receiver": {"resolution": 2048},
+        "new": 1,
+    }
     assert manifest.describe_changes(before, after) == [
-        "end_depth: 0.1 -> 0.2",
-        "new: added",
-        "old: removed",
-        "rates: changed",
-        "receiver: resolution: 1024 -> 2048",
+        "end depth: 0.1 m, now 0.2 m",
+        "flutter: 10°, now 20°",
+        "new: not set, now 1",
+        "old: 1, now not set",
+        "resolution: 1024, now 2048",
     ]
+
+
+def test_the_depths_of_single_frames_are_named_only_if_nothing_else_changed():
+    before, deeper = {"end_depth": 0.1, "totals": [0.1]}, {"end_depth": 0.2, "totals": [0.2]}
+    assert manifest.describe_changes(before, deeper) == ["end depth: 0.1 m, now 0.2 m"]
+    animated = {"end_depth": 0.1, "totals": [0.0, 0.1]}
+    assert manifest.describe_changes(before, animated) == ["rate: its animation changed"]
+
+
+def test_amounts_are_spelled_for_people():
+    assert names.counted(1, "frame") == "1 frame" and names.counted(1204, "frame") == "1,204 frames"
+    assert names.counted(2, "branch", "branches") == "2 branches"
+    assert [names.sized(size) for size in (1, 640 * 1024, 40 << 20, 3435973837)] == [
+        "1 KiB", "640 KiB", "40 MiB", "3.2 GiB"
+    ]  # fmt: skip
 
 
 def recorded(*poses):

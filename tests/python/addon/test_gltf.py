@@ -107,7 +107,7 @@ def test_a_skeleton_comes_back_bit_for_bit():
 
 @pytest.mark.parametrize("text", ["", "nonsense", "c$" * 40])
 def test_what_is_no_skeleton_is_refused(text):
-    with pytest.raises(ValueError, match="import the tree anew"):
+    with pytest.raises(ValueError, match="import the tree again"):
         skeleton_text.from_text(text)
 
 

@@ -47,7 +47,7 @@ def test_a_full_disk_says_what_to_do():
         raise OSError("map.exr: No space left on device")
 
     with (
-        pytest.raises(map_writer.WriteFailed, match=r"map\.exr: No space .* make room, then resume"),
+        pytest.raises(map_writer.WriteFailed, match=r"map\.exr: No space .* free disk space, then resume"),
         map_writer.MapWriter() as writer,
     ):
         writer.call(write)
@@ -60,7 +60,7 @@ def test_a_cache_that_was_deleted_is_not_told_to_make_room():
 
     with (
         pytest.raises(
-            map_writer.WriteFailed, match="No such file.*The folder is gone: put it back and resume"
+            map_writer.WriteFailed, match="No such file.*The folder is gone: restore it and resume"
         ),
         map_writer.MapWriter() as writer,
     ):

@@ -62,8 +62,13 @@ def test_any_flipped_bit_is_refused_with_the_file_and_what_to_do(cache, name):
         changed = bytearray(whole)
         changed[bit // 8] ^= 1 << bit % 8
         path.write_bytes(changed)
-        with pytest.raises(errors.CacheError, match=r"is damaged \(.*\)\. (Remove|Free)"):
+        with pytest.raises(errors.CacheError, match=r"is damaged \(.*\)\. (Delete|Remove|Free)"):
             read()
+
+
+def test_a_path_below_a_file_has_no_owner_and_no_damage(tmp_path):
+    (tmp_path / "file").write_text("")
+    assert owner.is_owner(tmp_path / "file" / "Scene", tmp_path / "shot.blend")
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -109,7 +114,7 @@ def test_files_of_earlier_formats_are_read(tmp_path):
 )
 def test_a_sidecar_of_an_earlier_format_with_other_kinds_of_values_is_refused(tmp_path, name, value):
     (tmp_path / "state_0010.json").write_bytes(files.to_json({**SIDECAR, name: value}))
-    with pytest.raises(errors.CacheError, match="is of another kind"):
+    with pytest.raises(errors.CacheError, match="has the wrong type"):
         folder.read_sidecar(tmp_path, 10)
 
 

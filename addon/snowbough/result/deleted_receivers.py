@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The snow of receivers that were deleted goes with them."""
+"""Removes the snow surfaces of deleted receivers."""
 
 import bpy
 
@@ -7,8 +7,8 @@ from .. import session
 from . import snow_surface
 
 
-def _gone(scene):
-    """Receivers on the scene's list whose object is gone, or in no scene any more, but whose surface is in one."""
+def _deleted(scene):
+    """Receivers whose object was deleted or is in no scene, but whose surface is in one."""
     return [
         entry
         for entry in scene.snowbough.receivers
@@ -20,20 +20,20 @@ def _gone(scene):
 def _remove():
     if session.bake is None and session.preview is None:
         for scene in bpy.data.scenes:
-            for entry in _gone(scene):
+            for entry in _deleted(scene):
                 snow_surface.remove(entry)
 
 
 @bpy.app.handlers.persistent
-def _look(scene, *_):
-    # Not in the middle of an update: Blender is still working on the scene.
-    if _gone(scene) and not bpy.app.timers.is_registered(_remove):
+def _schedule_removal(scene, *_):
+    # Not during an update, in which Blender still works on the scene.
+    if _deleted(scene) and not bpy.app.timers.is_registered(_remove):
         bpy.app.timers.register(_remove, first_interval=0.0)
 
 
 def register():
-    bpy.app.handlers.depsgraph_update_post.append(_look)
+    bpy.app.handlers.depsgraph_update_post.append(_schedule_removal)
 
 
 def unregister():
-    bpy.app.handlers.depsgraph_update_post.remove(_look)
+    bpy.app.handlers.depsgraph_update_post.remove(_schedule_removal)
