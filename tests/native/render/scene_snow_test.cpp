@@ -1,13 +1,26 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <glm/geometric.hpp>
 #include <memory>
 
 #include "native/render/gl_calls.h"
 #include "native/render/scene_things.h"
+#include "shaders/lib/snow_point.h"
 
 namespace snowbough::render {
 namespace {
+
+/// The tube lies along y, one of its vertices up.
+glm::mat4 lying() {
+  glm::mat4 pose(0.0f);
+  pose[0] = {0, 0, 1, 0};
+  pose[1] = {1, 0, 0, 0};
+  pose[2] = {0, 1, 0, 0};
+  pose[3].w = 1.0f;
+  return pose;
+}
 
 int32_t red_pixels(const Picture& picture) {
   int32_t count = 0;
@@ -69,12 +82,7 @@ TEST(SceneSnow, aTreeIsDroppedOnlyWithAllOfItsSnow) {
 TEST(SceneSnow, snowIsTessellatedByTheThesissRuleWhereItLiesOnTop) {
   with_scene([](Scene& scene) {
     scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
-    glm::mat4 lying(0.0f);  // along y, a side up
-    lying[0] = {0, 0, -1, 0};
-    lying[1] = {-1, 0, 0, 0};
-    lying[2] = {0, 1, 0, 0};
-    lying[3].w = 1.0f;
-    scene.set_pose("tree", {lying});
+    scene.set_pose("tree", {lying()});
     RenderSettings settings;
     settings.metric = Metric::kThesis;
     settings.max_distance = 0.1f;  // Tl is 1
@@ -96,6 +104,50 @@ TEST(SceneSnow, snowIsTessellatedByTheThesissRuleWhereItLiesOnTop) {
     EXPECT_NEAR(highest(), 0.5f * level, 0.01f * level);
     settings.snow_factor = 0.0f;
     EXPECT_EQ(highest(), 1.0f);
+  });
+}
+
+/// Where shaders/lib/snow_surface.h has the snow on the tube's vertex at `rest`.
+glm::vec3 on_snow(const glm::vec3& rest, float thickness, const SnowDepths& depths) {
+  const glm::vec3 normal = glm::vec3(lying() * glm::vec4(rest.x, rest.y, 0.0f, 0.0f)) / 0.1f;
+  shared::SnowPoint point = shared::point_noise(rest / depths.last);
+  point.bumps = shared::bump_noise(rest / depths.last);
+  // As thick as it is wide; its circumference is that of its circle.
+  point = shared::on_carrier(point, 0.2f, depths.last);
+  const shared::SnowStyle style{1.0f, 1.0f, 1.0f, 1.0f};
+  const shared::SnowEdge edge = shared::snow_edge(point, thickness, depths.open, normal.z);
+  const float height = std::max(shared::thin_snow(edge, thickness), 0.0f);
+  const float shown = height + shared::surface_relief(point, style, height, depths.open);
+  const float sag = shared::sagging(point, style, edge, thickness, shown, normal.z);
+  const glm::vec3 down = normal * normal.z - glm::vec3(0.0f, 0.0f, 1.0f);
+  const glm::vec3 aside = glm::length(down) < 1e-3f ? glm::vec3(0.0f) : glm::normalize(down) * sag;
+  return glm::vec3(lying() * glm::vec4(rest, 1.0f)) + normal * shown + aside;
+}
+
+TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
+  with_scene([](Scene& scene) {
+    const TreeSource source = tube(true);
+    scene.add_tree("tree", make_tree_patches(source, 0.0f), {});
+    scene.set_pose("tree", {lying()});
+    RenderSettings plain;
+    plain.max_level = 1.0f;
+    plain.min_pixels = 0.0f;
+    TreeSnow snow = blanket(0.06f);
+    snow.depths = {0.08f, 0.1f};
+    scene.set_snow("tree", snow);
+    const std::vector<glm::vec3> corners = scene.triangles("tree", square_camera(), plain);
+    ASSERT_EQ(corners.size(), 24u);
+    float tallest = 0.0f;
+    for (const glm::vec3& rest : source.vertices) {
+      const glm::vec3 expected = on_snow(rest, 0.06f, snow.depths);
+      float away = 1.0f;
+      for (const glm::vec3& corner : corners) {
+        away = std::min(away, glm::distance(corner, expected));
+      }
+      EXPECT_LT(away, 1e-5f) << rest.x << " " << rest.y << " " << rest.z;
+      tallest = std::max(tallest, expected.z);
+    }
+    EXPECT_GT(tallest, 0.13f);
   });
 }
 
