@@ -298,7 +298,7 @@ class Playback:
         if wishes.snow != before.snow:
             self.simulation.change_settings(**simulation.changeable(wishes.snow))
         self.stale |= (wishes.snow, wishes.fps, wishes.winds) != (before.snow, before.fps, before.winds)
-        changed = False
+        changed = wishes.styles != before.styles
         if wishes.blur_radius != before.blur_radius:
             for key, own in self.maps.items():
                 self.simulation.set_blur_radius(key, wishes.blur_radius * own.baked_texel)
