@@ -407,6 +407,8 @@ def test_an_atlas_holds_frames_from_the_top_left_on(tmp_path, snowy):
         baked = native.read_exr(str(folder / f"height_{number + 1:04d}.exr"))[0]
         tile = baked.reshape(128, 2, 128, 2).mean(axis=(1, 3))
         assert np.abs(metres[top : top + 128, left : left + 128] - tile).max() < 1e-5
+    assert said["openDepths"] == pytest.approx([0.1 / 3, 0.2 / 3, 0.1], rel=0.01)
+    assert said["lastDepth"] == pytest.approx(0.1)
 
 
 def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):

@@ -10,6 +10,7 @@ import numpy as np
 from .. import native
 from ..cache.files import SURFACE_FACES, SURFACE_POINTS, frame_file, write_bytes
 from ..cache.folder import baked_frames
+from ..cache.manifest import read_manifest
 from ..names import SNOW_UV
 from ..result.baked_images import baked_uv_map
 from ..scene import receivers
@@ -108,6 +109,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
     heights, baked_size = _read(module, folder, "height", frames, tile, 0.0)
     columns, rows = snow_maps.tile_layout(len(frames))
     side = heights.shape[1] // columns
+    depths = {entry["frame"]: entry["depth"] for entry in read_manifest(folder)["frames"]}
     path, numbers = _write_heights(module, heights, stem, options, f"snow of {obj.name}")
     said = {
         "texCoord": TEXCOORD,
@@ -117,6 +119,8 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
         "rows": rows,
         "tile": side,
         "bakedResolution": baked_size,
+        "openDepths": [depths[frame] for frame in frames],
+        "lastDepth": max(depths.values()),
         "height": {"uri": path.name, **numbers, "unit": "metres along the normal"},
     }
     paths = [path]
