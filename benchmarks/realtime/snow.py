@@ -3,14 +3,16 @@
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/snow.py [--size 1280 720] [--frames 5] [--quick]
 
 Prints markdown tables for the driver at hand. A frame is a step of the simulation (engine GL), the map's way to the
-renderer (it stays on the GPU) and the picture; GPU time is that of all of their passes, of which the picture's stands
-beside it; wall time includes reading the picture back; the processor's time sums over threads.
+renderer and the picture. A tree's map stays on the GPU and is tessellated with the limbs. On a mesh the heights are
+read back, and the points of the snow's surface (SnowSurface) are computed on the processor and uploaded. GPU time is that of
+all of the passes, of which the picture's stands beside it; wall time includes reading the picture back; the processor's
+time sums over threads.
 
-- Scenes: mapping GEOMETRY with the metric THESIS is the thesis's way on the same card, COMPUTE with SCREEN is ours.
-  Its six scenes ran at 103 to 112 frames a second on a GTX 580; its meshes are not to be had, so these are of about
-  as many polygons as theirs and the figures beside them a scale, no contest.
+- Scenes: mapping GEOMETRY is the thesis's way on the same card, and so is the metric THESIS on trees; COMPUTE with
+  SCREEN is ours. Its six scenes ran at 103 to 112 frames a second on a GTX 580; its meshes are not to be had, so these
+  are of about as many polygons as theirs and the figures beside them a scale, no contest.
 - Maps of 256 to 4096 texels a side on one mesh, and meshes of 1,000 to 350,000 triangles on one map. The output's
-  smoothing is told in metres, and its rounds grow with the square of the texels in its radius: with 10 mm they take
+  smoothing has a radius in metres, and its rounds grow with the square of the texels in that: with 10 mm they take
   over on large maps. Beside it stands a radius of as many texels everywhere (that of 10 mm at 1024).
 
 On a software renderer the tables show how the work grows, not how fast a card does it. Snow does not slide here
@@ -20,6 +22,7 @@ On a software renderer the tables show how the work grows, not how fast a card d
 import argparse
 import statistics
 import time
+from functools import cache
 
 import numpy as np
 import scenes
@@ -38,7 +41,7 @@ def rolling(triangles, resolution):
 
 def table_scenes():
     """By name: what it holds."""
-    tree, _ = scenes.maple(512)
+    tree, _ = maple()
     yield "ground", {"ground": rolling(5_000, 512)}
     yield "ball on the ground", {"ground": rolling(5_000, 512), "ball": scenes.ball(0.5).moved((0, 0, 0.45))}
     yield "urn", {"ground": rolling(5_000, 512), "urn": scenes.urn()}
@@ -55,10 +58,25 @@ def table_scenes():
     yield "tree", {"ground": rolling(5_000, 512), "tree": tree}
 
 
+@cache
+def maple():
+    return scenes.maple(512)
+
+
 def camera(size):
     return native.Camera(
         eye=(0.6, -4.6, 1.7), target=(0.1, 0, 0.6), width=size[0], height=size[1], field_of_view=0.7
     )
+
+
+def show(renderer, snow, name, thing, depth, surfaces):
+    """Brings the snow of now to the renderer; `surfaces`: those of the frames before."""
+    heights = snow.output(name, normal=False)["height"]
+    if name not in surfaces:
+        surfaces[name] = scenes.Surface(thing, heights, depth)
+    else:
+        renderer.remove(f"snow on {name}")
+    surfaces[name].show(renderer, f"snow on {name}", heights, depth)
 
 
 def step_and_draw(things, way, arguments, blur):
@@ -78,13 +96,19 @@ def step_and_draw(things, way, arguments, blur):
             snow.add_object(
                 name, thing.triangles, thing.uv, resolution=thing.resolution, shading=thing.shading
             )
-            scenes.add_snow_mesh(renderer, name, thing)
+            if name == "tree":
+                renderer.add_tree(name, maple()[1])
+            else:
+                renderer.add_mesh(name, thing.positions, thing.triangles, thing.color, thing.normals)
+        surfaces = {}
         for frame in range(arguments.frames + 1):
             began = time.perf_counter(), time.process_time()
             moved = {name: thing.positions for name, thing in things.items()} if frame == 0 else {}
             snow.step(moved, DEPTH, scenes.FALL)
-            for name in things:
-                if not renderer.take_snow(name, snow):
+            for name, thing in things.items():
+                if name != "tree":
+                    show(renderer, snow, name, thing, (frame + 1) * DEPTH, surfaces)
+                elif not renderer.take_snow(name, snow, (frame + 1) * DEPTH):
                     raise SystemExit("the map did not stay on the GPU")
             renderer.render(camera(arguments.size), settings)
             one = renderer.statistics()

@@ -109,9 +109,9 @@ void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
 }
 
 void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
-  const bool is_whole = snow.width > 0 && snow.height > 0 &&
-                        snow.values.size() ==
-                            static_cast<size_t>(snow.width) * static_cast<size_t>(snow.height);
+  const bool is_whole =
+      snow.width > 0 && snow.height > 0 &&
+      snow.values.size() == static_cast<size_t>(snow.width) * static_cast<size_t>(snow.height);
   if (!is_whole || std::max(snow.width, snow.height) > 16384) {
     throw std::invalid_argument(
         "set_snow: a map must have height x width values, 1 to 16384 a side");

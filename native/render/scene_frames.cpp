@@ -69,8 +69,7 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
                                     bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
-  around.reach =
-      meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
+  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
   const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);

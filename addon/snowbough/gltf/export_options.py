@@ -36,8 +36,16 @@ class ExportProperties:
         description="Baked snow that is written with the tree",
         items=(
             ("NONE", "None", "No snow"),
-            ("SURFACE", "Surface", "The snow surface of the current frame as a mesh in the file, as Blender shows it"),
-            ("FRAME", "Map", "Heights, and normals where they were baked, of the current frame, beside the file"),
+            (
+                "SURFACE",
+                "Surface",
+                "The snow surface of the current frame as a mesh in the file, as Blender shows it",
+            ),
+            (
+                "FRAME",
+                "Map",
+                "Heights, and normals where they were baked, of the current frame, beside the file",
+            ),
             ("ATLAS", "Atlas", "Maps of several frames side by side in one image"),
         ),
         default="NONE",

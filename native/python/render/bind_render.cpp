@@ -164,7 +164,8 @@ void bind_render(py::module_& module) {
            "are shifted\nwithin a pixel's filter. Alpha is the share in which something was drawn; "
            "the rest shows the\nbackground's light.")
       .def("render_depth", &render_depth, "camera"_a, "settings"_a = RenderSettings{},
-           "What a depth buffer of OpenGL holds for a picture, (height, width) float32, row 0 at the "
+           "What a depth buffer of OpenGL holds for a picture, (height, width) float32, row 0 at "
+           "the "
            "bottom: from\n0 at the near plane to 1 at the far one, and 1 where nothing was drawn.")
       .def(
           "request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},

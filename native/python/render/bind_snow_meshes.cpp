@@ -18,8 +18,8 @@ void add_snow_mesh(Renderer& renderer, const std::string& name, const InputArray
   MeshSource source;
   source.vertices = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
   source.triangles = rows_from_numpy<std::array<int32_t, 3>, int32_t, 3>(triangles, "triangles");
-  source.normals = corners_of<glm::vec3>(
-      normals, static_cast<py::ssize_t>(source.triangles.size()), "normals");
+  source.normals =
+      corners_of<glm::vec3>(normals, static_cast<py::ssize_t>(source.triangles.size()), "normals");
   source.is_snow = true;
   const ReleasedGil release;
   renderer.add_mesh(name, source);
@@ -72,17 +72,18 @@ void bind_render_snow(RendererClass& to) {
   to.def("set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
          "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
          "(T, 3, 2)\nof its corners there. None: no snow.")
-      .def("add_snow_mesh", &add_snow_mesh, "name"_a, "vertices"_a, "triangles"_a,
-           "normals"_a = py::none(),
-           "Adds the surface of snow as SnowSurface computes it, shaded as snow: vertices (N, 3) in "
-           "metres,\ntriangles (T, 3), anticlockwise seen from outside; by corner normals (T, 3, 3) "
-           "in place of smooth\nones. It is a mesh as add_mesh's.")
-      .def("set_snow", &set_snow, "tree"_a, "height"_a, "open_depth"_a,
-           "last_depth"_a = py::none(),
-           "The snow on a tree: heights (H, W) in metres along the normals on a map of its uv_snow, "
-           "row 0 = v 0,\nas SnowSimulation.output gives them; the depth on open level ground in "
-           "metres, now and at the shot's\nend (by default the same). Shown as all snow is, see "
-           "SnowSurface.")
+      .def(
+          "add_snow_mesh", &add_snow_mesh, "name"_a, "vertices"_a, "triangles"_a,
+          "normals"_a = py::none(),
+          "Adds the surface of snow as SnowSurface computes it, shaded as snow: vertices (N, 3) in "
+          "metres,\ntriangles (T, 3), anticlockwise seen from outside; by corner normals (T, 3, 3) "
+          "in place of smooth\nones. It is a mesh as add_mesh's.")
+      .def(
+          "set_snow", &set_snow, "tree"_a, "height"_a, "open_depth"_a, "last_depth"_a = py::none(),
+          "The snow on a tree: heights (H, W) in metres along the normals on a map of its uv_snow, "
+          "row 0 = v 0,\nas SnowSimulation.output gives them; the depth on open level ground in "
+          "metres, now and at the shot's\nend (by default the same). Shown as all snow is, see "
+          "SnowSurface.")
       .def("take_snow", &take_snow, "tree"_a, "simulation"_a, "open_depth"_a, "object"_a = "",
            "last_depth"_a = py::none(),
            "The same as it lies now on an object of a SnowSimulation (by default that of the same "

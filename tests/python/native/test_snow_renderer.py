@@ -64,7 +64,12 @@ def test_snow_whose_normal_turns_away_from_the_eye_is_no_dark_speck(renderer, se
     camera = native.Camera(
         eye=(0, 0, 300), target=(0, 0, 0), up=(0, 1, 0), width=9, height=9, field_of_view=0.3
     )
-    light = {"sun_direction": (1, 0, 0), "sun_color": (1, 1, 1), "sky_color": (0, 0, 0), "shadow_resolution": 0}
+    light = {
+        "sun_direction": (1, 0, 0),
+        "sun_color": (1, 1, 1),
+        "sky_color": (0, 0, 0),
+        "shadow_resolution": 0,
+    }
     shades = []
     for away in (0.0, -0.3):
         normal = np.float32((1, 0, away)) / np.hypot(1, away)
