@@ -15,8 +15,9 @@ in vec3 own_place;
 /// Metres from which on snow has all of its relief and glints.
 const float kDeepSnow = 0.1;
 
-/// A pixel of the snow's surface, whose normal always points out of it. At its outline triangles are seen whose corners'
-/// normals point away from the eye: mirrored they would be dark specks, so they are turned until they are seen on edge.
+/// A pixel of the snow's surface, whose normal always points out of it. At its outline triangles are seen whose
+/// corners' normals point away from the eye: mirrored they would be dark specks, so they are turned until they are seen
+/// on edge.
 vec3 lit_surface() {
   const vec3 to_eye = normalize(view.eye.xyz - world);
   const vec3 normal = normalize(smooth_normal);

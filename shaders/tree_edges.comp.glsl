@@ -12,8 +12,8 @@ layout(std430) writeonly buffer EdgeLevels { float edge_levels[]; };
 uniform int count;
 
 #ifdef SNOW
-/// The thesis's level of the snow on the faces of an edge from a to b: a square of their mean area beside it, that lies as
-/// the edge's ends do.
+/// The thesis's level of the snow on the faces of an edge from a to b: of a rectangle of their mean area beside it that
+/// lies as the edge's ends do.
 float snow_level(TreeEdge edge, PosedVertex a, PosedVertex b) {
   const vec3 along = b.position.xyz - a.position.xyz;
   const vec3 normal = normalize(a.normal.xyz + b.normal.xyz);

@@ -4,9 +4,9 @@
 
 Prints markdown tables for the driver at hand. A frame is a step of the simulation (engine GL), the map's way to the
 renderer and the picture. A tree's map stays on the GPU and is tessellated with the limbs. On a mesh the heights are
-read back, and the points of the snow's surface (SnowSurface) are computed on the processor and uploaded. GPU time is that of
-all of the passes, of which the picture's stands beside it; wall time includes reading the picture back; the processor's
-time sums over threads.
+read back, and the points of the snow's surface (SnowSurface) are computed on the processor and uploaded. GPU time is
+that of all of the passes, of which the picture's stands beside it; wall time includes reading the picture back; the
+processor's time sums over threads.
 
 - Scenes: mapping GEOMETRY is the thesis's way on the same card, and so is the metric THESIS on trees; COMPUTE with
   SCREEN is ours. Its six scenes ran at 103 to 112 frames a second on a GTX 580; its meshes are not to be had, so these

@@ -218,8 +218,8 @@ SnowPoint on_carrier(const SnowPoint point, float thickness, float depth) {
   return made;
 }
 
-/// How far from its carrier a point away from rims may be at most, under a map that holds `thickness` at most and in the
-/// usual style.
+/// How far from its carrier a point away from rims may be at most, under a map that holds `thickness` at most and in
+/// the usual style.
 float farthest_offset(float thickness) {
   const float height = (1.0f + kMostRelief) * most_shown(thickness);
   return thickness > 0.0f ? height * length(vec3(1.0f, kMostSag, 0.0f)) : 0.0f;

@@ -219,8 +219,8 @@ SnowPoint on_carrier(const SnowPoint place_of, float thickness, float depth) {
   return made;
 }
 
-/// How far from its carrier a point away from rims may be at most, under a map that holds `thickness` at most and in the
-/// usual style.
+/// How far from its carrier a point away from rims may be at most, under a map that holds `thickness` at most and in
+/// the usual style.
 float farthest_offset(float thickness) {
   const float height = (1.0f + kMostRelief) * most_shown(thickness);
   return thickness > 0.0f ? height * length(float3(1.0f, kMostSag, 0.0f)) : 0.0f;

@@ -1,7 +1,7 @@
 // Bumps of a surface's normals, from a height by pixel.
 
-/// Least share of a pixel's area that a surface is taken to face the normal with: seen from aside, the differences between
-/// pixels would outweigh the normal.
+/// Least share of a pixel's area that a surface is taken to face the normal with: seen from aside, the differences
+/// between pixels would outweigh the normal.
 const float kLeastFacing = 0.2;
 
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.

@@ -1,5 +1,5 @@
-// Snow on limbs, by the rule that all snow follows: lib/snow_surface.h. Limbs are round, so that they have no rims; noise
-// is fixed to the rest pose.
+// Snow on limbs, by the rule that all snow follows: lib/snow_surface.h. Limbs are round, so that they have no rims;
+// noise is fixed to the rest pose.
 #include "glsl/snow_map.glsl"
 #include "glsl/tree_view.glsl"
 #include "lib/snow_point.h"

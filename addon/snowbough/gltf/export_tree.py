@@ -78,8 +78,8 @@ def export(context, obj, path, options):
     """Writes the tree that `obj` is part of to `path` (.glb or .gltf) and what belongs to it beside it.
 
     Returns the report: ``tree``, ``files`` (all that was written), ``levels`` (triangles of each part, the finest
-    first), ``heaps`` (triangles of each surface of snow), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``. Raises ValueError for what is no tree,
-    RuntimeError where a file cannot be written.
+    first), ``heaps`` (triangles of each surface of snow), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``.
+    Raises ValueError for what is no tree, RuntimeError where a file cannot be written.
     """
     path = checked_path(path)
     tree = scene_tree.find(obj)
