@@ -1,5 +1,5 @@
 // The deepest of a map's tiles: one work group.
-#include "lib/snow_patch.h"
+#include "lib/map_tiles.h"
 
 layout(local_size_x = kDeepestGroup) in;
 layout(std430) readonly buffer TileDepths { float tile_depths[]; };

@@ -1,6 +1,7 @@
 // A mesh without tessellation, as often as it has places in the world.
 //
-// SHADOW: the sun's picture, of depth alone. SNOW: with coordinates on the map of its snow.
+// SHADOW: the sun's picture, of depth alone. SNOW: with coordinates on the map of its snow. IS_SNOW: with its place in
+// its own space, where grains of snow stay.
 #include "glsl/tree_view.glsl"
 #include "lib/mesh_corner.h"
 
@@ -15,6 +16,9 @@ out vec2 snow_uv;
 #ifndef SHADOW
 out vec3 world;
 out vec3 smooth_normal;
+#ifdef IS_SNOW
+out vec3 own_place;
+#endif
 #endif
 
 void main() {
@@ -32,8 +36,12 @@ void main() {
 #endif
 #ifndef SHADOW
   world = position;
-  // By the matrix of cofactors, which keeps normals upright whatever the place's scale.
-  const vec3 n = at.normal.xyz;
+#ifdef IS_SNOW
+  own_place = p;
+#endif
+  // By the matrix of cofactors, which keeps normals upright whatever the place's scale; it turns those of a mirrored
+  // place inwards.
+  const vec3 n = at.normal.xyz * (dot(cross(x, y), z) < 0.0 ? -1.0 : 1.0);
   smooth_normal = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
 #endif
   gl_Position = view.clip_from_world * vec4(position, 1.0);

@@ -24,6 +24,7 @@ void main() {
 #ifndef WIRE
   snow_place = patch_snow_uv(of, at);
   rest_place = point.rest;
+  snow_noises = point.noise;
 #endif
 #endif
 #endif

@@ -2,6 +2,7 @@
 // (all edges at level 1) and tessellated, and counts the latter two for each work group.
 #include "glsl/tree_view.glsl"
 #include "glsl/count_classes.glsl"
+#include "lib/snow_point.h"
 #include "lib/tessellation.h"
 
 layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
@@ -22,7 +23,7 @@ uint class_of(int index) {
     stretch = max(stretch, max(length(corners[k].row_x.xyz),
                                max(length(corners[k].row_y.xyz), length(corners[k].row_z.xyz))));
   }
-  radius += of.rest[1].w * stretch + deepest_snow[0];
+  radius += of.rest[1].w * stretch + farthest_offset(deepest_snow[0]);
   if (is_unseen(centre, radius)) {
     return kDropped;
   }

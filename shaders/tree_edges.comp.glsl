@@ -1,4 +1,6 @@
 // The tessellation level of each edge, once, so that both of its faces have the same.
+//
+// SNOW: the thesis's metric has a level for the snow, too.
 #include "glsl/tree_view.glsl"
 #include "lib/tessellation.h"
 
@@ -8,6 +10,25 @@ layout(std430) readonly buffer PosedVertices { PosedVertex posed[]; };
 layout(std430) readonly buffer TreeEdges { TreeEdge edges[]; };
 layout(std430) writeonly buffer EdgeLevels { float edge_levels[]; };
 uniform int count;
+
+#ifdef SNOW
+/// The thesis's level of the snow on the faces of an edge from a to b: of a rectangle of their mean area beside it that
+/// lies as the edge's ends do.
+float snow_level(TreeEdge edge, PosedVertex a, PosedVertex b) {
+  const vec3 along = b.position.xyz - a.position.xyz;
+  const vec3 normal = normalize(a.normal.xyz + b.normal.xyz);
+  const vec3 aside = cross(normal, along) * (edge.metric.x / max(dot(along, along), 1e-12));
+  const vec4 clip_a = view.clip_from_world * vec4(a.position.xyz, 1.0);
+  const vec4 clip_b = view.clip_from_world * vec4(b.position.xyz, 1.0);
+  const vec4 clip_c = view.clip_from_world * vec4(a.position.xyz + aside, 1.0);
+  if (min(clip_a.w, min(clip_b.w, clip_c.w)) <= 0.0) {
+    return normal.z > 0.0 ? view.tessellation.y : 1.0;
+  }
+  const vec2 to_b = clip_b.xy / clip_b.w - clip_a.xy / clip_a.w;
+  const vec2 to_c = clip_c.xy / clip_c.w - clip_a.xy / clip_a.w;
+  return thesis_snow_level(normal.z, abs(to_b.x * to_c.y - to_b.y * to_c.x), view.snow.x, view.tessellation.y);
+}
+#endif
 
 void main() {
   const int index = item_index();
@@ -20,7 +41,11 @@ void main() {
   const float away = distance(view.eye.xyz, 0.5 * (a.xyz + b.xyz));
   const float highest = view.tessellation.y;
   if (uint(view.tessellation.x) == kMetricThesis) {
-    edge_levels[index] = thesis_level(away, edge.metric.x, edge.metric.y, view.thesis, highest);
+    float level = thesis_level(away, edge.metric.x, edge.metric.y, view.thesis, highest);
+#ifdef SNOW
+    level = max(level, snow_level(edge, posed[edge.ends.x], posed[edge.ends.y]));
+#endif
+    edge_levels[index] = level;
   } else {
     const float chord = distance(a.xyz, b.xyz);
     const float target = view.tessellation.z;

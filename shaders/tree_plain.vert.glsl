@@ -9,6 +9,7 @@ layout(std430) readonly buffer PlainPatches { uint plain_patches[]; };
 #ifndef CAPTURE
 #ifndef SHADOW
 #ifndef WIRE
+#include "glsl/tree_snow.glsl"
 layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
 #endif
 #endif
@@ -42,6 +43,7 @@ void main() {
 #ifndef WIRE
   snow_place = corner_uv(of.snow_uv_01, of.snow_uv_23, corner);
   rest_place = vertices[of.vertices[corner]].position.xyz;
+  snow_noises = limb_noise(rest_place);
 #endif
 #endif
 #endif

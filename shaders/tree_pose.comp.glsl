@@ -12,7 +12,7 @@ layout(std430) writeonly buffer PosedVertices { PosedVertex posed[]; };
 layout(std430) readonly buffer BoneRows { vec4 bone_rows[]; };
 uniform int count;
 #ifdef SNOW
-#include "glsl/snow_map.glsl"
+#include "glsl/tree_snow.glsl"
 layout(std430) readonly buffer VertexSnow { vec2 vertex_snow[]; };
 
 float snow_on(TreeVertex vertex) {
@@ -51,10 +51,11 @@ void main() {
   const float samples = vertex.normal.w * view.eye.w / (away * view.tessellation.z);
   const float bark = vertex.position.w;
   float height = bark > 0.0 ? bark * bark_height(vertex.bark_uv.xy, samples) : 0.0;
-#ifdef SNOW
-  height += snow_on(vertex);
-#endif
   result.position = vec4(bare + normal * height, bark);
+#ifdef SNOW
+  const SnowPoint point = limb_point(limb_noise(vertex.position.xyz), vertex.normal.w);
+  result.position.xyz += snow_offset(point, max(snow_on(vertex), 0.0), normal);
+#endif
   result.normal = vec4(normal, vertex.normal.w);
   posed[index] = result;
 }

@@ -240,17 +240,21 @@ def garden():
     return things, {"tree": mesh}
 
 
+#: Metres of snow on the garden.
+DEPTH = 0.09
+
+
 @cache
 def snowed():
     things, trees = garden()
-    return things, trees, scenes.fallen(things, 0.09)
+    return things, trees, scenes.fallen(things, DEPTH)
 
 
-def with_snow(name, picture, cut=0.25):
-    """A picture of the garden under its snow; cut: as scenes.show."""
+def with_snow(name, picture):
+    """A picture of the garden under its snow."""
     things, trees, heights = snowed()
     with native.Renderer() as renderer:
-        scenes.show(renderer, things, heights, trees, cut)
+        scenes.show(renderer, things, heights, DEPTH, trees)
         made = picture(renderer)
         told(renderer, name)
     return made
@@ -265,11 +269,9 @@ def snow_growing():
     things, _ = garden()
     things = {name: things[name] for name in ("ground", "bench", "urn")}
     columns = []
-    with native.Renderer() as renderer:
-        scenes.show(renderer, things, {name: np.zeros((4, 4), np.float32) for name in things})
-        for depth in (0.003, 0.01, 0.03, 0.07):
-            for name, heights in scenes.fallen(things, depth).items():
-                renderer.set_snow(name, heights)
+    for depth in (0.003, 0.01, 0.03, 0.07):
+        with native.Renderer() as renderer:
+            scenes.show(renderer, things, scenes.fallen(things, depth), depth)
             views = [drawn(renderer, *view, (280, 240)) for view in (BENCH, URN)]
             told(renderer, f"{100 * depth:g} cm")
             columns.append(np.concatenate(views))
@@ -289,27 +291,24 @@ def snow_filter(size=400):
     """An urn of one chart with a seam towards the camera: without and with the output's smoothing."""
     urn = {"urn": scenes.urn().moved((0, 0, 0), -65)}
     columns = []
-    with native.Renderer() as renderer:
-        for blur in (0.0, 0.02):
-            heights = scenes.fallen(urn, 0.07, steps=8, blur_radius=blur, pixel_size=0.015)["urn"]
-            if not columns:
-                scenes.show(renderer, urn, {"urn": heights})
-            renderer.set_snow("urn", heights)
+    for blur in (0.0, 0.02):
+        heights = scenes.fallen(urn, 0.07, steps=8, blur_radius=blur, pixel_size=0.015)["urn"]
+        with native.Renderer() as renderer:
+            scenes.show(renderer, urn, {"urn": heights}, 0.07)
             light = {**scenes.LIGHT, "background": (0.5, 0.6, 0.75)}
             view = drawn(renderer, (0.42, -1.05, 1.22), (0.05, -0.17, 0.77), (size, size), 0.6, light)
             # The rows of the map that snow lies in, above the view: rows run upwards.
             columns.append(np.concatenate([view, grey_map(heights, size)[7 * size // 10 :]]))
-        told(renderer, "filtered")
+            told(renderer, f"smoothed over {1e3 * blur:g} mm")
     return np.concatenate(columns, axis=1)
 
 
 def snow_close():
     def picture(renderer):
         size = (440, 330)
-        return np.concatenate([both(renderer, *view, size, target_pixels=14.0) for view in (BENCH, URN)])
+        return np.concatenate([both(renderer, *view, size) for view in (BENCH, URN)])
 
-    # Cut more coarsely than the maps require, so that wireframes show the tessellation.
-    return with_snow("from near", picture, cut=0.06)
+    return with_snow("from near", picture)
 
 
 def snow_garden():

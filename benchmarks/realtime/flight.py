@@ -24,6 +24,8 @@ FROM = np.array((0.35, -0.92, 0.16))
 #: Metres: frames that the picture shows.
 SHOWN = (80, 40, 20, 10, 5, 2)
 CELL = (230, 260)
+#: Metres of snow on open ground.
+DEPTH = 0.08
 
 
 def distance(number):
@@ -64,9 +66,9 @@ def scene(resolution=1024):
     return things, {"tree": mesh}
 
 
-def put(renderer, heights, things, trees):
+def put(renderer, heights, depth, things, trees):
     """The scene in a renderer, with a plain around it that reaches the horizon."""
-    scenes.show(renderer, things, heights, trees, cut=0.5)
+    scenes.show(renderer, things, heights, depth, trees)
     g = 1000.0
     corners = [(-g, -g, -0.05), (g, -g, -0.05), (g, g, -0.05), (-g, g, -0.05)]
     renderer.add_mesh("plain", corners, [(0, 1, 2), (0, 2, 3)], (0.97, 0.99, 1.0))
@@ -103,9 +105,9 @@ def curve(found, width, height=90, top=8.0):
 
 def picture(every):
     things, trees = scene()
-    heights = scenes.fallen(things, 0.08, pixel_size=0.02)
+    heights = scenes.fallen(things, DEPTH, pixel_size=0.02)
     with native.Renderer() as renderer:
-        put(renderer, heights, things, trees)
+        put(renderer, heights, DEPTH, things, trees)
         rows = []
         for wire in (False, True):
             row = []

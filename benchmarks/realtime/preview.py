@@ -141,7 +141,9 @@ class Drawn:
         from snowbough.preview import drawing, live
 
         self.playback = playback
-        self.drawn = live.make_drawing(playback, scene.unit_settings.scale_length)
+        budget = drawing.SOFTWARE_BUDGET if drawing.is_software() else drawing.BUDGET
+        self.surfaces = live.make_surfaces(playback, *budget)
+        self.drawn = drawing.Drawing(scene.unit_settings.scale_length)
         self.handle = bpy.types.SpaceView3D.draw_handler_add(
             lambda: self.drawn.draw(False), (), "WINDOW", "POST_VIEW"
         )
@@ -151,7 +153,8 @@ class Drawn:
         for key, height in maps.items():
             pose = self.playback.pose.objects[key]
             depth = float(np.abs(height).max())
-            self.drawn.receivers[key].set_snow(height, depth, pose.positions, None)
+            self.surfaces[key].points(height, depth, pose.positions)
+            self.drawn.show(key, self.surfaces[key])
 
     def end(self):
         bpy.types.SpaceView3D.draw_handler_remove(self.handle, "WINDOW")

@@ -257,17 +257,34 @@ def fallen(things, depth, steps=24, blur_radius=0.012, pixel_size=0.01, engine="
         return {name: snow.output(name, normal=False)["height"] for name in things}
 
 
-def add_snow_mesh(renderer, name, thing, cut=1.0):
-    """`cut`: how finely triangles of many texels are cut, as a share of the map's size."""
-    edge = int(cut * thing.resolution)
-    renderer.add_snow_mesh(name, thing.positions, thing.triangles, thing.uv, thing.normals, thing.color, edge)
+class Surface:
+    """The snow's surface on a thing: its faces are planned for these heights, its points follow others."""
+
+    def __init__(self, thing, heights, depth):
+        self._surface = native.SnowSurface(
+            thing.triangles, thing.uv, thing.positions, heights, abs(heights), depth, shading=thing.shading
+        )
+        begin, corners, _ = self._surface.faces()
+        quads = begin[:-1][np.diff(begin) == 4][:, None]
+        first = corners[begin[:-1][:, None] + (0, 1, 2)]
+        self.triangles = np.concatenate([first, corners[quads + (0, 2, 3)]]).astype(np.int32)
+
+    def points(self, heights, depth):
+        return self._surface.points(heights, depth)
+
+    def show(self, renderer, name, heights, depth):
+        """Adds it to a renderer under a name."""
+        if len(self.triangles):
+            renderer.add_snow_mesh(name, self.points(heights, depth), self.triangles)
 
 
-def show(renderer, things, heights, trees=None, cut=1.0):
-    """Puts things with their snow into a renderer; `trees`: meshes of the trees by name; `cut`: see add_snow_mesh."""
+def show(renderer, things, heights, depth, trees=None):
+    """Puts things with their snow into a renderer; `depth`: metres on open ground; `trees`: meshes of the trees by
+    name."""
     for name, thing in things.items():
         if trees and name in trees:
             renderer.add_tree(name, trees[name])
+            renderer.set_snow(name, heights[name], depth)
         else:
-            add_snow_mesh(renderer, name, thing, cut)
-        renderer.set_snow(name, heights[name])
+            renderer.add_mesh(name, thing.positions, thing.triangles, thing.color, thing.normals)
+            Surface(thing, heights[name], depth).show(renderer, f"snow on {name}", heights[name], depth)

@@ -3,12 +3,14 @@
     PYTHONPATH=build/python /usr/bin/python3 benchmarks/realtime/snow.py [--size 1280 720] [--frames 5] [--quick]
 
 Prints markdown tables for the current driver. A frame is a step of the simulation (engine GL), the transfer of the map
-to the renderer (it stays on the GPU), and the picture. GPU time is that of all their passes, with the picture's share
-in a column of its own; wall time includes reading the picture back; processor time is the sum over threads.
+to the renderer, and the picture. The map of a tree stays on the GPU and is tessellated with the branches. On a mesh,
+the heights are read back, and the points of the snow surface (SnowSurface) are computed on the processor and uploaded.
+GPU time is that of all passes, with the picture's share in a column of its own; wall time includes reading the picture
+back; processor time is the sum over threads.
 
-- Scenes: mapping GEOMETRY with the metric THESIS is the thesis's method on the same card, COMPUTE with SCREEN is ours.
-  The thesis's six scenes ran at 103 to 112 frames per second on a GTX 580. Its meshes are not available; ours have
-  about as many polygons, so its figures give a scale only.
+- Scenes: mapping GEOMETRY, on trees with the metric THESIS, is the thesis's method on the same card, COMPUTE with
+  SCREEN is ours. The thesis's six scenes ran at 103 to 112 frames per second on a GTX 580. Its meshes are not
+  available; ours have about as many polygons, so its figures give a scale only.
 - Maps of 256 to 4096 texels per side on one mesh, and meshes of 1,000 to 350,000 triangles on one map. The radius of
   the output's smoothing is in metres, and the number of its rounds grows with the square of the radius in texels: with
   10 mm they dominate on large maps. Other rows have the same radius in texels everywhere (that of 10 mm at 1024).
@@ -20,6 +22,7 @@ which runs on the processor with either engine).
 import argparse
 import statistics
 import time
+from functools import cache
 
 import numpy as np
 import scenes
@@ -38,7 +41,7 @@ def rolling(triangles, resolution):
 
 def table_scenes():
     """Scenes by name."""
-    tree, _ = scenes.maple(512)
+    tree, _ = maple()
     yield "ground", {"ground": rolling(5_000, 512)}
     yield "ball on the ground", {"ground": rolling(5_000, 512), "ball": scenes.ball(0.5).moved((0, 0, 0.45))}
     yield "urn", {"ground": rolling(5_000, 512), "urn": scenes.urn()}
@@ -55,10 +58,25 @@ def table_scenes():
     yield "tree", {"ground": rolling(5_000, 512), "tree": tree}
 
 
+@cache
+def maple():
+    return scenes.maple(512)
+
+
 def camera(size):
     return native.Camera(
         eye=(0.6, -4.6, 1.7), target=(0.1, 0, 0.6), width=size[0], height=size[1], field_of_view=0.7
     )
+
+
+def show(renderer, snow, name, thing, depth, surfaces):
+    """Brings the snow of now to the renderer; `surfaces`: those of the frames before."""
+    heights = snow.output(name, normal=False)["height"]
+    if name not in surfaces:
+        surfaces[name] = scenes.Surface(thing, heights, depth)
+    else:
+        renderer.remove(f"snow on {name}")
+    surfaces[name].show(renderer, f"snow on {name}", heights, depth)
 
 
 def step_and_draw(things, way, arguments, blur):
@@ -78,13 +96,19 @@ def step_and_draw(things, way, arguments, blur):
             snow.add_object(
                 name, thing.triangles, thing.uv, resolution=thing.resolution, shading=thing.shading
             )
-            scenes.add_snow_mesh(renderer, name, thing)
+            if name == "tree":
+                renderer.add_tree(name, maple()[1])
+            else:
+                renderer.add_mesh(name, thing.positions, thing.triangles, thing.color, thing.normals)
+        surfaces = {}
         for frame in range(arguments.frames + 1):
             began = time.perf_counter(), time.process_time()
             moved = {name: thing.positions for name, thing in things.items()} if frame == 0 else {}
             snow.step(moved, DEPTH, scenes.FALL)
-            for name in things:
-                if not renderer.take_snow(name, snow):
+            for name, thing in things.items():
+                if name != "tree":
+                    show(renderer, snow, name, thing, (frame + 1) * DEPTH, surfaces)
+                elif not renderer.take_snow(name, snow, (frame + 1) * DEPTH):
                     raise SystemExit("the map did not stay on the GPU")
             renderer.render(camera(arguments.size), settings)
             one = renderer.statistics()

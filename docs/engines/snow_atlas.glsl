@@ -8,7 +8,12 @@ layout(std140, binding = 0) uniform SnowAtlas {
   float height_scale;  // height.scale
   float height_offset; // height.offset
   float frame;         // which frame, counted from 0 in the list; between two of them both are mixed
+  float open_depth;    // openDepths of that frame
+  float last_depth;    // lastDepth
+  float limb_width;    // how thick the limbs are that carry snow, in metres: 0 lets most of it show
 };
+#include "snow_rule.glsl"
+
 layout(binding = 0) uniform sampler2D snow_heights;
 layout(binding = 1) uniform sampler2D snow_normals;
 
@@ -18,7 +23,7 @@ vec2 atlas_place(vec2 uv, int number) {
   return (inside + vec2(number % tiles.x, number / tiles.x)) / vec2(tiles);
 }
 
-/// Metres of snow along the normal; below 0 on the back of leaves. Tessellation has no derivatives: level 0.
+/// Metres that the map holds along the normal; below 0 on the back of leaves. Tessellation has no derivatives: level 0.
 float snow_height(vec2 uv) {
   int first = clamp(int(frame), 0, frame_count - 1);
   int second = min(first + 1, frame_count - 1);
@@ -31,4 +36,29 @@ float snow_height(vec2 uv) {
 vec3 snow_tangent_normal(vec2 uv) {
   int number = clamp(int(frame + 0.5), 0, frame_count - 1);
   return textureLod(snow_normals, atlas_place(uv, number), 0.0).rgb * 2.0 - 1.0;
+}
+
+const SnowStyle kUsualStyle = SnowStyle(1.0, 1.0, 1.0, 1.0);
+
+/// The snow on a place of the tree: the way to its surface, and its height there.
+struct ShownSnow {
+  vec3 offset;
+  float height;
+};
+
+/// `rest`: POSITION, which noise stays with; `normal`: the world's.
+ShownSnow shown_snow(vec2 uv, vec3 rest, vec3 normal) {
+  float held = snow_height(uv);
+  float thickness = abs(held);
+  vec3 out_of = held < 0.0 ? -normal : normal;
+  float depth = max(last_depth, 1e-4);
+  // Noise counts z upwards.
+  vec3 place = vec3(rest.x, -rest.z, rest.y) / depth;
+  SnowPoint point = on_limb(point_noise(place), limb_width, depth);
+  point.bumps = bump_noise(place);
+  SnowEdge edge = snow_edge(point, thickness, open_depth, out_of.y);
+  float height = limb_height(point, kUsualStyle, edge, thickness, open_depth);
+  vec3 down = out_of * out_of.y - vec3(0.0, 1.0, 0.0);
+  float sag = sagging(point, kUsualStyle, edge, thickness, height, out_of.y);
+  return ShownSnow(out_of * height + down * (sag / max(length(down), 1e-3)), height);
 }

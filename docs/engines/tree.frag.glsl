@@ -41,7 +41,7 @@ vec3 from_tangent_space(vec3 tangent_normal, vec3 normal, vec3 place, vec2 uv) {
 void main() {
   // Leaves are seen from both sides, and carry snow on that which is up.
   vec3 normal = normalize(surface_normal) * (gl_FrontFacing ? 1.0 : -1.0);
-  float covered = smoothstep(0.0, kCovered, abs(surface_snow));
+  float covered = smoothstep(0.0, kCovered, surface_snow);
   vec3 snow = from_tangent_space(snow_tangent_normal(surface_snow_uv), normal, surface_position, surface_snow_uv);
   normal = normalize(mix(normal, snow, covered));
   vec4 texel = texture(bark_color, surface_bark_uv);

@@ -2,6 +2,8 @@
 // The same as tree.{vert,tesc,tese,frag}.glsl for Direct3D 11 and later: vertex_main, hull_main, domain_main, pixel_main.
 // Matrices are column-major, as Direct3D's default has them.
 
+#include "snow_rule.hlsl"
+
 cbuffer SnowAtlas : register(b0) {
   int2 tiles;           // columns, rows
   float tile_texels;    // tile
@@ -9,6 +11,9 @@ cbuffer SnowAtlas : register(b0) {
   float height_scale;   // height.scale
   float height_offset;  // height.offset
   float frame;          // which frame, counted from 0 in the list; between two of them both are mixed
+  float open_depth;     // openDepths of that frame
+  float last_depth;     // lastDepth
+  float limb_width;     // how thick the limbs are that carry snow, in metres: 0 lets most of it show
 };
 cbuffer Tessellation : register(b1) {
   float3 eye;
@@ -48,6 +53,7 @@ struct Corner {
   float2 bark_uv : TEXCOORD0;
   float2 snow_uv : TEXCOORD1;
   float level : TEXCOORD2;
+  float3 rest : TEXCOORD3;
 };
 struct Factors {
   float edges[3] : SV_TessFactor;
@@ -68,13 +74,40 @@ float2 atlas_place(float2 uv, int number) {
   return (inside + float2(number % tiles.x, number / tiles.x)) / float2(tiles);
 }
 
-/// Metres of snow along the normal; below 0 on the back of leaves.
+/// Metres that the map holds along the normal; below 0 on the back of leaves.
 float snow_height(float2 uv) {
   int first = clamp(int(frame), 0, frame_count - 1);
   int second = min(first + 1, frame_count - 1);
   float before = snow_heights.SampleLevel(linear_clamp, atlas_place(uv, first), 0);
   float after = snow_heights.SampleLevel(linear_clamp, atlas_place(uv, second), 0);
   return height_offset + height_scale * lerp(before, after, saturate(frame - float(first)));
+}
+
+/// The snow on a place of the tree: the way to its surface, and its height there.
+struct ShownSnow {
+  float3 offset;
+  float height;
+};
+
+/// `rest`: POSITION, which noise stays with; `normal`: the world's.
+ShownSnow shown_snow(float2 uv, float3 rest, float3 normal) {
+  const SnowStyle usual = {1.0, 1.0, 1.0, 1.0};
+  float held = snow_height(uv);
+  float thickness = abs(held);
+  float3 out_of = held < 0.0 ? -normal : normal;
+  float depth = max(last_depth, 1e-4);
+  // Noise counts z upwards.
+  float3 at = float3(rest.x, -rest.z, rest.y) / depth;
+  SnowPoint here = on_limb(point_noise(at), limb_width, depth);
+  here.bumps = bump_noise(at);
+  SnowEdge edge = snow_edge(here, thickness, open_depth, out_of.y);
+  float height = limb_height(here, usual, edge, thickness, open_depth);
+  float3 down = out_of * out_of.y - float3(0.0, 1.0, 0.0);
+  float sag = sagging(here, usual, edge, thickness, height, out_of.y);
+  ShownSnow snow;
+  snow.offset = out_of * height + down * (sag / max(length(down), 1e-3));
+  snow.height = height;
+  return snow;
 }
 
 Corner vertex_main(Vertex v) {
@@ -86,6 +119,7 @@ Corner vertex_main(Vertex v) {
   corner.bark_uv = v.bark_uv;
   corner.snow_uv = v.snow_uv;
   corner.level = v.level;
+  corner.rest = v.position;
   return corner;
 }
 
@@ -132,8 +166,10 @@ Surface domain_main(Factors factors, float3 t : SV_DomainLocation, const OutputP
   surface.normal = normalize(t.x * c[0].normal + t.y * c[1].normal + t.z * c[2].normal);
   surface.bark_uv = t.x * c[0].bark_uv + t.y * c[1].bark_uv + t.z * c[2].bark_uv;
   surface.snow_uv = t.x * c[0].snow_uv + t.y * c[1].snow_uv + t.z * c[2].snow_uv;
-  surface.snow = snow_height(surface.snow_uv);
-  surface.position = lerp(flat_point, round_point, 0.75) + surface.normal * surface.snow;
+  float3 rest = t.x * c[0].rest + t.y * c[1].rest + t.z * c[2].rest;
+  ShownSnow snow = shown_snow(surface.snow_uv, rest, surface.normal);
+  surface.snow = snow.height;
+  surface.position = lerp(flat_point, round_point, 0.75) + snow.offset;
   surface.clip = mul(view_projection, float4(surface.position, 1.0));
   return surface;
 }
@@ -154,7 +190,7 @@ float3 from_tangent_space(float3 tangent_normal, float3 normal, float3 place, fl
 float4 pixel_main(Surface surface, bool front : SV_IsFrontFace) : SV_Target {
   // Leaves are seen from both sides, and carry snow on that which is up.
   float3 normal = normalize(surface.normal) * (front ? 1.0 : -1.0);
-  float covered = smoothstep(0.0, 0.004, abs(surface.snow));
+  float covered = smoothstep(0.0, 0.004, surface.snow);
   int number = clamp(int(frame + 0.5), 0, frame_count - 1);
   float3 flake = snow_normals.SampleLevel(linear_clamp, atlas_place(surface.snow_uv, number), 0).rgb * 2.0 - 1.0;
   float3 snow = from_tangent_space(flake, normal, surface.position, surface.snow_uv);

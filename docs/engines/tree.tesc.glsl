@@ -8,11 +8,13 @@ layout(location = 1) in vec3 world_normal[];
 layout(location = 2) in vec2 vertex_bark_uv[];
 layout(location = 3) in vec2 vertex_snow_uv[];
 layout(location = 4) in float vertex_level[];
+layout(location = 5) in vec3 rest_position[];
 
 layout(location = 0) out vec3 patch_position[];
 layout(location = 1) out vec3 patch_normal[];
 layout(location = 2) out vec2 patch_bark_uv[];
 layout(location = 3) out vec2 patch_snow_uv[];
+layout(location = 4) out vec3 patch_rest[];
 
 layout(std140, binding = 1) uniform Tessellation {
   vec3 eye;
@@ -43,6 +45,7 @@ void main() {
   patch_normal[gl_InvocationID] = world_normal[gl_InvocationID];
   patch_bark_uv[gl_InvocationID] = vertex_bark_uv[gl_InvocationID];
   patch_snow_uv[gl_InvocationID] = vertex_snow_uv[gl_InvocationID];
+  patch_rest[gl_InvocationID] = rest_position[gl_InvocationID];
   if (gl_InvocationID == 0) {
     // Edge k lies opposite corner k.
     gl_TessLevelOuter[0] = edge_level(1, 2);

@@ -9,6 +9,7 @@ layout(location = 0) in vec3 patch_position[];
 layout(location = 1) in vec3 patch_normal[];
 layout(location = 2) in vec2 patch_bark_uv[];
 layout(location = 3) in vec2 patch_snow_uv[];
+layout(location = 4) in vec3 patch_rest[];
 
 layout(std140, binding = 2) uniform View { mat4 view_projection; };
 
@@ -32,7 +33,9 @@ void main() {
   surface_normal = normalize(t.x * patch_normal[0] + t.y * patch_normal[1] + t.z * patch_normal[2]);
   surface_bark_uv = t.x * patch_bark_uv[0] + t.y * patch_bark_uv[1] + t.z * patch_bark_uv[2];
   surface_snow_uv = t.x * patch_snow_uv[0] + t.y * patch_snow_uv[1] + t.z * patch_snow_uv[2];
-  surface_snow = snow_height(surface_snow_uv);
-  surface_position = mix(flat_point, round_point, kRoundness) + surface_normal * surface_snow;
+  vec3 rest = t.x * patch_rest[0] + t.y * patch_rest[1] + t.z * patch_rest[2];
+  ShownSnow snow = shown_snow(surface_snow_uv, rest, surface_normal);
+  surface_snow = snow.height;
+  surface_position = mix(flat_point, round_point, kRoundness) + snow.offset;
   gl_Position = view_projection * vec4(surface_position, 1.0);
 }

@@ -18,6 +18,7 @@ layout(location = 1) out vec3 world_normal;
 layout(location = 2) out vec2 vertex_bark_uv;
 layout(location = 3) out vec2 vertex_snow_uv;
 layout(location = 4) out float vertex_level;
+layout(location = 5) out vec3 rest_position;
 
 void main() {
   mat4 skin = weights.x * palette[joints.x] + weights.y * palette[joints.y] + weights.z * palette[joints.z] +
@@ -27,4 +28,5 @@ void main() {
   vertex_bark_uv = bark_uv;
   vertex_snow_uv = snow_uv;
   vertex_level = branch_level;
+  rest_position = position;
 }

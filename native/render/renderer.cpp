@@ -108,35 +108,24 @@ void Renderer::set_mesh_snow(const std::string& mesh, const MeshSnow& snow) {
   change([mesh, snow](Scene& scene) { scene.set_mesh_snow(mesh, snow); });
 }
 
-void Renderer::add_snow_mesh(const std::string& name, const SnowSource& source) {
-  drawing();
-  change([name, color = source.color, draws_base = source.draws_base,
-          mesh = SnowMesh(source)](Scene& scene) mutable {
-    scene.add_snow_mesh(name, std::move(mesh), color, draws_base);
-  });
-}
-
-void Renderer::set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
-                             const std::vector<std::array<glm::vec3, 3>>& normals) {
-  change(
-      [mesh, positions, normals](Scene& scene) { scene.set_snow_pose(mesh, positions, normals); });
-}
-
-void Renderer::set_snow(const std::string& mesh, const HeightMap& heights) {
-  const bool is_whole = heights.width > 0 && heights.height > 0 &&
-                        heights.values.size() == static_cast<size_t>(heights.width) *
-                                                     static_cast<size_t>(heights.height);
-  if (!is_whole || std::max(heights.width, heights.height) > 16384) {
+void Renderer::set_snow(const std::string& tree, const TreeSnow& snow) {
+  const bool is_whole =
+      snow.width > 0 && snow.height > 0 &&
+      snow.values.size() == static_cast<size_t>(snow.width) * static_cast<size_t>(snow.height);
+  if (!is_whole || std::max(snow.width, snow.height) > 16384) {
     throw std::invalid_argument(
         "set_snow: a map must have height x width values, 1 to 16384 a side");
   }
-  change([mesh, heights](Scene& scene) { scene.set_snow(mesh, heights); });
+  check(snow.depths);
+  change([tree, snow](Scene& scene) { scene.set_snow(tree, snow); });
 }
 
-bool Renderer::share_snow(const std::string& mesh, const gpu::ThreadTexture& heights) {
+bool Renderer::share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
+                          const SnowDepths& depths) {
+  check(depths);
   Drawing& to = drawing();
   if (heights.thread != thread_) return false;
-  thread_->run([&] { to.made_scene().share_snow(mesh, heights.texture); });
+  thread_->run([&] { to.made_scene().share_snow(tree, heights.texture, depths); });
   return true;
 }
 
@@ -159,6 +148,12 @@ LightPicture Renderer::render_light(const Camera& camera, const RenderSettings& 
   }
   Drawing& of = drawing();
   return thread_->run([&] { return of.made_scene().render_light(camera, settings, samples); });
+}
+
+DepthPicture Renderer::render_depth(const Camera& camera, const RenderSettings& settings) {
+  check(camera, settings);
+  Drawing& of = drawing();
+  return thread_->run([&] { return of.made_scene().render_depth(camera, settings); });
 }
 
 uint64_t Renderer::request_frame(const Camera& camera, const RenderSettings& settings) {
@@ -216,11 +211,6 @@ std::vector<glm::vec3> Renderer::triangles(const std::string& name, const Camera
 TreeLevels Renderer::levels(const std::string& tree) const {
   Drawing& of = drawing();
   return thread_->run([&] { return of.made_scene().levels(tree); });
-}
-
-SnowLevels Renderer::snow_levels(const std::string& mesh) const {
-  Drawing& of = drawing();
-  return thread_->run([&] { return of.made_scene().snow_levels(mesh); });
 }
 
 const gpu::GpuInfo& Renderer::info() const {

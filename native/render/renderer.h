@@ -45,9 +45,17 @@ struct LightPicture {
   std::vector<float> rgba;
 };
 
+/// What OpenGL's depth buffer holds: height x width, 0 at the camera's near plane, 1 at its far one
+/// and where nothing was drawn; row 0 at the bottom.
+struct DepthPicture {
+  int32_t width = 0;
+  int32_t height = 0;
+  std::vector<float> depth;
+};
+
 /// Of the last picture.
 struct FrameStatistics {
-  /// Patches of all trees and meshes with snow by class.
+  /// Patches of all trees by class.
   int64_t dropped = 0;
   int64_t plain = 0;
   int64_t tessellated = 0;
@@ -65,15 +73,6 @@ struct TreeLevels {
   std::vector<uint32_t> classes;
   /// Level of the edge from each corner to the next.
   std::vector<std::array<float, 4>> edges;
-};
-
-/// The tessellation of a mesh with snow in the last picture, by patch: a triangle of the mesh, or a
-/// part of one that covers many texels.
-struct SnowLevels {
-  /// As TreeLevels'.
-  std::vector<uint32_t> classes;
-  /// Level of the edge from each corner to the next.
-  std::vector<std::array<float, 3>> edges;
 };
 
 /// Draws trees and snow off-screen with tessellation shaders, on a GPU thread of its process;
@@ -108,22 +107,21 @@ class Renderer {
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
   /// Lets snow lie on a mesh; without heights: none.
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
-  /// A mesh that carries snow: bare until it gets a map.
-  void add_snow_mesh(const std::string& name, const SnowSource& source);
-  /// Moves such a mesh; `normals` as SnowSource's.
-  void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
-                     const std::vector<std::array<glm::vec3, 3>>& normals = {});
-  /// The snow on such a mesh, or on a tree that has places for it.
-  void set_snow(const std::string& name, const HeightMap& heights);
+  /// The snow on a tree that has places for it.
+  void set_snow(const std::string& tree, const TreeSnow& snow);
   /// The same from a texture (R32F, linear filtering) where it lies, if that is in this renderer's
-  /// context: whether it is. To be called anew when its content has changed.
-  bool share_snow(const std::string& name, const gpu::ThreadTexture& heights);
+  /// context: whether it is. To be called again when its content has changed.
+  bool share_snow(const std::string& tree, const gpu::ThreadTexture& heights,
+                  const SnowDepths& depths);
   /// Takes a tree or a mesh away.
   void remove(const std::string& name);
 
   Picture render(const Camera& camera, const RenderSettings& settings);
   /// Means of `samples` pictures (1 to 4096), shifted within a pixel's filter.
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+
+  /// How far away what is seen is, a sample in the middle of each pixel.
+  DepthPicture render_depth(const Camera& camera, const RenderSettings& settings);
 
   /// Asks for a picture and waits for nothing; one that was asked for before and is not begun is
   /// forgotten. Returns its ticket.
@@ -139,12 +137,11 @@ class Renderer {
   /// @throws std::runtime_error before the first picture.
   FrameStatistics statistics() const;
 
-  /// World positions of the triangles of a tree or of a mesh with snow as the camera would see
-  /// them, three a triangle, the plain patches first; what the camera does not see is left out.
+  /// World positions of the triangles of a tree as the camera would see them, three a triangle, the
+  /// plain patches first; what the camera does not see is left out.
   std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
-  SnowLevels snow_levels(const std::string& mesh) const;
 
   /// The driver.
   const gpu::GpuInfo& info() const;

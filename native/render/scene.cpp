@@ -29,7 +29,7 @@ MeshBuffers& Scene::mesh(const std::string& name) const {
 }
 
 void Scene::require_new(const std::string& name) const {
-  if (trees_.count(name) + meshes_.count(name) + receivers_.count(name) != 0) {
+  if (trees_.count(name) + meshes_.count(name) != 0) {
     throw std::invalid_argument("'" + name + "' is there already: remove it first");
   }
 }
@@ -51,7 +51,7 @@ void Scene::set_mesh_snow(const std::string& name, const MeshSnow& snow) {
 
 void Scene::remove(const std::string& name) {
   ++revision_;
-  if (trees_.erase(name) + meshes_.erase(name) + receivers_.erase(name) == 0) {
+  if (trees_.erase(name) + meshes_.erase(name) == 0) {
     throw std::invalid_argument("there is nothing named '" + name + "'");
   }
 }
@@ -65,9 +65,6 @@ Bounds Scene::bounds() const {
   };
   for (const auto& [name, of] : trees_) casters.add(of->bounds);
   for (const auto& [name, of] : meshes_) add(of->bounds());
-  for (const auto& [name, of] : receivers_) {
-    add({of->mesh.patches().lowest, of->mesh.patches().highest});
-  }
   if (casters.is_empty()) casters = all;
   if (casters.is_empty()) return {vec3(0.0f), 10.0f, 10.0f};
   const float radius = std::max(kRoomToMove * 0.5f * glm::length(casters.size()), 1e-6f);

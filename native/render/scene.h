@@ -13,15 +13,14 @@
 #include "render/draw/posed_bounds.h"
 #include "render/renderer.h"
 #include "render/snow/flakes.h"
-#include "render/snow/snow_passes.h"
 #include "render/targets.h"
 #include "render/tree/leaf_passes.h"
 #include "render/tree/tree_passes.h"
 
 namespace snowbough::render {
 
-/// The renderer's part on the GPU thread: what it draws (scene.cpp, scene_trees.cpp,
-/// scene_snow.cpp) and the passes of a frame in order (scene_frames.cpp). All of its functions run
+/// The renderer's part on the GPU thread: what it draws (scene.cpp, scene_trees.cpp) and the passes
+/// of a frame in order (scene_frames.cpp). All of its functions run
 /// there; they mean what Renderer's mean.
 class Scene {
  public:
@@ -30,17 +29,15 @@ class Scene {
   void set_bark(const std::string& tree, const BarkSource& bark);
   void set_pose(const std::string& tree, const std::vector<glm::mat4>& matrices);
   void add_mesh(const std::string& name, const MeshSource& source);
-  void add_snow_mesh(const std::string& name, SnowMesh&& mesh, const glm::vec3& color,
-                     bool draws_base);
-  void set_snow_pose(const std::string& mesh, const std::vector<glm::vec3>& positions,
-                     const std::vector<std::array<glm::vec3, 3>>& normals);
-  void set_snow(const std::string& mesh, const HeightMap& heights);
-  void share_snow(const std::string& mesh, std::shared_ptr<const gpu::Texture> heights);
+  void set_snow(const std::string& tree, const TreeSnow& snow);
+  void share_snow(const std::string& tree, std::shared_ptr<const gpu::Texture> heights,
+                  const SnowDepths& depths);
   void remove(const std::string& name);
   void set_places(const std::string& mesh, const std::vector<glm::mat4>& matrices);
   void set_mesh_snow(const std::string& mesh, const MeshSnow& snow);
   Picture render(const Camera& camera, const RenderSettings& settings);
   LightPicture render_light(const Camera& camera, const RenderSettings& settings, int32_t samples);
+  DepthPicture render_depth(const Camera& camera, const RenderSettings& settings);
   /// Whether a frame draws the sun's picture.
   enum class Shadows : uint8_t {
     kDraw,
@@ -55,22 +52,9 @@ class Scene {
   std::vector<glm::vec3> triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings);
   TreeLevels levels(const std::string& tree) const;
-  SnowLevels snow_levels(const std::string& mesh) const;
 
  private:
   using Kind = DrawKind;
-
-  /// A mesh with snow.
-  struct Receiver {
-    Receiver(SnowMesh&& its_mesh, const glm::vec3& color, bool draws_base)
-        : mesh(std::move(its_mesh)),
-          buffers(mesh.patches(), glm::vec4(color, draws_base ? 1.0f : 0.0f)) {}
-
-    bool draws_base() const { return buffers.color.w > 0.5f; }
-
-    SnowMesh mesh;
-    SnowBuffers buffers;
-  };
 
   struct Tree {
     Tree(const TreePatches& patches, const TreeLook& its_look);
@@ -110,17 +94,12 @@ class Scene {
   Tree& tree(const std::string& name) const;
   Tree& tree_with_places(const std::string& name) const;
   MeshBuffers& mesh(const std::string& name) const;
-  Receiver& receiver(const std::string& name) const;
   void require_new(const std::string& name) const;
   Bounds bounds() const;
   shared::TreeView write_views(const Camera& camera, const RenderSettings& settings, bool linear);
   void prepare_trees(const RenderSettings& settings);
-  void prepare_snow(const RenderSettings& settings);
   void draw_shadows(const RenderSettings& settings);
   void draw_all(const DrawStyle& style, bool cull_back_faces, bool measured);
-  /// `layers`: those over meshes that others draw, instead of those with a base of their own.
-  void draw_snow(const DrawStyle& style, bool measured, bool layers);
-  void draw_snow_layers(const DrawStyle& style, bool measured);
   void draw_picture(const Target& target, const RenderSettings& settings, bool linear);
   void draw_frame(const Camera& camera, const RenderSettings& settings, const Target& target,
                   KeptTarget& large, bool linear, Shadows shadows);
@@ -132,13 +111,11 @@ class Scene {
 
   std::map<std::string, std::unique_ptr<Tree>> trees_;
   std::map<std::string, std::unique_ptr<MeshBuffers>> meshes_;
-  std::map<std::string, std::unique_ptr<Receiver>> receivers_;
   /// Of all but trees, which bring their own.
   gpu::Buffer camera_view_{sizeof(shared::TreeView)};
   gpu::Buffer sun_view_{sizeof(shared::TreeView)};
 
   TreePasses passes_;
-  SnowPasses snow_;
   FlakePass flakes_;
   LeafPasses leaf_passes_;
   MeshPasses mesh_passes_;

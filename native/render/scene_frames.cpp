@@ -69,8 +69,7 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
                                     bool linear) {
   Bounds around = bounds();
   // Meshes, as the ground, reach beyond the trees: nothing in front of the camera is cut off.
-  around.reach =
-      meshes_.empty() && receivers_.empty() ? around.radius : std::numeric_limits<float>::max();
+  around.reach = meshes_.empty() ? around.radius : std::numeric_limits<float>::max();
   const shared::TreeView base = camera_view(camera, settings, around, linear);
   const auto write = [](gpu::Buffer& buffer, const shared::TreeView& view) {
     buffer.write(0, sizeof view, &view);
@@ -83,6 +82,8 @@ shared::TreeView Scene::write_views(const Camera& camera, const RenderSettings& 
     view.thesis.z = static_cast<float>(of->levels);
     view.bark_dark = vec4(of->look.bark_dark, 1.0f);
     view.bark_light = vec4(of->look.bark_light, 1.0f);
+    view.snow.y = of->buffers.snow_depths.open;
+    view.snow.z = of->buffers.snow_depths.last;
     write(of->camera_view, view);
     write(of->sun_view, sun_view(view));
   }
@@ -109,7 +110,6 @@ void Scene::draw_shadows(const RenderSettings& settings) {
       leaf_passes_.draw(*of->leaves, of->buffers.bones, of->sun_view, style);
     }
   }
-  for (const auto& [name, of] : receivers_) draw(snow_.patches, of->buffers, sun_view_);
   for (const auto& [name, mesh] : meshes_) {
     mesh_passes_.draw(*mesh, sun_view_, style);
   }
@@ -140,13 +140,11 @@ void Scene::draw_all(const DrawStyle& style, bool cull_back_faces, bool measured
       }
     }
   });
-  draw_snow(style, measured, false);
   pass("meshes", [&] {
     for (const auto& [name, mesh] : meshes_) {
       mesh_passes_.draw(*mesh, camera_view_, style);
     }
   });
-  draw_snow_layers(style, measured);
 }
 
 void Scene::draw_picture(const Target& target, const RenderSettings& settings, bool linear) {
@@ -189,7 +187,6 @@ void Scene::draw_frame(const Camera& camera, const RenderSettings& settings, con
   }
   const shared::TreeView view = write_views(of_pixels, for_pixels, linear);
   prepare_trees(settings);
-  prepare_snow(settings);
   const ShadowInputs inputs{revision_,
                             settings.shadow_resolution,
                             view.shadow_from_world,
@@ -263,6 +260,25 @@ LightPicture Scene::render_light(const Camera& camera, const RenderSettings& set
   return made;
 }
 
+DepthPicture Scene::render_depth(const Camera& camera, const RenderSettings& settings) {
+  const Target& target = picture_.of_size(camera.width, camera.height);
+  timer_.set_enabled(false);
+  {
+    const DrawState state;
+    glBindVertexArray(no_vertices_.id());
+    write_views(camera, settings, false);
+    prepare_trees(settings);
+    target.begin(0.0f, 0.0f, 0.0f);
+    draw_all({Kind::kDepth, nullptr, kInk}, settings.cull_back_faces, false);
+  }
+  timer_.set_enabled(true);
+  DepthPicture made{camera.width, camera.height, {}};
+  made.depth.resize(static_cast<size_t>(camera.width) * camera.height);
+  target.depth.read(0, GL_DEPTH_COMPONENT, GL_FLOAT,
+                    static_cast<int64_t>(made.depth.size() * sizeof(float)), made.depth.data());
+  return made;
+}
+
 FrameStatistics Scene::statistics() const {
   if (!statistics_) throw std::runtime_error("statistics: render a picture first");
   return *statistics_;
@@ -276,9 +292,6 @@ void Scene::count_all_patches() {
   };
   for (const auto& [name, of] : trees_) {
     add(passes_.patches.count(of->buffers.camera));
-  }
-  for (const auto& [name, of] : receivers_) {
-    add(snow_.patches.count(of->buffers.camera));
   }
 }
 
@@ -311,21 +324,13 @@ std::vector<vec3> Scene::captured(PatchPasses& passes, PatchSource& of, const gp
 
 std::vector<vec3> Scene::triangles(const std::string& name, const Camera& camera,
                                    const RenderSettings& settings) {
-  const bool is_receiver = receivers_.count(name) != 0;
-  if (!is_receiver) tree(name);
+  Tree& of = tree(name);
   const DrawState state;
   glBindVertexArray(no_vertices_.id());
   // Nothing is drawn, yet draws want a framebuffer.
   nothing_.of_size(1, 1).begin(0.0f, 0.0f, 0.0f);
   glEnable(GL_RASTERIZER_DISCARD);
   write_views(camera, settings, false);
-  if (is_receiver) {
-    SnowBuffers& of = receiver(name).buffers;
-    snow_.lay(of);
-    snow_.edge_levels(of, camera_view_);
-    return captured(snow_.patches, of, camera_view_, settings.max_level);
-  }
-  Tree& of = tree(name);
   passes_.pose(of.buffers, of.camera_view);
   passes_.edge_levels(of.buffers, of.camera_view);
   return captured(passes_.patches, of.buffers, of.camera_view, settings.max_level);

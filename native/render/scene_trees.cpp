@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <stdexcept>
+#include <utility>
 
 #include "render/draw/matrix_rows.h"
 #include "render/scene.h"
@@ -71,6 +73,32 @@ void Scene::set_pose(const std::string& name, const std::vector<glm::mat4>& matr
   const std::vector<vec4> rows = matrix_rows(matrices);
   of.buffers.bones.write(0, static_cast<int64_t>(rows.size() * sizeof(vec4)), rows.data());
   of.bounds = of.rest.posed(matrices);
+}
+
+Scene::Tree& Scene::tree_with_places(const std::string& name) const {
+  Tree& of = tree(name);
+  if (!of.has_snow_places) {
+    throw std::invalid_argument("tree '" + name + "' has no places on a map: give it its snow_uv");
+  }
+  return of;
+}
+
+void Scene::set_snow(const std::string& name, const TreeSnow& snow) {
+  ++revision_;
+  Tree& of = tree_with_places(name);
+  // A bare tree is drawn by the shaders without snow.
+  const bool is_bare = std::all_of(snow.values.begin(), snow.values.end(),
+                                   [](float height) { return height == 0.0f; });
+  if (is_bare) return of.buffers.set_snow(nullptr, snow.depths);
+  auto map = std::make_shared<gpu::Texture>(GL_R32F, snow.width, snow.height, 0, GL_LINEAR);
+  map->write(0, GL_RED, GL_FLOAT, snow.values.data());
+  of.buffers.set_snow(std::move(map), snow.depths);
+}
+
+void Scene::share_snow(const std::string& name, std::shared_ptr<const gpu::Texture> heights,
+                       const SnowDepths& depths) {
+  ++revision_;
+  tree_with_places(name).buffers.set_snow(std::move(heights), depths);
 }
 
 void Scene::prepare_trees(const RenderSettings& settings) {

@@ -101,6 +101,8 @@ struct MeshSource {
   std::vector<int32_t> material;
   /// At least one.
   std::vector<Material> materials{1};
+  /// Whether it is the surface of snow: it is shaded as snow, whatever its materials.
+  bool is_snow = false;
 };
 
 /// Snow that lies on a mesh, see MeshSource: where, and how deep.
@@ -113,29 +115,22 @@ struct MeshSnow {
   std::vector<float> heights;
 };
 
-/// A mesh with a map of the snow on it. Metres, Z up; triangles run anticlockwise seen from the
-/// front. Faces that share an edge share its two vertices: only those hang together.
-struct SnowSource {
-  std::vector<glm::vec3> positions;
-  std::vector<std::array<int32_t, 3>> triangles;
-  /// Per corner: its place on the map, 0 to 1, (0, 0) at its lower left.
-  std::vector<std::array<glm::vec2, 3>> uv;
-  /// Per corner: the shading normal, along which snow grows; empty: smooth everywhere.
-  std::vector<std::array<glm::vec3, 3>> normals;
-  /// Of the bare surface, linear.
-  glm::vec3 color{0.5f};
-  /// Whether the bare surface is drawn, too; else only where snow hides it, over a mesh that
-  /// somebody else draws there.
-  bool draws_base = true;
-  /// Texels of the map's edge: decides how finely the mesh is cut for the tessellator.
-  int32_t resolution = 1024;
+/// How deep snow lies on open level ground, in metres.
+struct SnowDepths {
+  /// With the snow of this map.
+  float open = 0.1f;
+  /// At the shot's end: the unit of the noise by which snow ends raggedly, so that it stays in its
+  /// place while snow grows.
+  float last = 0.1f;
 };
 
-/// Heights of snow in metres, width x height, row 0 = v 0, below 0 on the back of the surface.
-struct HeightMap {
+/// The snow on a tree.
+struct TreeSnow {
+  /// Heights in metres, width x height, row 0 = v 0, below 0 on the back of the surface.
   int32_t width = 0;
   int32_t height = 0;
   std::vector<float> values;
+  SnowDepths depths;
 };
 
 }  // namespace snowbough::render

@@ -88,6 +88,11 @@ void look_through_matrices(const Camera& camera, const Bounds& bounds, shared::T
 
 }  // namespace
 
+void check(const SnowDepths& depths) {
+  check_range("open_depth", depths.open, 0.0, 1e6);
+  check_range("last_depth", depths.last, 1e-6, 1e6);
+}
+
 void check(const Camera& camera, const RenderSettings& settings) {
   check_range("width", camera.width, 1, 8192);
   check_range("height", camera.height, 1, 8192);

@@ -7,6 +7,7 @@
 #include <optional>
 #include <string>
 
+#include "render/sources.h"
 #include "shaders/lib/tree_shared.h"
 
 namespace snowbough::render {
@@ -72,8 +73,8 @@ struct RenderSettings {
   /// which it is highest (0: the tree's largest patch).
   float max_distance = 80.0f;
   float max_area = 0.0f;
-  /// THESIS, of snow: its factor m, parts of a triangle's edges for each part of the picture's area
-  /// that the triangle covers.
+  /// THESIS, of snow on trees: its factor m, parts of a face's edges for each part of the picture's
+  /// area that the face covers.
   float snow_factor = 2000.0f;
 
   /// Lines over white paper, those behind hidden, instead of a shaded picture.
@@ -100,6 +101,8 @@ struct RenderSettings {
   Snowfall snowfall;
 };
 
+/// @throws std::invalid_argument naming the value that is out of range.
+void check(const SnowDepths& depths);
 /// @throws std::invalid_argument naming the value that is out of range.
 void check(const Camera& camera, const RenderSettings& settings);
 

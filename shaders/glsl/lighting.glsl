@@ -58,15 +58,15 @@ vec3 lit(vec3 albedo, vec3 position, vec3 geometric_normal, vec3 normal, float t
 
 /// Light from here on is compressed where the target takes sRGB, so that sunlit snow keeps its shape instead of running
 /// into white.
-const float kShoulder = 0.25;
+const float kToneShoulder = 0.25;
 
 /// Linear light as the target takes it, as it is or as sRGB, with an opaque alpha.
 vec4 encoded(vec3 light) {
   if (view.sky_color.w > 0.5) {
     return vec4(light, 1.0);
   }
-  const vec3 above = max(light - kShoulder, 0.0) / (1.0 - kShoulder);
-  const vec3 c = clamp(min(light, kShoulder) + (1.0 - kShoulder) * above / (1.0 + above), 0.0, 1.0);
+  const vec3 above = max(light - kToneShoulder, 0.0) / (1.0 - kToneShoulder);
+  const vec3 c = clamp(min(light, kToneShoulder) + (1.0 - kToneShoulder) * above / (1.0 + above), 0.0, 1.0);
   const vec3 low = 12.92 * c;
   const vec3 high = 1.055 * pow(c, vec3(1.0 / 2.4)) - 0.055;
   return vec4(mix(high, low, lessThanEqual(c, vec3(0.0031308))), 1.0);

@@ -3,7 +3,7 @@
 /// Metres along the surface's normal; negative on a back.
 uniform sampler2D snow_heights;
 
-const vec3 kSnowAlbedo = vec3(0.86, 0.88, 0.91);
+const vec3 kPaintedSnow = vec3(0.86, 0.88, 0.91);
 /// Depth in metres at which snow hides what carries it.
 const float kCoveringDepth = 0.01;
 

@@ -1,5 +1,9 @@
 // Bumps of a surface's normals, from a height by pixel.
 
+/// Least share of a pixel's area that a surface is taken to face the normal with: seen from aside, the differences
+/// between pixels would outweigh the normal.
+const float kLeastFacing = 0.2;
+
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
 vec3 with_relief(vec3 position, vec3 normal, float height) {
   const vec3 x = dFdx(position);
@@ -8,5 +12,6 @@ vec3 with_relief(vec3 position, vec3 normal, float height) {
   const vec3 r2 = cross(normal, x);
   const float det = dot(x, r1);
   const vec3 gradient = sign(det) * (dFdx(height) * r1 + dFdy(height) * r2);
-  return normalize(abs(det) * normal - gradient);
+  const vec3 raised = max(abs(det), kLeastFacing * length(cross(x, y))) * normal - gradient;
+  return dot(raised, raised) > 0.0 ? normalize(raised) : normal;
 }

@@ -15,18 +15,20 @@ uniform sampler2DArray bark_images;
 in vec3 image_place;
 #endif
 #ifdef SNOW
-#include "glsl/snow_map.glsl"
+#include "glsl/tree_snow.glsl"
 #include "glsl/snow_shading.glsl"
 in vec2 snow_place;
 in vec3 rest_place;
+in vec4 snow_noises;
 
-/// Share of the map's own slopes that shows on limbs.
+/// Share of the snow's own slopes that shows on limbs.
 const float kTwigRelief = 0.6;
 
 /// Light of the snow on the limb over that of its bark. Snow on its back, as maps may have it, is none of a limb's.
 vec3 with_snow(vec3 bare) {
-  const float depth = max(height_between(snow_place), 0.0);
   const vec3 limb = normalize(smooth_normal);
+  const float depth =
+      shown_snow(limb_point(snow_noises, bark.z), max(height_between(snow_place), 0.0), limb.z);
   // Twigs are a few texels wide: their steps are softened.
   const vec3 normal = normalize(mix(limb, with_relief(world, limb, depth), kTwigRelief));
   const float pixel = distance(view.eye.xyz, world) / view.eye.w;

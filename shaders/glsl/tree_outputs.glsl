@@ -21,6 +21,8 @@ out vec3 image_place;
 /// Where the snow is on its map, and the bark in the rest pose.
 out vec2 snow_place;
 out vec3 rest_place;
+/// See limb_noise.
+out vec4 snow_noises;
 #endif
 #endif
 #endif

@@ -6,7 +6,7 @@
 #include "glsl/tree_view.glsl"
 #include "lib/limb_section.h"
 #ifdef SNOW
-#include "glsl/snow_map.glsl"
+#include "glsl/tree_snow.glsl"
 #endif
 
 layout(std430) readonly buffer TreeVertices { TreeVertex vertices[]; };
@@ -24,6 +24,8 @@ struct SurfacePoint {
   vec2 limb;
   /// In the rest pose, without bark.
   vec3 rest;
+  /// See limb_noise.
+  vec4 noise;
 };
 
 /// What a point of the rest pose is made of.
@@ -33,7 +35,7 @@ struct RestPoint {
   vec2 bark_uv;
   float circumference;
   float bark;
-  /// Metres.
+  /// Thickness of what the map holds (m).
   float snow;
   vec4 row_x;
   vec4 row_y;
@@ -53,14 +55,23 @@ SurfacePoint on_bark(RestPoint rest) {
   if (rest.bark > 0.0) {
     height = rest.bark * bark_height(rest.bark_uv, samples);
   }
-  precise vec3 position = bare + normal * (height + rest.snow);
-  return SurfacePoint(position, normal, vec2(rest.circumference, rest.bark), rest.position);
+  precise vec3 position = bare + normal * height;
+  vec4 noise = vec4(0.0);
+#ifdef SNOW
+  noise = limb_noise(rest.position);
+  position += snow_offset(limb_point(noise, rest.circumference), max(rest.snow, 0.0), normal);
+#endif
+  return SurfacePoint(position, normal, vec2(rest.circumference, rest.bark), rest.position, noise);
 }
 
 SurfacePoint vertex_point(int index) {
   const PosedVertex at = posed[index];
-  return SurfacePoint(vec3(at.position), vec3(at.normal), vec2(at.normal.w, at.position.w),
-                      vec3(vertices[index].position));
+  const vec3 rest = vec3(vertices[index].position);
+  vec4 noise = vec4(0.0);
+#ifdef SNOW
+  noise = limb_noise(rest);
+#endif
+  return SurfacePoint(vec3(at.position), vec3(at.normal), vec2(at.normal.w, at.position.w), rest, noise);
 }
 
 /// The point at a share t, within 0 and 1, from an edge's first to its last vertex.

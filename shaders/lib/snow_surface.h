@@ -97,6 +97,7 @@ KERNEL_CONSTANT float kSink = 0.004f;
 /// Parts of the thickness.
 KERNEL_CONSTANT float kSag = 0.6f;
 KERNEL_CONSTANT float kSagVariation = 0.5f;
+KERNEL_CONSTANT float kMostSag = 1.4f;
 KERNEL_CONSTANT float kRelief = 0.13f;
 KERNEL_CONSTANT float kBumps = 0.08f;
 KERNEL_CONSTANT float kMostRelief = 0.11f;
@@ -154,6 +155,9 @@ SNOWBOUGH_SHARED_FUNCTION SnowEdge snow_edge(KERNEL_CONST_REF(SnowPoint) point, 
   return KERNEL_MAKE3(SnowEdge, threshold, lip, sink);
 }
 
+/// Most that shows of a thickness, relief aside.
+SNOWBOUGH_SHARED_FUNCTION float most_shown(float thickness) { return 1.5f * thickness + 0.004f; }
+
 /// Height of the shown snow's surface above the receiver's, negative where none shows, so that snow ends where two
 /// surfaces intersect. Its slope is bounded by smoothing it afterwards over the surface.
 SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float thickness) {
@@ -161,7 +165,7 @@ SNOWBOUGH_SHARED_FUNCTION float thin_snow(KERNEL_CONST_REF(SnowEdge) edge, float
   if (x < 0.0f) return -edge.sink * (1.0f - exp(x / (0.25f * edge.sink + 0.1f * edge.lip + 1e-6f)));
   const float lip = sqrt(x * x + 2.0f * edge.lip * x * exp(-x / (2.5f * edge.lip)));
   const float kept = edge.threshold * (1.0f - exp(-x / edge.threshold));
-  return min(lip + kept, 1.5f * thickness + 0.004f);
+  return min(lip + kept, most_shown(thickness));
 }
 
 /// Height of a layer that lies on a convex surface and holds as much snow as one of `height` on a flat surface: the
@@ -182,7 +186,7 @@ SNOWBOUGH_SHARED_FUNCTION float surface_relief(KERNEL_CONST_REF(SnowPoint) point
 SNOWBOUGH_SHARED_FUNCTION float sagging(KERNEL_CONST_REF(SnowPoint) point, KERNEL_CONST_REF(SnowStyle) style,
                                         KERNEL_CONST_REF(SnowEdge) edge, float thickness, float height, float up) {
   const float x = max(thickness - edge.threshold, 0.0f);
-  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, 1.4f);
+  const float amount = clamp(kSag + style.hem_variation * kSagVariation * point.hem, 0.0f, kMostSag);
   return style.overhang * max(height, 0.0f) * amount * exp(-x / (1.5f * edge.lip)) * steepness(up) *
          eased(up, -0.2f, 0.2f);
 }

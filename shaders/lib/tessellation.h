@@ -18,7 +18,7 @@ SNOWBOUGH_SHARED_FUNCTION float thesis_level(float away, float area, float branc
   return clamp(near_share * (area / thesis.y) * highest * level_share, 1.0f, highest);
 }
 
-/// The thesis's level tf of a receiver's triangle, from the upward part of its normal, its area in normalised device
+/// The thesis's level tf of a face under snow, from the upward part of its normal, its area in normalised device
 /// coordinates (the whole picture: 4) and the factor m: clamp(max(n . up, 0) * m * area / 4, 1, highest).
 /// Source: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 4.2.2.
 SNOWBOUGH_SHARED_FUNCTION float thesis_snow_level(float up, float area, float factor, float highest) {

@@ -121,7 +121,8 @@ struct TreeView {
   vec4 ground_color;
   vec4 bark_dark;
   vec4 bark_light;
-  /// Factor m of the thesis's 4.2.2; y, z, w: unused.
+  /// Factor m of the thesis's 4.2.2, and of the tree: metres of snow on open level ground, now and at the shot's end;
+  /// w: unused.
   vec4 snow;
 };
 SNOWBOUGH_SHARED_SIZE(TreeView, 384)

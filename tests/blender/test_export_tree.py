@@ -407,6 +407,42 @@ def test_an_atlas_holds_frames_from_the_top_left_on(tmp_path, snowy):
         baked = native.read_exr(str(folder / f"height_{number + 1:04d}.exr"))[0]
         tile = baked.reshape(128, 2, 128, 2).mean(axis=(1, 3))
         assert np.abs(metres[top : top + 128, left : left + 128] - tile).max() < 1e-5
+    assert said["openDepths"] == pytest.approx([0.1 / 3, 0.2 / 3, 0.1], rel=0.01)
+    assert said["lastDepth"] == pytest.approx(0.1)
+
+
+def test_the_surface_of_a_frame_goes_out_as_a_mesh_of_snow(tmp_path, snowy):
+    import snow_scene
+
+    bark, _folder, _native = snowy
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    snow_scene.settings(tmp_path / "with_surface", (1, 3))
+    snow_scene.bake()
+    bark.find_armature().location = (3.0, -2.0, 1.0)
+    bark.find_armature().rotation_euler.z = 0.5
+    for frame in (1, 3):
+        bpy.context.scene.frame_set(frame)
+        shown = bpy.data.objects["small_maple_bark Snow"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+        # Where the armature stands is not in the file, its turn is.
+        to_file = bark.find_armature().matrix_world.copy()
+        to_file.translation = (0.0, 0.0, 0.0)
+        to_file = to_file @ bark.find_armature().matrix_world.inverted() @ shown.matrix_world
+        expected = np.array([to_file @ vertex.co for vertex in shown.data.vertices])
+        read = export(tmp_path / f"tree{frame}.glb", snow="SURFACE")
+        node = read.node("small_maple_bark_snow")
+        assert node["name"] in [read.json["nodes"][n]["name"] for n in read.json["scenes"][0]["nodes"]]
+        (primitive,) = read.json["meshes"][node["mesh"]]["primitives"]
+        assert read.json["materials"][primitive["material"]]["name"] == "Snow"
+        found = read.array(primitive["attributes"]["POSITION"])
+        assert found == pytest.approx(y_up(expected), abs=1e-5)
+        assert len(read.array(primitive["indices"])) > 3000
+
+
+def test_a_tree_whose_bake_has_no_surface_says_what_to_do(tmp_path, snowy, addon):
+    bark, _folder, _native = snowy
+    options = addon("gltf.export_options").ExportOptions(snow="SURFACE")
+    report = addon("gltf.export_tree").export(bpy.context, bark, tmp_path / "tree.glb", options)
+    assert report["heaps"] == {} and any("Update Surface" in text for text in report["warnings"])
 
 
 def test_a_tree_without_a_bake_says_so(tmp_path, addon):

@@ -69,6 +69,21 @@ def test_every_frame_shows_the_depth_that_a_bake_has_there(ground, preview):
     assert height(running) == pytest.approx(0.06, rel=0.02)
 
 
+def test_a_slider_of_the_surface_shows_while_the_timeline_stands_still(ground, preview):
+    bpy.ops.snowbough.setup_displacement(mode="SHELL")
+    bpy.context.scene.frame_set(5)
+    running = preview()
+    (key,) = running.simulated.maps
+    before, revision = running.surface(key).shown[0], running.revision
+    settle(running)
+    assert running.revision == revision
+    bpy.context.scene.snowbough.surface_relief = 0.0
+    settle(running)
+    shown = running.surface(key).shown[0]
+    assert running.revision == revision + 1
+    assert 0.001 < abs(shown - before).max() < 0.05
+
+
 def test_started_in_the_middle_all_of_that_frames_snow_lies(ground, preview):
     bpy.context.scene.frame_set(5)
     assert height(preview()) == pytest.approx(0.05, rel=0.02)

@@ -158,6 +158,15 @@ def snow_by_place(content):
     return found
 
 
+def snow_surfaces(content):
+    """Points in the world of the surfaces of snow of a records.Scene."""
+    return [
+        mesh.shape.vertices @ mesh.places[0, :3, :3].T + mesh.places[0, :3, 3]
+        for mesh in content.meshes
+        if mesh.shape.is_snow
+    ]
+
+
 def test_live_snow_lies_on_what_an_empty_instances_and_on_no_other_instance(scene, addon, read, instanced):
     snow_scene.settings("unused")
     scene.frame_set(0)
@@ -166,12 +175,14 @@ def test_live_snow_lies_on_what_an_empty_instances_and_on_no_other_instance(scen
         live.start(scene, bpy.context.evaluated_depsgraph_get(), draws=False)
         for frame in range(1, 5):
             scene.frame_set(frame)
-        found = snow_by_place(read(live=True))
-        assert found["Low", 5] > 0.05 and found["High", 5] > 0.05
-        assert found["Low", 0] is None and found["High", 0] is None
+        surfaces = snow_surfaces(read(live=True))
+        assert len(surfaces) == 2
+        for points in surfaces:
+            assert points[:, 0].mean() == pytest.approx(5.0, abs=0.1)
+            assert np.ptp(points[:, 2]) > 0.08
     finally:
         live.stop()
-    assert set(snow_by_place(read(live=True)).values()) == {None}
+    assert snow_surfaces(read(live=True)) == []
 
 
 def test_baked_snow_lies_on_what_an_empty_instances(scene, read, instanced, tmp_path):
@@ -208,6 +219,7 @@ def test_snow_surfaces_are_meshes_of_the_scene_and_no_layer_lies_below_them(scen
     keys = [mesh.key for mesh in content.meshes]
     assert all(any(surface.name in key for key in keys) for surface in surfaces)
     assert len(keys) == 4 and {mesh.snow for mesh in content.meshes} == {None}
+    assert len(snow_surfaces(content)) == 2
     assert_white_from_above(scene)
 
 
@@ -235,8 +247,12 @@ def test_the_live_preview_draws_its_own_snow_instead_of_surfaces(scene, addon, r
     live = addon("preview.live")
     try:
         live.start(scene, bpy.context.evaluated_depsgraph_get(), draws=False)
-        (mesh,) = read(live=True).meshes
-        assert mesh.snow is not None and mesh.snow.heights.max() > 0.01
+        content = read(live=True)
+        assert len(content.meshes) == 2 and {mesh.snow for mesh in content.meshes} == {None}
+        (points,) = snow_surfaces(content)
+        surface = live.session.preview.surface(addon("scene.pose").own_key("Ground", ""))
+        assert points == pytest.approx(surface.shown[0], abs=1e-6)
+        assert points[:, 2].max() > 0.01
     finally:
         live.stop()
     assert len(read(live=True).meshes) == 2

@@ -4,6 +4,7 @@
 import re
 import shutil
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -43,6 +44,17 @@ def test_a_mistake_is_an_error(tmp_path):
         (FOLDER / "tree.tesc.glsl").read_text().replace("edge_level(1, 2)", "nothing(1)")
     )
     assert compiled("-l", str(tmp_path / "tree.tesc.glsl"))[0] != 0
+
+
+def test_the_rule_of_how_snow_looks_is_that_of_the_renderer():
+    sys.path.insert(0, str(FOLDER.parents[1] / "tools"))
+    import engine_rule
+
+    for language in ("glsl", "hlsl"):
+        written = (FOLDER / f"snow_rule.{language}").read_text()
+        assert written == engine_rule.rule(language), "run tools/engine_rule.py"
+        for name in ("snow_edge", "thin_snow", "surface_relief", "sagging", "point_noise"):
+            assert f" {name}(" in written
 
 
 def test_both_languages_have_the_same_inputs():

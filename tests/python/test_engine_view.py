@@ -94,19 +94,37 @@ def snow_file(tmp_path, frames):
     (tmp_path / "heights.png").write_bytes(png.encode(samples))
     columns, rows = snow_maps.tile_layout(len(frames))
     height = {"uri": "heights.png", "scale": scale, "offset": offset}
-    return {"frames": list(range(len(frames))), "columns": columns, "rows": rows, "tile": 8, "height": height}
+    depths = [float(frame.max()) for frame in frames]
+    said = {"frames": list(range(len(frames))), "columns": columns, "rows": rows, "tile": 8, "height": height}
+    return {**said, "openDepths": depths, "lastDepth": max(depths)}
 
 
 @pytest.mark.parametrize("frame, metres", [(0, 0.0), (1, 0.5), (2, 1.0), (0.5, 0.25)])
 def test_snow_moves_the_surface_by_the_frames_height(view, tmp_path, frame, metres):
     said = snow_file(tmp_path, [np.full((8, 8), h, np.float32) for h in (0.0, 0.5, 1.0)])
-    read, node = write(tmp_path, card())
+    read, node = write(tmp_path, card(points=((-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0))))
     view.snow(said, tmp_path, frame)
-    look_at_card(view)
+    view.clear()
+    view.look((0.0, 2.0, 0.001), (0.0, 0.0, 0.0), field_of_view=FIELD_OF_VIEW)
     view.draw(read, node)
     left, right, _, _ = extent(view.picture())
-    # The card of 1 m comes nearer by the snow: from 2 m away it covers half of the picture.
-    assert right - left == pytest.approx(SIZE / (2.0 - metres), abs=1.5)
+    # The level card of 1 m comes nearer by the snow: from 2 m away it covers half of the picture. Relief is up to 11 %.
+    assert SIZE / (2.0 - 0.88 * metres) - 1.5 < right - left < SIZE / (2.0 - 1.12 * metres) + 1.5
+
+
+def test_a_wall_shows_no_snow_that_is_thin_beside_the_open_depth(view, tmp_path):
+    """By the rule of all snow; the map's 8 mm would hide the card."""
+    read, node = write(tmp_path, card())
+    said = snow_file(tmp_path, [np.full((8, 8), 0.008, np.float32)])
+    shares = []
+    for open_depth in (0.008, 0.3):
+        view.snow({**said, "openDepths": [open_depth], "lastDepth": 0.3}, tmp_path)
+        look_at_card(view)
+        view.draw(read, node)
+        picture = view.picture()
+        white = (picture[..., :3] > 240).all(axis=2)
+        shares.append(white[picture[..., 3] > 0].mean())
+    assert shares[0] > 0.9 and shares[1] < 0.1
 
 
 def test_the_map_lies_upright(view, tmp_path):

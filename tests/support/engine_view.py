@@ -51,7 +51,9 @@ def source(stage):
     """A stage's text with what it includes put into it."""
     text = (SHADERS / f"tree.{stage}.glsl").read_text()
     text = re.sub(r"#extension GL_GOOGLE_include_directive.*\n", "", text)
-    return re.sub(r'#include "(.*)"', lambda named: (SHADERS / named[1]).read_text(), text)
+    while "#include" in text:
+        text = re.sub(r'#include "(.*)"', lambda named: (SHADERS / named[1]).read_text(), text)
+    return text
 
 
 def _perspective(field_of_view, aspect, near, far):
@@ -130,15 +132,15 @@ class EngineView:
     def snow(self, said=None, folder=None, frame=0.0):
         """What the file says of an object's snow; None: no snow."""
         if said is None:
-            self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), 0.0, 0.0, 0.0)
+            self._uniforms(0, np.array([1, 1]), 1.0, np.array([1]), *(0.0,) * 6)
             heights, normals = self._blank, self._blank  # of which a height takes 0 times red
         else:
             tiles = np.array([said["columns"], said["rows"]])
             height = said["height"]
             count = np.array([len(said["frames"])])
-            self._uniforms(
-                0, tiles, float(said["tile"]), count, height["scale"], height["offset"], float(frame)
-            )
+            open_depth = np.interp(frame, np.arange(len(said["frames"])), said["openDepths"])
+            numbers = (height["scale"], height["offset"], float(frame), open_depth, said["lastDepth"], 0.0)
+            self._uniforms(0, tiles, float(said["tile"]), count, *numbers)
             samples = np.asarray(Image.open(folder / height["uri"])).astype(np.float32) / 65535
             heights = self._texture(samples[..., None])
             flat = np.full((1, 1, 3), (0.5, 0.5, 1.0), np.float32)

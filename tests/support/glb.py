@@ -241,6 +241,9 @@ def _check_primitive(gltf, primitive, joint_count):
 
 def _check_skinning(gltf, given, joint_count):
     """3.7.3.3"""
+    gltf.say(("JOINTS_0" in given) == (joint_count > 0), "3.7.3.3: joints without a skin, or a skin without")
+    if not joint_count:
+        return
     joints, weights = given["JOINTS_0"], given["WEIGHTS_0"].astype(float)
     gltf.say(joints.max() < joint_count, "3.7.3.3: a joint that the skin has not")
     gltf.say(weights.min() >= 0, "3.7.3.3: a weight below 0")
@@ -321,7 +324,7 @@ def errors(path):
     _check_skins(gltf)
     for node in gltf.json["nodes"]:
         if "mesh" in node:
-            joint_count = len(gltf.json["skins"][node["skin"]]["joints"])
+            joint_count = len(gltf.json["skins"][node["skin"]]["joints"]) if "skin" in node else 0
             for primitive in gltf.primitives(node):
                 _check_primitive(gltf, primitive, joint_count)
     text = json.dumps(gltf.json)

@@ -33,11 +33,20 @@ class ExportProperties:
     )
     snow: EnumProperty(
         name="Snow",
-        description="Baked maps that are written beside the tree",
+        description="Baked snow that is written with the tree",
         items=(
             ("NONE", "None", "No snow"),
-            ("FRAME", "Current Frame", "Heights, and normals where they were baked, of the current frame"),
-            ("ATLAS", "Atlas", "Several frames side by side in one image"),
+            (
+                "SURFACE",
+                "Surface",
+                "The snow surface of the current frame as a mesh in the file, as Blender shows it",
+            ),
+            (
+                "FRAME",
+                "Map",
+                "Heights, and normals where they were baked, of the current frame, beside the file",
+            ),
+            ("ATLAS", "Atlas", "Maps of several frames side by side in one image"),
         ),
         default="NONE",
     )

@@ -56,7 +56,8 @@ def _leaf_part(leaves, tree, count, options, linear, warnings):
 def _one_level(tree, level):
     """The Tree with only one of its levels of detail."""
     parts = [tree_file.Part(p.name, p.levels[level : level + 1], p.materials) for p in tree.parts]
-    return tree_file.Tree(f"{tree.name}_LOD{level}", tree.joints, parts, tree.branch_levels, tree.extras)
+    name = f"{tree.name}_LOD{level}"
+    return tree_file.Tree(name, tree.joints, parts, tree.branch_levels, tree.extras, tree.heaps)
 
 
 def _write(document, path):
@@ -78,8 +79,8 @@ def export(context, obj, path, options):
     """Writes the tree that `obj` is part of to `path` (.glb or .gltf) and what belongs to it beside it.
 
     Returns the report: ``tree``, ``files`` (all that was written), ``levels`` (triangles of each part, the finest
-    first), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``. Raises ValueError for what is no tree,
-    RuntimeError where a file cannot be written.
+    first), ``heaps`` (triangles of each surface of snow), ``bones``, ``snow`` (see scene_snow.write) and ``warnings``.
+    Raises ValueError for what is no tree, RuntimeError where a file cannot be written.
     """
     path = checked_path(path)
     tree = scene_tree.find(obj)
@@ -90,12 +91,20 @@ def export(context, obj, path, options):
     count = len(bark.levels)
     parts = [bark, *(_leaf_part(leaves, tree, count, options, linear, warnings) for leaves in tree.leaves)]
 
-    snow, files = {}, []
-    if options.snow != "NONE":
-        objects = {bark.name: tree.barks[0], **{leaves.name: leaves for leaves in tree.leaves}}
+    snow, files, heaps = {}, [], []
+    objects = {bark.name: tree.barks[0], **{leaves.name: leaves for leaves in tree.leaves}}
+    if options.snow == "SURFACE":
+        to_file = np.eye(4)
+        to_file[:3, :3] = linear
+        to_rig = tree.rig.matrix_world.inverted()
+        heaps = scene_snow.surfaces(
+            scene, objects, lambda obj: to_file @ np.array(to_rig @ obj.matrix_world), warnings
+        )
+    elif options.snow != "NONE":
         snow, files = scene_snow.write(scene, objects, path, options, warnings)
     branch_levels = 1 + max(int(surface.level.max()) for surface in bark.levels)
-    whole = tree_file.Tree(tree.rig.name, joints, parts, branch_levels, {"snow": snow} if snow else {})
+    extras = {"snow": snow} if snow else {}
+    whole = tree_file.Tree(tree.rig.name, joints, parts, branch_levels, extras, heaps)
     files = [*_write_tree(whole, path, options), *files]
     return {
         "tree": tree.rig.name,
@@ -103,6 +112,7 @@ def export(context, obj, path, options):
         "levels": [
             {part.name: len(part.levels[level].triangles) for part in parts} for level in range(count)
         ],
+        "heaps": {heap.name: len(heap.triangles) for heap in heaps},
         "bones": len(joints),
         "snow": snow,
         "warnings": list(dict.fromkeys(warnings)),

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""The baked snow of a tree's objects as textures beside its file (snow_maps), and what a shader must know of them."""
+"""The baked snow of a tree's objects: surfaces as meshes in its file, or textures beside it (snow_maps) and what a
+shader must know of them."""
 
 from pathlib import Path
 
@@ -7,23 +8,62 @@ import bpy
 import numpy as np
 
 from .. import native
-from ..cache.files import frame_file, write_bytes
+from ..cache.files import SURFACE_FACES, SURFACE_POINTS, frame_file, write_bytes
 from ..cache.folder import baked_frames
+from ..cache.manifest import read_manifest
 from ..names import SNOW_UV
 from ..result.baked_images import baked_uv_map
 from ..scene import receivers
+from ..surface.compute import read_summary
+from ..surface.mesh_file import read_mesh
+from ..surface.point_cache import read_point_cache
 from . import png, snow_maps
+from .tree_file import Heap
 
 # TEXCOORD_<n> that the maps lie on.
 TEXCOORD = 1
 
 
-def _folder(scene, obj, warnings):
-    """The folder of an object's baked maps; None, with the reason among the warnings, where there are none."""
+def _baked_folder(scene, obj, warnings):
+    """The folder of an object's bake; None, with the reason among the warnings, where there is none."""
     receiver = receivers.find(scene, obj)
     folder = Path(bpy.path.abspath(receiver.folder)) if receiver is not None and receiver.folder else None
     if folder is None or not baked_frames(folder):
         warnings.append(f"'{obj.name}' has no baked snow: add it to the receivers and bake")
+        return None
+    return folder
+
+
+def surfaces(scene, objects, to_file, warnings):
+    """[Heap] of the baked surfaces of `objects` ({part's name: object}) in the current frame, or the nearest baked one.
+    to_file(object) -> (4, 4) from its own space to the file's metres, Z up."""
+    heaps = []
+    for name, obj in objects.items():
+        folder = _baked_folder(scene, obj, warnings)
+        if folder is None:
+            continue
+        summary = read_summary(folder)
+        if summary is None:
+            warnings.append(f"the bake of '{obj.name}' has no surface: use Update Surface, or bake again")
+            continue
+        file = read_mesh(folder / SURFACE_FACES)
+        # The first sample is without snow.
+        index = min(max(scene.frame_current - summary["first"], 0), summary["frames"] - 1) + 1
+        points = read_point_cache(folder / SURFACE_POINTS)[index].astype(np.float64)
+        matrix = np.array(to_file(obj), dtype=np.float64)
+        quads = file.quads[:, (0, 1, 2, 0, 2, 3)].reshape(-1, 3)
+        triangles = np.concatenate([quads, file.triangles])
+        if np.linalg.det(matrix[:3, :3]) < 0:
+            triangles = triangles[:, ::-1]
+        points = (points @ matrix[:3, :3].T + matrix[:3, 3]).astype(np.float32)
+        heaps.append(Heap(f"{name}_snow", points, triangles))
+    return heaps
+
+
+def _map_folder(scene, obj, warnings):
+    """The folder of an object's baked maps that fit the exported UVs; None, with the reason among the warnings."""
+    folder = _baked_folder(scene, obj, warnings)
+    if folder is None:
         return None
     uv_map = baked_uv_map(str(folder))
     if uv_map not in ("", SNOW_UV):
@@ -69,6 +109,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
     heights, baked_size = _read(module, folder, "height", frames, tile, 0.0)
     columns, rows = snow_maps.tile_layout(len(frames))
     side = heights.shape[1] // columns
+    depths = {entry["frame"]: entry["depth"] for entry in read_manifest(folder)["frames"]}
     path, numbers = _write_heights(module, heights, stem, options, f"snow of {obj.name}")
     said = {
         "texCoord": TEXCOORD,
@@ -78,6 +119,8 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
         "rows": rows,
         "tile": side,
         "bakedResolution": baked_size,
+        "openDepths": [depths[frame] for frame in frames],
+        "lastDepth": max(depths.values()),
         "height": {"uri": path.name, **numbers, "unit": "metres along the normal"},
     }
     paths = [path]
@@ -99,7 +142,7 @@ def write(scene, objects, path, options, warnings):
     must know}, [paths]). Bakes count in metres, as the file does."""
     said, paths = {}, []
     for name, obj in objects.items():
-        folder = _folder(scene, obj, warnings)
+        folder = _map_folder(scene, obj, warnings)
         if folder is None:
             continue
         stem = Path(path).with_name(f"{Path(path).stem}_{name}")

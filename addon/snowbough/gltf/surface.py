@@ -60,7 +60,7 @@ def transformed(surface, linear):
     if wind is not None:
         pivot, axis, length, phase = wind
         stretched = np.linalg.norm(moved(axis), axis=1)
-        axis = _unit(moved(axis)).astype(np.float32)
+        axis = unit(moved(axis)).astype(np.float32)
         wind = (moved(pivot), axis, (length * stretched).astype(np.float32), phase)
     return replace(surface, points=moved(surface.points), triangles=triangles, wind=wind)
 
@@ -82,7 +82,7 @@ def strongest(indices, weights):
     return np.where(weights > 0, indices, 0).astype(np.int32), weights
 
 
-def _unit(vectors):
+def unit(vectors):
     """Vectors of unit length; those without a length point up."""
     length = np.linalg.norm(vectors, axis=-1, keepdims=True)
     return np.where(length > 0, vectors / np.maximum(length, 1e-300), (0.0, 0.0, 1.0))
@@ -96,8 +96,8 @@ def corner_normals(surface):
     """
     points = surface.corner_point[surface.triangles]
     place = surface.points.astype(np.float64)[points]
-    face = _unit(np.cross(place[:, 1] - place[:, 0], place[:, 2] - place[:, 0]))
-    onward, backward = _unit(np.roll(place, -1, 1) - place), _unit(np.roll(place, 1, 1) - place)
+    face = unit(np.cross(place[:, 1] - place[:, 0], place[:, 2] - place[:, 0]))
+    onward, backward = unit(np.roll(place, -1, 1) - place), unit(np.roll(place, 1, 1) - place)
     angle = np.arccos(np.clip((onward * backward).sum(axis=-1), -1.0, 1.0))
     sums = np.zeros((len(surface.points), 3))
     smooth = surface.smooth
@@ -107,7 +107,7 @@ def corner_normals(surface):
             points[smooth].reshape(-1), weighted[..., axis].reshape(-1), minlength=len(sums)
         )
     normals = np.repeat(face[:, None], 3, axis=1)
-    normals[smooth] = _unit(sums)[points[smooth]]
+    normals[smooth] = unit(sums)[points[smooth]]
     return normals.astype(np.float32)
 
 

@@ -11,13 +11,15 @@ import numpy as np
 
 from ..tree.wind_attributes import AXIS, LENGTH, PHASE, PIVOT
 from .document import INDICES, VERTICES, Document
-from .surface import split
+from .surface import split, unit
 
 GENERATOR = "Snowbough"
 MSFT_LOD, TEXTURE_TRANSFORM = "MSFT_lod", "KHR_texture_transform"
 # From Blender's axes to glTF's: (x, y, z) -> (x, z, -y).
 TO_Y_UP = np.array([[1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, -1.0, 0.0]])
 FORMULA = "T = T_p * (1 - level / levels)"
+# Linear, as the real-time renderer has it.
+SNOW_COLOR, SNOW_ROUGHNESS = (0.86, 0.88, 0.91), 0.6
 
 
 @dataclass
@@ -65,15 +67,25 @@ class Part:
 
 
 @dataclass
+class Heap:
+    """Snow as a mesh that stays where it is: float32 points (V, 3) and int32 triangles (T, 3), smooth."""
+
+    name: str
+    points: np.ndarray
+    triangles: np.ndarray
+
+
+@dataclass
 class Tree:
     """name; joints: [Joint]; parts: [Part]; branch_levels: how many there are, the trunk included; extras: what is
-    added to the scene's own, plain data."""
+    added to the scene's own, plain data; heaps: [Heap]."""
 
     name: str
     joints: list
     parts: list
     branch_levels: int
     extras: dict = field(default_factory=dict)
+    heaps: list = field(default_factory=list)
 
 
 def _y_up(points):
@@ -159,6 +171,11 @@ def level_color(level, branch_levels):
     return color
 
 
+def _index_type(vertices):
+    # The highest number of a type means "restart" and must not be used.
+    return np.uint16 if vertices < 65535 else np.uint32
+
+
 def _add_primitive(document, surface, chosen, material, branch_levels):
     vertices = split(surface, chosen)
     joints, weights = surface.joints[vertices.point], surface.weights[vertices.point]
@@ -180,8 +197,7 @@ def _add_primitive(document, surface, chosen, material, branch_levels):
             attributes[name] = document.add_accessor(values, VERTICES)
     attributes["JOINTS_0"] = document.add_accessor(joints.astype(np.uint16), VERTICES)
     attributes["WEIGHTS_0"] = document.add_accessor(weights.astype(np.float32), VERTICES)
-    # The highest number of a type means "restart" and must not be used.
-    width = np.uint16 if len(vertices.point) < 65535 else np.uint32
+    width = _index_type(len(vertices.point))
     indices = document.add_accessor(vertices.triangles.reshape(-1).astype(width), INDICES)
     return {"attributes": attributes, "indices": indices, "material": material}
 
@@ -217,6 +233,23 @@ def _add_part(document, part, skin, branch_levels, first_level):
     return nodes[0]
 
 
+def _add_heap(document, heap, material):
+    """The node of a heap of snow."""
+    a, b, c = (heap.points[heap.triangles[:, k]].astype(np.float64) for k in range(3))
+    normals = np.zeros(heap.points.shape)
+    for k in range(3):
+        np.add.at(normals, heap.triangles[:, k], np.cross(b - a, c - a))
+    attributes = {
+        "POSITION": document.add_accessor(_y_up(heap.points), VERTICES, bounds=True),
+        "NORMAL": document.add_accessor(_y_up(unit(normals)), VERTICES),
+    }
+    width = _index_type(len(heap.points))
+    indices = document.add_accessor(heap.triangles.reshape(-1).astype(width), INDICES)
+    primitive = {"attributes": attributes, "indices": indices, "material": material}
+    mesh = document.add("meshes", {"name": heap.name, "primitives": [primitive]})
+    return document.add("nodes", {"name": heap.name, "mesh": mesh})
+
+
 def build(tree, first_level=0):
     """The Document of a Tree, whose finest level is named _LOD<first_level>. Raises ValueError for what glTF cannot
     hold."""
@@ -226,6 +259,9 @@ def build(tree, first_level=0):
     root, skin = _add_skin(document, tree)
     # Nodes with a skin stand beside the joints: their own parents do not move them.
     parts = [_add_part(document, part, skin, tree.branch_levels, first_level) for part in tree.parts]
+    if tree.heaps:
+        snow = _add_material(document, Material("Snow", SNOW_COLOR, SNOW_ROUGHNESS))
+        parts += [_add_heap(document, heap, snow) for heap in tree.heaps]
     said = {"branch_levels": tree.branch_levels, "tessellation": FORMULA, **tree.extras}
     document.add("scenes", {"name": tree.name, "nodes": [root, *parts], "extras": {"snowbough": said}})
     document.json["scene"] = 0

@@ -12,8 +12,7 @@ from mathutils import Matrix, Vector
 from . import interface
 
 # Points of all surfaces together, and the factor on lengths of edges; the second where the processor draws.
-MOST_POINTS, SCALE = 200_000, 1.0
-MOST_POINTS_SOFTWARE, SCALE_SOFTWARE = 15_000, 2.0
+BUDGET, SOFTWARE_BUDGET = (200_000, 1.0), (15_000, 2.0)
 SOFTWARE_RENDERERS = ("llvmpipe", "softpipe", "swiftshader", "software")
 # Direction to the light in the view: left, above and behind the viewer.
 LIGHT_IN_VIEW = Vector((-0.45, 0.55, 0.70))
@@ -61,25 +60,19 @@ def _shader():
 
 
 class ReceiverDrawing:
-    """The snow of one receiver: its surface, and what of that the driver has."""
+    """The snow of one receiver on the driver. surface: its ReceiverSurface, None while the object is not in the
+    view."""
 
-    def __init__(self, surface):
-        self.surface = surface
-        self.is_there = True
-        """Whether the object is in the view."""
-        self._unsent = None
+    def __init__(self):
+        self.surface = None
+        self._sent = None
         self._triangles = self._indices = self._batch = None
-
-    def set_snow(self, heights, open_depth, positions, style):
-        """What ReceiverSurface.points takes."""
-        self._unsent = self.surface.points(heights, open_depth, positions, style)
 
     def _send(self):
         """Hands over to the driver what it does not have yet."""
-        if self._unsent is None:
+        if self._sent is self.surface.shown:
             return
-        places, normals = self._unsent
-        self._unsent = None
+        self._sent = places, normals = self.surface.shown
         vertex_format = gpu.types.GPUVertFormat()
         for name, _, component, length in interface.ATTRIBUTES:
             vertex_format.attr_add(id=name, comp_type=component, len=length, fetch_mode="FLOAT")
@@ -107,6 +100,10 @@ class Drawing:
         self._shader = None
         self.receivers = {}
         """Key -> ReceiverDrawing."""
+
+    def show(self, key, surface):
+        """From the next draw on, the points that a ReceiverSurface shows, or nothing for None."""
+        self.receivers.setdefault(key, ReceiverDrawing()).surface = surface
 
     def draw(self, wireframe):
         """Draws into the current view. wireframe: the view shows objects through each other."""
@@ -136,5 +133,5 @@ class Drawing:
 
     def _draw_receivers(self):
         for receiver in self.receivers.values():
-            if receiver.is_there:
+            if receiver.surface is not None:
                 receiver.draw(self._shader)

@@ -16,7 +16,7 @@ from ..scene.pose import metres_per_unit
 from ..surface.compute import seed_of
 from . import drawing, hidden
 from .playback import QUICK_STEPS, STEPS, Playback
-from .receiver_surface import ReceiverSurface
+from .receiver_surface import LEAST_DEPTH, ReceiverSurface
 
 # Seconds between checks of the settings: Blender sends no message when an add-on's setting changes.
 INTERVAL = 0.08
@@ -25,22 +25,17 @@ ENDED = "The live preview has ended"
 PAUSE = 0.4
 
 
-def make_drawing(simulated, metres):
-    """The drawing.Drawing of a playback.Playback, without snow yet. metres: a Blender unit."""
-    drawn = drawing.Drawing(metres)
-    software = drawing.is_software()
-    most = drawing.MOST_POINTS_SOFTWARE if software else drawing.MOST_POINTS
-    scale = drawing.SCALE_SOFTWARE if software else drawing.SCALE
+def make_surfaces(simulated, most_points, scale):
+    """{key: ReceiverSurface} of a playback.Playback, without snow yet. most_points: of all together; scale: of the
+    lengths of edges."""
     # What is larger gets more of them.
     extent = {key: own.texel * own.resolution for key, own in simulated.maps.items()}
+    surfaces = {}
     for key in simulated.maps:
-        share = int(most * extent[key] / sum(extent.values()))
-        drawn.receivers[key] = drawing.ReceiverDrawing(_surface(simulated.pose.objects[key], share, scale))
-    return drawn
-
-
-def _surface(pose, most_points, scale):
-    return ReceiverSurface(native.load(), pose.topology, seed_of(pose.label), most_points, scale)
+        share = int(most_points * extent[key] / sum(extent.values()))
+        pose = simulated.pose.objects[key]
+        surfaces[key] = ReceiverSurface(native.load(), pose.topology, seed_of(pose.label), share, scale)
+    return surfaces
 
 
 class Preview:
@@ -57,8 +52,10 @@ class Preview:
         self._heights = {}
         self._metres = metres_per_unit(scene)
         self._draws = draws
-        # The simulation that self.drawn was made for.
+        self._surfaces = {}
+        # The simulation that they were made for, and those whose points are those of now.
         self._shown = None
+        self._computed = set()
         self._handle = None
         # time.monotonic() at which to simulate in all steps, or None.
         self._refine_at = None
@@ -86,26 +83,41 @@ class Preview:
             self._heights[key] = self.simulation.output(key, normal=False)["height"]
         return self._heights[key]
 
+    @property
+    def depths(self):
+        """Metres of snow on open level ground, now and at the shot's end."""
+        settings = self.simulated.settings
+        return settings.total(self.simulated.frame), max(settings.snowfall.totals[-1], LEAST_DEPTH)
+
+    def surface(self, key):
+        """The ReceiverSurface of a receiver as it is now, computed when it is first asked for; None where the receiver
+        is not in the view."""
+        pose = self.simulated.pose.objects.get(key)
+        if pose is None:
+            return None
+        if key not in self._computed:
+            surface = self._surfaces[key] = self._surfaces[key].on(pose.topology)
+            styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.settings.styles}
+            style = styles.get((pose.receiver.name, pose.receiver.library))
+            surface.points(self.heights(key), self.depths[0], pose.positions, style)
+            self._computed.add(key)
+        return self._surfaces[key]
+
     def show(self):
         """Passes the current snow to the drawing."""
         self.revision += 1
         self._heights = {}
-        if not self._draws:
-            return
+        self._computed = set()
         if self._shown is not self.simulation:
             self._shown = self.simulation
-            self.drawn = make_drawing(self.simulated, self._metres)
-        styles = {(spec.name, spec.library): spec.surface for spec in self.simulated.settings.styles}
-        depth = self.simulated.settings.total(self.simulated.frame)
-        for key, receiver in self.drawn.receivers.items():
-            pose = self.simulated.pose.objects.get(key)
-            receiver.is_there = pose is not None
-            if pose is None:
-                continue
-            receiver.surface = receiver.surface.on(pose.topology)
-            style = styles.get((pose.receiver.name, pose.receiver.library))
-            receiver.set_snow(self.heights(key), depth, pose.positions, style)
-        _redraw()
+            drawn_by_card = self._draws and not drawing.is_software()
+            budget = drawing.BUDGET if drawn_by_card else drawing.SOFTWARE_BUDGET
+            self._surfaces = make_surfaces(self.simulated, *budget)
+            self.drawn = drawing.Drawing(self._metres) if self._draws else None
+        if self.drawn is not None:
+            for key in self._surfaces:
+                self.drawn.show(key, self.surface(key))
+            _redraw()
 
     def _draw(self):
         context = bpy.context

@@ -302,7 +302,7 @@ class Playback:
         if settings.snow != before.snow:
             self.simulation.change_settings(**simulation.changeable(settings.snow))
         self.stale |= (settings.snow, settings.fps, settings.winds) != (before.snow, before.fps, before.winds)
-        changed = False
+        changed = settings.styles != before.styles
         if settings.blur_radius != before.blur_radius:
             for key, own in self.maps.items():
                 self.simulation.set_blur_radius(key, settings.blur_radius * own.baked_texel)

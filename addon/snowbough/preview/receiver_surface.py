@@ -29,6 +29,8 @@ class ReceiverSurface:
         self._covered = 0
         self.triangles = np.zeros((0, 3), np.int32)
         """(T, 3) of the points; another array once the faces are others."""
+        self.shown = None
+        """What points() gave last."""
 
     def on(self, topology):
         """The same snow on another mesh; itself while the mesh is the same."""
@@ -37,7 +39,8 @@ class ReceiverSurface:
         return ReceiverSurface(self._native, topology, self._seed, self._most_points, self._scale)
 
     def points(self, heights, open_depth, positions, style=None):
-        """((P, 3) metres in the world, (P, 3) unit normals) for heights (R, R) in metres and vertices (V, 3)."""
+        """((P, 3) metres in the world, (P, 3) unit normals) for heights (R, R) in metres and vertices (V, 3); `shown`
+        from now on."""
         heights = np.ascontiguousarray(heights, dtype=np.float32)
         covered = int(np.count_nonzero(np.abs(heights) > BARE))
         depth = max(open_depth, LEAST_DEPTH)
@@ -45,7 +48,8 @@ class ReceiverSurface:
             self._plan(heights, depth, covered, positions)
         self._surface.set_style(**(style or SurfaceStyle()).sliders())
         points = self._surface.points(heights, open_depth, positions=positions)
-        return points, self._native.point_normals(points, self.triangles)
+        self.shown = points, self._native.point_normals(points, self.triangles)
+        return self.shown
 
     def _is_outgrown(self, depth, covered):
         return (

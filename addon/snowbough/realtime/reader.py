@@ -13,7 +13,6 @@ import bpy
 import numpy as np
 from mathutils import Vector
 
-from ..names import DISPLACE_MODIFIER
 from ..scene.pose import library_path, outliers
 from . import materials, meshes, trees
 from .lights import Lamp, light_of
@@ -70,7 +69,6 @@ class Reader:
         self._revision = self._snow.revision(depsgraph.scene_eval)
         self._meshes, self._trees, lamps = {}, {}, []
         self._trees_left = MOST_TREES
-        self._switch = "show_render" if depsgraph.mode == "RENDER" else "show_viewport"
         for instance in depsgraph.object_instances:
             obj = instance.object
             if not (instance.is_instance or instance.show_self):
@@ -107,6 +105,10 @@ class Reader:
             and self._add_to_tree(instance, obj, rig, carrier, depsgraph)
         ):
             return
+        surface = None if carrier is None else self._snow.surface_of(carrier)
+        if surface is not None:
+            self._meshes[f"snow on {carrier.key}"] = (*surface, None)
+            carrier = None
         self._add_shape(obj, np.array(instance.matrix_world), carrier)
 
     def _add_to_tree(self, instance, obj, rig, carrier, depsgraph):
@@ -223,7 +225,7 @@ class Reader:
             if read.has_outliers:
                 self.left_out.add(obj.original.name)
             shape = meshes.shape_of(read, looks)
-            shape.is_displaced = _is_displaced(obj.original, self._switch)
+            shape.is_snow = obj.original.snowbough.is_shell
             return shape, shape.print, _KeptUvs(read, mesh) if carries else None
         finally:
             if temporary:
@@ -262,10 +264,6 @@ def _instance_name(instance, obj):
     # The last of them says which object of the collection it is: bark and leaves of one tree differ there.
     order = [index for index in instance.persistent_id if index != NO_INDEX][1:]
     return f"{name} in {parent} {order}"
-
-
-def _is_displaced(obj, switch):
-    return any(modifier.name == DISPLACE_MODIFIER and getattr(modifier, switch) for modifier in obj.modifiers)
 
 
 def _lamp(obj, matrix):

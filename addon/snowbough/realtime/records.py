@@ -46,27 +46,33 @@ class Shape:
     """(T,) int32, index into paints."""
     paints: tuple
     """At least one Paint."""
-    is_displaced: bool = False
-    """Whether snow has already moved the vertices: Snowbough's own modifiers, seen with them."""
+    is_snow: bool = False
+    """Whether it is the surface of snow."""
 
     @property
     def print(self):
         arrays = (self.vertices, self.triangles, self.normals, self.uv, self.paint)
-        return "".join([fingerprint(*arrays), *(paint.print for paint in self.paints)])
+        kind = "snow" if self.is_snow else ""
+        return "".join([kind, fingerprint(*arrays), *(paint.print for paint in self.paints)])
 
 
 @dataclass(frozen=True)
 class LyingSnow:
-    """Snow of a bake or of the live simulation on a shape."""
+    """Snow of a bake or of the live simulation on a shape, by its map: what has no surface of its own."""
 
     heights: np.ndarray
     """(H, W) float32, Blender's units along the normal, row 0 = v 0."""
     uv: np.ndarray
     """(T, 3, 2) float32 of the shape's corners."""
+    open_depth: float
+    """Snow on open level ground in this frame, Blender's units."""
+    last_depth: float
+    """The same at the shot's end."""
 
     @property
     def print(self):
-        return fingerprint(self.heights, self.uv)
+        depths = np.array((self.open_depth, self.last_depth))
+        return fingerprint(self.heights, self.uv, depths)
 
 
 @dataclass

@@ -5,14 +5,19 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import bpy
+import numpy as np
 
 from .. import session
 from ..cache.files import frame_file
+from ..cache.manifest import read_manifest
 from ..result import snow_surface
 from ..result.baked_images import baked_uv_map, folders_of_members, frames_on_disk
 from ..scene.pose import library_path, member_key, metres_per_unit, own_key
-from .records import LyingSnow
+from . import materials
+from .records import LyingSnow, Shape
 
+# Metres: shallower shots have the noise of such a one.
+LEAST_DEPTH = 1e-4
 # Of a persistent_id, where it says nothing.
 NO_INDEX = 0x7FFFFFFF
 
@@ -79,6 +84,11 @@ class SceneSnow:
         None where it has not that of the map."""
         return self._now.of(carrier, arrays)
 
+    def surface_of(self, carrier):
+        """(Shape, its print, [its place]) of the surface of the snow on a Carrier that is_on; None where only its map
+        is known."""
+        return self._now.surface_of(carrier)
+
 
 def running(scene):
     """The live preview of a scene, or None."""
@@ -88,10 +98,11 @@ def running(scene):
 
 
 class LiveSnow:
-    """The snow of the running live preview, as SceneSnow's."""
+    """The snow of the running live preview, as SceneSnow's: surfaces, and maps for what is drawn as a tree."""
 
     def __init__(self):
         self._lying = {}
+        self._surfaces = {}
 
     def begin(self, scene):
         self._preview = running(scene)
@@ -117,7 +128,27 @@ class LiveSnow:
         metres = self._preview.heights(key)
         known = self._lying.get(key)
         if known is None or known[0] is not metres or known[1].uv is not uv:
-            known = self._lying[key] = (metres, LyingSnow(metres / self._unit, uv))
+            depths = (depth / self._unit for depth in self._preview.depths)
+            known = self._lying[key] = (metres, LyingSnow(metres / self._unit, uv, *depths))
+        return known[1]
+
+    def surface_of(self, carrier):
+        surface = self._preview.surface(carrier.key)
+        known = self._surfaces.get(carrier.key)
+        if known is None or known[0] is not surface.shown:
+            points, normals = surface.shown
+            triangles = surface.triangles
+            shape = Shape(
+                points,
+                triangles,
+                normals[triangles],
+                np.zeros((len(triangles), 3, 2), np.float32),
+                np.zeros(len(triangles), np.int32),
+                (materials.SNOW.paint,),
+                is_snow=True,
+            )
+            place = np.diag((*(1.0 / self._unit,) * 3, 1.0))
+            known = self._surfaces[carrier.key] = (surface.shown, (shape, shape.print, [place]))
         return known[1]
 
 
@@ -169,11 +200,14 @@ class BakedSnow:
         uv = arrays.uv(baked_uv_map(folder) or uv_map)
         if uv is None:
             return None
-        heights = self._heights(self._path(folder))
+        heights, depths = self._read(self._path(folder))
         known = self._lying.get(carrier)
         if known is None or known.heights is not heights or known.uv is not uv:
-            known = self._lying[carrier] = LyingSnow(heights, uv)
+            known = self._lying[carrier] = LyingSnow(heights, uv, *depths)
         return known
+
+    def surface_of(self, _carrier):
+        return None
 
     def _found(self, carrier):
         """(folder, UV map); empty ones where nothing was baked for it."""
@@ -193,11 +227,16 @@ class BakedSnow:
             )
         return self._paths[folder]
 
-    def _heights(self, path):
-        """(H, W) float32 in Blender's units."""
+    def _read(self, path):
+        """((H, W) float32, (open depth, that at the shot's end)) in Blender's units."""
         stamp = path.stat().st_mtime_ns
         known = self._maps.get(path.parent)
         if known is None or known[:2] != (path, stamp):
             metres = self._native.read_exr(str(path))[0]
-            self._maps[path.parent] = (path, stamp, metres / self._unit)
+            by_file = {
+                frame_file("height", entry["frame"]): entry["depth"]
+                for entry in read_manifest(path.parent)["frames"]
+            }
+            depths = (by_file[path.name] / self._unit, max(*by_file.values(), LEAST_DEPTH) / self._unit)
+            self._maps[path.parent] = (path, stamp, (metres / self._unit, depths))
         return self._maps[path.parent][2]

@@ -116,7 +116,7 @@ void bind_render_options(py::module_& module) {
       .field("max_area", &RenderSettings::max_area,
              "THESIS: m2 at which the level is highest; 0: the tree's largest patch.")
       .field("snow_factor", &RenderSettings::snow_factor,
-             "THESIS, of snow: m of tf = clamp(max(n.up, 0) * m * A, 1, max).")
+             "THESIS, of snow on trees: m of tf = clamp(max(n.up, 0) * m * A, 1, max).")
       .field("wireframe", &RenderSettings::wireframe, "Lines, those behind hidden.")
       .field("cull_back_faces", &RenderSettings::cull_back_faces,
              "Leaves out bark seen from its back.")

@@ -48,6 +48,16 @@ py::array_t<float> render_light(Renderer& renderer, const Camera& camera,
   return to_numpy<float>(std::move(picture.rgba), {picture.height, picture.width, 4});
 }
 
+py::array_t<float> render_depth(Renderer& renderer, const Camera& camera,
+                                const RenderSettings& settings) {
+  DepthPicture picture;
+  {
+    const ReleasedGil release;
+    picture = renderer.render_depth(camera, settings);
+  }
+  return to_numpy<float>(std::move(picture.depth), {picture.height, picture.width});
+}
+
 py::object take_frame(Renderer& renderer) {
   std::optional<PackedFrame> frame;
   {
@@ -153,6 +163,10 @@ void bind_render(py::module_& module) {
            "Linear light, (height, width, 4) float32, row 0 at the bottom: means of pictures that "
            "are shifted\nwithin a pixel's filter. Alpha is the share in which something was drawn; "
            "the rest shows the\nbackground's light.")
+      .def("render_depth", &render_depth, "camera"_a, "settings"_a = RenderSettings{},
+           "What a depth buffer of OpenGL holds for a picture, (height, width) float32, row 0 at "
+           "the "
+           "bottom: from\n0 at the near plane to 1 at the far one, and 1 where nothing was drawn.")
       .def(
           "request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
           py::call_guard<ReleasedGil>(),
@@ -174,8 +188,7 @@ void bind_render(py::module_& module) {
            "'passes':\n"
            "by name 'gpu_seconds', 'wall_seconds' and 'primitives'.")
       .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
-           "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree's "
-           "bark\nor of a mesh with snow.")
+           "World positions (T, 3, 3) of the triangles that the camera would be shown of a tree.")
       .def_property_readonly(
           "driver",
           [](const Renderer& self) {

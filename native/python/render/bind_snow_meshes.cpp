@@ -1,6 +1,8 @@
 #include <pybind11/stl.h>
 
-#include <utility>
+#include <array>
+#include <optional>
+#include <string>
 
 #include "python/render/arrays.h"
 #include "python/render/bind_parts.h"
@@ -11,12 +13,16 @@ namespace {
 
 using namespace snowbough::render;
 
-/// Empty for None.
-std::vector<std::array<glm::vec3, 3>> corner_normals(const py::object& normals) {
-  if (normals.is_none()) return {};
-  const auto array = py::cast<InputArray<float>>(normals);
-  require_shape(array, {-1, 3, 3}, "normals");
-  return elements<std::array<glm::vec3, 3>>(array);
+void add_snow_mesh(Renderer& renderer, const std::string& name, const InputArray<float>& vertices,
+                   const InputArray<int32_t>& triangles, const py::object& normals) {
+  MeshSource source;
+  source.vertices = rows_from_numpy<glm::vec3, float, 3>(vertices, "vertices");
+  source.triangles = rows_from_numpy<std::array<int32_t, 3>, int32_t, 3>(triangles, "triangles");
+  source.normals =
+      corners_of<glm::vec3>(normals, static_cast<py::ssize_t>(source.triangles.size()), "normals");
+  source.is_snow = true;
+  const ReleasedGil release;
+  renderer.add_mesh(name, source);
 }
 
 void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object& heights,
@@ -35,69 +41,28 @@ void set_mesh_snow(Renderer& renderer, const std::string& mesh, const py::object
   renderer.set_mesh_snow(mesh, snow);
 }
 
-SnowSource snow_source(const InputArray<float>& positions, const InputArray<int32_t>& triangles,
-                       const InputArray<float>& uv, const py::object& normals, const Vec3& color,
-                       int32_t resolution) {
-  SnowSource source;
-  source.positions = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
-  source.triangles = rows_from_numpy<std::array<int32_t, 3>, int32_t, 3>(triangles, "triangles");
-  require_shape(uv, {triangles.shape(0), 3, 2}, "uv");
-  source.uv = elements<std::array<glm::vec2, 3>>(uv);
-  source.normals = corner_normals(normals);
-  source.color = to_vec3(color);
-  source.resolution = resolution;
-  return source;
-}
-
-void add_snow_mesh(Renderer& renderer, const std::string& name, const InputArray<float>& positions,
-                   const InputArray<int32_t>& triangles, const InputArray<float>& uv,
-                   const py::object& normals, const Vec3& color, int32_t resolution,
-                   bool draws_base) {
-  SnowSource source = snow_source(positions, triangles, uv, normals, color, resolution);
-  source.draws_base = draws_base;
-  const ReleasedGil release;
-  renderer.add_snow_mesh(name, source);
-}
-
-void set_snow_pose(Renderer& renderer, const std::string& name, const InputArray<float>& positions,
-                   const py::object& normals) {
-  const auto moved = rows_from_numpy<glm::vec3, float, 3>(positions, "positions");
-  const auto corners = corner_normals(normals);
-  const ReleasedGil release;
-  renderer.set_snow_pose(name, moved, corners);
-}
-
-void set_snow(Renderer& renderer, const std::string& name, const InputArray<float>& height) {
+void set_snow(Renderer& renderer, const std::string& tree, const InputArray<float>& height,
+              float open_depth, std::optional<float> last_depth) {
   require_shape(height, {-1, -1}, "height");
   require_finite(height, "height");
-  const HeightMap map{static_cast<int32_t>(height.shape(1)), static_cast<int32_t>(height.shape(0)),
-                      elements<float>(height)};
+  const TreeSnow snow{static_cast<int32_t>(height.shape(1)),
+                      static_cast<int32_t>(height.shape(0)),
+                      elements<float>(height),
+                      {open_depth, last_depth.value_or(open_depth)}};
   const ReleasedGil release;
-  renderer.set_snow(name, map);
+  renderer.set_snow(tree, snow);
 }
 
-bool take_snow(Renderer& renderer, const std::string& name, snow::SnowSimulation& simulation,
-               const std::string& object) {
+bool take_snow(Renderer& renderer, const std::string& tree, snow::SnowSimulation& simulation,
+               float open_depth, const std::string& object, std::optional<float> last_depth) {
+  const SnowDepths depths{open_depth, last_depth.value_or(open_depth)};
   const ReleasedGil release;
-  const std::string& from = object.empty() ? name : object;
+  const std::string& from = object.empty() ? tree : object;
   const auto heights = simulation.live_output(from);
-  if (heights != nullptr && renderer.share_snow(name, *heights)) return true;
+  if (heights != nullptr && renderer.share_snow(tree, *heights, depths)) return true;
   const int32_t size = simulation.resolution(from);
-  renderer.set_snow(name, {size, size, simulation.output(from, false).height});
+  renderer.set_snow(tree, {size, size, simulation.output(from, false).height, depths});
   return false;
-}
-
-py::dict snow_levels(const Renderer& renderer, const std::string& mesh) {
-  SnowLevels found;
-  {
-    const ReleasedGil release;
-    found = renderer.snow_levels(mesh);
-  }
-  const auto count = static_cast<py::ssize_t>(found.classes.size());
-  py::dict dict;
-  dict["class"] = to_numpy<uint32_t>(std::move(found.classes), {count});
-  dict["edge"] = to_numpy<float>(std::move(found.edges), {count, 3});
-  return dict;
 }
 
 }  // namespace
@@ -108,37 +73,24 @@ void bind_render_snow(RendererClass& to) {
          "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
          "(T, 3, 2)\nof its corners there. None: no snow.")
       .def(
-          "add_snow_mesh", &add_snow_mesh, "name"_a, "positions"_a, "triangles"_a, "uv"_a,
-          "normals"_a = py::none(), "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "resolution"_a = 1024,
-          "draws_base"_a = true,
-          "Adds a mesh that carries snow, bare until set_snow: positions (N, 3), triangles (T, 3), "
-          "uv\n"
-          "(T, 3, 2) in [0, 1], shading normals (T, 3, 3) along which snow grows (None: smooth\n"
-          "everywhere), linear colour of the bare surface. resolution: texels of its map's edge, "
-          "which\n"
-          "decides how finely the mesh is cut; maps of other sizes are taken, too. Faces hang "
-          "together\n"
-          "by the vertices they share. draws_base=False: only snow is drawn, over a mesh that "
-          "add_mesh "
-          "draws.")
-      .def("set_snow_pose", &set_snow_pose, "name"_a, "positions"_a, "normals"_a = py::none(),
-           "Moves a mesh with snow: positions (N, 3) and shading normals (T, 3, 3) or None.")
-      .def("set_snow", &set_snow, "name"_a, "height"_a,
-           "The snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in metres "
-           "along\n"
-           "the shading normals, row 0 = v 0,\n"
-           "negative on the back, as SnowSimulation.output gives them.")
+          "add_snow_mesh", &add_snow_mesh, "name"_a, "vertices"_a, "triangles"_a,
+          "normals"_a = py::none(),
+          "Adds the surface of snow as SnowSurface computes it, shaded as snow: vertices (N, 3) in "
+          "metres,\ntriangles (T, 3), anticlockwise seen from outside; by corner normals (T, 3, 3) "
+          "in place of smooth\nones. It is a mesh as add_mesh's.")
       .def(
-          "take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
-          "The snow on a mesh or a tree as it lies now on an object of a SnowSimulation (by "
-          "default\nthat of the same name). Where the simulation's engine is GL and of the same "
-          "device, the map\nstays on the GPU, rounded by the thesis's Gaussian and as thick as it "
-          "lies (`output` is less\nhigh where a surface curves outwards, as on twigs), and True is "
-          "returned; else `output` is\nhanded over.")
-      .def(
-          "snow_levels", &snow_levels, "name"_a,
-          "The same of a mesh with snow, for its patches (its triangles, cut where they cover many "
-          "texels):\n'class' (P,) and 'edge' (P, 3).");
+          "set_snow", &set_snow, "tree"_a, "height"_a, "open_depth"_a, "last_depth"_a = py::none(),
+          "The snow on a tree: heights (H, W) in metres along the normals on a map of its uv_snow, "
+          "row 0 = v 0,\nas SnowSimulation.output gives them; the depth on open level ground in "
+          "metres, now and at the shot's\nend (by default the same). Shown as all snow is, see "
+          "SnowSurface.")
+      .def("take_snow", &take_snow, "tree"_a, "simulation"_a, "open_depth"_a, "object"_a = "",
+           "last_depth"_a = py::none(),
+           "The same as it lies now on an object of a SnowSimulation (by default that of the same "
+           "name). Where the\nsimulation's engine is GL and of the same device, the map stays on "
+           "the GPU, rounded by the thesis's\nGaussian and as thick as it lies (`output` is less "
+           "high where a surface curves outwards, as on\ntwigs), and True is returned; else "
+           "`output` is handed over.");
 }
 
 }  // namespace snowbough::python

@@ -1,6 +1,6 @@
 #include "render/draw/map_depths.h"
 
-#include "shaders/lib/snow_patch.h"
+#include "shaders/lib/map_tiles.h"
 
 namespace snowbough::render {
 

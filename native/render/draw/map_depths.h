@@ -17,7 +17,7 @@ class MapDepths {
   void find_deepest(const gpu::Buffer& tiles, const gpu::Buffer& deepest);
 
  private:
-  gpu::Program tiles_{{"snow_tiles.comp.glsl"}};
+  gpu::Program tiles_{{"map_tiles.comp.glsl"}};
   gpu::Program deepest_{{"deepest_tile.comp.glsl"}};
 };
 

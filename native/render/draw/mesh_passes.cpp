@@ -88,7 +88,7 @@ std::vector<std::pair<int32_t, std::vector<int32_t>>> pieces_of(const MeshSource
 
 }  // namespace
 
-MeshBuffers::MeshBuffers(const MeshSource& source) {
+MeshBuffers::MeshBuffers(const MeshSource& source) : is_snow_(source.is_snow) {
   check(source);
   const std::vector<vec3> smooth =
       source.normals.empty() ? smooth_normals(source) : std::vector<vec3>();
@@ -145,15 +145,17 @@ void MeshBuffers::set_snow(const MeshSnow& snow) {
 void MeshPasses::draw(MeshBuffers& mesh, const gpu::Buffer& view, const DrawStyle& style) {
   const bool shaded = style.kind == DrawKind::kShaded;
   const bool snow = shaded && mesh.snow_heights_.id() != 0;
+  std::vector<std::string> defines;
+  if (snow) defines.emplace_back("SNOW");
+  if (shaded && mesh.is_snow_) defines.emplace_back("IS_SNOW");
   for (MeshBuffers::Piece& piece : mesh.pieces_) {
     const MeshBuffers::DrawnMaterial& material = mesh.materials_[piece.material];
-    gpu::Program& program = begin_draw(
-        mesh_, style, snow ? std::vector<std::string>{"SNOW"} : std::vector<std::string>{});
+    gpu::Program& program = begin_draw(mesh_, style, defines);
     program.bind("ViewBlock", view);
     program.bind("MeshCorners", piece.corners);
     program.bind("MeshPlaces", mesh.places_);
     program.bind_texture("image", material.image);
-    if (shaded) program.set("image_color", vec4(material.color, 1.0f));
+    if (shaded && !mesh.is_snow_) program.set("image_color", vec4(material.color, 1.0f));
     if (snow) {
       program.bind("SnowCorners", piece.snow_corners);
       program.bind_texture("snow_heights", mesh.snow_heights_);

@@ -46,6 +46,7 @@ class MeshBuffers {
     gpu::Texture image;
   };
 
+  bool is_snow_ = false;
   std::vector<Piece> pieces_;
   std::vector<DrawnMaterial> materials_;
   gpu::Buffer places_;

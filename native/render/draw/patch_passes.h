@@ -33,7 +33,7 @@ class PatchSource {
   PatchList sun;
 };
 
-/// What trees and snow share: patches are classified, the plain ones drawn as triangles and the
+/// Patches are classified, the plain ones drawn as triangles and the
 /// others through the tessellator. Nothing is read back. GPU thread.
 class PatchPasses {
  public:

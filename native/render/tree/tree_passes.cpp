@@ -73,8 +73,9 @@ void TreeBuffers::bind_tessellated(gpu::Program& program, DrawKind kind) const {
   if (snow != nullptr) program.bind_texture("height_map", *snow);
 }
 
-void TreeBuffers::set_snow(std::shared_ptr<const gpu::Texture> heights) {
+void TreeBuffers::set_snow(std::shared_ptr<const gpu::Texture> heights, const SnowDepths& depths) {
   snow = std::move(heights);
+  snow_depths = depths;
   snow_is_new = true;
   if (snow == nullptr) return;
   const int64_t tiles = MapDepths::tile_bytes(*snow);
@@ -107,13 +108,14 @@ void TreePasses::pose(TreeBuffers& tree, const gpu::Buffer& view) {
 }
 
 void TreePasses::edge_levels(TreeBuffers& tree, const gpu::Buffer& view) {
-  edges_.use();
-  edges_.bind("ViewBlock", view);
-  edges_.bind("PosedVertices", tree.posed);
-  edges_.bind("TreeEdges", tree.edges);
-  edges_.bind("EdgeLevels", tree.edge_levels);
-  edges_.set("count", tree.edge_count);
-  edges_.dispatch_items(tree.edge_count, kLocalSize);
+  gpu::Program& program = edges_.with(snow_define(tree));
+  program.use();
+  program.bind("ViewBlock", view);
+  program.bind("PosedVertices", tree.posed);
+  program.bind("TreeEdges", tree.edges);
+  program.bind("EdgeLevels", tree.edge_levels);
+  program.set("count", tree.edge_count);
+  program.dispatch_items(tree.edge_count, kLocalSize);
   glMemoryBarrier(GL_SHADER_STORAGE_BARRIER_BIT);
 }
 

@@ -13,6 +13,7 @@
 #include "render/draw/map_depths.h"
 #include "render/draw/patch_lists.h"
 #include "render/draw/patch_passes.h"
+#include "render/sources.h"
 #include "render/tree/bark_images.h"
 #include "render/tree/tree_patches.h"
 
@@ -28,7 +29,7 @@ struct TreeBuffers : PatchSource {
   void bind_tessellated(gpu::Program& program, DrawKind kind) const override;
 
   /// Height map in metres, R32F, row 0 = v 0; null: no snow.
-  void set_snow(std::shared_ptr<const gpu::Texture> heights);
+  void set_snow(std::shared_ptr<const gpu::Texture> heights, const SnowDepths& depths);
 
   int32_t vertex_count = 0;
   int32_t edge_count = 0;
@@ -45,6 +46,7 @@ struct TreeBuffers : PatchSource {
   std::optional<BarkImages> images;
   /// Heights of its snow: R32F; null: it carries none.
   std::shared_ptr<const gpu::Texture> snow;
+  SnowDepths snow_depths;
   gpu::Buffer tile_depths;
   /// Most of them, metres.
   gpu::Buffer deepest_snow{sizeof(float)};
@@ -69,7 +71,7 @@ class TreePasses {
 
   MapDepths map_depths_;
   gpu::ProgramVariants pose_{{"tree_pose.comp.glsl"}};
-  gpu::Program edges_{{"tree_edges.comp.glsl"}};
+  gpu::ProgramVariants edges_{{"tree_edges.comp.glsl"}};
 };
 
 }  // namespace snowbough::render

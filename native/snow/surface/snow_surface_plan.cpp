@@ -6,7 +6,7 @@
 
 #include "base/parallel_for.h"
 #include "base/union_find.h"
-#include "shaders/lib/snow_noise.h"
+#include "shaders/lib/snow_point.h"
 #include "snow/surface/flip_edges.h"
 #include "snow/surface/map_sampler.h"
 #include "snow/surface/snow_surface.h"
@@ -17,17 +17,8 @@
 namespace snowbough::snow {
 namespace {
 
-using shared::eased;
-using shared::layered_noise;
-
-/// Part of the thickness below a point that bare places may sink into.
-constexpr float kSinkPart = 0.45f;
 /// A part of the receiver that has no other side counts as so much of its size thick.
 constexpr float kSheetThickness = 0.012f;
-/// What is thicker than the first part of the depth is wide, what is thinner than the second
-/// narrow.
-constexpr float kWide = 0.8f;
-constexpr float kNarrow = 0.3f;
 /// Smoothing over the surface reaches so far, as a part of the depth.
 constexpr float kSmoothing = 0.12f;
 /// And of normals.
@@ -292,16 +283,7 @@ void SnowSurface::find_noise(const SurfacePlan& plan) {
   const glm::vec3 shift = plan.noise_shift();
   point_.resize(lying_points());
   base::for_each_item(lying_points(), 1024, [&](size_t p) {
-    // Lengths in parts of the depth, so that noise is the same at any scale.
-    const glm::vec3 at = mesh_.position[p] / d + shift;
-    shared::SnowPoint& point = point_[p];
-    point.patches = layered_noise(at + 50.0f, {2.2f, 1.0f, 0.45f}, 0.8f);
-    point.hem = layered_noise(at, {3.0f, 1.5f, 0.6f}, 0.7f);
-    point.relief = layered_noise(at + 21.0f, {4.0f, 1.7f, 0.8f}, 0.65f);
-    point.bumps = 0.0f;
-    point.deepest = 1e9f;
-    point.convexity = 0.0f;
-    point.narrow = 0.0f;
+    point_[p] = shared::point_noise(mesh_.position[p] / d + shift);
   });
 }
 
@@ -318,8 +300,7 @@ void SnowSurface::find_thickness(const base::TriangleTree& tree, float depth) {
     const float sheet = kSheetThickness * std::sqrt(part_area[part[p]]);
     is_sheet_[p] = std::isfinite(below) ? 0 : 1;
     const float thickness = std::isfinite(below) ? static_cast<float>(below) : sheet;
-    point_[p].deepest = std::max(kSinkPart * thickness, 1e-5f);
-    point_[p].narrow = eased(thickness, kWide * depth, kNarrow * depth);
+    point_[p] = shared::on_carrier(point_[p], thickness, depth);
   });
 }
 
@@ -348,7 +329,7 @@ void SnowSurface::find_bumps(const SurfacePlan& plan, const std::vector<glm::vec
   const float d = plan.density.depth;
   const glm::vec3 shift = plan.noise_shift();
   base::for_each_item(lying_points(), 1024, [&](size_t p) {
-    point_[p].bumps = layered_noise(shown[p] / d + shift + 70.0f, {1.1f, 0.5f, 0.0f}, 0.6f);
+    point_[p].bumps = shared::bump_noise(shown[p] / d + shift);
   });
 }
 

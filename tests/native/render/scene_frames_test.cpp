@@ -12,8 +12,7 @@ namespace {
 
 void add_both(Scene& scene) {
   scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
-  scene.add_snow_mesh("square", SnowMesh(snow_square()), glm::vec3(0.5f), true);
-  scene.set_snow("square", {4, 4, std::vector<float>(16, 0.05f)});
+  scene.add_mesh("square", square(true));
 }
 
 std::vector<float> light_of(const gpu::Texture& texture) {
@@ -39,8 +38,7 @@ TEST(SceneFrames, statisticsCountAllPatchesAndNameThePasses) {
     EXPECT_THROW(scene.statistics(), std::runtime_error);
     scene.render(square_camera(), {});
     const FrameStatistics told = scene.statistics();
-    const auto patches = static_cast<int64_t>(scene.levels("tree").classes.size() +
-                                              scene.snow_levels("square").classes.size());
+    const auto patches = static_cast<int64_t>(scene.levels("tree").classes.size());
     EXPECT_EQ(told.dropped + told.plain + told.tessellated, patches);
     EXPECT_GT(told.tessellated, 0);
     EXPECT_GE(told.triangles, told.plain);
@@ -60,9 +58,8 @@ TEST(SceneFrames, trianglesAreThoseThatThePictureCounts) {
     RenderSettings settings;
     settings.shadow_resolution = 0;
     scene.render(square_camera(), settings);
-    const size_t corners = scene.triangles("tree", square_camera(), settings).size() +
-                           scene.triangles("square", square_camera(), settings).size();
-    EXPECT_EQ(static_cast<int64_t>(corners / 3), scene.statistics().triangles);
+    const size_t corners = scene.triangles("tree", square_camera(), settings).size();
+    EXPECT_EQ(static_cast<int64_t>(corners / 3) + 2, scene.statistics().triangles);
     EXPECT_THROW(scene.triangles("other", square_camera(), settings), std::invalid_argument);
   });
 }
@@ -88,7 +85,7 @@ TEST(SceneFrames, theSunsPictureIsKeptAsLongAsItWouldBeTheSame) {
 TEST(SceneFrames, aFrameBringsNothingBackAndWaitsForNothing) {
   with_scene([](Scene& scene) {
     add_both(scene);
-    scene.set_snow("tree", {4, 4, std::vector<float>(16, 0.05f)});
+    scene.set_snow("tree", blanket(0.05f));
     scene.draw_light(square_camera(), {});
     const GlWatch watch;
     Camera nearer = square_camera();

@@ -1,19 +1,25 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <glm/geometric.hpp>
 #include <memory>
-#include <stdexcept>
 
 #include "native/render/gl_calls.h"
 #include "native/render/scene_things.h"
+#include "shaders/lib/snow_point.h"
 
 namespace snowbough::render {
 namespace {
 
-const HeightMap kBlanket{4, 4, std::vector<float>(16, 0.1f)};
-
-void add_square(Scene& scene, bool draws_base = true) {
-  scene.add_snow_mesh("square", SnowMesh(snow_square()), glm::vec3(0.8f, 0.0f, 0.0f), draws_base);
+/// The tube lies along y, one of its vertices up.
+glm::mat4 lying() {
+  glm::mat4 pose(0.0f);
+  pose[0] = {0, 0, 1, 0};
+  pose[1] = {1, 0, 0, 0};
+  pose[2] = {0, 1, 0, 0};
+  pose[3].w = 1.0f;
+  return pose;
 }
 
 int32_t red_pixels(const Picture& picture) {
@@ -24,43 +30,34 @@ int32_t red_pixels(const Picture& picture) {
   return count;
 }
 
-TEST(SceneSnow, aMeshIsBareUntilItHasAMap) {
+TEST(SceneSnow, aMeshOfSnowIsWhiteWhateverItsMaterial) {
   with_scene([](Scene& scene) {
-    add_square(scene);
-    const Picture bare = scene.render(square_camera(), {});
-    EXPECT_EQ(red_pixels(bare), covered(bare));
-    scene.set_snow("square", kBlanket);
+    scene.add_mesh("square", square(false));
+    const Picture red = scene.render(square_camera(), {});
+    EXPECT_GT(covered(red), 100);
+    EXPECT_EQ(red_pixels(red), covered(red));
+    scene.remove("square");
+    scene.add_mesh("square", square(true));
     const Picture white = scene.render(square_camera(), {});
-    EXPECT_LT(red_pixels(white), covered(white) / 10);
+    EXPECT_EQ(covered(white), covered(red));
+    EXPECT_EQ(red_pixels(white), 0);
   });
 }
 
-TEST(SceneSnow, aLayerIsThereOnlyWhereItHides) {
+TEST(SceneSnow, aMapMayBeSharedWithATree) {
   with_scene([](Scene& scene) {
-    add_square(scene, false);
-    EXPECT_EQ(red_pixels(scene.render(square_camera(), {})), 0);
-    const Picture none = scene.render(square_camera(), {});
-    scene.set_snow("square", kBlanket);
-    EXPECT_NE(scene.render(square_camera(), {}).rgba, none.rgba);
-  });
-}
-
-TEST(SceneSnow, aMapMayBeSharedWithMeshesAndTrees) {
-  with_scene([](Scene& scene) {
-    add_square(scene);
     scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+    const TreeSnow snow = blanket(0.1f);
     const auto map = std::make_shared<gpu::Texture>(GL_R32F, 4, 4, 0, GL_LINEAR);
-    map->write(0, GL_RED, GL_FLOAT, kBlanket.values.data());
+    map->write(0, GL_RED, GL_FLOAT, snow.values.data());
     const GlWatch watch;
-    scene.share_snow("tree", map);
-    scene.share_snow("square", map);
+    scene.share_snow("tree", map, snow.depths);
     scene.draw_light(square_camera(), {});
     EXPECT_EQ(watch.seen().read_backs, 0);
     const Picture shared = scene.render(square_camera(), {});
-    scene.set_snow("square", kBlanket);
-    scene.set_snow("tree", kBlanket);
+    scene.set_snow("tree", snow);
     EXPECT_EQ(scene.render(square_camera(), {}).rgba, shared.rgba);
-    scene.set_snow("tree", {4, 4, std::vector<float>(16, 0.0f)});
+    scene.set_snow("tree", blanket(0.0f));
     EXPECT_NE(scene.render(square_camera(), {}).rgba, shared.rgba);
   });
 }
@@ -73,25 +70,99 @@ TEST(SceneSnow, aTreeIsDroppedOnlyWithAllOfItsSnow) {
     scene.render(aside, {});
     EXPECT_EQ(scene.statistics().dropped, 4);
     // Two metres of snow reach into the picture.
-    scene.set_snow("tree", {4, 4, std::vector<float>(16, 2.0f)});
+    scene.set_snow("tree", blanket(2.0f));
     scene.render(aside, {});
     EXPECT_LT(scene.statistics().dropped, 4);
-    scene.set_snow("tree", {4, 4, std::vector<float>(16, 0.0f)});
+    scene.set_snow("tree", blanket(0.0f));
     scene.render(aside, {});
     EXPECT_EQ(scene.statistics().dropped, 4);
   });
 }
 
-TEST(SceneSnow, levelsAreThoseOfTheLastPicture) {
+TEST(SceneSnow, snowIsTessellatedByTheThesissRuleWhereItLiesOnTop) {
   with_scene([](Scene& scene) {
-    add_square(scene);
-    EXPECT_THROW(scene.snow_levels("square"), std::runtime_error);
-    scene.set_snow("square", kBlanket);
-    scene.render(square_camera(), {});
-    const SnowLevels levels = scene.snow_levels("square");
-    EXPECT_EQ(levels.classes.size(), levels.edges.size());
-    EXPECT_GT(levels.edges[0][0], 1.0f);
-    EXPECT_THROW(scene.snow_levels("other"), std::invalid_argument);
+    scene.add_tree("tree", make_tree_patches(tube(true), 0.0f), {});
+    scene.set_pose("tree", {lying()});
+    RenderSettings settings;
+    settings.metric = Metric::kThesis;
+    settings.max_distance = 0.1f;  // Tl is 1
+    settings.snow_factor = 2000.0f;
+    settings.min_pixels = 0.0f;
+    const auto highest = [&] {
+      scene.render(square_camera(), settings);
+      float found = 0.0f;
+      for (const auto& edges : scene.levels("tree").edges) {
+        for (const float level : edges) found = std::max(found, level);
+      }
+      return found;
+    };
+    EXPECT_EQ(highest(), 1.0f);
+    scene.set_snow("tree", blanket(0.05f));
+    const float level = highest();
+    EXPECT_GT(level, 2.0f);
+    settings.snow_factor = 1000.0f;
+    EXPECT_NEAR(highest(), 0.5f * level, 0.01f * level);
+    settings.snow_factor = 0.0f;
+    EXPECT_EQ(highest(), 1.0f);
+  });
+}
+
+/// Where shaders/lib/snow_surface.h has the snow on the tube's vertex at `rest`.
+glm::vec3 on_snow(const glm::vec3& rest, float thickness, const SnowDepths& depths) {
+  const glm::vec3 normal = glm::vec3(lying() * glm::vec4(rest.x, rest.y, 0.0f, 0.0f)) / 0.1f;
+  shared::SnowPoint point = shared::point_noise(rest / depths.last);
+  point.bumps = shared::bump_noise(rest / depths.last);
+  // As thick as it is wide; its circumference is that of its circle.
+  point = shared::on_limb(point, 0.2f, depths.last);
+  const shared::SnowStyle style{1.0f, 1.0f, 1.0f, 1.0f};
+  const shared::SnowEdge edge = shared::snow_edge(point, thickness, depths.open, normal.z);
+  const float shown = shared::limb_height(point, style, edge, thickness, depths.open);
+  const float sag = shared::sagging(point, style, edge, thickness, shown, normal.z);
+  const glm::vec3 down = normal * normal.z - glm::vec3(0.0f, 0.0f, 1.0f);
+  const glm::vec3 aside = glm::length(down) < 1e-3f ? glm::vec3(0.0f) : glm::normalize(down) * sag;
+  return glm::vec3(lying() * glm::vec4(rest, 1.0f)) + normal * shown + aside;
+}
+
+TEST(SceneSnow, aTreesSnowFollowsTheRuleOfAllSnow) {
+  with_scene([](Scene& scene) {
+    const TreeSource source = tube(true);
+    scene.add_tree("tree", make_tree_patches(source, 0.0f), {});
+    scene.set_pose("tree", {lying()});
+    RenderSettings plain;
+    plain.max_level = 1.0f;
+    plain.min_pixels = 0.0f;
+    TreeSnow snow = blanket(0.06f);
+    snow.depths = {0.08f, 0.1f};
+    scene.set_snow("tree", snow);
+    const std::vector<glm::vec3> corners = scene.triangles("tree", square_camera(), plain);
+    ASSERT_EQ(corners.size(), 24u);
+    float tallest = 0.0f;
+    for (const glm::vec3& rest : source.vertices) {
+      const glm::vec3 expected = on_snow(rest, 0.06f, snow.depths);
+      float away = 1.0f;
+      for (const glm::vec3& corner : corners) {
+        away = std::min(away, glm::distance(corner, expected));
+      }
+      EXPECT_LT(away, 1e-5f) << rest.x << " " << rest.y << " " << rest.z;
+      tallest = std::max(tallest, expected.z);
+    }
+    EXPECT_GT(tallest, 0.13f);
+  });
+}
+
+TEST(SceneSnow, depthIsThatOfOpenGLsBuffer) {
+  with_scene([](Scene& scene) {
+    scene.add_mesh("square", square(true));
+    Camera camera = square_camera(5);
+    camera.eye = {0.0f, 0.0f, 3.0f};
+    camera.target = glm::vec3(0.0f);
+    camera.up = {0.0f, 1.0f, 0.0f};
+    camera.near = 1.0f;
+    camera.far = 9.0f;
+    const DepthPicture found = scene.render_depth(camera, {});
+    // f (z - n) / (z (f - n)) of z = 3.
+    EXPECT_NEAR(found.depth[12], 0.75f, 1e-5f);
+    EXPECT_EQ(found.depth[0], 1.0f);
   });
 }
 

@@ -5,7 +5,6 @@
 
 #include "gpu/gpu_thread.h"
 #include "render/scene.h"
-#include "render/snow/snow_patches.h"
 #include "render/tree/tree_patches.h"
 
 namespace snowbough::render {
@@ -43,15 +42,19 @@ inline TreeSource tube(bool with_places) {
   return source;
 }
 
-/// A level square of a metre around the origin whose map reaches from border to border.
-inline SnowSource snow_square() {
-  SnowSource source;
-  source.positions = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
+/// A level square of a metre around the origin; `is_snow`: of snow.
+inline MeshSource square(bool is_snow) {
+  MeshSource source;
+  source.vertices = {{-0.5f, -0.5f, 0}, {0.5f, -0.5f, 0}, {0.5f, 0.5f, 0}, {-0.5f, 0.5f, 0}};
   source.triangles = {{0, 1, 2}, {0, 2, 3}};
-  source.uv = {{glm::vec2(0, 0), glm::vec2(1, 0), glm::vec2(1, 1)},
-               {glm::vec2(0, 0), glm::vec2(1, 1), glm::vec2(0, 1)}};
-  source.resolution = 64;
+  source.materials[0].color = glm::vec3(0.8f, 0.0f, 0.0f);
+  source.is_snow = is_snow;
   return source;
+}
+
+/// Snow of one depth on all of a tree.
+inline TreeSnow blanket(float depth) {
+  return {4, 4, std::vector<float>(16, depth), {depth, depth > 0.0f ? depth : 1.0f}};
 }
 
 /// A square picture from 4 m in front of the origin, a little from above.

@@ -50,11 +50,8 @@ TEST(SceneTrees, aPoseHasAMatrixABoneAndMovesTheTree) {
 TEST(SceneTrees, snowWantsPlacesOnItsMap) {
   with_scene([](Scene& scene) {
     add_tube(scene, false);
-    EXPECT_THAT(
-        [&] {
-          scene.set_snow("tree", {1, 1, {0.1f}});
-        },
-        ThrowsMessage<std::invalid_argument>(HasSubstr("no places on a map")));
+    EXPECT_THAT([&] { scene.set_snow("tree", blanket(0.1f)); },
+                ThrowsMessage<std::invalid_argument>(HasSubstr("no places on a map")));
   });
 }
 
@@ -62,10 +59,10 @@ TEST(SceneTrees, snowThickensATreeAndAMapWithoutAnyTakesItOff) {
   with_scene([](Scene& scene) {
     add_tube(scene);
     const Picture bare = scene.render(square_camera(), {});
-    scene.set_snow("tree", {2, 2, std::vector<float>(4, 0.1f)});
+    scene.set_snow("tree", blanket(0.1f));
     const Picture thick = scene.render(square_camera(), {});
     EXPECT_GT(covered(thick), 3 * covered(bare) / 2);
-    scene.set_snow("tree", {1, 1, {0.0f}});
+    scene.set_snow("tree", blanket(0.0f));
     EXPECT_EQ(scene.render(square_camera(), {}).rgba, bare.rgba);
   });
 }

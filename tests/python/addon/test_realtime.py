@@ -98,41 +98,33 @@ def test_what_is_gone_is_removed(renderer):
 
 
 def snow(depth):
-    return records.LyingSnow(np.full((4, 4), depth, np.float32), np.zeros((1, 3, 2), np.float32))
+    uv = np.zeros((1, 3, 2), np.float32)
+    return records.LyingSnow(np.full((4, 4), depth, np.float32), uv, depth, 0.2)
 
 
-LAYER = "snow on a"
-
-
-def test_snow_is_a_layer_that_comes_changes_and_goes_without_the_mesh(renderer):
+def test_painted_snow_comes_changes_and_goes_without_the_mesh(renderer):
     keeper = sync.Sync(renderer)
     keeper.update(records.Scene([mesh()]))
     renderer.take()
     keeper.update(records.Scene([mesh(snow=snow(0.1))]))
-    assert renderer.take() == [("add_snow_mesh", LAYER), ("set_snow", LAYER)]
-    keeper.update(records.Scene([mesh(snow=snow(0.2))]))
-    assert renderer.take() == [("set_snow", LAYER)]
-    keeper.update(records.Scene([mesh(snow=snow(0.2))]))
+    assert renderer.take() == [("set_mesh_snow", "a")]
+    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
     assert renderer.take() == []
-    keeper.update(records.Scene([mesh()]))
-    assert renderer.take() == [("remove", LAYER), ("set_mesh_snow", "a")]
+    keeper.update(records.Scene([mesh(snow=snow(0.2), places=2 * PLACE)]))
+    assert renderer.take() == [("set_places", "a"), ("set_mesh_snow", "a")]
+    keeper.update(records.Scene([mesh(places=2 * PLACE)]))
+    assert renderer.take() == [("set_mesh_snow", "a")]
 
 
-def test_a_layer_of_snow_moves_and_goes_with_its_mesh(renderer):
+def test_a_surface_of_snow_is_added_as_snow(renderer):
     keeper = sync.Sync(renderer)
-    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
-    renderer.take()
-    keeper.update(records.Scene([mesh(snow=snow(0.1), places=2 * PLACE)]))
-    assert renderer.take() == [("set_places", "a"), ("set_snow_pose", LAYER), ("set_snow", LAYER)]
-    keeper.update(records.Scene([mesh(snow=snow(0.1), places=2 * PLACE, size=2.0)]))
-    again = [("remove", "a"), ("add_mesh", "a"), ("set_places", "a")]
-    assert renderer.take() == [*again, ("remove", LAYER), ("add_snow_mesh", LAYER), ("set_snow", LAYER)]
-    keeper.update(records.Scene([mesh(places=2 * PLACE, size=3.0)]))
-    assert renderer.take() == [*again, ("remove", LAYER), ("set_mesh_snow", "a")]
-    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
-    renderer.take()
-    keeper.update(records.Scene())
-    assert renderer.take() == [("remove", "a"), ("remove", LAYER)]
+    of = mesh("snow on a", size=2.0)
+    of.shape.is_snow = True
+    of.print = of.shape.print
+    keeper.update(records.Scene([of]))
+    assert renderer.take() == [("add_snow_mesh", "snow on a")]
+    keeper.update(records.Scene([mesh("snow on a", size=2.0)]))
+    assert renderer.take() == [("remove", "snow on a"), ("add_mesh", "snow on a")]
 
 
 def test_snow_on_a_tree_comes_changes_stays_and_goes_with_the_tree(renderer):
@@ -148,35 +140,6 @@ def test_snow_on_a_tree_comes_changes_stays_and_goes_with_the_tree(renderer):
     assert renderer.take() == [("remove", "t"), ("add_tree", "t"), ("set_pose", "t"), ("set_snow", "t")]
     assert keeper.update(records.Scene(trees=[tree(pose=1.0, print_="q")]))
     assert renderer.take() == [("set_snow", "t")]
-
-
-def test_snow_is_painted_on_what_cannot_bear_a_layer(renderer):
-    cut_out = mesh("leaf", snow=snow(0.1))
-    holes = np.zeros((1, 1, 4), np.uint8)
-    cut_out.shape.paints = (records.Paint((1, 1, 1), holes),)
-    scattered = mesh("stone", snow=snow(0.1), places=np.repeat(PLACE, 2, axis=0))
-    raised = mesh("drift", snow=snow(0.1))
-    raised.shape.is_displaced = True
-    sync.Sync(renderer).update(records.Scene([cut_out, scattered, raised]))
-    painted = [key for name, key in renderer.take() if name == "set_mesh_snow"]
-    assert painted == ["leaf", "stone", "drift"]
-
-
-def test_snow_is_painted_where_the_renderer_refuses_a_layer(renderer):
-    def refuse(*_given, **_named):
-        raise ValueError("an edge of more than two triangles")
-
-    renderer.add_snow_mesh = refuse
-    keeper = sync.Sync(renderer)
-    keeper.update(records.Scene([mesh(snow=snow(0.1))]))
-    assert renderer.take() == [("add_mesh", "a"), ("set_mesh_snow", "a")]
-
-
-def test_a_layers_positions_and_normals_are_the_worlds():
-    place = np.array([(0, -2, 0, 1), (1, 0, 0, 2), (0, 0, 4, 3), (0, 0, 0, 1)], np.float32)
-    positions, normals = sync.in_place(shape(), place)
-    assert positions.tolist() == [[1, 2, 3], [1, 3, 3], [-1, 2, 3]]
-    assert normals[0, 0].tolist() == [0, 0, 1]
 
 
 def test_a_tree_is_given_its_barks_images(renderer):

@@ -333,23 +333,3 @@ def test_a_closed_renderer_makes_no_frames():
     renderer.close()
     with pytest.raises(RuntimeError, match="closed"):
         renderer.take_frame()
-
-
-# -- layers of snow -----------------------------------------------------------------------------------------
-
-
-def test_a_layer_of_snow_covers_a_mesh_by_its_depth_and_leaves_the_rest_as_it_is(renderer):
-    renderer.add_mesh("square", SQUARE, HALVES, color=(1, 0, 0))
-    uv = CORNERS.astype(np.float32)
-    renderer.add_snow_mesh("layer", SQUARE, HALVES, uv, resolution=64, draws_base=False)
-    heights = np.zeros((64, 64), np.float32)
-    heights[:, 22:43] = 0.0015
-    heights[:, 43:] = 0.1
-    renderer.set_snow("layer", heights)
-    picture = light(renderer, sun_color=(0, 0, 0), sky_color=(1, 1, 1))
-    bare, dusted, deep = picture[20, 12], picture[20, 20], picture[20, 27]
-    assert bare[:3] == pytest.approx((1, 0, 0), abs=1e-3)
-    assert deep[:3].min() > 0.7
-    assert 0.05 < dusted[1] < 0.8 and dusted[0] > dusted[1]
-    assert picture[20, 12:28, 3].min() == 1
-    assert picture[2, 2, 3] == 0

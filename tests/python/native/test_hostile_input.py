@@ -144,9 +144,9 @@ def test_a_vertex_far_from_everything_ends_no_renderer(value):
         f"p[2, 0] = {str(value).replace('nan', 'np.nan').replace('inf', 'np.inf')}\n"
         "with native.Renderer() as renderer:\n"
         "    try:\n"
-        "        renderer.add_snow_mesh('ground', p, t, uv)\n"
+        "        renderer.add_snow_mesh('ground', p, t)\n"
         "    except ValueError as error:\n"
-        "        assert 'positions: row 2' in str(error)\n"
+        "        assert 'vertices: row 2' in str(error)\n"
         "    else:\n"
         "        raise AssertionError\n"
     )

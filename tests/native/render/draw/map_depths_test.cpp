@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gpu/gpu_thread.h"
-#include "shaders/lib/snow_patch.h"
+#include "shaders/lib/map_tiles.h"
 
 namespace snowbough::render {
 namespace {

@@ -1,5 +1,5 @@
 // The deepest snow of each tile of a height map, on either side: one work group a tile.
-#include "lib/snow_patch.h"
+#include "lib/map_tiles.h"
 
 layout(local_size_x = kSnowTile, local_size_y = kSnowTile) in;
 uniform sampler2D height_map;

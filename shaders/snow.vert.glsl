@@ -1,1 +1,0 @@
-#include "glsl/listed_patch.glsl"

@@ -1,1 +1,0 @@
-#include "glsl/snow_fragment.glsl"
