@@ -120,10 +120,10 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
   if (roots_[group] < 0) return best;
   // As deep as the tree: each level halves what is left.
   std::array<int32_t, 64> stack{};
-  int32_t waiting = 0;
-  stack[waiting++] = roots_[group];
-  while (waiting > 0) {
-    const int32_t number = stack[--waiting];
+  int32_t pending = 0;
+  stack[pending++] = roots_[group];
+  while (pending > 0) {
+    const int32_t number = stack[--pending];
     const Node& node = nodes_[number];
     if (squared_distance(node.box.low, node.box.high, p) > best.squared_distance) continue;
     if (node.second < 0) {
@@ -142,8 +142,8 @@ TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) 
       return squared_distance(nodes_[child].box.low, nodes_[child].box.high, p);
     };
     const bool second_nearer = distance_to(node.second) < distance_to(number + 1);
-    stack[waiting++] = second_nearer ? number + 1 : node.second;
-    stack[waiting++] = second_nearer ? node.second : number + 1;
+    stack[pending++] = second_nearer ? number + 1 : node.second;
+    stack[pending++] = second_nearer ? node.second : number + 1;
   }
   return best;
 }
@@ -158,10 +158,10 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const
     inverse[axis] = 1.0 / (way[axis] == 0.0 ? 1e-300 : way[axis]);
   }
   std::array<int32_t, 64> stack{};
-  int32_t waiting = 0;
-  stack[waiting++] = roots_[group];
-  while (waiting > 0) {
-    const int32_t number = stack[--waiting];
+  int32_t pending = 0;
+  stack[pending++] = roots_[group];
+  while (pending > 0) {
+    const int32_t number = stack[--pending];
     const Node& node = nodes_[number];
     if (!meets(node.box.low, node.box.high, from, inverse, nearest)) continue;
     if (node.second < 0) {
@@ -171,8 +171,8 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const
       }
       continue;
     }
-    stack[waiting++] = node.second;
-    stack[waiting++] = number + 1;
+    stack[pending++] = node.second;
+    stack[pending++] = number + 1;
   }
   return nearest;
 }

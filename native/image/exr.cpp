@@ -288,29 +288,6 @@ void write_exr(const std::string& path, const ExrLayout& layout, const float* pi
   }
 }
 
-void write_height_exr(const std::string& path, int32_t resolution, const float* height,
-                      const std::map<std::string, std::string>& attributes) {
-  ExrLayout layout;
-  layout.width = layout.height = resolution;
-  layout.channels = {"Y"};
-  layout.attributes = attributes;
-  write_exr(path, layout, height);
-}
-
-void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
-                      const std::map<std::string, std::string>& attributes) {
-  ExrLayout layout;
-  layout.width = layout.height = resolution;
-  layout.channels = {"R", "G", "B"};
-  layout.type = ExrPixelType::kHalf;
-  layout.compression = ExrCompression::kZip;
-  layout.attributes = attributes;
-  const size_t count = 3 * static_cast<size_t>(resolution) * static_cast<size_t>(resolution);
-  std::vector<float> encoded(count);
-  for (size_t i = 0; i < count; ++i) encoded[i] = 0.5f + 0.5f * normals[i];
-  write_exr(path, layout, encoded.data());
-}
-
 ExrImage read_exr(const std::string& path) {
   const std::string bytes = read_file(path);
   try {

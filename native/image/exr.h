@@ -43,15 +43,6 @@ struct ExrImage {
 ///         attribute names that the format keeps for itself; std::runtime_error as atomic_write.
 void write_exr(const std::string& path, const ExrLayout& layout, const float* pixels);
 
-/// A height map in metres: one float32 channel `Y`, resolution x resolution, row 0 = v 0.
-void write_height_exr(const std::string& path, int32_t resolution, const float* height,
-                      const std::map<std::string, std::string>& attributes = {});
-
-/// Tangent-space normals (resolution x resolution x 3, each -1 to 1): half channels R, G, B encoded
-/// as 0.5 + 0.5 n, which is what Blender's Normal Map node expects.
-void write_normal_exr(const std::string& path, int32_t resolution, const float* normals,
-                      const std::map<std::string, std::string>& attributes = {});
-
 /// Largest edge of an image that is read, in pixels.
 constexpr int32_t kLargestExr = 8192;
 

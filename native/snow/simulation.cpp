@@ -58,7 +58,7 @@ SnowSimulation::SnowSimulation(const SimulationSettings& settings) : settings_(s
   check_settings(settings);
   base::start_thread_pool();
   choice_ = std::make_unique<EngineChoice>(
-      EngineChoice::Wish{settings.engine, settings.mapping, settings.device});
+      EngineRequest{settings.engine, settings.mapping, settings.device});
   if (settings.wait_for_gpu) choice_->engine();
 }
 
@@ -138,7 +138,7 @@ void SnowSimulation::step(const PositionMap& positions, double depth, const glm:
   frame.repose.cohesion = settings_.cohesion;
   frame.dt = dt;
   frame.tile_size = settings_.tile_size;
-  take_positions(positions);
+  set_positions(positions);
   try {
     step_on(engine(), frame);
   } catch (const std::runtime_error& error) {

@@ -184,7 +184,7 @@ class SnowSimulation {
   SceneObject make_object(ObjectDescription description);
   /// Takes the maps and sums off the engine, before the set of objects changes.
   void set_state_aside();
-  void take_positions(const PositionMap& positions);
+  void set_positions(const PositionMap& positions);
   /// Lays the engine's scene out anew; the maps keep their content.
   void build_scene();
   void step_on(Engine& engine, const FrameStep& step);

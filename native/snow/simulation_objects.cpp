@@ -161,7 +161,7 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   found->second = std::make_shared<SceneObject>(std::move(object));
 }
 
-void SnowSimulation::take_positions(const PositionMap& positions) {
+void SnowSimulation::set_positions(const PositionMap& positions) {
   // Everything is checked before anything changes.
   for (const auto& [name, points] : positions) {
     const auto found = objects_.find(name);

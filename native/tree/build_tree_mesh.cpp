@@ -5,7 +5,7 @@
 #include <string>
 
 #include "base/parallel_for.h"
-#include "tree/crossings/relief.h"
+#include "tree/crossings/uncrossed_surface.h"
 #include "tree/detail/refine.h"
 #include "tree/mesh/bones.h"
 #include "tree/mesh/limb_sections.h"

@@ -31,7 +31,7 @@ struct GainTriangle {
   vec2 along_u;
   vec2 along_v;
   vec2 gradient;
-  float hair;
+  float depth_bias;
   float pixel_depth;
   /// As in a PlanePoint.
   uint side_bit;
@@ -57,7 +57,7 @@ GainTriangle gain_triangle(int triangle, int map_triangle) {
   found.along_u = vec2(map_c.y, -map_b.y) / twice;
   found.along_v = vec2(-map_c.x, map_b.x) / twice;
   found.gradient = vec2(a.w, b.w);
-  found.hair = hair_of(found.gradient);
+  found.depth_bias = depth_bias_of(found.gradient);
   found.pixel_depth = pixel_depth_of(c.w);
   const float side = surface_side(vec4(texelFetch(triangle_surface, triangle)));
   found.side_bit = side != 0.0f ? kBackFace : 0u;
@@ -138,7 +138,7 @@ PlanePoint plane_point(uint triangle, KERNEL_CONST_REF(GainTriangle) own, vec3 a
   PlanePoint point;
   point.at = at;
   point.gradient = own.gradient;
-  point.hair = own.hair;
+  point.depth_bias = own.depth_bias;
   point.pixel_depth = own.pixel_depth;
   point.side_bit = own.side_bit;
   point.side = own.side;

@@ -38,8 +38,8 @@ struct PlanePoint {
   vec3 at;
   /// Depth that the plane gains in one pixel along each axis.
   vec2 gradient;
-  /// See hair_of.
-  float hair;
+  /// See depth_bias_of.
+  float depth_bias;
   /// Depth of a pixel's width at right angles to the plane, in metres.
   float pixel_depth;
   /// On a two-sided surface kBackFace, and that again where the side that faces the sky is its back; else 0.
@@ -50,7 +50,7 @@ struct PlanePoint {
 };
 
 /// Metres of depth in which a surface cannot be told from itself.
-float hair_of(vec2 gradient) {
+float depth_bias_of(vec2 gradient) {
   return kHairPixels * pixel_size(projection) + kHairSnap * (abs(gradient.x) + abs(gradient.y)) +
          kHairRange / one_over_depth(projection);
 }
@@ -65,16 +65,16 @@ bool is_open(uvec2 shown, float plane_depth, vec2 to_point, PlanePoint point) {
   const float depth = uintBitsToFloat(shown.y);
   // All is evaluated, so that a kernel can go through many points side by side.
   const int other = max(int(shown.x & ~kBackFace) - 1, 0);
-  const bool is_near = depth >= min(plane_depth, point.at.z) - point.hair - kBend * point.pixel_depth;
+  const bool is_near = depth >= min(plane_depth, point.at.z) - point.depth_bias - kBend * point.pixel_depth;
   // What shows its other side is another layer of the sheet: the upper half of an open tube over its lower one.
   const bool is_same_side = (shown.x & point.side_bit) == point.side;
   const bool is_joined =
       texelFetch(triangle_sheets, other).x == texelFetch(triangle_sheets, int(point.triangle)).x;
   const float at_point = depth + (texelFetch(triangle_corners, 3 * other).w * to_point.x +
                                   texelFetch(triangle_corners, 3 * other + 1).w * to_point.y);
-  const bool is_beside = at_point >= point.at.z - point.hair - kOverPoint * point.pixel_depth;
+  const bool is_beside = at_point >= point.at.z - point.depth_bias - kOverPoint * point.pixel_depth;
   const bool is_own_surface = is_near && is_same_side && is_joined && is_beside;
-  return (is_own_surface ? kOpenSky : depth) >= plane_depth - point.hair;
+  return (is_own_surface ? kOpenSky : depth) >= plane_depth - point.depth_bias;
 }
 
 /// The four pixels around a point.
@@ -130,7 +130,7 @@ float seen_part(PlanePoint point, vec2 windows) {
   const PixelWindow window = window_of(point.at, point.gradient);
   // Nearly always.
   if (noise_density(projection) >= 1.0f &&
-      clearance(pixel_index(window.pixel), window.plane_depth, point.gradient) >= -point.hair) {
+      clearance(pixel_index(window.pixel), window.plane_depth, point.gradient) >= -point.depth_bias) {
     return 1.0f;
   }
   const vec2 reach = reach_of(window.offset, windows);

@@ -15,10 +15,10 @@ namespace {
 class HeldEngine {
  public:
   HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {
-    const snow::EngineChoice::Wish wish{snow::engine_kind(engine), mapping_from(mapping), device};
+    const snow::EngineRequest request{snow::engine_kind(engine), mapping_from(mapping), device};
     const ReleasedGil release;
     base::start_thread_pool();
-    choice_ = std::make_unique<snow::EngineChoice>(wish);
+    choice_ = std::make_unique<snow::EngineChoice>(request);
   }
   HeldEngine(const HeldEngine&) = delete;
   HeldEngine& operator=(const HeldEngine&) = delete;

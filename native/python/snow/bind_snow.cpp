@@ -108,14 +108,14 @@ snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& nam
 }
 
 /// A map that numpy looks at, and who takes its memory then.
-struct LentMap {
-  LentMap(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
+struct PooledArray {
+  PooledArray(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
       : heights(std::move(map)), memory(std::move(taker)) {}
-  ~LentMap() {
+  ~PooledArray() {
     if (memory != nullptr) memory->give(std::move(heights));
   }
-  LentMap(const LentMap&) = delete;
-  LentMap& operator=(const LentMap&) = delete;
+  PooledArray(const PooledArray&) = delete;
+  PooledArray& operator=(const PooledArray&) = delete;
 
   std::vector<float> heights;
   std::shared_ptr<snow::MapMemory> memory;
@@ -127,7 +127,7 @@ py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
   snow::MapOutput result = without_gil([&] { return taken.output(); });
   const int32_t resolution = taken.resolution();
   py::dict dict;
-  auto map = std::make_unique<LentMap>(std::move(result.height), taken.memory());
+  auto map = std::make_unique<PooledArray>(std::move(result.height), taken.memory());
   float* const heights = map->heights.data();
   dict["height"] = owned_numpy(std::move(map), heights, {resolution, resolution});
   if (!result.normal.empty()) {

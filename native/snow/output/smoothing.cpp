@@ -53,11 +53,11 @@ Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings,
 
 /// Arrays of maps that are done with, for the next ones of their size: to fill new memory for the
 /// first time costs more than a pass over a map. For any thread.
-class Smoother::Works {
+class Smoother::Workspace {
  public:
-  static Works& shared() {
-    static Works works;
-    return works;
+  static Workspace& shared() {
+    static Workspace workspace;
+    return workspace;
   }
 
   /// Levels for a map of `size` texels a side; none where none are there.
@@ -108,8 +108,8 @@ void Smoother::make_level(size_t number) {
        {&level.height, &level.next, &level.right, &level.above, &level.inverse_weight}) {
     *values = base::ZeroedArray<float>(count);
   }
-  level.bank.near = base::ZeroedArray<uint8_t>(count);
-  level.bank.at_distance.resize(kMostNear);
+  level.feet.proximity = base::ZeroedArray<uint8_t>(count);
+  level.feet.at_distance.resize(kAtFoot);
   if (number > 0) level.before = base::ZeroedArray<float>(count);
   if (number == 0) level.edges = base::ZeroedArray<uint8_t>(3 * count);
   level.run_row.assign(static_cast<size_t>(size) + 1, 0);
@@ -287,7 +287,7 @@ void Smoother::prolong_from(size_t number) {
   float* const height = fine.at(fine.height);
   const float* const now = level.at(level.height);
   const float* const before = level.at(level.before);
-  const uint8_t* const near = level.bank.near.data() + level.margin;
+  const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   for_each_row_band(grid, [&](size_t, int32_t first, int32_t last) {
     for (int32_t r = level.run_row[first]; r < level.run_row[last]; ++r) {
       const Run run = level.runs[r];
@@ -295,7 +295,7 @@ void Smoother::prolong_from(size_t number) {
       prolong_run(height + child, height + child + fine_grid.size,
                   block_rows(fine_grid, fine.at(fine.inverse_weight), child), before + run.begin,
                   now + run.begin,
-                  {grid.to_right() + run.begin, grid.upwards() + run.begin, near + run.begin,
+                  {grid.to_right() + run.begin, grid.upwards() + run.begin, proximity + run.begin,
                    least_variance_, done_below_[number]},
                   run.end - run.begin);
     }
@@ -304,7 +304,7 @@ void Smoother::prolong_from(size_t number) {
     if (fine.stray_joins[s] == 0) continue;
     const auto [cell, parent] = fine_grid.strays[s];
     height[cell] =
-        changed(height[cell], before[parent], now[parent], kept_of_block(number, parent));
+        changed(height[cell], before[parent], now[parent], damping_of_block(number, parent));
   }
 }
 
@@ -318,7 +318,7 @@ void Smoother::cycle(size_t number, float variance) {
   stages(number, kStagesUp);
   make_level(next);
   restrict_to(next);
-  restrict_bank(next);
+  restrict_feet(next);
   open_loose_links(next);
   conduct(next);
   cycle(next, variance);
@@ -336,7 +336,7 @@ void Smoother::store(std::vector<float>& map) {
 
 std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
   const int32_t size = grid_.levels[0].size;
-  levels_ = Works::shared().take(size);
+  levels_ = Workspace::shared().take(size);
   make_level(0);
   find_runs(map);
   std::vector<uint8_t> filled = tiles_of_runs();
@@ -347,9 +347,9 @@ std::vector<uint8_t> Smoother::run(std::vector<float>& map) {
     if (has_edges) divide_by_profile();
     cycle(0, variance);
     store(map);
-    clear_banks();
+    clear_feet();
   }
-  Works::shared().give(size, std::move(levels_));
+  Workspace::shared().give(size, std::move(levels_));
   levels_.clear();
   return filled;
 }

@@ -77,11 +77,11 @@ class Smoother {
     std::vector<Cell> cells;
     std::vector<OpenLink> links;
   };
-  /// The cells of a level that are near the foot of a bank.
-  struct Bank {
+  /// The cells of a level that are near the foot of a feet.
+  struct SlopeFeet {
     std::vector<int32_t> cells;
     /// Per cell of the level, after its margin: how near the foot is, see cells_to_foot.
-    base::ZeroedArray<uint8_t> near;
+    base::ZeroedArray<uint8_t> proximity;
     /// Per eighth of a cell's distance, the cells that were found there first.
     std::vector<std::vector<int32_t>> at_distance;
   };
@@ -108,13 +108,13 @@ class Smoother {
     /// Per row, where its runs begin.
     std::vector<int32_t> run_row;
     std::vector<uint8_t> stray_joins;
-    Bank bank;
+    SlopeFeet feet;
 
     float* at(const base::ZeroedArray<float>& values) const { return values.data() + margin; }
   };
 
   /// Working arrays are lent for a run only: receivers are many, and maps under way few.
-  class Works;
+  class Workspace;
 
   void make_level(size_t number);
   int32_t band_count(const SmoothingLevel& grid) const;
@@ -137,17 +137,17 @@ class Smoother {
   /// Takes the profile of shoulders into the weights, in so many links from the edge as the widest
   /// shoulder has texels. Returns whether there is an edge.
   bool shape_edges();
-  void find_banks();
+  void find_feet();
   template <typename Visit>
   void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
-  void spread_bank(size_t number);
-  static void note_near(Bank& bank, int32_t cell, int32_t near);
+  void spread_feet(size_t number);
+  static void note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity);
   std::vector<int32_t> approach_feet(size_t number);
   void forget_ridges(size_t number, const std::vector<int32_t>& crests);
-  void restrict_bank(size_t number);
+  void restrict_feet(size_t number);
   void limit_run(size_t number, Run run, const ConductanceTerms& terms);
-  float kept_of_block(size_t number, int32_t block) const;
-  void clear_banks();
+  float damping_of_block(size_t number, int32_t block) const;
+  void clear_feet();
   /// Heights to heights over profile.
   void divide_by_profile();
   /// Returns the largest variance over distance^2 of a link.

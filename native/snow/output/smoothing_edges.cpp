@@ -123,7 +123,7 @@ bool Smoother::shape_edges() {
   const SmoothingLevel& grid = grid_.levels[0];
   const EdgeArrays edges = edge_arrays(level);
   const float widest = find_edges(edges);
-  find_banks();
+  find_feet();
   if (widest <= 0.0f) return false;
   const int32_t rounds =
       std::min(kWidestShoulder, static_cast<int32_t>(std::ceil(kShoulder * std::sqrt(widest))));

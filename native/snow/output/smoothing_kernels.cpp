@@ -102,13 +102,13 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
   return std::bit_cast<float>(largest);
 }
 
-SNOWBOUGH_WIDE bool is_near_any(const uint8_t* near, int32_t count) {
+SNOWBOUGH_WIDE bool any_near_foot(const uint8_t* proximity, int32_t count) {
   uint8_t bits = 0;
-  for (int32_t i = 0; i < count; ++i) bits |= near[i];
+  for (int32_t i = 0; i < count; ++i) bits |= proximity[i];
   return bits != 0;
 }
 
-SNOWBOUGH_WIDE void limit_bank_run(const uint8_t* __restrict near, const float* __restrict inverse,
+SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity, const float* __restrict inverse,
                                    const ClosenessView& closeness, float* __restrict right,
                                    float* __restrict above, const ConductanceTerms& of,
                                    int32_t begin, int32_t end) {
@@ -117,9 +117,9 @@ SNOWBOUGH_WIDE void limit_bank_run(const uint8_t* __restrict near, const float* 
   const uint16_t* __restrict upwards = closeness.above;
   const ptrdiff_t size = closeness.size;
   for (int32_t i = begin; i < end; ++i) {
-    const float along = bank_conductance(near[i], near[i + 1], inverse[i], inverse[i + 1],
+    const float along = foot_conductance(proximity[i], proximity[i + 1], inverse[i], inverse[i + 1],
                                          from_half(to_right[i]), terms);
-    const float across = bank_conductance(near[i], near[i + size], inverse[i], inverse[i + size],
+    const float across = foot_conductance(proximity[i], proximity[i + size], inverse[i], inverse[i + size],
                                           from_half(upwards[i]), terms);
     // Where both cells are bare `along` is no number.
     right[i] = along < right[i] ? along : right[i];
@@ -165,16 +165,16 @@ SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __res
 
 SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const BlockRows& rows, const float* __restrict before,
-                                const float* __restrict now, const KeptTerms& of, int32_t count) {
-  const KeptTerms terms = of;
-  const uint8_t* __restrict near = of.near;
+                                const float* __restrict now, const DampingTerms& of, int32_t count) {
+  const DampingTerms terms = of;
+  const uint8_t* __restrict proximity = of.near;
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
     const float closeness =
         from_half(terms.right[i] > terms.above[i] ? terms.right[i] : terms.above[i]);
     const float kept =
-        kept_part(before[i], closeness, near[i], terms.least_variance, terms.done_below);
+        damping(before[i], closeness, proximity[i], terms.least_variance, terms.done_below);
     const float mean = before[i] != 0.0f ? before[i] : 1.0f;
     const float ratio = now[i] / mean;
     const float base = now[i] * (1.0f - kept);

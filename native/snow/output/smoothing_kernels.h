@@ -25,15 +25,15 @@ inline constexpr float kLeastPart = 0.02f;
 inline constexpr float kShoulder = 1.0f;
 /// Sigma in a bank, in parts of the distance to its foot, at most. A straight bank gets steeper by
 /// this squared, one round a corner by half as much again: 0.4 degrees of 65.
-inline constexpr float kBankPart = 0.1f;
+inline constexpr float kFootSigmaShare = 0.1f;
 /// How near a foot is that matters, in cells: a level's stages spread snow by less than a tenth.
-inline constexpr float kBankCells = 15.0f;
-/// How near a foot is, is noted in parts of a cell: from kMostNear, at the foot, to 1; 0: further
-/// away than kBankCells.
-inline constexpr int32_t kBankSteps = 8;
-inline constexpr int32_t kMostNear = static_cast<int32_t>(kBankCells) * kBankSteps + 1;
-/// What ends in slopes under 40 degrees is no bank.
-inline constexpr float kLeastBank = 0.84f;
+inline constexpr float kFootRange = 15.0f;
+/// How near a foot is, is noted in parts of a cell: from kAtFoot, at the foot, to 1; 0: further
+/// away than kFootRange.
+inline constexpr int32_t kProximitySteps = 8;
+inline constexpr int32_t kAtFoot = static_cast<int32_t>(kFootRange) * kProximitySteps + 1;
+/// What ends in slopes under 40 degrees is no feet.
+inline constexpr float kLeastFootSlope = 0.84f;
 /// Snow that ends higher than so many cells (a bank of 80 degrees does not) ends in a cliff.
 inline constexpr float kHighestFoot = 6.0f;
 /// More links from the edge than any shoulder is wide.
@@ -82,26 +82,26 @@ inline LinkConductance conductance(float a, float b, float inverse_a, float inve
 }
 
 /// Half the variance over distance^2 that is let through so many cells from a bank's foot.
-inline float bank_limit(float cells) {
-  return 0.5f * kBankPart * kBankPart * cells * cells;
+inline float foot_limit(float cells) {
+  return 0.5f * kFootSigmaShare * kFootSigmaShare * cells * cells;
 }
 
-/// kBankCells beyond banks.
-inline float cells_to_foot(uint8_t near) {
+/// kFootRange beyond banks.
+inline float cells_to_foot(uint8_t proximity) {
   const float cells =
-      static_cast<float>(kMostNear - near) * (1.0f / static_cast<float>(kBankSteps));
-  return cells < kBankCells ? cells : kBankCells;
+      static_cast<float>(kAtFoot - proximity) * (1.0f / static_cast<float>(kProximitySteps));
+  return cells < kFootRange ? cells : kFootRange;
 }
 
 /// What a bank lets through a link at most; beyond banks more than any link conducts.
-inline float bank_conductance(uint8_t near_a, uint8_t near_b, float inverse_a, float inverse_b,
+inline float foot_conductance(uint8_t proximity_a, uint8_t proximity_b, float inverse_a, float inverse_b,
                               float closeness, const ConductanceTerms& terms) {
-  const float limit = bank_limit(0.5f * (cells_to_foot(near_a) + cells_to_foot(near_b)));
+  const float limit = foot_limit(0.5f * (cells_to_foot(proximity_a) + cells_to_foot(proximity_b)));
   const float least = 0.5f * terms.least_variance * closeness;
   const float own = (limit > least ? limit : least) - terms.done_below;
   const float inverse = inverse_a > inverse_b ? inverse_a : inverse_b;
   const float most = (own > 0.0f ? own : 0.0f) / (terms.stages * inverse);
-  return (near_a | near_b) != 0 ? most : std::numeric_limits<float>::infinity();
+  return (proximity_a | proximity_b) != 0 ? most : std::numeric_limits<float>::infinity();
 }
 
 /// Closeness of the links of a level's grid.
@@ -166,10 +166,10 @@ float shoulder_profile(uint8_t distance, float height, float closest, float leas
 float conduct_run(const float* height, const float* inverse, const ClosenessView& closeness,
                   float* right, float* above, const ConductanceTerms& terms, int32_t begin,
                   int32_t end);
-/// Whether one of the cells is near the foot of a bank.
-bool is_near_any(const uint8_t* near, int32_t count);
+/// Whether one of the cells is near the foot of a feet.
+bool any_near_foot(const uint8_t* proximity, int32_t count);
 /// Takes from conductances what banks do not let through.
-void limit_bank_run(const uint8_t* near, const float* inverse, const ClosenessView& closeness,
+void limit_feet_run(const uint8_t* proximity, const float* inverse, const ClosenessView& closeness,
                     float* right, float* above, const ConductanceTerms& terms, int32_t begin,
                     int32_t end);
 /// Heights to heights over profile, and back.
@@ -196,10 +196,10 @@ struct BlockRows {
 
 /// What is left of differences within blocks: closeness of the blocks and how near they are to the
 /// foot of a bank; see ConductanceTerms.
-struct KeptTerms {
+struct DampingTerms {
   const uint16_t* right;
   const uint16_t* above;
-  const uint8_t* near;
+  const uint8_t* proximity;
   float least_variance;
   float done_below;
 };
@@ -209,21 +209,21 @@ void restrict_run(const float* low, const float* high, const BlockRows& rows, fl
                   float* inverse, int32_t count);
 /// Hands the change of the means on to the cells.
 void prolong_run(float* low, float* high, const BlockRows& rows, const float* before,
-                 const float* now, const KeptTerms& terms, int32_t count);
+                 const float* now, const DampingTerms& terms, int32_t count);
 
 /// What is left of the differences within a block: about what a Gaussian leaves of waves as long.
 /// `wanted`: half the block's variance over distance^2.
-inline float kept_part(float wanted, float done_below) {
+inline float damping(float wanted, float done_below) {
   const float left = wanted > done_below ? wanted - done_below : 0.0f;
   return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
 }
-inline float kept_part(float before, float closeness, uint8_t near, float least_variance,
+inline float damping(float before, float closeness, uint8_t proximity, float least_variance,
                        float done_below) {
   const float by_depth = 0.5f * third_squared(before) * closeness;
-  const float limit = near != 0 ? bank_limit(cells_to_foot(near)) : by_depth;
+  const float limit = proximity != 0 ? foot_limit(cells_to_foot(proximity)) : by_depth;
   const float wanted = by_depth < limit ? by_depth : limit;
   const float least = 0.5f * least_variance * closeness;
-  return kept_part(wanted > least ? wanted : least, done_below);
+  return damping(wanted > least ? wanted : least, done_below);
 }
 
 }  // namespace snowbough::snow

@@ -41,7 +41,7 @@ void Repose::for_across(int32_t block, const Visit& visit) {
 }
 
 /// Passes bounds that are new on across seams; wakes the blocks in which any changed.
-bool Repose::lower_across(Marks& awake) {
+bool Repose::lower_across(Marks& active) {
   bool changes = false;
   for (const int32_t block : chosen_) {
     ReposeTile& tile = *tiles_[static_cast<size_t>(block)];
@@ -61,10 +61,10 @@ bool Repose::lower_across(Marks& awake) {
       to.tile->has_fresh_bounds = true;
       const auto cell = static_cast<int32_t>(to.cell);
       const int32_t block_of_other = other / kTileCells;
-      awake[static_cast<size_t>(block_of_other)] = 1;
+      active[static_cast<size_t>(block_of_other)] = 1;
       const int32_t column = cell % kReposeBlock;
       const int32_t row = cell / kReposeBlock;
-      mark_around(block_of_other, TileWindow::seen_by(column, row), awake);
+      mark_around(block_of_other, TileWindow::seen_by(column, row), active);
       note_bound(TilesAround(tiles_, links_.blocks_a_side, block_of_other), column, row);
       changes = true;
     });
@@ -74,7 +74,7 @@ bool Repose::lower_across(Marks& awake) {
 
 /// Takes note that surfaces of a block, or of those beside it, may have changed since the last
 /// round across seams.
-void Repose::note_stirred(int32_t block) {
+void Repose::note_active(int32_t block) {
   const int32_t side = links_.blocks_a_side;
   const int32_t column = block % side;
   const int32_t row = block / side;
@@ -89,12 +89,12 @@ void Repose::note_stirred(int32_t block) {
 
 /// Adds the links across seams along which snow may flow, since a surface at one of their ends has
 /// changed, to those along which it flowed in the round before.
-void Repose::list_stirred_links() {
+void Repose::list_active_links() {
   for (const int32_t block : noted_) {
     is_noted_[static_cast<size_t>(block)] = 0;
     ReposeTile* const tile = tiles_[static_cast<size_t>(block)].get();
     if (tile == nullptr) continue;
-    const uint32_t rows = tile->stirred_at_seams.exchange(0, std::memory_order_relaxed);
+    const uint32_t rows = tile->active_rows_at_seams.exchange(0, std::memory_order_relaxed);
     if (rows == 0) continue;
     const int32_t* ends = &links_.end_begin[static_cast<size_t>(block)];
     for (int32_t e = ends[0]; e < ends[1]; ++e) {
@@ -132,7 +132,7 @@ bool Repose::flow_along(int32_t number, float momentum) {
 
 /// A round of flows across seams. Returns whether any snow flows.
 bool Repose::flow_across(float momentum) {
-  list_stirred_links();
+  list_active_links();
   // All look before any moves.
   std::erase_if(listed_, [&](int32_t link) {
     across_[static_cast<size_t>(link)].is_listed = flow_along(link, momentum);
@@ -147,8 +147,8 @@ bool Repose::flow_across(float momentum) {
       const int32_t cell = at % kTileCells;
       tiles_[static_cast<size_t>(block)]->add(static_cast<size_t>(cell),
                                               static_cast<double>(units));
-      stir_cell(TilesAround(tiles_, side, block), cell % kReposeBlock, cell / kReposeBlock);
-      note_stirred(block);
+      activate_cell(TilesAround(tiles_, side, block), cell % kReposeBlock, cell / kReposeBlock);
+      note_active(block);
     }
   }
   has_changed_ = has_changed_ || !listed_.empty();

@@ -111,26 +111,26 @@ Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) co
 
 /// What lies higher over rims and walls than the slope allows falls at once.
 void Repose::empty_over_outlets() {
-  Marks awake(links_.block_count(), 0);
-  for (const int32_t block : chosen_) awake[static_cast<size_t>(block)] = 1;
+  Marks active(links_.block_count(), 0);
+  for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
   const int32_t side = links_.blocks_a_side;
   for (bool goes_on = true; goes_on;) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
       const Blocks blocks = blocks_of_colour(
-          colour, [&](int32_t block) { return awake[static_cast<size_t>(block)] != 0; });
+          colour, [&](int32_t block) { return active[static_cast<size_t>(block)] != 0; });
       std::vector<TileBounds> done(blocks.size());
       for_each(blocks.size(), [&](size_t i) {
         link_tile(blocks[i]);
         done[i] = lower_tile_bounds(tiles_, blocks[i], side, rims_[static_cast<size_t>(blocks[i])]);
       });
       for (size_t i = 0; i < blocks.size(); ++i) {
-        mark_around(blocks[i], done[i].seen_by, awake);
+        mark_around(blocks[i], done[i].seen_by, active);
         goes_on = goes_on || done[i].has_changed;
       }
-      for (const int32_t block : blocks) awake[static_cast<size_t>(block)] = 0;
+      for (const int32_t block : blocks) active[static_cast<size_t>(block)] = 0;
     }
-    goes_on = lower_across(awake) || goes_on;
+    goes_on = lower_across(active) || goes_on;
   }
   Marks cuts(chosen_.size(), 0);
   for_each(chosen_.size(),
@@ -150,9 +150,9 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
   double rounds = 0.0;
   for (size_t i = 0; i < blocks.size(); ++i) {
     const TileRounds& own = done[i];
-    if (own.has_changed) note_stirred(blocks[i]);
+    if (own.has_changed) note_active(blocks[i]);
     rounds += own.rounds;
-    seams_are_due_ = seams_are_due_ || own.has_changed;
+    seams_are_pending_ = seams_are_pending_ || own.has_changed;
     has_changed_ = has_changed_ || own.has_changed;
   }
   return rounds;
@@ -164,8 +164,8 @@ void Repose::run_rounds(float patience) {
     link.is_listed = false;
   }
   listed_.clear();
-  for (const int32_t block : chosen_) note_stirred(block);
-  seams_are_due_ = true;
+  for (const int32_t block : chosen_) note_active(block);
+  seams_are_pending_ = true;
   double work = static_cast<double>(patience) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
   const int most = static_cast<int>(static_cast<float>(kMostRounds) * patience);
@@ -175,16 +175,16 @@ void Repose::run_rounds(float patience) {
     goes_on = false;
     for (int32_t colour = 0; colour < 4; ++colour) {
       const Blocks blocks = blocks_of_colour(
-          colour, [&](int32_t block) { return tiles_[static_cast<size_t>(block)]->is_awake(); });
+          colour, [&](int32_t block) { return tiles_[static_cast<size_t>(block)]->is_active(); });
       if (!blocks.empty()) {
         work -= run_colour(blocks, round);
         goes_on = true;
       }
-      if (!across_.empty() && seams_are_due_) {
-        seams_are_due_ = flow_across(shared::flow_momentum(round_across++));
+      if (!across_.empty() && seams_are_pending_) {
+        seams_are_pending_ = flow_across(shared::flow_momentum(round_across++));
       }
     }
-    goes_on = goes_on || (!across_.empty() && seams_are_due_);
+    goes_on = goes_on || (!across_.empty() && seams_are_pending_);
   }
 }
 

@@ -61,7 +61,7 @@ class Repose {
     float column = 0.0f;
     float turn = 0.0f;
   };
-  struct Relief {
+  struct HeightRange {
     float high = 0.0f;
     float step = 0.0f;
   };
@@ -109,8 +109,8 @@ class Repose {
   BlockRect rect_of(int32_t block) const;
   float highest_in(int32_t block, const std::vector<float>& height) const;
   bool rests(int32_t block, float high, const std::vector<float>& height) const;
-  Relief relief_of(int32_t block, const std::vector<float>& height) const;
-  bool is_level(int32_t block, const Relief& relief) const;
+  HeightRange height_range(int32_t block, const std::vector<float>& height) const;
+  bool is_level(int32_t block, const HeightRange& range) const;
   void forget_links();
   void take_tiles(Marks& changes);
   bool cover_tile(int32_t block, const std::vector<float>& height);
@@ -128,9 +128,9 @@ class Repose {
   // across.cpp
   template <typename Visit>
   void for_across(int32_t block, const Visit& visit);
-  bool lower_across(Marks& awake);
-  void note_stirred(int32_t block);
-  void list_stirred_links();
+  bool lower_across(Marks& active);
+  void note_active(int32_t block);
+  void list_active_links();
   bool flow_along(int32_t number, float momentum);
   bool flow_across(float momentum);
 
@@ -153,7 +153,7 @@ class Repose {
   bool on_all_cores_ = false;
   bool has_changed_ = false;
   /// Whether snow may flow across seams.
-  bool seams_are_due_ = false;
+  bool seams_are_pending_ = false;
   ReposeLimits limits_;
   std::vector<BlockSlack> slack_;
   /// Blocks to look at closely, and these with those near them.

@@ -90,18 +90,18 @@ float Repose::highest_in(int32_t block, const std::vector<float>& height) const 
 
 /// The highest snow in a block and beside it, and the largest difference across a link that it
 /// keeps.
-Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height) const {
-  Relief relief;
+Repose::HeightRange Repose::height_range(int32_t block, const std::vector<float>& height) const {
+  HeightRange range;
   const std::vector<int32_t>& places = object_->table.texel;
   const auto compare = [&](float own, size_t place) {
     const float other = std::abs(height[place]);
-    relief.step = std::max(relief.step, std::abs(own - other));
-    relief.high = std::max(relief.high, other);
+    range.step = std::max(range.step, std::abs(own - other));
+    range.high = std::max(range.high, other);
   };
   links_.for_texels(block, places, [&](int32_t texel, size_t) {
     const auto place = static_cast<size_t>(places[static_cast<size_t>(texel)]);
     const float own = std::abs(height[place]);
-    relief.high = std::max(relief.high, own);
+    range.high = std::max(range.high, own);
     const uint8_t forward = links_.forward[static_cast<size_t>(texel)];
     const auto side = static_cast<size_t>(links_.resolution);
     if ((forward & 1) != 0) compare(own, place + 1);
@@ -117,7 +117,7 @@ Repose::Relief Repose::relief_of(int32_t block, const std::vector<float>& height
     const auto place = static_cast<size_t>(places[static_cast<size_t>(end.texel)]);
     compare(std::abs(height[place]), static_cast<size_t>(places[other]));
   }
-  return relief;
+  return range;
 }
 
 /// Whether no link of a block can be over its limit, as far as is known. `high`: its highest snow.
@@ -128,17 +128,17 @@ bool Repose::rests(int32_t block, float high, const std::vector<float>& height) 
   if (high > 0.0f && (high * slack.turn > slack.inside || high * slack.column > slack.at_edges)) {
     return false;
   }
-  return is_level(block, relief_of(block, height));
+  return is_level(block, height_range(block, height));
 }
 
 /// Whether no link of a block with known slack can be over its limit. Two columns over snow whose
 /// thickness differs by at most `step`, each up to `column` times as high as it is thick and the
 /// two of them by `turn`, differ by step * column + high * turn at most.
-bool Repose::is_level(int32_t block, const Relief& relief) const {
-  if (relief.high <= 0.0f) return true;
+bool Repose::is_level(int32_t block, const HeightRange& range) const {
+  if (range.high <= 0.0f) return true;
   const BlockSlack& slack = slack_[static_cast<size_t>(block)];
-  return slack.is_known && relief.step * slack.column + relief.high * slack.turn <= slack.inside &&
-         relief.high * slack.column <= slack.at_edges;
+  return slack.is_known && range.step * slack.column + range.high * slack.turn <= slack.inside &&
+         range.high * slack.column <= slack.at_edges;
 }
 
 void Repose::forget_links() {

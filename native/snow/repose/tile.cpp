@@ -93,8 +93,8 @@ void ReposeTile::begin_step(bool bare) {
   if (has_bounds) has_bounds = any_wall = bound_walls(*this);
   has_fresh_bounds = false;
   moved_rows = flow_rows = 0;
-  flowing = waiting = 0;
-  stirred = stirred_at_seams = kAllRows;
+  flowing = partial_rows = 0;
+  active_rows = active_rows_at_seams = kAllRows;
   rows_to_pass = kAllWindowRows;
 }
 
@@ -157,18 +157,18 @@ bool ReposeTile::cut() {
   return cuts;
 }
 
-void stir_cell(const TilesAround& around, int32_t column, int32_t row) {
-  const auto stir = [&](int32_t x, int32_t y) {
+void activate_cell(const TilesAround& around, int32_t column, int32_t row) {
+  const auto activate = [&](int32_t x, int32_t y) {
     const int32_t dx = x < 0 ? -1 : x / kReposeBlock;
     const int32_t dy = y < 0 ? -1 : y / kReposeBlock;
     ReposeTile* const tile = around.at(dx, dy);
     if (tile == nullptr) return;
-    tile->stirred.fetch_or(1u << static_cast<uint32_t>(y & (kReposeBlock - 1)),
+    tile->active_rows.fetch_or(1u << static_cast<uint32_t>(y & (kReposeBlock - 1)),
                            std::memory_order_relaxed);
   };
-  stir(column, row);
-  stir(column - 1, row);
-  for (int32_t x = column - 1; x <= column + 1; ++x) stir(x, row - 1);
+  activate(column, row);
+  activate(column - 1, row);
+  for (int32_t x = column - 1; x <= column + 1; ++x) activate(x, row - 1);
 }
 
 }  // namespace snowbough::snow

@@ -56,12 +56,12 @@ struct ReposeTile {
   std::atomic<uint64_t> rows_to_pass = kAllWindowRows;
   /// Rows with links that are to be looked at, since a surface beside them has changed, and rows
   /// with links along which snow flows: a bit each. In all others nothing would flow.
-  std::atomic<uint32_t> stirred = 0;
+  std::atomic<uint32_t> active_rows = 0;
   uint32_t flowing = 0;
   /// Rows with links along which snow would flow, but not a whole unit.
-  uint32_t waiting = 0;
+  uint32_t partial_rows = 0;
   /// Rows with surfaces at seams that have changed, a bit each.
-  std::atomic<uint32_t> stirred_at_seams = 0;
+  std::atomic<uint32_t> active_rows_at_seams = 0;
   /// Rows in which snow has moved since the step began, and rows of `flow` that rounds have written
   /// to: a bit each.
   std::atomic<uint32_t> moved_rows = 0;
@@ -106,7 +106,7 @@ struct ReposeTile {
   /// Whether snow has moved since the step began.
   bool has_moved() const { return moved_rows.load(std::memory_order_relaxed) != 0; }
   /// Whether anything may flow.
-  bool is_awake() const { return (stirred.load(std::memory_order_relaxed) | flowing) != 0; }
+  bool is_active() const { return (active_rows.load(std::memory_order_relaxed) | flowing) != 0; }
   /// Metres by which a unit lifts a cell's surface, times its links: see shared::link_rate.
   float stiffness(size_t cell) const {
     return lift[cell] / (1.0f / static_cast<float>(links[cell]));
@@ -122,7 +122,7 @@ struct ReposeTile {
       moved_rows.fetch_or(row, std::memory_order_relaxed);
     }
     if ((forward[cell] & kAtSeam) != 0) {
-      stirred_at_seams.fetch_or(row, std::memory_order_relaxed);
+      active_rows_at_seams.fetch_or(row, std::memory_order_relaxed);
     }
   }
   /// Takes away what lies over the bounds; returns whether there was any.

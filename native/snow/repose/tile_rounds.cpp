@@ -120,8 +120,8 @@ class TileRun {
       : around_(tiles, blocks_a_side, block), tile_(*around_.at(0, 0)), rims_(rims) {}
 
   TileRounds run(int first_round, int rounds) {
-    const uint32_t stirred = tile_.stirred.load(std::memory_order_relaxed) | tile_.waiting;
-    look_ = tile_.flowing | over_rows(stirred & ~tile_.flowing);
+    const uint32_t active_rows = tile_.active_rows.load(std::memory_order_relaxed) | tile_.partial_rows;
+    look_ = tile_.flowing | over_rows(active_rows & ~tile_.flowing);
     for_bits(look_, [&](int32_t row) {
       is_wanted_[static_cast<size_t>(row)].fill((tile_.flowing & bit(row)) != 0);
     });
@@ -135,9 +135,9 @@ class TileRun {
       ++result.rounds;
     }
     result.has_changed = changed_ != 0;
-    tile_.stirred.store(result.flows ? static_cast<uint32_t>(look_) : 0, std::memory_order_relaxed);
+    tile_.active_rows.store(result.flows ? static_cast<uint32_t>(look_) : 0, std::memory_order_relaxed);
     tile_.flowing = result.flows ? static_cast<uint32_t>(wants_) : 0;
-    tile_.waiting = result.flows ? 0 : static_cast<uint32_t>(wants_);
+    tile_.partial_rows = result.flows ? 0 : static_cast<uint32_t>(wants_);
     for_bits(changed_, [&](int32_t row) { write_row(row); });
     return result;
   }
@@ -286,15 +286,15 @@ class TileRun {
                             if (come_[at + i] == 0) continue;
                             tile->add(cell + i, static_cast<double>(come_[at + i]));
                             const int32_t own = column + static_cast<int32_t>(i);
-                            if (TileWindow::is_border(own, row)) stir_others(own, row);
+                            if (TileWindow::is_border(own, row)) activate_others(own, row);
                           }
                         });
   }
   /// Its own rows the tile looks at anyway.
-  void stir_others(int32_t column, int32_t row) {
-    const uint32_t own = tile_.stirred.load(std::memory_order_relaxed);
-    stir_cell(around_, column, row);
-    tile_.stirred.store(own, std::memory_order_relaxed);
+  void activate_others(int32_t column, int32_t row) {
+    const uint32_t own = tile_.active_rows.load(std::memory_order_relaxed);
+    activate_cell(around_, column, row);
+    tile_.active_rows.store(own, std::memory_order_relaxed);
   }
 
   const TilesAround around_;

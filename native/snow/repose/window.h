@@ -30,12 +30,12 @@ struct TilesAround {
   }
 };
 
-/// Marks the rows of all tiles with links to a cell as stirred; `column` and `row` are counted from
+/// Marks the rows of all tiles with links to a cell as active_rows; `column` and `row` are counted from
 /// the middle tile's first, from -1 to kReposeBlock.
-void stir_cell(const TilesAround& around, int32_t column, int32_t row);
+void activate_cell(const TilesAround& around, int32_t column, int32_t row);
 
 /// Takes note in all tiles in whose windows a cell lies that its bound is lower than it was: see
-/// ReposeTile::rows_to_pass. Counted as for stir_cell.
+/// ReposeTile::rows_to_pass. Counted as for activate_cell.
 void note_bound(const TilesAround& around, int32_t column, int32_t row);
 
 /// A block of a map with the cells that its links lead to: a column on either side and a row behind

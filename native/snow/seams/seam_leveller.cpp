@@ -256,7 +256,7 @@ inline float SeamLeveller::fine_reach(int32_t texel) const {
 }
 
 /// Takes the texels that have a mark for those of the second problem.
-void SeamLeveller::open_fine() {
+void SeamLeveller::begin_refinement() {
   for (const int32_t i : fine_texels_) reach_[i] = values_[i] = 0.0f;
   fine_texels_.clear();
   for (const int32_t i : marked_) {
@@ -268,7 +268,7 @@ void SeamLeveller::open_fine() {
 
 /// Calls visit(point, row) for the rows of the second problem, and sums up what they want.
 template <typename Visit>
-void SeamLeveller::ask_fine(const Visit& visit) {
+void SeamLeveller::for_each_fine_row(const Visit& visit) {
   SeamRow row;
   for (const FinePoint& fine : fine_points_) {
     const SeamRow& point = points_[fine.point];
@@ -291,24 +291,24 @@ void SeamLeveller::ask_fine(const Visit& visit) {
 /// Returns whether the solution is exact.
 bool SeamLeveller::solve_fine() {
   fine_factor_->begin(fine_texels_, kFineDamping);
-  ask_fine([&](int32_t point, const SeamRow& row) { fine_factor_->add(point, row); });
+  for_each_fine_row([&](int32_t point, const SeamRow& row) { fine_factor_->add(point, row); });
   if (fine_factor_->factorise(kMostFineWork)) {
     fine_factor_->solve(values_, 0.0f);
     return true;
   }
   std::fill(values_.begin(), values_.end(), 0.0f);
   std::vector<SeamRow> rows;
-  ask_fine([&](int32_t, const SeamRow& row) { rows.push_back(row); });
+  for_each_fine_row([&](int32_t, const SeamRow& row) { rows.push_back(row); });
   solve_by_rounds(rows, kFineDamping, kFineRounds);
   return false;
 }
 
 /// Solves the second problem once more for those of its texels that still have a mark: the matrix
 /// is a part of the last one, since their heights have not changed.
-void SeamLeveller::solve_waiting() {
-  open_fine();
+void SeamLeveller::solve_remaining() {
+  begin_refinement();
   if (fine_texels_.empty()) return;
-  ask_fine([](int32_t, const SeamRow&) {});
+  for_each_fine_row([](int32_t, const SeamRow&) {});
   fine_factor_->keep(fine_texels_);
   fine_factor_->solve(values_, 0.0f);
 }
@@ -324,11 +324,11 @@ inline std::pair<float, float> SeamLeveller::fine_height(int32_t texel) const {
 /// waits.
 bool SeamLeveller::accept_within_limits() {
   const std::vector<int32_t> component = fine_factor_->components();
-  std::vector<int32_t> waiting;
+  std::vector<int32_t> remaining;
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     const auto [height, limited] = fine_height(fine_texels_[k]);
     if (height == limited || std::exchange(is_seen_[component[k]], 1) != 0) continue;
-    waiting.push_back(component[k]);
+    remaining.push_back(component[k]);
   }
   for (size_t k = 0; k < fine_texels_.size(); ++k) {
     const int32_t texel = fine_texels_[k];
@@ -337,19 +337,19 @@ bool SeamLeveller::accept_within_limits() {
     heights_[texel] = limited;
     marks_[texel] = 0.0f;
   }
-  for (const int32_t texel : waiting) is_seen_[texel] = 0;
-  return !waiting.empty();
+  for (const int32_t texel : remaining) is_seen_[texel] = 0;
+  return !remaining.empty();
 }
 
-size_t SeamLeveller::level_fine() {
+size_t SeamLeveller::refine() {
   mark();
-  open_fine();
+  begin_refinement();
   const size_t count = fine_texels_.size();
   if (count == 0) return 0;
   if (solve_fine()) {
     for (int32_t trial = 0; trial < kMostLimited; ++trial) {
       if (!accept_within_limits()) return count;
-      solve_waiting();
+      solve_remaining();
       if (fine_texels_.empty()) return count;
     }
   }
@@ -362,11 +362,11 @@ void SeamLeveller::run(std::vector<float>& map) {
   level_all();
   refresh_foreign();
   has_marks_ = false;
-  size_t left = level_fine();
+  size_t left = refine();
   for (int32_t repeat = 0; repeat < kMostRepeats && left > 0; ++repeat) {
     refresh_foreign();
     const size_t before = left;
-    left = level_fine();
+    left = refine();
     if (static_cast<double>(left) > kWorthRepeating * static_cast<double>(before)) break;
   }
   for (int32_t i = 0; i < unknowns_; ++i) map[texel_[i]] = heights_[i];

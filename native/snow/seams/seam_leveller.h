@@ -65,18 +65,18 @@ class SeamLeveller {
   void note_bare_neighbours();
   void refresh_foreign();
   /// Returns how many texels had points further apart than they may be.
-  size_t level_fine();
+  size_t refine();
   void mark();
   void mark_for(SeamResidual& residual);
   void activate_points();
   bool reads_foreign(const SeamRow& point) const;
-  void open_fine();
+  void begin_refinement();
   template <typename Visit>
-  void ask_fine(const Visit& visit);
+  void for_each_fine_row(const Visit& visit);
   bool solve_fine();
   void solve_by_rounds(const std::vector<SeamRow>& rows, float damping, int32_t rounds);
   bool accept_within_limits();
-  void solve_waiting();
+  void solve_remaining();
   float fine_reach(int32_t texel) const;
   std::pair<float, float> fine_height(int32_t texel) const;
 

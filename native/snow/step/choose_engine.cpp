@@ -22,9 +22,9 @@ EngineKind engine_kind(const std::string& name) {
   throw std::invalid_argument("engine must be AUTO, GL or CPU, not " + name);
 }
 
-EngineChoice::EngineChoice(const Wish& wish) : mapping_(wish.mapping) {
-  const bool is_geometry = wish.mapping == gl::DepositMapping::kGeometry;
-  if (wish.kind == EngineKind::kCpu) {
+EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapping) {
+  const bool is_geometry = request.mapping == gl::DepositMapping::kGeometry;
+  if (request.kind == EngineKind::kCpu) {
     if (is_geometry) {
       throw std::invalid_argument(
           "mapping GEOMETRY is drawn by OpenGL: use engine GL, or mapping COMPUTE");
@@ -33,9 +33,9 @@ EngineChoice::EngineChoice(const Wish& wish) : mapping_(wish.mapping) {
     reason_ = "asked for";
     return;
   }
-  if (wish.kind == EngineKind::kGl || is_geometry || names_a_device(wish.device)) {
-    thread_ = gpu::GpuThread::begin(wish.device);
-    reason_ = wish.kind == EngineKind::kGl ? "asked for"
+  if (request.kind == EngineKind::kGl || is_geometry || names_a_device(request.device)) {
+    thread_ = gpu::GpuThread::begin(request.device);
+    reason_ = request.kind == EngineKind::kGl ? "asked for"
               : is_geometry                ? "mapping GEOMETRY is drawn by OpenGL"
                                            : "a device is named";
     return;

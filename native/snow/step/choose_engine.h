@@ -17,25 +17,23 @@ enum class EngineKind {
   kCpu,
 };
 
+struct EngineRequest {
+  EngineKind kind = EngineKind::kAuto;
+  gl::DepositMapping mapping = gl::DepositMapping::kCompute;
+  /// EGL device, see gpu::EglContext. With a device named here or in the environment, AUTO means
+  /// GL.
+  std::string device = {};
+};
+
 /// The engine of a simulation: begun when this is made, there when it is first asked for, so that
 /// objects come in while a driver is still being loaded. For one thread at a time.
 class EngineChoice {
  public:
-  struct Wish {
-    EngineKind kind = EngineKind::kAuto;
-    gl::DepositMapping mapping = gl::DepositMapping::kCompute;
-    /// Which EGL device, see gpu::EglContext. Where one is named, here or in the environment, AUTO
-    /// is GL.
-    std::string device = {};
-  };
-
   /// @throws std::invalid_argument for GEOMETRY on the CPU, which has no such mapping.
-  explicit EngineChoice(const Wish& wish);
+  explicit EngineChoice(const EngineRequest& request);
 
   /// Waits for the engine. @throws std::runtime_error where GL is asked for and there is none.
   Engine& engine();
-  /// Whether it is certain that passes run on the processor.
-  bool is_cpu() const { return engine_ != nullptr && engine_->name() == "CPU"; }
   /// Whether the engine may still be changed for the processor's, where GL fails.
   bool may_fall_back() const { return may_fall_back_; }
   /// Takes the processor's engine instead, because `why`.

@@ -27,7 +27,7 @@ struct StabilitySettings {
   float half_life = 2.0f;
 
   /// The half-life that is reckoned with: so short a one is as good as none.
-  float reckoned_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
+  float clamped_half_life() const { return half_life < 1e-6f ? 1e-6f : half_life; }
 };
 
 /// What the calls of a pass took together.

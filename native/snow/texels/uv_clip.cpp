@@ -53,13 +53,6 @@ const ClipPolygon& clip(const ClipPolygon& polygon, double low, double high, dou
 
 }  // namespace
 
-ClipPolygon clip_to_slab(const ClipPolygon& polygon, int axis, double lower, double upper) {
-  constexpr double kFar = std::numeric_limits<double>::infinity();
-  std::array<ClipPolygon, 2> scratch;
-  return axis == 0 ? clip<0>(polygon, -kFar, kFar, lower, upper, scratch)
-                   : clip<1>(polygon, -kFar, kFar, lower, upper, scratch);
-}
-
 AreaCentroid area_and_centroid(const ClipPolygon& polygon) {
   AreaCentroid result;
   if (polygon.count == 0) return result;

@@ -15,9 +15,6 @@ struct ClipPolygon {
   int32_t count = 0;
 };
 
-/// The part of `polygon` with lower <= point[axis] <= upper.
-ClipPolygon clip_to_slab(const ClipPolygon& polygon, int axis, double lower, double upper);
-
 /// Area and centroid; centroid is the mean of the corners where the area is 0.
 struct AreaCentroid {
   double area = 0.0;

@@ -296,9 +296,4 @@ std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uin
   return missing;
 }
 
-int32_t count_crossing(const JunctionCrossings& crossings) {
-  return static_cast<int32_t>(std::count_if(crossings.begin(), crossings.end(),
-                                            [](const auto& pairs) { return !pairs.empty(); }));
-}
-
 }  // namespace snowbough::tree

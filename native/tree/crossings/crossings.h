@@ -28,7 +28,4 @@ JunctionCrossings find_crossings(const Surface& surface, const std::vector<uint8
 /// at; ascending.
 std::vector<int32_t> missing_limbs(const Surface& surface, const std::vector<uint8_t>& only);
 
-/// Junctions that have a crossing.
-int32_t count_crossing(const JunctionCrossings& crossings);
-
 }  // namespace snowbough::tree

@@ -105,7 +105,7 @@ bool turn_until_parted(const Seen& f, const Seen& g, glm::vec3 normal, float mar
 
 /// Whether a plane through what two faces share proves that they have nothing else in common; what
 /// it cannot tell is left to the exact test.
-bool parted(const CrossingFace& f, const CrossingFace& g) {
+bool separated(const CrossingFace& f, const CrossingFace& g) {
   if (!(std::min(f.size, g.size) > kSmallest && std::max(f.size, g.size) < kLargest)) {
     return false;
   }
@@ -235,7 +235,7 @@ CrossingFace make_crossing_face(std::span<const glm::dvec3> vertices, std::span<
 }
 
 bool faces_cross(const CrossingFace& f, const CrossingFace& g) {
-  return !parted(f, g) && !on_one_side(f, g) && !on_one_side(g, f) && quads_cross(f, g);
+  return !separated(f, g) && !on_one_side(f, g) && !on_one_side(g, f) && quads_cross(f, g);
 }
 
 }  // namespace snowbough::tree

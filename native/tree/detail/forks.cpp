@@ -90,9 +90,9 @@ class ForkBlender {
     }
     ForkFaces moved_faces{fine_.quads, neighbours_, {}, fork_faces()};
     for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
-    std::vector<uint8_t> due = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
-    soften(moved_faces, due);
-    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_, std::move(due));
+    std::vector<uint8_t> dirty = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
+    soften(moved_faces, dirty);
+    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_, std::move(dirty));
   }
 
  private:
@@ -109,14 +109,14 @@ class ForkBlender {
   }
 
   /// Softens creases; in the forks where some were, faces may cross again.
-  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& due) {
+  void soften(const ForkFaces& moved_faces, std::vector<uint8_t>& dirty) {
     std::vector<double> farthest = beside_holes();
     for (const Mover& mover : movers_) farthest[mover.vertex] = mover.longest_step;
     const std::vector<glm::dvec3> before(points_);
     soften_creases(fine_, surface_.origins, chains_, farthest, points_);
-    for (size_t j = 0; j < due.size(); ++j) {
+    for (size_t j = 0; j < dirty.size(); ++j) {
       const std::vector<int32_t>& faces = moved_faces.faces[j];
-      due[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
+      dirty[j] |= std::any_of(faces.begin(), faces.end(), [&](int32_t face) {
         const Quad& quad = fine_.quads[face];
         return std::any_of(quad.begin(), quad.end(),
                            [&](int32_t v) { return points_[v] != before[v]; });
@@ -149,20 +149,20 @@ class ForkBlender {
 
   /// Moves the active vertices, and leaves those active that go on: they or neighbours have moved.
   void take_ways(const std::vector<glm::dvec3>& moved, std::vector<int32_t>& active) {
-    std::vector<uint8_t> awake(movers_.size(), 0);
+    std::vector<uint8_t> is_active(movers_.size(), 0);
     for (const int32_t i : active) {
       const int32_t v = movers_[i].vertex;
       if (glm::distance(points_[v], moved[i]) > kRest * movers_[i].longest_step) {
-        awake[i] = 1;
+        is_active[i] = 1;
         for (const int32_t neighbour : neighbours_.of(v)) {
-          if (mover_of_[neighbour] >= 0) awake[mover_of_[neighbour]] = 1;
+          if (mover_of_[neighbour] >= 0) is_active[mover_of_[neighbour]] = 1;
         }
       }
       points_[v] = moved[i];
     }
     active.clear();
     for (size_t i = 0; i < movers_.size(); ++i) {
-      if (awake[i] != 0) active.push_back(static_cast<int32_t>(i));
+      if (is_active[i] != 0) active.push_back(static_cast<int32_t>(i));
     }
   }
 

@@ -36,18 +36,18 @@ class Uncrosser {
         crossing_(forks.faces.size()),
         crossed_before_(forks.faces.size()) {}
 
-  void take_back(const base::Execution& execution, std::vector<uint8_t> due = {}) {
+  void take_back(const base::Execution& execution, std::vector<uint8_t> dirty = {}) {
     const std::vector<glm::dvec3> moved(points_);
     // Share of its way that every vertex goes.
     std::vector<double> shares(points_.size(), 1.0);
-    if (due.empty()) due.assign(forks_.faces.size(), 1);
+    if (dirty.empty()) dirty.assign(forks_.faces.size(), 1);
     for (int round = 0; round < kBackRounds; ++round) {
-      find(due, execution.part(static_cast<float>(round) / kBackRounds,
+      find(dirty, execution.part(static_cast<float>(round) / kBackRounds,
                                static_cast<float>(round + 1) / kBackRounds));
       std::vector<double> wanted(shares);
       bool crosses = false;
       for (size_t j = 0; j < crossing_.size(); ++j) {
-        if (due[j] == 0) continue;
+        if (dirty[j] == 0) continue;
         for (const auto& pair : crossing_[j]) {
           const Pairs& before = crossed_before_[j];
           if (std::binary_search(before.begin(), before.end(), pair)) continue;
@@ -65,10 +65,10 @@ class Uncrosser {
       for (const int32_t v : forks_.moving) {
         if (wanted[v] != shares[v]) points_[v] = before_[v] + (moved[v] - before_[v]) * wanted[v];
       }
-      find_due(shares, wanted, due);
+      find_dirty(shares, wanted, dirty);
       shares = std::move(wanted);
     }
-    find(due, execution);
+    find(dirty, execution);
   }
 
   void smooth() {
@@ -81,10 +81,10 @@ class Uncrosser {
 
  private:
   /// Finds what crosses in the forks that are due, and where there is some, what did before.
-  void find(const std::vector<uint8_t>& due, const base::Execution& execution) {
-    base::parallel_for(due.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+  void find(const std::vector<uint8_t>& dirty, const base::Execution& execution) {
+    base::parallel_for(dirty.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (due[j] == 0) continue;
+        if (dirty[j] == 0) continue;
         crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
         if (!crossing_[j].empty() && crossed_before_[j].empty()) {
           crossed_before_[j] = crossing_quads(before_, forks_.quads, forks_.faces[j]);
@@ -94,10 +94,10 @@ class Uncrosser {
   }
 
   /// Forks of which a face has a corner that has moved.
-  void find_due(const std::vector<double>& from, const std::vector<double>& to,
-                std::vector<uint8_t>& due) const {
-    for (size_t j = 0; j < due.size(); ++j) {
-      due[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
+  void find_dirty(const std::vector<double>& from, const std::vector<double>& to,
+                std::vector<uint8_t>& dirty) const {
+    for (size_t j = 0; j < dirty.size(); ++j) {
+      dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
         const Quad& quad = forks_.quads[face];
         return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return from[v] != to[v]; });
       });
@@ -172,9 +172,9 @@ void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
 
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
              const base::Execution& execution, std::vector<glm::dvec3>& points,
-             std::vector<uint8_t> due) {
+             std::vector<uint8_t> dirty) {
   Uncrosser uncrosser(forks, before, points);
-  uncrosser.take_back(execution.part(0.0f, kTakenBack), std::move(due));
+  uncrosser.take_back(execution.part(0.0f, kTakenBack), std::move(dirty));
   uncrosser.smooth();
 }
 

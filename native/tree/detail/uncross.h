@@ -30,10 +30,10 @@ void take_back(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
 /// did before, is put between its neighbours, round by round; where that does not help it stays.
 ///
 /// @param before  all points as they were before they moved.
-/// @param due  per fork, 0 where nothing crosses; empty: all are looked at.
+/// @param dirty  per fork, 0 where nothing crosses; empty: all are looked at.
 /// @throws Cancelled when execution's progress says stop.
 void uncross(const ForkFaces& forks, const std::vector<glm::dvec3>& before,
              const base::Execution& execution, std::vector<glm::dvec3>& points,
-             std::vector<uint8_t> due = {});
+             std::vector<uint8_t> dirty = {});
 
 }  // namespace snowbough::tree

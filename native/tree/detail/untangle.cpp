@@ -39,12 +39,12 @@ class Untangler {
 
   std::vector<uint8_t> untangle(const base::Execution& execution) {
     constexpr int kRounds = kOnSurface + kFree;
-    std::vector<uint8_t> due(forks_.faces.size(), 1);
+    std::vector<uint8_t> dirty(forks_.faces.size(), 1);
     for (int round = 0; round < kRounds; ++round) {
-      find_crossing(due, execution.part(static_cast<float>(round) / kRounds,
+      find_crossing(dirty, execution.part(static_cast<float>(round) / kRounds,
                                         static_cast<float>(round + 1) / kRounds));
       std::vector<int32_t> around = tangled();
-      if (around.empty()) return std::vector<uint8_t>(due.size(), 0);
+      if (around.empty()) return std::vector<uint8_t>(dirty.size(), 0);
       const bool on_surface = round < kOnSurface;
       grow(on_surface ? round + 1 : 1, around);
       for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -53,19 +53,19 @@ class Untangler {
           points_[v] = on_surface ? onto_(v, p) : p;
         }
       }
-      find_due(around, due);
+      find_dirty(around, dirty);
       add_neighbours(around);
       suspects_ = std::move(around);
     }
-    for (size_t j = 0; j < due.size(); ++j) due[j] |= crossing_[j].empty() ? 0 : 1;
-    return due;
+    for (size_t j = 0; j < dirty.size(); ++j) dirty[j] |= crossing_[j].empty() ? 0 : 1;
+    return dirty;
   }
 
  private:
-  void find_crossing(const std::vector<uint8_t>& due, const base::Execution& execution) {
-    base::parallel_for(due.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
+  void find_crossing(const std::vector<uint8_t>& dirty, const base::Execution& execution) {
+    base::parallel_for(dirty.size(), kForkBlock, execution, [&](size_t begin, size_t end) {
       for (size_t j = begin; j < end; ++j) {
-        if (due[j] != 0) crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
+        if (dirty[j] != 0) crossing_[j] = crossing_quads(points_, forks_.quads, forks_.faces[j]);
       }
     });
   }
@@ -130,11 +130,11 @@ class Untangler {
   }
 
   /// Forks of which a face has a corner that has moved.
-  void find_due(const std::vector<int32_t>& moved, std::vector<uint8_t>& due) const {
+  void find_dirty(const std::vector<int32_t>& moved, std::vector<uint8_t>& dirty) const {
     std::vector<uint8_t> has_moved(points_.size(), 0);
     for (const int32_t v : moved) has_moved[v] = 1;
-    for (size_t j = 0; j < due.size(); ++j) {
-      due[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
+    for (size_t j = 0; j < dirty.size(); ++j) {
+      dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
         const Quad& quad = forks_.quads[face];
         return std::any_of(quad.begin(), quad.end(), [&](int32_t v) { return has_moved[v] != 0; });
       });

@@ -195,9 +195,9 @@ std::optional<Limb> trace_layers(const LocalMesh& mesh, NotATube& why) {
   Layers best;
   double best_irregularity = -1.0;
   for (const std::vector<int32_t>& start : starts) {
-    // Only the first start that fails has to tell why, which takes the whole walk.
-    const bool told = why != NotATube::kNone && topology.boundary_loops.size() != 2;
-    Layers layers = walk_layers(mesh, topology, start, told ? kMostUneven : 0);
+    // Only the first failing start finds the reason, which takes the whole walk.
+    const bool has_reason = why != NotATube::kNone && topology.boundary_loops.size() != 2;
+    Layers layers = walk_layers(mesh, topology, start, has_reason ? kMostUneven : 0);
     if (layers.empty()) continue;
     gather_far_end(topology, layers);
     NotATube reason = NotATube::kNone;
@@ -343,12 +343,6 @@ std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> f
   NotATube ignored = NotATube::kNone;
   if (std::optional<Limb> limb = finish_limb(trace_rows(mesh), ignored)) return limb;
   return trace_local(mesh, why);
-}
-
-std::optional<Limb> trace_tube_by_layers(const ObjScene& scene, std::span<const int32_t> faces,
-                                         std::span<const int32_t> vertices, NotATube& why) {
-  why = NotATube::kNone;
-  return trace_local(extract_component(scene, faces, vertices), why);
 }
 
 }  // namespace snowbough::tree

@@ -64,8 +64,4 @@ std::string reason_text(NotATube reason);
 std::optional<Limb> trace_tube(const ObjScene& scene, std::span<const int32_t> faces,
                                std::span<const int32_t> vertices, NotATube& why);
 
-/// The same without the fast path: for tests.
-std::optional<Limb> trace_tube_by_layers(const ObjScene& scene, std::span<const int32_t> faces,
-                                         std::span<const int32_t> vertices, NotATube& why);
-
 }  // namespace snowbough::tree

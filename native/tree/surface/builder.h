@@ -20,7 +20,7 @@ class SurfaceBuilder {
 
   /// Builds the limbs; again only those that come out differently.
   /// @param relief  see build_surface.
-  void build(const std::vector<uint8_t>& relief);
+  void build(const std::vector<uint8_t>& narrowing_steps);
 
   /// The limbs put together.
   /// @param only  see build_surface.
@@ -28,7 +28,7 @@ class SurfaceBuilder {
 
  private:
   const LimbStart& start_of(int32_t branch) const;
-  void build_anew(int32_t branch, const std::vector<uint8_t>& relief, std::vector<uint8_t>& due);
+  void rebuild_limb(int32_t branch, const std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& dirty);
 
   LimbPlan plan_;
   int threads_;
@@ -36,7 +36,7 @@ class SurfaceBuilder {
   std::vector<std::vector<int32_t>> generations_;
   std::vector<LimbPart> parts_;
   /// What parts_ were built with; empty before the first time.
-  std::vector<uint8_t> relief_;
+  std::vector<uint8_t> narrowing_steps_;
 };
 
 }  // namespace snowbough::tree

@@ -28,12 +28,12 @@ constexpr double kContinuesCosine = -0.3;
 
 class LimbBuilder {
  public:
-  LimbBuilder(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
+  LimbBuilder(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& narrowing_steps,
               const LimbStart& start, const LimbHull* parent)
       : plan_(plan),
         branch_(branch),
         children_(plan.children[branch]),
-        relief_(relief),
+        narrowing_steps_(narrowing_steps),
         start_(start),
         parent_(parent) {
     part_.starts.resize(children_.size());
@@ -67,7 +67,7 @@ class LimbBuilder {
         continue;
       }
       const Exit exit =
-          find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale, relief_[child]);
+          find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale, narrowing_steps_[child]);
       requests.push_back(exit.request);
       if (exit.clamped) {
         part_.clamped.push_back(child);
@@ -87,7 +87,7 @@ class LimbBuilder {
     station_options.first_normal = is_root            ? direction_at(path, 0.0)
                                    : start_.continues ? start_.frame.normal
                                                       : start_.hole.normal;
-    station_options.drop_all_cutting = relief_[branch_] > 0;
+    station_options.drop_all_cutting = narrowing_steps_[branch_] > 0;
     station_options.end_direction =
         next >= 0 ? direction_at(plan_.paths[next], 0.0) : direction_at(path, path.length());
     const std::vector<Station> stations =
@@ -138,7 +138,7 @@ class LimbBuilder {
       return own;
     }
     if (!start_.continues) {
-      return leave_parent(own, start_.hole, *parent_, plan_.scale, relief_[branch_]);
+      return leave_parent(own, start_.hole, *parent_, plan_.scale, narrowing_steps_[branch_]);
     }
     LimbPath path = own;
     path.points[0] = start_.hole.centre;
@@ -336,7 +336,7 @@ class LimbBuilder {
   const LimbPlan& plan_;
   int32_t branch_;
   const std::vector<int32_t>& children_;
-  const std::vector<uint8_t>& relief_;
+  const std::vector<uint8_t>& narrowing_steps_;
   const LimbStart& start_;
   const LimbHull* parent_;
   LimbPart part_;
@@ -352,9 +352,9 @@ bool LimbStart::grows_like(const LimbStart& other) const {
          frame.normal == other.frame.normal && corner == other.corner;
 }
 
-LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& relief,
+LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& narrowing_steps,
                     const LimbStart& start, const LimbHull* parent) {
-  return LimbBuilder(plan, branch, relief, start, parent).build();
+  return LimbBuilder(plan, branch, narrowing_steps, start, parent).build();
 }
 
 }  // namespace snowbough::tree

@@ -31,8 +31,8 @@ constexpr double kLargestShortcut = 1.0;
 constexpr int kRingSamples = 8;
 /// Each step of relief narrows the base by this factor, and moves its first ring out by this share
 /// of the parent's corner radius.
-constexpr double kReliefFactor = 0.7;
-constexpr double kReliefMargin = 0.25;
+constexpr double kNarrowingFactor = 0.7;
+constexpr double kNarrowingMargin = 0.25;
 
 glm::dvec3 across(const glm::dvec3& v, const glm::dvec3& axis) {
   return v - axis * glm::dot(v, axis);
@@ -177,7 +177,7 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& pa
 }  // namespace
 
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
-               const LimbPath& child, int32_t child_index, const SurfaceScale& scale, int relief) {
+               const LimbPath& child, int32_t child_index, const SurfaceScale& scale, int narrowing_steps) {
   const LimbPath& parent = search.path();
   const Crossing crossing = first_outside(search, child);
   Exit exit;
@@ -208,7 +208,7 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
   const double wanted = 2.0 * kSideDistance * corner_at(child, crossing.child_length);
   exit.clamped = wanted > 1.0001 * side;
   exit.request.width = std::min(wanted, side);
-  exit.request.width *= std::pow(kReliefFactor, relief);
+  exit.request.width *= std::pow(kNarrowingFactor, narrowing_steps);
   exit.request.width = std::max(exit.request.width, 2.0 * kSideDistance * scale.smallest_corner);
   exit.request.length = exit.request.width < kInsetBelow * side
                             ? std::min(exit.request.width / kHoleLength, side)
@@ -217,9 +217,9 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
 }
 
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int relief) {
-  const double margin = scale.smallest_gap + kReliefMargin * relief * hole.parent_corner;
-  const double narrowing = std::pow(kReliefFactor, relief);
+                      const SurfaceScale& scale, int narrowing_steps) {
+  const double margin = scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
+  const double narrowing = std::pow(kNarrowingFactor, narrowing_steps);
   const size_t last = child.points.size() - 1;
   auto [first, first_corner] = first_ring(child, hole, parent, scale, margin, narrowing);
   glm::dvec3 first_point = child.points[first];

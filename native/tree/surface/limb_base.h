@@ -37,7 +37,7 @@ struct Exit {
 /// @param attach arc length on the parent's path where the child sits.
 /// @param relief see build_surface.
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach, const LimbPath& child, int32_t child_index,
-               const SurfaceScale& scale, int relief);
+               const SurfaceScale& scale, int narrowing_steps);
 
 /// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
 /// would cut into it, are dropped, and so are those close to the hole whose ring would hang over
@@ -45,6 +45,6 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach, c
 /// hardly clear the parent are narrowed. At least the tip remains.
 /// @param parent the hull of the parent's rings.
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
-                      const SurfaceScale& scale, int relief);
+                      const SurfaceScale& scale, int narrowing_steps);
 
 }  // namespace snowbough::tree

@@ -49,10 +49,10 @@ bool LimbHull::clears(const glm::dvec3& point, double margin) const {
     return true;
   }
   // Runs are halved: one waits for each of at most 31 halvings.
-  std::array<int32_t, 40> waiting{};
+  std::array<int32_t, 40> stack{};
   size_t count = 1;
   while (count > 0) {
-    const int32_t number = waiting[--count];
+    const int32_t number = stack[--count];
     const StripTree::Node& node = nodes[number];
     if (node.second == 0) {
       for (int32_t i = node.begin; i < node.end; ++i) {
@@ -70,7 +70,7 @@ bool LimbHull::clears(const glm::dvec3& point, double margin) const {
     }
     for (const auto& [distance, half] : {far, near}) {
       if (distance <= enough) {
-        waiting[count++] = half;
+        stack[count++] = half;
       }
     }
   }

@@ -194,10 +194,10 @@ double PathSearch::nearest_length(const glm::dvec3& point) const {
   const std::vector<StripTree::Node>& nodes = tree_.nodes();
   Nearest nearest;
   // Runs are halved: one waits for each of at most 31 halvings.
-  std::array<std::pair<double, int32_t>, 40> waiting{};
+  std::array<std::pair<double, int32_t>, 40> stack{};
   size_t count = 1;
   while (count > 0) {
-    const auto [least, number] = waiting[--count];
+    const auto [least, number] = stack[--count];
     const StripTree::Node& node = nodes[number];
     if (least > std::sqrt(nearest.square) + tree_.rounding()) {
       continue;
@@ -213,8 +213,8 @@ double PathSearch::nearest_length(const glm::dvec3& point) const {
     if (far < near) {
       std::swap(near, far);
     }
-    waiting[count++] = far;
-    waiting[count++] = near;
+    stack[count++] = far;
+    stack[count++] = near;
   }
   return nearest.length;
 }

@@ -4,7 +4,7 @@
 #include "base/parallel_for.h"
 #include "snow/step/cpu/kernel.h"
 #include "snow/step/cpu/passes.h"
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 
 namespace snowbough::snow {
 namespace kernel {
@@ -87,12 +87,12 @@ class GroupGather {
                                  static_cast<int>(triangle_) + map_offset_);
       find_reach();
     }
-    const cpu::Sight sight = look(run);
-    if (sight == cpu::Sight::kHidden || sight == cpu::Sight::kElsewhere) return;
+    const cpu::RunVisibility sight = look(run);
+    if (sight == cpu::RunVisibility::kHidden || sight == cpu::RunVisibility::kElsewhere) return;
     find_most(run, count, surface);
-    if (sight == cpu::Sight::kOpen) {
+    if (sight == cpu::RunVisibility::kOpen) {
       has_one_cell_ ? add_open(run, count) : add_open_cells(run, count);
-    } else if (sight == cpu::Sight::kMixed && has_one_cell_) {
+    } else if (sight == cpu::RunVisibility::kMixed && has_one_cell_) {
       add_seen_points(run, count);
     } else {
       add_seen(run, count);
@@ -110,10 +110,10 @@ class GroupGather {
     reach_ = has_one_cell_ ? vec2(0.0f) : 0.5f * (abs(own_.along_u) + abs(own_.along_v));
   }
 
-  cpu::Sight look(const Run& run) const {
-    if (noise_density(gain_.projection) < 1.0f) return cpu::Sight::kUnknown;
+  cpu::RunVisibility look(const Run& run) const {
+    if (noise_density(gain_.projection) < 1.0f) return cpu::RunVisibility::kUnknown;
     cpu::RunPlane plane{own_.corner,   own_.edge_b,   own_.edge_c,
-                        own_.gradient, own_.hair,     own_.hair + Gain::kBend * own_.pixel_depth,
+                        own_.gradient, own_.depth_bias,     own_.depth_bias + Gain::kBend * own_.pixel_depth,
                         run.least_b,   run.most_b,    run.least_c,
                         run.most_c,    run.least_sum, run.most_sum};
     if (!has_one_cell_) {
@@ -127,7 +127,7 @@ class GroupGather {
       plane.most_c = run.most_c + reach_.y;
       plane.most_sum = min(run.most_sum + sum, 1.0f);
     }
-    return cpu::sight_of(plane, tile_, seen());
+    return cpu::visibility_of(plane, tile_, seen());
   }
 
   const SeenPixel* seen() const { return reinterpret_cast<const SeenPixel*>(gain_.occlusion); }
@@ -211,15 +211,15 @@ class GroupGather {
     // Behind the run's end lie other triangles' fragments, maybe in other tiles.
     std::fill(pixel_.begin() + count, pixel_.begin() + end, pixel_[0]);
     find_clearance(end);
-    const float hair = own_.hair;
+    const float depth_bias = own_.depth_bias;
     for (uint32_t k = 0; k < end; ++k) {
       const auto all = static_cast<uint>(static_cast<int>(most_[k] + 0.5f));
-      gained_[k] = clearance_[k] >= -hair ? all : 0u;
+      gained_[k] = clearance_[k] >= -depth_bias ? all : 0u;
     }
     uint32_t others = 0;
     for (uint32_t k = 0; k < count; ++k) {
       others_[others] = k;
-      others += int{!(clearance_[k] >= -hair)} & int{most_[k] > 0.0f};
+      others += int{!(clearance_[k] >= -depth_bias)} & int{most_[k] > 0.0f};
     }
     if (others > 0) find_partly_seen(run, others);
     add_gained(run, count);

@@ -124,7 +124,7 @@ void cpu::apply_stability(Scene& scene, const StabilitySettings& settings, float
     stability.full_gain = full_gain;
     stability.max_depth = settings.max_depth;
     stability.dt = dt;
-    stability.half_life = settings.reckoned_half_life();
+    stability.half_life = settings.clamped_half_life();
     std::vector<glm::dvec4> sums(receiver.active.size(), glm::dvec4(0.0));
     base::for_each_item(receiver.active.size(), 4, [&](size_t i) {
       const size_t group = receiver.active[i];

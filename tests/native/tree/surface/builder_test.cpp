@@ -49,15 +49,15 @@ TEST(SurfaceBuilder, BuildsAfterOtherReliefWhatItBuildsAtOnce) {
     const Plan plan(seed);
     std::mt19937 random(seed);
     SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 1);
-    std::vector<uint8_t> relief(plan.paths.size(), 0);
-    builder.build(relief);
+    std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
+    builder.build(narrowing_steps);
     for (int round = 0; round < 3; ++round) {
-      for (uint8_t& steps : relief) {
+      for (uint8_t& steps : narrowing_steps) {
         steps = random() % 4 == 0 ? static_cast<uint8_t>(random() % 3) : steps;
       }
-      builder.build(relief);
+      builder.build(narrowing_steps);
       expect_same(builder.surface(),
-                  build_surface(plan.skeleton, plan.paths, plan.scale, {}, relief));
+                  build_surface(plan.skeleton, plan.paths, plan.scale, {}, narrowing_steps));
     }
   }
 }
@@ -67,10 +67,10 @@ TEST(SurfaceBuilder, DoesNotDependOnTheNumberOfThreads) {
     SCOPED_TRACE(testing::Message() << "seed " << seed);
     const Plan plan(seed);
     SurfaceBuilder builder(plan.skeleton, plan.paths, plan.scale, {}, 7);
-    const std::vector<uint8_t> relief(plan.paths.size(), 0);
-    builder.build(relief);
+    const std::vector<uint8_t> narrowing_steps(plan.paths.size(), 0);
+    builder.build(narrowing_steps);
     expect_same(builder.surface(),
-                build_surface(plan.skeleton, plan.paths, plan.scale, {}, relief));
+                build_surface(plan.skeleton, plan.paths, plan.scale, {}, narrowing_steps));
   }
 }
 

@@ -1,4 +1,4 @@
-#include "snow/step/cpu/run_sight.h"
+#include "snow/step/cpu/run_visibility.h"
 
 #include <algorithm>
 #include <array>
@@ -137,22 +137,22 @@ int32_t floor_of(double value) {
 
 }  // namespace
 
-Sight sight_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* seen) {
+RunVisibility visibility_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* seen) {
   const Extent extent = extent_of(run);
   const double wide = std::max(extent.x.most - extent.x.least, extent.y.most - extent.y.least);
   // Written so that what is no number fails.
-  if (!(wide <= kWidest && farthest(run) <= kFarthest)) return Sight::kUnknown;
+  if (!(wide <= kWidest && farthest(run) <= kFarthest)) return RunVisibility::kUnknown;
   const double off = 6.0 * kRounding * farthest(run);
   const PixelRect own{{floor_of(extent.x.least - off), floor_of(extent.y.least - off)},
                       {floor_of(extent.x.most + off) + 1, floor_of(extent.y.most + off) + 1}};
   const PixelRect& rect = tile.pixels;
   if (own.high.x <= rect.low.x || own.high.y <= rect.low.y || own.low.x >= rect.high.x ||
       own.low.y >= rect.high.y) {
-    return Sight::kElsewhere;
+    return RunVisibility::kElsewhere;
   }
   if (own.low.x < rect.low.x || own.low.y < rect.low.y || own.high.x > rect.high.x ||
       own.high.y > rect.high.y) {
-    return Sight::kUnknown;
+    return RunVisibility::kUnknown;
   }
   // A sample looks at the four pixels whose centres lie around it.
   const PixelRect around{
@@ -163,15 +163,15 @@ Sight sight_of(const RunPlane& run, const Tile& tile, const shared::SeenPixel* s
   const glm::ivec2 offset = around.low - shown.low;
   const Pixels pixels{around, seen + offset.y * pitch + offset.x, pitch};
   const double spare = rounding_of(run, wide + kLanes);
-  const double open = extent.plane.most - run.hair + spare;
+  const double open = extent.plane.most - run.depth_bias + spare;
   const Threshold behind{open, run.gradient, 0.0f};
   if (pixels.first->depth >= behind.at(around.low)) {
-    return all_behind(pixels, behind) ? Sight::kOpen : Sight::kMixed;
+    return all_behind(pixels, behind) ? RunVisibility::kOpen : RunVisibility::kMixed;
   }
   const double hidden = double{run.reach} + spare;
   const Threshold before{extent.plane.least - hidden, run.gradient,
                          static_cast<float>(extent.depth.least - hidden)};
-  return all_before(pixels, before) ? Sight::kHidden : Sight::kMixed;
+  return all_before(pixels, before) ? RunVisibility::kHidden : RunVisibility::kMixed;
 }
 
 }  // namespace snowbough::snow::cpu

@@ -1,4 +1,4 @@
-#include "tree/crossings/relief.h"
+#include "tree/crossings/uncrossed_surface.h"
 
 #include <algorithm>
 
@@ -14,8 +14,8 @@ constexpr int kPatience = 2;
 
 /// Raises the relief of the branches that cross: of two, the one further from the trunk; in later
 /// rounds both, unless it is the limb that the junction is on.
-void relieve(const Surface& surface, const JunctionCrossings& crossings, int round,
-             std::vector<uint8_t>& relief, std::vector<uint8_t>& changed) {
+void narrow_crossing(const Surface& surface, const JunctionCrossings& crossings, int round,
+             std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& changed) {
   for (size_t j = 0; j < crossings.size(); ++j) {
     for (const auto& [f, g] : crossings[j]) {
       const int32_t a = surface.origins[f].branch, b = surface.origins[g].branch;
@@ -28,8 +28,8 @@ void relieve(const Surface& surface, const JunctionCrossings& crossings, int rou
       }
     }
   }
-  for (size_t b = 0; b < relief.size(); ++b) {
-    relief[b] = static_cast<uint8_t>(relief[b] + changed[b]);
+  for (size_t b = 0; b < narrowing_steps.size(); ++b) {
+    narrowing_steps[b] = static_cast<uint8_t>(narrowing_steps[b] + changed[b]);
   }
 }
 
@@ -110,26 +110,26 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
                                          const std::vector<LimbPath>& paths,
                                          const SurfaceScale& scale, const SurfaceOptions& options,
                                          const base::Execution& execution) {
-  std::vector<uint8_t> relief(paths.size(), 0);
+  std::vector<uint8_t> narrowing_steps(paths.size(), 0);
   UncrossedSurface best;
   SurfaceBuilder builder(skeleton, paths, scale, options, execution.threads);
-  builder.build(relief);
+  builder.build(narrowing_steps);
   best.surface = builder.surface();
   base::report_progress(execution.progress, 0.3f);
   CrossingMemo memo(paths.size());
   JunctionCrossings crossings = find_crossings(best.surface, {}, execution.part(0.3f, 0.7f), &memo);
   best.crossing = crossing_children(best.surface, crossings);
-  std::vector<uint8_t> best_relief = relief;
+  std::vector<uint8_t> best_narrowing = narrowing_steps;
 
   Surface around;
   int idle = 0;
   for (int round = 0; round < kRounds && idle < kPatience && !best.crossing.empty(); ++round) {
     const float share = 0.7f + 0.2f * static_cast<float>(round) / kRounds;
     base::report_progress(execution.progress, share);
-    std::vector<uint8_t> changed(relief.size(), 0);
-    relieve(round == 0 ? best.surface : around, crossings, round, relief, changed);
+    std::vector<uint8_t> changed(narrowing_steps.size(), 0);
+    narrow_crossing(round == 0 ? best.surface : around, crossings, round, narrowing_steps, changed);
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
-    builder.build(relief);
+    builder.build(narrowing_steps);
     around = surface_around(builder, skeleton, moved);
     // On a limb without room for all that leave it, knuckles shift along the whole of it when one
     // is relieved: nothing is known again then, and no longer looked for.
@@ -141,17 +141,17 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     if (still.size() < best.crossing.size()) {
       idle = 0;
       best.crossing = std::move(still);
-      best_relief = relief;
+      best_narrowing = narrowing_steps;
     }
   }
-  for (size_t b = 0; b < best_relief.size(); ++b) {
-    if (best_relief[b] > 0) {
+  for (size_t b = 0; b < best_narrowing.size(); ++b) {
+    if (best_narrowing[b] > 0) {
       best.narrowed.push_back(static_cast<int32_t>(b));
     }
   }
   if (!best.narrowed.empty()) {
     base::report_progress(execution.progress, 0.9f);
-    builder.build(best_relief);
+    builder.build(best_narrowing);
     best.surface = builder.surface();
   }
   return best;

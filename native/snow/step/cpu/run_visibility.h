@@ -9,7 +9,7 @@
 namespace snowbough::snow::cpu {
 
 /// What all samples of a run see of the sky.
-enum class Sight {
+enum class RunVisibility {
   /// All of it: seen_part (shaders/lib/visibility.h) of each is 1.
   kOpen,
   /// Nothing: of each it is 0.
@@ -32,7 +32,7 @@ struct RunPlane {
   glm::vec2 gradient;
   /// Metres of depth by which a pixel may lie in front of the plane and still be open, and beyond
   /// which it hides what lies there whatever it shows.
-  float hair;
+  float depth_bias;
   float reach;
   /// Between which the samples lie: weights of the second and third corner, and their sums.
   float least_b, most_b;
@@ -46,7 +46,7 @@ struct RunPlane {
 /// The samples' own arithmetic is in floats. This one is in doubles and leaves their roundings to
 /// spare, so that what it tells is what each sample would find, to the bit, where all pixels give
 /// snow.
-Sight sight_of(const RunPlane& plane, const Tile& tile, const shared::SeenPixel* seen);
+RunVisibility visibility_of(const RunPlane& plane, const Tile& tile, const shared::SeenPixel* seen);
 
 /// What loops over whole vectors may read behind the last pixel.
 inline constexpr size_t kSeenSpare = 8;
