@@ -177,7 +177,8 @@ std::vector<int32_t> Smoother::approach_feet(size_t number) {
         }
       }
       for_each_across(number, i, [&](int32_t j) {
-        if (proximity[j] < from) visit(j, from - kStep, from > kStep && proximity[j] < from - kStep);
+        if (proximity[j] < from)
+          visit(j, from - kStep, from > kStep && proximity[j] < from - kStep);
       });
       if (is_crest) crests.push_back(i);
     }
@@ -267,7 +268,8 @@ void Smoother::limit_run(size_t number, Run run, const ConductanceTerms& terms) 
   const uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   for (int32_t i = run.begin; i < run.end; i += kTogether) {
     const int32_t end = std::min(i + kTogether, run.end);
-    if (!any_near_foot(proximity + i, end - i + 1) && !any_near_foot(proximity + i + grid.size, end - i))
+    if (!any_near_foot(proximity + i, end - i + 1) &&
+        !any_near_foot(proximity + i + grid.size, end - i))
       continue;
     limit_feet_run(proximity, level.at(level.inverse_weight),
                    {grid.to_right(), grid.upwards(), grid.size}, level.at(level.right),
@@ -281,8 +283,8 @@ float Smoother::damping_of_block(size_t number, int32_t block) const {
   const SmoothingLevel& grid = grid_.levels[number];
   const float closeness = from_half(std::max(grid.to_right()[block], grid.upwards()[block]));
   return damping(level.at(level.before)[block], closeness,
-                   level.feet.proximity.data()[level.margin + block], least_variance_,
-                   done_below_[number]);
+                 level.feet.proximity.data()[level.margin + block], least_variance_,
+                 done_below_[number]);
 }
 
 /// Leaves no bank for the next map.

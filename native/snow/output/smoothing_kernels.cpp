@@ -108,10 +108,10 @@ SNOWBOUGH_WIDE bool any_near_foot(const uint8_t* proximity, int32_t count) {
   return bits != 0;
 }
 
-SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity, const float* __restrict inverse,
-                                   const ClosenessView& closeness, float* __restrict right,
-                                   float* __restrict above, const ConductanceTerms& of,
-                                   int32_t begin, int32_t end) {
+SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity,
+                                   const float* __restrict inverse, const ClosenessView& closeness,
+                                   float* __restrict right, float* __restrict above,
+                                   const ConductanceTerms& of, int32_t begin, int32_t end) {
   const ConductanceTerms terms = of;
   const uint16_t* __restrict to_right = closeness.right;
   const uint16_t* __restrict upwards = closeness.above;
@@ -119,8 +119,8 @@ SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity, const fl
   for (int32_t i = begin; i < end; ++i) {
     const float along = foot_conductance(proximity[i], proximity[i + 1], inverse[i], inverse[i + 1],
                                          from_half(to_right[i]), terms);
-    const float across = foot_conductance(proximity[i], proximity[i + size], inverse[i], inverse[i + size],
-                                          from_half(upwards[i]), terms);
+    const float across = foot_conductance(proximity[i], proximity[i + size], inverse[i],
+                                          inverse[i + size], from_half(upwards[i]), terms);
     // Where both cells are bare `along` is no number.
     right[i] = along < right[i] ? along : right[i];
     above[i] = across < above[i] ? across : above[i];
@@ -165,7 +165,8 @@ SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __res
 
 SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const BlockRows& rows, const float* __restrict before,
-                                const float* __restrict now, const DampingTerms& of, int32_t count) {
+                                const float* __restrict now, const DampingTerms& of,
+                                int32_t count) {
   const DampingTerms terms = of;
   const uint8_t* __restrict proximity = of.near;
   const uint8_t* __restrict low_joins = rows.joins[0];

@@ -94,8 +94,8 @@ inline float cells_to_foot(uint8_t proximity) {
 }
 
 /// What a bank lets through a link at most; beyond banks more than any link conducts.
-inline float foot_conductance(uint8_t proximity_a, uint8_t proximity_b, float inverse_a, float inverse_b,
-                              float closeness, const ConductanceTerms& terms) {
+inline float foot_conductance(uint8_t proximity_a, uint8_t proximity_b, float inverse_a,
+                              float inverse_b, float closeness, const ConductanceTerms& terms) {
   const float limit = foot_limit(0.5f * (cells_to_foot(proximity_a) + cells_to_foot(proximity_b)));
   const float least = 0.5f * terms.least_variance * closeness;
   const float own = (limit > least ? limit : least) - terms.done_below;
@@ -218,7 +218,7 @@ inline float damping(float wanted, float done_below) {
   return 1.0f / (1.0f + 2.0f * left * (1.0f + left));
 }
 inline float damping(float before, float closeness, uint8_t proximity, float least_variance,
-                       float done_below) {
+                     float done_below) {
   const float by_depth = 0.5f * third_squared(before) * closeness;
   const float limit = proximity != 0 ? foot_limit(cells_to_foot(proximity)) : by_depth;
   const float wanted = by_depth < limit ? by_depth : limit;

@@ -66,8 +66,9 @@ float Smoother::conduct(size_t number) {
         const LinkConductance crosses =
             conductance(height[at.cell], height[link.other], inverse[at.cell], inverse[link.other],
                         link.closeness, terms);
-        const float most = foot_conductance(proximity[at.cell], proximity[link.other], inverse[at.cell],
-                                            inverse[link.other], link.closeness, terms);
+        const float most =
+            foot_conductance(proximity[at.cell], proximity[link.other], inverse[at.cell],
+                             inverse[link.other], link.closeness, terms);
         link.conductance = link.weight * std::min(crosses.conductance, most);
         loose_largest[band] = std::max(loose_largest[band], crosses.wanted);
       }

@@ -164,7 +164,7 @@ void activate_cell(const TilesAround& around, int32_t column, int32_t row) {
     ReposeTile* const tile = around.at(dx, dy);
     if (tile == nullptr) return;
     tile->active_rows.fetch_or(1u << static_cast<uint32_t>(y & (kReposeBlock - 1)),
-                           std::memory_order_relaxed);
+                               std::memory_order_relaxed);
   };
   activate(column, row);
   activate(column - 1, row);

@@ -120,7 +120,8 @@ class TileRun {
       : around_(tiles, blocks_a_side, block), tile_(*around_.at(0, 0)), rims_(rims) {}
 
   TileRounds run(int first_round, int rounds) {
-    const uint32_t active_rows = tile_.active_rows.load(std::memory_order_relaxed) | tile_.partial_rows;
+    const uint32_t active_rows =
+        tile_.active_rows.load(std::memory_order_relaxed) | tile_.partial_rows;
     look_ = tile_.flowing | over_rows(active_rows & ~tile_.flowing);
     for_bits(look_, [&](int32_t row) {
       is_wanted_[static_cast<size_t>(row)].fill((tile_.flowing & bit(row)) != 0);
@@ -135,7 +136,8 @@ class TileRun {
       ++result.rounds;
     }
     result.has_changed = changed_ != 0;
-    tile_.active_rows.store(result.flows ? static_cast<uint32_t>(look_) : 0, std::memory_order_relaxed);
+    tile_.active_rows.store(result.flows ? static_cast<uint32_t>(look_) : 0,
+                            std::memory_order_relaxed);
     tile_.flowing = result.flows ? static_cast<uint32_t>(wants_) : 0;
     tile_.partial_rows = result.flows ? 0 : static_cast<uint32_t>(wants_);
     for_bits(changed_, [&](int32_t row) { write_row(row); });

@@ -30,8 +30,8 @@ struct TilesAround {
   }
 };
 
-/// Marks the rows of all tiles with links to a cell as active_rows; `column` and `row` are counted from
-/// the middle tile's first, from -1 to kReposeBlock.
+/// Marks the rows of all tiles with links to a cell as active_rows; `column` and `row` are counted
+/// from the middle tile's first, from -1 to kReposeBlock.
 void activate_cell(const TilesAround& around, int32_t column, int32_t row);
 
 /// Takes note in all tiles in whose windows a cell lies that its bound is lower than it was: see

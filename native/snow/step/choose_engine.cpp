@@ -36,8 +36,8 @@ EngineChoice::EngineChoice(const EngineRequest& request) : mapping_(request.mapp
   if (request.kind == EngineKind::kGl || is_geometry || names_a_device(request.device)) {
     thread_ = gpu::GpuThread::begin(request.device);
     reason_ = request.kind == EngineKind::kGl ? "asked for"
-              : is_geometry                ? "mapping GEOMETRY is drawn by OpenGL"
-                                           : "a device is named";
+              : is_geometry                   ? "mapping GEOMETRY is drawn by OpenGL"
+                                              : "a device is named";
     return;
   }
   const std::string without = gpu::why_no_hardware();

@@ -15,7 +15,7 @@ constexpr int kPatience = 2;
 /// Raises the relief of the branches that cross: of two, the one further from the trunk; in later
 /// rounds both, unless it is the limb that the junction is on.
 void narrow_crossing(const Surface& surface, const JunctionCrossings& crossings, int round,
-             std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& changed) {
+                     std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& changed) {
   for (size_t j = 0; j < crossings.size(); ++j) {
     for (const auto& [f, g] : crossings[j]) {
       const int32_t a = surface.origins[f].branch, b = surface.origins[g].branch;

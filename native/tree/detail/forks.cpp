@@ -92,7 +92,8 @@ class ForkBlender {
     for (const Mover& mover : movers_) moved_faces.moving.push_back(mover.vertex);
     std::vector<uint8_t> dirty = spread_out(moved_faces, execution.part(kBlended, kSpreadOut));
     soften(moved_faces, dirty);
-    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_, std::move(dirty));
+    uncross(moved_faces, first_points_, execution.part(kSpreadOut, 1.0f), points_,
+            std::move(dirty));
   }
 
  private:

@@ -43,7 +43,7 @@ class Uncrosser {
     if (dirty.empty()) dirty.assign(forks_.faces.size(), 1);
     for (int round = 0; round < kBackRounds; ++round) {
       find(dirty, execution.part(static_cast<float>(round) / kBackRounds,
-                               static_cast<float>(round + 1) / kBackRounds));
+                                 static_cast<float>(round + 1) / kBackRounds));
       std::vector<double> wanted(shares);
       bool crosses = false;
       for (size_t j = 0; j < crossing_.size(); ++j) {
@@ -95,7 +95,7 @@ class Uncrosser {
 
   /// Forks of which a face has a corner that has moved.
   void find_dirty(const std::vector<double>& from, const std::vector<double>& to,
-                std::vector<uint8_t>& dirty) const {
+                  std::vector<uint8_t>& dirty) const {
     for (size_t j = 0; j < dirty.size(); ++j) {
       dirty[j] = std::any_of(forks_.faces[j].begin(), forks_.faces[j].end(), [&](int32_t face) {
         const Quad& quad = forks_.quads[face];

@@ -42,7 +42,7 @@ class Untangler {
     std::vector<uint8_t> dirty(forks_.faces.size(), 1);
     for (int round = 0; round < kRounds; ++round) {
       find_crossing(dirty, execution.part(static_cast<float>(round) / kRounds,
-                                        static_cast<float>(round + 1) / kRounds));
+                                          static_cast<float>(round + 1) / kRounds));
       std::vector<int32_t> around = tangled();
       if (around.empty()) return std::vector<uint8_t>(dirty.size(), 0);
       const bool on_surface = round < kOnSurface;

@@ -34,7 +34,7 @@ void add_influence(const BoneInfluence& influence, InfluenceSum& sum) {
 /// Calls visit(vertex, influence) for every place by which a vertex is held.
 template <typename Visit>
 void for_each_influence(const Surface& surface, const std::vector<LimbPath>& paths,
-                   const Armature& armature, const Visit& visit) {
+                        const Armature& armature, const Visit& visit) {
   for (size_t b = 0; b < surface.limbs.size(); ++b) {
     for (const Ring& ring : surface.limbs[b].rings) {
       const BoneInfluence influence = bones_at(paths[b], armature.first_bone[b], ring.bone_length);
@@ -47,8 +47,8 @@ void for_each_influence(const Surface& surface, const std::vector<LimbPath>& pat
     if (!junction.inset) {
       continue;
     }
-    const BoneInfluence influence = bones_at(paths[junction.parent], armature.first_bone[junction.parent],
-                               junction.parent_bone_length);
+    const BoneInfluence influence = bones_at(
+        paths[junction.parent], armature.first_bone[junction.parent], junction.parent_bone_length);
     for (const int32_t vertex : surface.limbs[junction.child].rings.front().vertices) {
       visit(vertex, influence);
     }
@@ -93,12 +93,13 @@ VertexWeights make_weights(const Surface& surface, const std::vector<LimbPath>& 
   // Every place by which a vertex is held, vertex by vertex: most have one.
   std::vector<int32_t> first_influence(surface.vertices.size() + 1, 0);
   for_each_influence(surface, paths, armature,
-                [&](int32_t vertex, const BoneInfluence&) { ++first_influence[vertex + 1]; });
+                     [&](int32_t vertex, const BoneInfluence&) { ++first_influence[vertex + 1]; });
   std::partial_sum(first_influence.begin(), first_influence.end(), first_influence.begin());
   std::vector<BoneInfluence> influences(first_influence.back());
   std::vector<int32_t> next(first_influence.begin(), first_influence.end() - 1);
-  for_each_influence(surface, paths, armature,
-                [&](int32_t vertex, const BoneInfluence& influence) { influences[next[vertex]++] = influence; });
+  for_each_influence(surface, paths, armature, [&](int32_t vertex, const BoneInfluence& influence) {
+    influences[next[vertex]++] = influence;
+  });
   VertexWeights result;
   result.indices.resize(surface.vertices.size());
   result.weights.resize(surface.vertices.size());

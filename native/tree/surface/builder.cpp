@@ -95,7 +95,7 @@ void SurfaceBuilder::build(const std::vector<uint8_t>& narrowing_steps) {
 
 /// Builds a limb whose parent stands, and marks the children that this moves.
 void SurfaceBuilder::rebuild_limb(int32_t branch, const std::vector<uint8_t>& narrowing_steps,
-                                std::vector<uint8_t>& dirty) {
+                                  std::vector<uint8_t>& dirty) {
   const int32_t parent = plan_.skeleton.branches[branch].parent;
   LimbPart part = build_limb(plan_, branch, narrowing_steps, start_of(branch),
                              parent >= 0 ? &parts_[parent].hull : nullptr);

@@ -28,7 +28,8 @@ class SurfaceBuilder {
 
  private:
   const LimbStart& start_of(int32_t branch) const;
-  void rebuild_limb(int32_t branch, const std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& dirty);
+  void rebuild_limb(int32_t branch, const std::vector<uint8_t>& narrowing_steps,
+                    std::vector<uint8_t>& dirty);
 
   LimbPlan plan_;
   int threads_;

@@ -66,8 +66,8 @@ class LimbBuilder {
       if (child == next) {
         continue;
       }
-      const Exit exit =
-          find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale, narrowing_steps_[child]);
+      const Exit exit = find_exit(search, own, attach[i], plan_.paths[child], child, plan_.scale,
+                                  narrowing_steps_[child]);
       requests.push_back(exit.request);
       if (exit.clamped) {
         part_.clamped.push_back(child);
@@ -352,8 +352,9 @@ bool LimbStart::grows_like(const LimbStart& other) const {
          frame.normal == other.frame.normal && corner == other.corner;
 }
 
-LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& narrowing_steps,
-                    const LimbStart& start, const LimbHull* parent) {
+LimbPart build_limb(const LimbPlan& plan, int32_t branch,
+                    const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,
+                    const LimbHull* parent) {
   return LimbBuilder(plan, branch, narrowing_steps, start, parent).build();
 }
 

@@ -56,7 +56,8 @@ struct LimbPlan {
 /// Builds one limb.
 /// @param relief  see build_surface; that of the branch and of its children counts.
 /// @param start, parent  what the parent prepared for the branch, and its hull; null for a root.
-LimbPart build_limb(const LimbPlan& plan, int32_t branch, const std::vector<uint8_t>& narrowing_steps,
-                    const LimbStart& start, const LimbHull* parent);
+LimbPart build_limb(const LimbPlan& plan, int32_t branch,
+                    const std::vector<uint8_t>& narrowing_steps, const LimbStart& start,
+                    const LimbHull* parent);
 
 }  // namespace snowbough::tree

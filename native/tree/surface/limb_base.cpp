@@ -177,7 +177,8 @@ FirstRing first_ring(const LimbPath& child, const Hole& hole, const LimbHull& pa
 }  // namespace
 
 Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
-               const LimbPath& child, int32_t child_index, const SurfaceScale& scale, int narrowing_steps) {
+               const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
+               int narrowing_steps) {
   const LimbPath& parent = search.path();
   const Crossing crossing = first_outside(search, child);
   Exit exit;
@@ -218,7 +219,8 @@ Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
 
 LimbPath leave_parent(const LimbPath& child, const Hole& hole, const LimbHull& parent,
                       const SurfaceScale& scale, int narrowing_steps) {
-  const double margin = scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
+  const double margin =
+      scale.smallest_gap + kNarrowingMargin * narrowing_steps * hole.parent_corner;
   const double narrowing = std::pow(kNarrowingFactor, narrowing_steps);
   const size_t last = child.points.size() - 1;
   auto [first, first_corner] = first_ring(child, hole, parent, scale, margin, narrowing);

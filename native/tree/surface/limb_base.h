@@ -36,8 +36,9 @@ struct Exit {
 ///   the other.
 /// @param attach arc length on the parent's path where the child sits.
 /// @param relief see build_surface.
-Exit find_exit(const PathSearch& search, const PathSearch& own, double attach, const LimbPath& child, int32_t child_index,
-               const SurfaceScale& scale, int narrowing_steps);
+Exit find_exit(const PathSearch& search, const PathSearch& own, double attach,
+               const LimbPath& child, int32_t child_index, const SurfaceScale& scale,
+               int narrowing_steps);
 
 /// The child's path from its hole on. Its own joints inside the parent's surface, or whose ring
 /// would cut into it, are dropped, and so are those close to the hole whose ring would hang over

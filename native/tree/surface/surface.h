@@ -77,6 +77,7 @@ struct SurfaceOptions {
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, section 3.3, "knuckles".
 Surface build_surface(const Skeleton& skeleton, const std::vector<LimbPath>& paths,
                       const SurfaceScale& scale, const SurfaceOptions& options,
-                      const std::vector<uint8_t>& narrowing_steps, const std::vector<uint8_t>& only = {});
+                      const std::vector<uint8_t>& narrowing_steps,
+                      const std::vector<uint8_t>& only = {});
 
 }  // namespace snowbough::tree

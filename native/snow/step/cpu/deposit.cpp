@@ -112,10 +112,11 @@ class GroupGather {
 
   cpu::RunVisibility look(const Run& run) const {
     if (noise_density(gain_.projection) < 1.0f) return cpu::RunVisibility::kUnknown;
-    cpu::RunPlane plane{own_.corner,   own_.edge_b,   own_.edge_c,
-                        own_.gradient, own_.depth_bias,     own_.depth_bias + Gain::kBend * own_.pixel_depth,
-                        run.least_b,   run.most_b,    run.least_c,
-                        run.most_c,    run.least_sum, run.most_sum};
+    cpu::RunPlane plane{
+        own_.corner,   own_.edge_b,     own_.edge_c,
+        own_.gradient, own_.depth_bias, own_.depth_bias + Gain::kBend * own_.pixel_depth,
+        run.least_b,   run.most_b,      run.least_c,
+        run.most_c,    run.least_sum,   run.most_sum};
     if (!has_one_cell_) {
       // Points beside the triangle are moved onto its rim: see point_on.
       const float sum = reach_.x + reach_.y;

@@ -68,10 +68,13 @@ class CpuEngine final : public Engine {
         pixels, std::span(scene_.seen).first(count));
   }
   void count_back_faces(const Tile& tile) override { cpu::count_back_faces(scene_, tile); }
-  void gather_deposit(const Tile& tile, bool is_first) override { pending_tile_ = {tile, is_first}; }
+  void gather_deposit(const Tile& tile, bool is_first) override {
+    pending_tile_ = {tile, is_first};
+  }
   void apply_stability(const StabilitySettings& settings, float full_gain, float dt) override {
-    const GroupWork last =
-        pending_tile_ ? deposit_work(scene_, pending_tile_->tile, pending_tile_->is_first) : GroupWork();
+    const GroupWork last = pending_tile_
+                               ? deposit_work(scene_, pending_tile_->tile, pending_tile_->is_first)
+                               : GroupWork();
     pending_tile_.reset();
     cpu::apply_stability(scene_, settings, full_gain, dt, last);
   }

@@ -7,8 +7,8 @@
 #include <set>
 
 #include "native/tree/skeletons.h"
-#include "tree/crossings/uncrossed_surface.h"
 #include "tree/crossings/triangles.h"
+#include "tree/crossings/uncrossed_surface.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/width.h"
 #include "tree/surface/limb_path.h"

@@ -15,9 +15,12 @@
 namespace snowbough::tree {
 namespace {
 
+using testing::Contains;
 using testing::Each;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::IsEmpty;
+using testing::Not;
 using testing::SizeIs;
 
 int count_part(const Surface& surface, FacePart part) {
