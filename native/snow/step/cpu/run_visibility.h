@@ -8,47 +8,46 @@
 
 namespace snowbough::snow::cpu {
 
-/// What all samples of a run see of the sky.
+/// How much of the sky the samples of a run see.
 enum class RunVisibility {
-  /// All of it: seen_part (shaders/lib/visibility.h) of each is 1.
+  /// All of it: seen_part (shaders/lib/visibility.h) of each sample is 1.
   kOpen,
-  /// Nothing: of each it is 0.
+  /// None: seen_part of each sample is 0.
   kHidden,
-  /// They lie in other tiles.
+  /// All samples lie in other tiles.
   kElsewhere,
-  /// They differ, or are too close to call; all lie in this tile.
+  /// The samples differ, or are too close to decide; all lie in this tile.
   kMixed,
-  /// Nothing is known, not even whether all lie in this tile.
+  /// Unknown, including whether all samples lie in this tile.
   kUnknown,
 };
 
-/// The part of a triangle in which the samples of a run lie.
+/// The part of a triangle that contains the samples of a run.
 struct RunPlane {
-  /// Corner, and from there to the others: local pixels and metres of depth, as in a GainTriangle.
+  /// First corner and the edges to the others: local pixels and metres of depth, as in a
+  /// GainTriangle.
   glm::vec3 corner;
   glm::vec3 edge_b;
   glm::vec3 edge_c;
-  /// Depth that the plane gains in one pixel along each axis.
+  /// Depth change of the plane per pixel along each axis.
   glm::vec2 gradient;
-  /// Metres of depth by which a pixel may lie in front of the plane and still be open, and beyond
-  /// which it hides what lies there whatever it shows.
+  /// Depths in metres: a pixel up to `depth_bias` in front of the plane is still open; beyond
+  /// `reach` it hides the sample whatever surface it shows.
   float depth_bias;
   float reach;
-  /// Between which the samples lie: weights of the second and third corner, and their sums.
+  /// Bounds of the samples: weights of the second and third corner, and their sums.
   float least_b, most_b;
   float least_c, most_c;
   float least_sum, most_sum;
 };
 
-/// Tells what all samples of a run see, by looking once at each of the pixels around them. `seen`
-/// shows the tile and its margin, row by row, and kSeenSpare pixels more.
-///
-/// The samples' own arithmetic is in floats. This one is in doubles and leaves their roundings to
-/// spare, so that what it tells is what each sample would find, to the bit, where all pixels give
-/// snow.
+/// Finds how much of the sky all samples of a run see, by reading each of the pixels around them
+/// once. `seen` shows the tile and its margin, row by row, plus kSeenSpare pixels.
+/// The samples' own arithmetic is in floats. This function uses doubles and leaves margin for their
+/// rounding, so that its result is exactly each sample's, provided that all pixels give snow.
 RunVisibility visibility_of(const RunPlane& plane, const Tile& tile, const shared::SeenPixel* seen);
 
-/// What loops over whole vectors may read behind the last pixel.
+/// Elements that vectorised loops may read behind the last pixel.
 inline constexpr size_t kSeenSpare = 8;
 
 }  // namespace snowbough::snow::cpu
