@@ -18,6 +18,7 @@ namespace snowbough::gpu {
 /// A linked shader program whose inputs are set by name and checked by reflection: setting an input
 /// that the program does not have is an error, and so is running it with an input that is not set.
 /// Usage:
+///
 ///   program.use();                         // forgets the bindings of the run before
 ///   program.set("pixel_size", 0.01f);      // uniforms keep their value from run to run
 ///   program.bind("TexelSteps", buffer);  // storage or uniform block, by block name

@@ -46,6 +46,7 @@ struct BuildReport {
 /// @param report  receives the result of the mesh checks, which take time; null skips them.
 /// @throws std::invalid_argument for options out of range, and as complete_skeleton.
 /// @throws Cancelled when progress says stop.
+///
 /// Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, chapter 3.
 TreeMesh build_tree_mesh(const Skeleton& skeleton, const TreeMeshOptions& options = {},
                          BuildReport* report = nullptr);
