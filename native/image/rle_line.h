@@ -10,7 +10,6 @@ namespace snowbough::image {
 /// each as its difference from the byte before; runs of three or more become a count and a value.
 /// Format: OpenEXR File Layout, openexr.com; the bytes match OpenEXR's own writer.
 /// Keeps its working memory: one packer per thread.
-/// It keeps its working memory, so one packer is for one thread.
 class RleLinePacker {
  public:
   /// `line`: `size` bytes, an even number. Returns true if packing made it shorter; packed() then
