@@ -13,8 +13,8 @@ namespace snowbough::snow {
 /// earlier poses.
 class ReposePose {
  public:
-  /// Takes the first `count` of `positions`, which must live until the next call. `rest`: the same
-  /// of the rest pose, or empty. Returns whether the pose is another than the last.
+  /// Uses the first `count` of `positions`, which must live until the next call. `rest`: the same
+  /// of the rest pose, or empty. Returns whether the pose differs from the last.
   bool set(const std::vector<glm::vec3>& rest, const std::vector<glm::vec3>& positions,
            int32_t count);
 
