@@ -1,4 +1,4 @@
-// The deepest of a map's tiles: one work group.
+// Finds the deepest of a map's tiles, in one work group.
 #include "lib/snow_patch.h"
 
 layout(local_size_x = kDeepestGroup) in;

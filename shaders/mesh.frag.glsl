@@ -1,6 +1,6 @@
 // A pixel of a mesh, lit from both sides.
 //
-// SNOW: white where its map says that snow lies.
+// SNOW: white where its map holds snow.
 #include "glsl/image_fragment.glsl"
 #ifndef SHADOW
 #ifndef WIRE
@@ -13,7 +13,7 @@ in vec2 snow_uv;
 vec3 lit_image(vec3 albedo) {
   vec3 face = cross(dFdx(world), dFdy(world));
   face *= dot(face, view.eye.xyz - world) < 0.0 ? -1.0 : 1.0;
-  // Where a triangle is seen on edge its screen derivatives say nothing.
+  // Screen derivatives of a triangle seen edge-on are undefined.
   vec3 normal = normalize(smooth_normal);
   const float size = length(face);
   face = size > 0.0 ? face / size : normal;

@@ -1,11 +1,11 @@
-// A mesh without tessellation, as often as it has places in the world.
+// A mesh without tessellation, once per place in the world.
 //
-// SHADOW: the sun's picture, of depth alone. SNOW: with coordinates on the map of its snow.
+// SHADOW: shadow map, depth only. SNOW: with coordinates on the snow map.
 #include "glsl/tree_view.glsl"
 #include "lib/mesh_corner.h"
 
 layout(std430) readonly buffer MeshCorners { MeshCorner mesh_corners[]; };
-/// Three rows of a matrix for each place.
+/// Three rows of a matrix per place.
 layout(std430) readonly buffer MeshPlaces { vec4 place_rows[]; };
 out vec2 image_uv;
 #ifdef SNOW
@@ -32,7 +32,7 @@ void main() {
 #endif
 #ifndef SHADOW
   world = position;
-  // By the matrix of cofactors, which keeps normals upright whatever the place's scale.
+  // With the matrix of cofactors, which keeps normals perpendicular for any scale.
   const vec3 n = at.normal.xyz;
   smooth_normal = vec3(dot(cross(y, z), n), dot(cross(z, x), n), dot(cross(x, y), n));
 #endif

@@ -1,4 +1,4 @@
-// The tessellation level of each edge, once, so that both of its faces have the same.
+// The tessellation level of each edge, computed once, so that both faces have the same.
 #include "glsl/tree_view.glsl"
 #include "lib/tessellation.h"
 

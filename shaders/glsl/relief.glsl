@@ -1,4 +1,4 @@
-// Bumps of a surface's normals, from a height by pixel.
+// Bump mapping from a height per pixel.
 
 /// Source: M. S. Mikkelsen, Bump Mapping Unparametrized Surfaces on the GPU, 2010.
 vec3 with_relief(vec3 position, vec3 normal, float height) {

@@ -1,6 +1,7 @@
-// A pixel of the tree, plain or tessellated alike.
+// A pixel of the tree, plain or tessellated.
 //
-// SNOW: with the snow of its map. IMAGE: in the colours of its bark's image. SHADOW: depth alone. WIRE: the lines of a wireframe, or the paper that hides those behind.
+// SNOW: with the snow of its map. IMAGE: in the colours of its bark's image. SHADOW: depth only. WIRE: the lines of a
+// wireframe, or the background that hides lines behind it.
 #ifndef SHADOW
 layout(location = 0) out vec4 color;
 #ifdef WIRE
@@ -20,14 +21,15 @@ in vec3 image_place;
 in vec2 snow_place;
 in vec3 rest_place;
 
-/// Share of the map's own slopes that shows on limbs.
+/// Fraction of the map's slopes that shows on limbs.
 const float kTwigRelief = 0.6;
 
-/// Light of the snow on the limb over that of its bark. Snow on its back, as maps may have it, is none of a limb's.
+/// Blends the light of the snow on the limb over its bark's. Limbs show no snow on their back, even if the map has
+/// some.
 vec3 with_snow(vec3 bare) {
   const float depth = max(height_between(snow_place), 0.0);
   const vec3 limb = normalize(smooth_normal);
-  // Twigs are a few texels wide: their steps are softened.
+  // Softens the map's steps: twigs are only a few texels wide.
   const vec3 normal = normalize(mix(limb, with_relief(world, limb, depth), kTwigRelief));
   const float pixel = distance(view.eye.xyz, world) / view.eye.w;
   return mix(bare, lit_snow(world, normal, depth, rest_place), snow_cover(depth, rest_place, pixel));
