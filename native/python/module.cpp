@@ -7,7 +7,8 @@ namespace {
 
 [[noreturn]] void* refuse_unmade(size_t) {
   throw pybind11::type_error(
-      "the object was never made: call its class, not __new__; it cannot be copied or pickled");
+      R"(this object was not initialised: call its class, not __new__; it cannot be copied or
+pickled)");
 }
 
 /// Lets every class of the module refuse objects that come from `__new__` alone, as `copy` makes
@@ -24,7 +25,8 @@ void refuse_unmade_objects(const pybind11::module_& module) {
 
 // The table of contents: one bind function a topic.
 PYBIND11_MODULE(snowbough_native, module) {
-  module.doc() = "Snowbough's native core: trees from OBJ, and snow that stays where it fell.";
+  module.doc() =
+      R"(Snowbough's native core: trees from OBJ files, and snow that accumulates on moving objects.)";
   module.attr("__version__") = SNOWBOUGH_VERSION;
   // pybind11 looks NumPy up when the first array is made and lets other threads run meanwhile: one
   // that made its first array as well would wait for the first thread, and that one for its turn,

@@ -104,41 +104,35 @@ py::dict snow_levels(const Renderer& renderer, const std::string& mesh) {
 
 void bind_render_snow(RendererClass& to) {
   using namespace py::literals;
-  to.def("set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
-         "Lets snow lie on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv "
-         "(T, 3, 2)\nof its corners there. None: no snow.")
+  to.def(
+        "set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
+        R"(Sets the snow on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv
+(T, 3, 2) of its corners. None: no snow.)")
       .def(
           "add_snow_mesh", &add_snow_mesh, "name"_a, "positions"_a, "triangles"_a, "uv"_a,
           "normals"_a = py::none(), "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "resolution"_a = 1024,
           "draws_base"_a = true,
-          "Adds a mesh that carries snow, bare until set_snow: positions (N, 3), triangles (T, 3), "
-          "uv\n"
-          "(T, 3, 2) in [0, 1], shading normals (T, 3, 3) along which snow grows (None: smooth\n"
-          "everywhere), linear colour of the bare surface. resolution: texels of its map's edge, "
-          "which\n"
-          "decides how finely the mesh is cut; maps of other sizes are taken, too. Faces hang "
-          "together\n"
-          "by the vertices they share. draws_base=False: only snow is drawn, over a mesh that "
-          "add_mesh "
-          "draws.")
+          R"(Adds a mesh that carries snow, bare until set_snow: positions (N, 3), triangles (T,
+3), uv (T, 3, 2) in [0, 1], shading normals (T, 3, 3) along which snow grows (None: smooth
+everywhere), linear colour of the bare surface. resolution: edge of its map in texels, which
+decides how finely the mesh is cut; maps of other sizes are accepted, too. Faces are connected by
+shared vertices. draws_base=False: draws only snow, over a mesh of add_mesh.)")
       .def("set_snow_pose", &set_snow_pose, "name"_a, "positions"_a, "normals"_a = py::none(),
            "Moves a mesh with snow: positions (N, 3) and shading normals (T, 3, 3) or None.")
-      .def("set_snow", &set_snow, "name"_a, "height"_a,
-           "The snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in metres "
-           "along\n"
-           "the shading normals, row 0 = v 0,\n"
-           "negative on the back, as SnowSimulation.output gives them.")
+      .def(
+          "set_snow", &set_snow, "name"_a, "height"_a,
+          R"(Sets the snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in
+metres along the shading normals, row 0 = v 0, negative on the back, as from SnowSimulation.output.)")
       .def(
           "take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
-          "The snow on a mesh or a tree as it lies now on an object of a SnowSimulation (by "
-          "default\nthat of the same name). Where the simulation's engine is GL and of the same "
-          "device, the map\nstays on the GPU, rounded by the thesis's Gaussian and as thick as it "
-          "lies (`output` is less\nhigh where a surface curves outwards, as on twigs), and True is "
-          "returned; else `output` is\nhanded over.")
+          R"(Copies the current snow of an object of a SnowSimulation (by default of the same name)
+to a mesh or a tree. If the simulation's engine is GL on the same device, the map stays on the GPU,
+smoothed by the thesis's Gaussian and with its stored thickness (`output` is lower where a surface
+is convex, as on twigs), and the result is True; otherwise `output` is used.)")
       .def(
           "snow_levels", &snow_levels, "name"_a,
-          "The same of a mesh with snow, for its patches (its triangles, cut where they cover many "
-          "texels):\n'class' (P,) and 'edge' (P, 3).");
+          R"(As levels, for a mesh with snow and its patches (its triangles, cut where they cover
+many texels): 'class' (P,) and 'edge' (P, 3).)");
 }
 
 }  // namespace snowbough::python

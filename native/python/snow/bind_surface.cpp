@@ -143,11 +143,13 @@ void bind_surface(py::module_& module) {
       "wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
       py::arg("depth"), py::arg("shading") = py::none(),
       "About how many points a SnowSurface of a receiver would like to have at the default "
-      "detail under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading "
-      "(T, 3) or None: receivers share the points of a scene by it.");
-  module.def("point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
-             "Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. "
-             "ValueError for triangles that name no points.");
+      R"(Approximate number of points that a SnowSurface of a receiver needs at the default detail
+under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading (T, 3) or None:
+receivers share a scene's points in proportion to it.)");
+  module.def(
+      "point_normals", &point_normals, py::arg("points"), py::arg("triangles"),
+      R"(Unit normals (P, 3) of points (P, 3): the mean over their triangles (T, 3), by area. Raises
+ValueError for triangles with invalid indices.)");
   py::class_<BoundSurface>(module, "SnowSurface", "The snow's surface on one receiver.")
       .def(py::init(&make_surface), py::arg("triangles"), py::arg("uv"), py::arg("positions"),
            py::arg("last"), py::arg("highest"), py::arg("depth"), py::arg("shading") = py::none(),
