@@ -26,7 +26,7 @@ class BufferWriter {
   /// Adds `count` elements, which the caller must fill before the next call. @throws
   /// std::length_error if the buffer has no room.
   Element* add(size_t count) {
-    if (size() + count > capacity_) throw std::length_error("a buffer is filled beyond its size");
+    if (size() + count > capacity_) throw std::length_error("the buffer is full");
     if (staged_.size() + count > kStaged) write_staged();
     staged_.resize(staged_.size() + count);
     return staged_.data() + staged_.size() - count;

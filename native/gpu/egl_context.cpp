@@ -38,8 +38,7 @@ bool can_load(const char* library) {
 void require_libraries() {
   if (!can_load("libEGL.so.1")) {
     throw std::runtime_error(
-        "OpenGL needs EGL here, and libEGL.so.1 cannot be loaded: install the graphics driver, or "
-        "Mesa "
+        "OpenGL needs libEGL.so.1, which cannot be loaded: install the graphics driver, or Mesa "
         "(Debian and Ubuntu: apt install libegl1 libgl1-mesa-dri)");
   }
   if (!can_load("libOpenGL.so.0") && !can_load("libGL.so.1")) {
@@ -118,7 +117,7 @@ std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::
     }
     throw std::runtime_error("no EGL device matches '" + wanted +
                              "' (there are: " + (names.empty() ? "none" : names) +
-                             "); write a number, 'software', 'surfaceless' or a /dev/dri file");
+                             "); use a number, 'software', 'surfaceless' or a /dev/dri file");
   }
   return chosen;
 }
@@ -252,7 +251,7 @@ EglContext::EglContext(const std::string& device) {
     failures += "\n  " + candidate.label + ": " + failure;
   }
   throw std::runtime_error(
-      "no OpenGL 4.5 context could be made" +
+      "no OpenGL 4.5 context could be created" +
       (failures.empty() ? std::string(": EGL offers neither a device nor a surfaceless platform")
                         : ":" + failures) +
       "\nInstall Mesa's drivers (Debian and Ubuntu: apt install libgl1-mesa-dri libegl-mesa0), or "

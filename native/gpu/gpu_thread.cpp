@@ -14,9 +14,8 @@ namespace {
 
 [[noreturn]] void refuse_forked() {
   throw std::runtime_error(
-      "this process was forked from one that uses OpenGL: start a new one instead "
-      "(multiprocessing's "
-      "'spawn'), or use the engine CPU");
+      "this process was forked from one that uses OpenGL: start a new process instead "
+      "(multiprocessing's 'spawn'), or use engine CPU");
 }
 
 }  // namespace

@@ -228,7 +228,8 @@ void Program::bind_image(const std::string& image, const Texture& texture, GLenu
 void Program::require_ready() const {
   for (const auto& [name, input] : inputs_) {
     if (!input.ready) {
-      throw std::logic_error("shader program " + name_ + " runs without its input '" + name + "'");
+      throw std::logic_error("shader program " + name_ + " runs without a value for its input '" +
+                             name + "'");
     }
   }
 }

@@ -211,9 +211,9 @@ void check_size(const std::string& path, const std::string& bytes) {
   MemoryReader stream(path, bytes);
   int32_t start[2];
   stream.read(reinterpret_cast<char*>(start), sizeof start);
-  if (start[0] != Imf::MAGIC) throw std::runtime_error("it is no EXR file");
+  if (start[0] != Imf::MAGIC) throw std::runtime_error("it is not an EXR file");
   if (Imf::isMultiPart(start[1]) || Imf::isNonImage(start[1])) {
-    throw std::runtime_error("files of several parts or with deep pixels are not read");
+    throw std::runtime_error("files with several parts or deep pixels are not supported");
   }
   check_attributes(bytes);
   Imf::Header header;
@@ -223,13 +223,13 @@ void check_size(const std::string& path, const std::string& bytes) {
   const int64_t height = int64_t{window.max.y} - window.min.y + 1;
   if (width < 1 || height < 1 || width > kLargestExr || height > kLargestExr) {
     throw std::runtime_error("it has " + std::to_string(width) + " x " + std::to_string(height) +
-                             " pixels; at most " + std::to_string(kLargestExr) + " x " +
-                             std::to_string(kLargestExr) + " are read");
+                             " pixels; the maximum is " + std::to_string(kLargestExr) + " x " +
+                             std::to_string(kLargestExr));
   }
   if (header.hasTileDescription() &&
       std::max(header.tileDescription().xSize, header.tileDescription().ySize) >
           static_cast<uint32_t>(kLargestExr)) {
-    throw std::runtime_error("its tiles are larger than any image that is read");
+    throw std::runtime_error("its tiles are larger than the maximum image size");
   }
   uint64_t pixel_bytes = 0;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
@@ -257,7 +257,8 @@ ExrImage decode(const std::string& path, const std::string& bytes) {
   bool all_half = true;
   for (auto channel = header.channels().begin(); channel != header.channels().end(); ++channel) {
     if (channel.channel().xSampling != 1 || channel.channel().ySampling != 1) {
-      throw std::runtime_error(std::string("the channel ") + channel.name() + " is subsampled");
+      throw std::runtime_error(std::string("the channel ") + channel.name() +
+                               " is subsampled, which is not supported");
     }
     all_half = all_half && channel.channel().type == Imf::HALF;
     layout.channels.emplace_back(channel.name());

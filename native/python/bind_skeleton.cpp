@@ -48,7 +48,7 @@ void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   }
   if (!py::isinstance<py::str>(foliage)) {
     throw std::invalid_argument(
-        "foliage must be True, False, 'AUTO', 'NONE' or names separated by commas");
+        "foliage must be True, False, 'AUTO', 'NONE' or name prefixes separated by commas");
   }
   const auto text = foliage.cast<std::string>();
   options.foliage = text != "NONE";

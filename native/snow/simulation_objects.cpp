@@ -81,7 +81,7 @@ SceneObject SnowSimulation::make_object(ObjectDescription description) {
   topology.vertex_count = highest + 1;
   if (!description.rest.empty() && static_cast<int32_t>(description.rest.size()) <= highest) {
     refuse("object '" + description.name + "': rest has " +
-           std::to_string(description.rest.size()) + " vertices, a triangle asks for number " +
+           std::to_string(description.rest.size()) + " vertices, a triangle uses number " +
            std::to_string(highest));
   }
   for (const glm::vec3& point : description.rest) {
@@ -143,12 +143,12 @@ void SnowSimulation::replace_object(ObjectDescription description) {
   }
   const ObjectDescription& before = found->second->description;
   if (before.receive != description.receive) {
-    refuse("object '" + description.name + "' must go on " +
-           (before.receive ? "as a receiver" : "without a map") + " when it is replaced");
+    refuse("object '" + description.name + "' must stay " +
+           (before.receive ? "a receiver" : "without a map") + " when it is replaced");
   }
   if (before.receive && before.topology.resolution != description.topology.resolution) {
     refuse("object '" + description.name + "' must keep its map of " +
-           std::to_string(before.topology.resolution) + " texels a side when it is replaced");
+           std::to_string(before.topology.resolution) + " texels per side when it is replaced");
   }
   SceneObject object = make_object(std::move(description));
   set_state_aside();
@@ -172,8 +172,8 @@ void SnowSimulation::set_positions(const PositionMap& positions) {
     const auto needed = static_cast<size_t>(object.description.topology.vertex_count);
     if (object.positions.empty() ? points.size() < needed
                                  : points.size() != object.positions.size()) {
-      refuse("step: object '" + name + "' comes with " + std::to_string(points.size()) +
-             " vertices, it has " +
+      refuse("step: object '" + name + "' has " + std::to_string(points.size()) +
+             " vertices instead of " +
              std::to_string(object.positions.empty() ? needed : object.positions.size()) +
              ": its topology must stay as it was added");
     }
@@ -186,7 +186,7 @@ void SnowSimulation::set_positions(const PositionMap& positions) {
   for (const auto& [name, object] : objects_) {
     if (object->positions.empty() && !positions.contains(name) &&
         object->description.topology.vertex_count > 0) {
-      refuse("step: object '" + name + "' has no positions yet: name it in its first step");
+      refuse("step: object '" + name + "' has no positions yet: give them in its first step");
     }
   }
   for (const auto& [name, points] : positions) {

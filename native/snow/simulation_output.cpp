@@ -129,8 +129,8 @@ void SnowSimulation::prepare_output(const std::string& name) {
   require_open();
   const std::shared_ptr<SceneObject>& object = find_receiver(name);
   if (object->description.rest.empty()) {
-    throw std::invalid_argument(
-        "object '" + name + "' has no rest pose yet: its output is prepared after its first step");
+    throw std::invalid_argument("object '" + name +
+                                "' has no rest pose yet: prepare its output after its first step");
   }
   outputs_.begin(object, blur_radius_of(*object));
 }
@@ -153,14 +153,14 @@ const std::shared_ptr<SceneObject>& SnowSimulation::find_stepped_receiver(
   const std::shared_ptr<SceneObject>& object = find_receiver(name);
   if (object->positions.empty()) {
     throw std::invalid_argument("object '" + name +
-                                "' has no positions yet: output is known after its first step");
+                                "' has no positions yet: output is available after its first step");
   }
   return object;
 }
 
 MapOutput OutputSnapshot::output() {
   if (filter_ == nullptr) {
-    throw std::runtime_error("output() of this snapshot was called before: take a new snapshot");
+    throw std::runtime_error("output() of this snapshot was already called: take a new snapshot");
   }
   const std::shared_ptr<OutputFilter> filter = std::move(filter_);
   return filter->run(std::move(stored_), surface_);
@@ -233,8 +233,7 @@ void SnowSimulation::restore(const std::string& path, bool any_driver) {
     const std::string changed =
         differences(outline.description, describe(settings_, objects_, engine()), any_driver);
     if (!changed.empty()) {
-      throw std::invalid_argument(path +
-                                  " belongs to another simulation; what differs: " + changed);
+      throw std::invalid_argument(path + " belongs to another simulation; differences: " + changed);
     }
     for (const auto& [name, resolution] : outline.maps) check_map(name, resolution);
   });

@@ -90,10 +90,10 @@ TreeMesh to_mesh(const Skeleton& skeleton, const UncrossedSurface& uncrossed) {
     mesh.branch_rows.push_back(static_cast<int32_t>(limb.rings.size()) - 1);
   }
   warn_of(skeleton, surface.clamped,
-          "are thicker than their parent where they leave it and were narrowed to it there", mesh);
-  warn_of(skeleton, surface.squeezed, "were squeezed for lack of room on their parent", mesh);
-  warn_of(skeleton, uncrossed.narrowed, "were narrowed at their base to get clear of others", mesh);
-  warn_of(skeleton, uncrossed.crossing, "cross others where they leave their parent", mesh);
+          "are thicker than their parent where they leave it, and were narrowed there", mesh);
+  warn_of(skeleton, surface.squeezed, "were squeezed because their parent lacks room", mesh);
+  warn_of(skeleton, uncrossed.narrowed, "were narrowed at their base to avoid others", mesh);
+  warn_of(skeleton, uncrossed.crossing, "intersect others where they leave their parent", mesh);
   return mesh;
 }
 

@@ -51,12 +51,12 @@ void report_scene(const ObjScene& scene, ImportReport& report) {
 void report_squares(const TracedBranches& traced, ImportReport& report) {
   if (traced.shuffled) {
     report.warnings.emplace_back(
-        "the squares stand in no order in the file; they were put together to branches by place "
+        "the squares are in random order in the file; they were joined to branches by position "
         "and direction");
   }
   if (traced.lone_planes > 0) {
     report.skipped_parts.emplace_back(
-        "(squares)", std::to_string(traced.lone_planes) + " squares that face no other");
+        "(squares)", std::to_string(traced.lone_planes) + " squares without a neighbour");
   }
 }
 
@@ -93,7 +93,7 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
   }
   attach_branches(traced.branches, traced.reversible, size, base::part_of(progress, 0.5f, 1.0f));
   warnings.emplace_back(
-      "the groups' names tell no levels; branches were connected by thickness (set level names to "
+      "the groups' names give no levels; branches were connected by thickness (set level names to "
       "overrule)");
 }
 
@@ -167,16 +167,16 @@ void check_branches(const TracedBranches& traced, int32_t foliage_count, const L
     if (traced.named || left_out.share < kMostLeftOut || traced.branches.size() >= kFewLimbs)
       return;
     throw std::invalid_argument(
-        path + ": holds no tree: " + std::to_string(static_cast<int>(100.0 * left_out.share)) +
-        " % of it is left out, its largest part is " + left_out.why +
-        "; if it is one, name its groups trunk, branch and so on");
+        path + ": is not a tree: " + std::to_string(static_cast<int>(100.0 * left_out.share)) +
+        " % of it is not wood, its largest part is " + left_out.why +
+        "; if it is a tree, name its groups trunk, branch and so on");
   }
   if (!left_out.why.empty()) {
-    throw std::invalid_argument(path + ": holds no branches; its largest part is " + left_out.why +
+    throw std::invalid_argument(path + ": has no branches; its largest part is " + left_out.why +
                                 "; export the tree with its trunk and branches");
   }
   throw std::invalid_argument(
-      path + ": holds no branches, " +
+      path + ": has no branches, " +
       (foliage_count > 0 ? "only " + std::to_string(foliage_count) + " leaves or other loose parts"
                          : std::string("none of its parts is a tube or a row of planes")) +
       "; export the tree with its trunk and branches");
@@ -186,8 +186,8 @@ void check_branches(const TracedBranches& traced, int32_t foliage_count, const L
 void check_tree(const TracedBranches& traced, const std::string& path) {
   const std::string why = traced.named ? "" : why_no_tree(traced.branches);
   if (why.empty()) return;
-  throw std::invalid_argument(path + ": holds no tree: " + why +
-                              "; if it is one, say its level names, or name its groups trunk, "
+  throw std::invalid_argument(path + ": is not a tree: " + why +
+                              "; if it is one, give its level names, or name its groups trunk, "
                               "branch and so on");
 }
 
@@ -212,9 +212,7 @@ ObjScene read_scene(const std::string& path, ObjReadOptions options, Skeleton& s
   if (skeleton.origin == glm::dvec3(0.0)) return scene;
   options.origin = skeleton.origin;
   skeleton.report.warnings.emplace_back(
-      "the tree stands far from the file's origin: it was built around its own place, and put "
-      "there "
-      "as a whole");
+      "the tree is far from the file's origin: it was built at the origin and then moved there");
   return read_obj_file(path, options);
 }
 
@@ -273,7 +271,7 @@ void scale_tree(const ReadTreeOptions& options, Skeleton& skeleton) {
   double factor = options.unit;
   if (options.height > 0.0) {
     if (!(skeleton.height > 0.0f)) {
-      throw std::invalid_argument("the tree has no height of its own that could be made " +
+      throw std::invalid_argument("the tree has no height, so it cannot be scaled to " +
                                   std::to_string(options.height) + " metres");
     }
     factor = options.height / static_cast<double>(skeleton.height);

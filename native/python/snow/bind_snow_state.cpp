@@ -88,7 +88,7 @@ py::dict read_checkpoint(const std::string& path,
         if (found == receivers->end() || found->second != resolution) {
           throw std::invalid_argument(path + " holds a map of '" + name + "' with " +
                                       std::to_string(resolution) +
-                                      " texels a side, which was not asked for");
+                                      " texels per side, which is not among receivers");
         }
       }
     });
@@ -116,9 +116,8 @@ difference.)");
       R"(Writes a state from simulation_state, or some of its receivers, as SnowSimulation.save does
 (docs/formats.md), atomically. `description`: a text that identifies the simulation. Raises
 RuntimeError with path and reason.)");
-  module.def(
-      "read_checkpoint", &read_checkpoint, "path"_a, "receivers"_a = py::none(),
-      R"(Reads a file of write_checkpoint or SnowSimulation.save, bit for bit: a state with
+  module.def("read_checkpoint", &read_checkpoint, "path"_a, "receivers"_a = py::none(),
+             R"(Reads a file of write_checkpoint or SnowSimulation.save, bit for bit: a state with
 'description' added. receivers: {name: resolution} of the maps that it may hold; raises ValueError
 for others, before memory is allocated for them. Raises RuntimeError for a file that is missing, of
 another version, truncated or damaged.)");

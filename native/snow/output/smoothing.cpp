@@ -37,7 +37,7 @@ BlockRows block_rows(const SmoothingLevel& grid, const float* inverse, int32_t f
 
 void check_smoothing(const SmoothingSettings& settings) {
   if (!(settings.blur_radius >= 0.0f) || !std::isfinite(settings.blur_radius)) {
-    throw std::invalid_argument("blur_radius must be 0 or more metres");
+    throw std::invalid_argument("blur_radius must be 0 metres or more");
   }
 }
 

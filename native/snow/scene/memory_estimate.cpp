@@ -100,7 +100,7 @@ MemoryEstimate estimate_memory(const std::vector<const SceneObject*>& objects, i
 void require_memory(const MemoryEstimate& estimate, int64_t available) {
   if (available > 0 && estimate.total() > available) {
     throw std::runtime_error(
-        "the snow takes " + estimate.text() + ", and " + mebibytes(available) +
+        "the snow needs " + estimate.text() + ", and " + mebibytes(available) +
         " MiB are free: lower the resolution of the largest receivers (half the "
         "resolution takes a quarter), or bake the receivers in several runs");
   }

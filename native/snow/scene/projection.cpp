@@ -179,10 +179,10 @@ std::vector<Tile> make_tiles(const std::vector<PixelRect>& receivers, int32_t ti
     all.high = {std::max(all.high.x, rect.high.x), std::max(all.high.y, rect.high.y)};
   }
   if (all.size().x > kWidestGrid || all.size().y > kWidestGrid) {
-    throw std::invalid_argument(
-        "the receivers span " + std::to_string(std::max(all.size().x, all.size().y)) +
-        " pixels, at most " + std::to_string(kWidestGrid) +
-        " are rendered: use a larger pixel_size, or leave far-away receivers out");
+    throw std::invalid_argument("the receivers span " +
+                                std::to_string(std::max(all.size().x, all.size().y)) +
+                                " pixels; the maximum is " + std::to_string(kWidestGrid) +
+                                ": use a larger pixel_size, or leave far-away receivers out");
   }
   const auto block_of = [](int32_t pixel) {
     return static_cast<int32_t>(

@@ -72,7 +72,7 @@ class Reader {
     for (double& value : values) value = std::bit_cast<double>(number<uint64_t>());
   }
   std::string_view raw(uint64_t count) {
-    if (count > rest_.size()) throw std::runtime_error("its content does not fit together");
+    if (count > rest_.size()) throw std::runtime_error("its content is inconsistent");
     const std::string_view part = rest_.substr(0, count);
     rest_.remove_prefix(count);
     return part;
@@ -116,7 +116,8 @@ std::string unpack(std::string_view packed, size_t size) {
   uLongf written = size;
   const int result = uncompress(reinterpret_cast<Bytef*>(data.data()), &written,
                                 reinterpret_cast<const Bytef*>(packed.data()), packed.size());
-  if (result != Z_OK || written != size) throw std::runtime_error("a map in it cannot be unpacked");
+  if (result != Z_OK || written != size)
+    throw std::runtime_error("one of its maps cannot be unpacked");
   return data;
 }
 
@@ -149,7 +150,7 @@ PackedObject read_object(Reader& reader) {
   object.name = reader.text();
   const auto resolution = reader.number<uint32_t>();
   if (resolution == 0 || resolution > kLargestResolution) {
-    throw std::runtime_error("a map in it has an impossible size");
+    throw std::runtime_error("one of its maps has an impossible size");
   }
   object.resolution = static_cast<int32_t>(resolution);
   reader.doubles(object.sums);
@@ -185,11 +186,11 @@ Checkpoint parse(std::string_view body,
     objects.push_back(read_object(reader));
     const ObjectState& object = objects.back().object;
     if (!outline.maps.empty() && object.name <= outline.maps.back().first) {
-      throw std::runtime_error("its maps are not in the order of their names");
+      throw std::runtime_error("its maps are not sorted by name");
     }
     outline.maps.emplace_back(object.name, object.resolution);
   }
-  if (!reader.at_end()) throw std::runtime_error("there is more in it than there should be");
+  if (!reader.at_end()) throw std::runtime_error("it has bytes after its end");
   if (check) check(outline);
   for (PackedObject& packed : objects) {
     checkpoint.state.objects.push_back(with_heights(std::move(packed)));

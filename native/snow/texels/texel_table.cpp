@@ -26,7 +26,7 @@ void check_topology(const MapTopology& topology) {
         "triangles must hold three vertex indices each, and at least one triangle");
   }
   if (topology.corner_uv.size() != topology.triangles.size()) {
-    throw std::invalid_argument("uv must hold one coordinate a triangle corner: " +
+    throw std::invalid_argument("uv must hold one coordinate per triangle corner: " +
                                 std::to_string(topology.triangles.size()) + ", not " +
                                 std::to_string(topology.corner_uv.size()));
   }

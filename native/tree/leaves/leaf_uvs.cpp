@@ -37,7 +37,7 @@ void check(const Foliage& foliage, int resolution) {
                      : begin.front() == 0 && std::is_sorted(begin.begin(), begin.end()) &&
                            static_cast<size_t>(begin.back()) == foliage.corner_vertex.size());
   if (!consistent) {
-    throw std::invalid_argument("face_begin, face_leaf and corner_vertex contradict each other");
+    throw std::invalid_argument("face_begin, face_leaf and corner_vertex are inconsistent");
   }
   for (const int32_t vertex : foliage.corner_vertex) {
     if (vertex < 0 || static_cast<size_t>(vertex) >= foliage.vertices.size()) {
@@ -156,7 +156,7 @@ LeafUvs layout_leaf_uvs(const Foliage& foliage, int resolution, const base::Exec
   for (int larger = kMinResolution; result.scale < 0.0; larger *= 2) {
     if (larger > kMaxResolution) {
       throw std::invalid_argument(
-          "the foliage's " + std::to_string(charts.size()) + " charts fit on no snow map up to " +
+          "the foliage's " + std::to_string(charts.size()) + " charts do not fit a snow map of " +
           std::to_string(kMaxResolution) + ": leave out the foliage or thin it");
     }
     if (larger > resolution) {

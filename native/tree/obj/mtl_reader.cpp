@@ -88,7 +88,7 @@ std::string where_it_may_be(const fs::path& root, const std::string& name) {
   const bool leads_out =
       path.is_absolute() || std::find(path.begin(), path.end(), fs::path("..")) != path.end();
   if (root.empty() || !leads_out) return "";
-  return " below " + root.string() + " (files elsewhere are read only where that is allowed)";
+  return " below " + root.string() + " (files elsewhere are only read with outside_files)";
 }
 
 /// Whether one of the words of a file's name says that it is a map of normals, or its last one is a
@@ -209,13 +209,13 @@ class MaterialReader {
       const std::string instead = fs::path(found.path).filename().string();
       warnings_.push_back("texture '" + statement.name + "' of material '" + current_->name +
                           "' is missing" + where_it_may_be(root_, statement.name) +
-                          (found.path.empty() ? "" : ": '" + instead + "' is taken for it"));
+                          (found.path.empty() ? "" : ": '" + instead + "' is used instead"));
     }
     return found;
   }
 
   void malformed(const std::string& what) {
-    warnings_.push_back(place_ + "malformed " + what + " is ignored");
+    warnings_.push_back(place_ + "malformed " + what + " ignored");
   }
 
   fs::path obj_folder_;

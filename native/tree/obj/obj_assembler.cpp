@@ -114,11 +114,10 @@ ObjScene ObjAssembler::finish() {
   }
   if (counts_.of[static_cast<int>(ObjIndex::kVertex)] == 0 && face_count_ == 0) {
     throw std::invalid_argument(
-        name_ + ": holds no vertices and no faces; it is empty or no Wavefront OBJ file");
+        name_ + ": has no vertices and no faces; it is empty or not a Wavefront OBJ file");
   }
   if (face_count_ == 0) {
-    throw std::invalid_argument(name_ +
-                                ": holds vertices but no faces; export the tree as polygons");
+    throw std::invalid_argument(name_ + ": has vertices but no faces; export the tree as polygons");
   }
   return std::move(scene_);
 }

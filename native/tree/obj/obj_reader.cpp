@@ -66,7 +66,7 @@ struct Chunk {
     if (stream.bad()) throw std::runtime_error(name + ": reading failed");
     bytes_read += got;
     if (std::memchr(buffer.data() + held, '\0', got) != nullptr) {
-      throw std::invalid_argument(name + ": is no text file, hence no Wavefront OBJ");
+      throw std::invalid_argument(name + ": is not a text file, hence not a Wavefront OBJ");
     }
     char* const from = buffer.data() + held - (held > 0 ? 1 : 0);
     held += got;

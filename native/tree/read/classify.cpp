@@ -251,10 +251,11 @@ std::optional<TreeForm> find_squares(const ObjScene& scene, const Parts& parts,
 std::string why_no_tree(const std::optional<WeldedTree>& welded) {
   if (!welded) return "has no extent";
   if (welded->thickness > kThickestTree) {
-    return "no tree: its limbs are " + rounded(welded->thickness) +
-           " of its size thick on average, a tree's less than " + rounded(kThickestTree);
+    return "not a tree: its limbs are " + rounded(welded->thickness) +
+           " of its size thick on average, those of a tree less than " + rounded(kThickestTree);
   }
-  if (welded->limbs.size() < kFewestLimbs) return "no tree: its surface does not fork into limbs";
+  if (welded->limbs.size() < kFewestLimbs)
+    return "not a tree: its surface does not fork into limbs";
   return "";
 }
 
@@ -352,11 +353,11 @@ ClassifiedParts classify_parts(const ObjScene& scene, const Parts& parts, const 
       skip(refused->second);
     } else if (labels.meaning[p] == NameMeaning::kWood) {
       skip(shapes.shape[p] == Shape::kOther ? reason_text(shapes.why[p])
-                                            : "a single plane, no limb");
+                                            : "a single plane, not a limb");
     } else if (shapes.shape[p] == Shape::kOther && shapes.why[p] == NotATube::kForks) {
       skip(reason_text(shapes.why[p]));
     } else if (labels.foliage_named) {
-      skip("no limb, and not named as foliage", false);
+      skip("not a limb, and not named as foliage", false);
     }
   }
   result.foliage_count =

@@ -186,7 +186,7 @@ LevelClusters match_levels(const std::string& levels, const std::vector<std::str
     if (name.empty()) throw std::invalid_argument("levels: a name is empty in '" + levels + "'");
     const std::string prefix = lower_case(name);
     if (std::find(prefixes.begin(), prefixes.end(), prefix) != prefixes.end()) {
-      throw std::invalid_argument("levels: '" + name + "' is named twice");
+      throw std::invalid_argument("levels: '" + name + "' appears twice");
     }
     clusters.names.push_back(name);
     prefixes.push_back(prefix);

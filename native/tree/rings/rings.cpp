@@ -285,11 +285,11 @@ std::string reason_text(NotATube reason) {
     case NotATube::kDisc:
       return "a disc: shorter than a quarter of its radius";
     case NotATube::kLoose:
-      return "hangs together only at single points";
+      return "connected only at single points";
     case NotATube::kUneven:
-      return "its cross-sections are uneven: no tube";
+      return "not a tube: its cross-sections are uneven";
     case NotATube::kForks:
-      return "its surface forks: no single tube";
+      return "not a single tube: its surface forks";
   }
   return "";
 }

@@ -93,7 +93,7 @@ void scale_skeleton(Skeleton& skeleton, double factor) {
   const double size = skeleton.height > 0.0f ? height : factor;
   if (!(factor > 0.0) || !(size > 1e-9) || !(size < 1e9)) {
     throw std::invalid_argument("the scale " + std::to_string(factor) +
-                                " must be above zero and make no tree beyond 1e-9 to 1e9 metres");
+                                " must be above zero and give a tree of 1e-9 to 1e9 metres");
   }
   if (factor == 1.0) return;
   const auto grow = [factor](glm::vec3& p) { p = glm::vec3(glm::dvec3(p) * factor); };

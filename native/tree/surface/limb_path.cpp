@@ -110,8 +110,7 @@ double closest_joint(double corner, double next, const SurfaceScale& scale) {
 
 SurfaceScale surface_scale(const Skeleton& skeleton) {
   if (skeleton.branches.empty()) {
-    throw std::invalid_argument(
-        "the skeleton has no branches; there is nothing to build a surface around");
+    throw std::invalid_argument("the skeleton has no branches");
   }
   glm::dvec3 low(1e300), high(-1e300);
   for (size_t b = 0; b < skeleton.branches.size(); ++b) {
@@ -120,7 +119,7 @@ SurfaceScale surface_scale(const Skeleton& skeleton) {
     if (count == 0 || branch.radii.size() != count || branch.areas.size() != count) {
       throw std::invalid_argument(
           "branch '" + branch.name +
-          "' needs at least one point, and one radius and one area a point");
+          "' needs at least one point, and one radius and one area per point");
     }
     if (branch.parent >= static_cast<int32_t>(b) || branch.parent < -1) {
       throw std::invalid_argument("branch '" + branch.name + "' must come after its parent");

@@ -179,7 +179,7 @@ class Cutter {
   const Junction& junction_at(const FaceOrigin& origin) const {
     const auto j = holes_.first_leaving(origin.branch, origin.row, origin.side);
     if (j == holes_.leaving[origin.branch].end()) {
-      throw std::logic_error("an inset without its junction");
+      throw std::logic_error("an inset has no junction");
     }
     return surface_.junctions[*j];
   }

@@ -34,7 +34,7 @@ void check(const UvSurface& surface, int resolution) {
   }
   if (surface.corner_vertex.size() % surface.sides != 0 ||
       surface.corner_uv.size() != surface.corner_vertex.size()) {
-    throw std::invalid_argument("uv and faces must have one entry a corner");
+    throw std::invalid_argument("uv and faces must have one entry per corner");
   }
   for (const int32_t vertex : surface.corner_vertex) {
     if (vertex < 0 || static_cast<size_t>(vertex) >= surface.vertices.size()) {

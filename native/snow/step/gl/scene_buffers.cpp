@@ -18,10 +18,10 @@ using shared::kTexelGroup;
 void require_room(int64_t bytes, const gpu::GpuInfo& info, const char* what) {
   if (bytes > info.max_storage_buffer_bytes) {
     throw std::runtime_error(
-        std::string("the scene's ") + what + " take " + std::to_string(bytes >> 20) +
-        " MiB, the driver (" + info.renderer + ") takes " +
+        std::string("the scene's ") + what + " need " + std::to_string(bytes >> 20) +
+        " MiB, the limit of the driver (" + info.renderer + ") is " +
         std::to_string(info.max_storage_buffer_bytes >> 20) +
-        " MiB: leave out or simplify objects that snow does not need, or use another GPU");
+        " MiB: remove or simplify objects that snow does not need, or use another GPU");
   }
 }
 

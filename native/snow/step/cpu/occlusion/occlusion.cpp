@@ -54,7 +54,7 @@ void OcclusionPass::run(const OcclusionScene& scene, const PixelRect& pixels,
                         std::span<shared::SeenPixel> seen) {
   const glm::ivec2 size = pixels.size();
   if (pixels.empty()) {
-    throw std::invalid_argument("OcclusionPass: a rectangle without pixels");
+    throw std::invalid_argument("OcclusionPass: the rectangle has no pixels");
   }
   if (seen.size() != static_cast<size_t>(size.x) * static_cast<size_t>(size.y)) {
     throw std::invalid_argument("OcclusionPass: room for " + std::to_string(seen.size()) +

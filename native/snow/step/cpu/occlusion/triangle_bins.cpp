@@ -152,7 +152,7 @@ bool TriangleBins::sort(const Input& input) {
   if (size_.x > kMostBins || size_.y > kMostBins) {
     throw std::invalid_argument("a tile of " + std::to_string(input.pixels.size().x) + " x " +
                                 std::to_string(input.pixels.size().y) + " pixels: draw at most " +
-                                std::to_string(kMostBins * kBinSize) + " a side at once");
+                                std::to_string(kMostBins * kBinSize) + " per side at once");
   }
   if (input.end - input.first > std::max<int64_t>(input.most_entries, 1)) return false;
   const size_t chunks = chunks_of(input);
