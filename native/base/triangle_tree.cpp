@@ -19,7 +19,7 @@ double squared_distance(const glm::vec3& low, const glm::vec3& high, const glm::
   return squared(p - glm::clamp(p, glm::dvec3(low), glm::dvec3(high)));
 }
 
-/// Whether a ray meets a box nearer than `nearest`. `inverse`: 1 / direction.
+/// Whether a ray hits a box closer than `nearest`. `inverse`: 1 / direction.
 bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
            const glm::dvec3& inverse, double nearest) {
   const glm::dvec3 a = (glm::dvec3(low) - from) * inverse, b = (glm::dvec3(high) - from) * inverse;
@@ -29,7 +29,7 @@ bool meets(const glm::vec3& low, const glm::vec3& high, const glm::dvec3& from,
   return enter <= leave;
 }
 
-/// The distance along a ray to a triangle, or infinity.
+/// Distance along a ray to a triangle, or infinity.
 double meets_triangle(const glm::dvec3& from, const glm::dvec3& way,
                       const std::array<glm::vec3, 3>& corners) {
   constexpr double kMisses = std::numeric_limits<double>::infinity();
@@ -118,7 +118,7 @@ void TriangleTree::build(int32_t begin, int32_t end) {
 TriangleTree::Nearest TriangleTree::nearest(int32_t group, const glm::dvec3& p) const {
   Nearest best;
   if (roots_[group] < 0) return best;
-  // As deep as the tree: each level halves what is left.
+  // The tree's depth: each level halves the range.
   std::array<int32_t, 64> stack{};
   int32_t pending = 0;
   stack[pending++] = roots_[group];
@@ -152,7 +152,7 @@ double TriangleTree::distance_along(int32_t group, const glm::dvec3& from, const
                                     double least) const {
   double nearest = std::numeric_limits<double>::infinity();
   if (roots_[group] < 0) return nearest;
-  // A direction of 0 meets the planes of its axis at infinity, never at 0 / 0.
+  // A direction of 0 meets the planes of its axis at infinity, never 0 / 0.
   glm::dvec3 inverse;
   for (int axis = 0; axis < 3; ++axis) {
     inverse[axis] = 1.0 / (way[axis] == 0.0 ? 1e-300 : way[axis]);

@@ -34,7 +34,7 @@ bool can_load(const char* library) {
   return dlopen(library, RTLD_LAZY | RTLD_LOCAL) != nullptr;
 }
 
-/// libepoxy ends the process when a library is missing, so look before it does.
+/// libepoxy ends the process if a library is missing, so this checks first.
 void require_libraries() {
   if (!can_load("libEGL.so.1")) {
     throw std::runtime_error(
@@ -92,7 +92,7 @@ std::vector<Candidate> list_candidates() {
   return candidates;
 }
 
-/// Keeps the candidates that `wanted` names; with no wish, real GPUs come before software.
+/// Keeps the candidates that `wanted` names; if it is empty, hardware comes before software.
 std::vector<Candidate> select_candidates(std::vector<Candidate> all, const std::string& wanted) {
   if (wanted.empty()) {
     std::stable_partition(all.begin(), all.end(), [](const Candidate& c) { return !c.software; });

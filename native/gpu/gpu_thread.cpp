@@ -27,11 +27,11 @@ std::shared_ptr<GpuThread> GpuThread::shared(const std::string& device) {
 }
 
 std::shared_ptr<GpuThread> GpuThread::begin(const std::string& device) {
-  // Never destroyed: a simulation that outlives main must not find it gone.
+  // Never destroyed: a simulation may outlive main.
   static auto* mutex = new std::mutex();
   static auto* threads = new std::map<std::string, std::weak_ptr<GpuThread>>();
   static const base::ProcessMark made_in;
-  // Drivers have threads and locks of their own, which a forked process lacks or finds closed.
+  // A forked process lacks the driver's threads and may inherit locked mutexes.
   if (!made_in.is_here()) refuse_forked();
   const std::scoped_lock lock(*mutex);
   std::weak_ptr<GpuThread>& slot = (*threads)[device];

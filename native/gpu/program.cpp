@@ -153,7 +153,7 @@ void Program::reflect() {
 void Program::use() {
   glUseProgram(id_);
   for (auto& [name, input] : inputs_) {
-    // Uniforms belong to the program and keep their value; what is bound belongs to the context.
+    // Uniforms belong to the program and keep their value; bindings belong to the context.
     input.ready = input.ready && input.kind == Kind::kUniform;
   }
 }

@@ -21,7 +21,7 @@
 namespace snowbough::image {
 namespace {
 
-/// Collects what OpenEXR writes, so that only AtomicFile touches the disk.
+/// Collects OpenEXR's output, so that only AtomicFile writes to the disk.
 class MemoryWriter : public Imf::OStream {
  public:
   MemoryWriter() : Imf::OStream("memory") {}
@@ -110,8 +110,8 @@ Imf::Header make_header(const ExrLayout& layout) {
   return header;
 }
 
-/// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at
-/// that array's last row and the rows run backwards.
+/// Channels of an interleaved array whose row 0 is the file's last scanline: the base points at the
+/// array's last row, with a negative stride.
 template <typename Scalar>
 Imf::FrameBuffer flipped_frame_buffer(const std::vector<std::string>& channels, Imf::PixelType type,
                                       const Scalar* pixels, int32_t width, int32_t height,
@@ -149,7 +149,7 @@ std::string encode(const ExrLayout& layout, const float* pixels) {
   return stream.bytes();
 }
 
-/// The file's first bytes, up to the table of the lines' places.
+/// The file's first bytes, up to the line offset table.
 std::string encode_header(const ExrLayout& layout) {
   const Imf::Header header = make_header(layout);
   constexpr size_t kLongestShortName = 31;
@@ -182,11 +182,11 @@ ExrCompression from_imf(Imf::Compression compression) {
   }
 }
 
-/// What zlib packs at most, the best of the packers here: bytes of pixels a byte of the file.
+/// Best compression ratio of all supported methods (zlib's): pixel bytes per file byte.
 constexpr uint64_t kBestRatio = 1100;
 
-/// Whether the attributes of the header end where the file says: OpenEXR takes memory for what each
-/// says of itself.
+/// Checks that the header's attributes end inside the file: OpenEXR allocates the sizes that they
+/// declare.
 void check_attributes(std::string_view bytes) {
   const auto end_of_text = [&](size_t at) {
     const size_t end = bytes.find('\0', at);
@@ -206,7 +206,7 @@ void check_attributes(std::string_view bytes) {
   }
 }
 
-/// Compares what the header announces with the file's length and kLargestExr.
+/// Compares the declared size with the file's length and kLargestExr.
 void check_size(const std::string& path, const std::string& bytes) {
   MemoryReader stream(path, bytes);
   int32_t start[2];

@@ -27,7 +27,7 @@ void append_chunk(std::string& file, const char* type, std::string_view data) {
       file, static_cast<uint32_t>(crc32(0, checked, static_cast<uInt>(file.size() - begin))));
 }
 
-/// Rows from the top, each after the filter byte "up": differences to the row above pack well.
+/// Rows from the top, each with the filter type "up": differences to the row above compress well.
 template <typename Sample>
 std::string filtered_rows(int32_t width, int32_t height, int32_t channels, const Sample* samples) {
   const size_t row_samples = static_cast<size_t>(width) * static_cast<size_t>(channels);
@@ -80,7 +80,7 @@ void write_png(const std::string& path, int32_t width, int32_t height, int32_t c
   std::string file("\x89PNG\r\n\x1a\n", 8);
   append_chunk(file, "IHDR", header);
   const std::string packed = deflate_all(filtered_rows(width, height, channels, samples));
-  // A chunk's length has 31 bits: large images are cut into several.
+  // A chunk's length has 31 bits: large images use several chunks.
   constexpr size_t kChunk = size_t{1} << 30;
   for (size_t begin = 0; begin < packed.size(); begin += kChunk) {
     append_chunk(file, "IDAT", std::string_view(packed).substr(begin, kChunk));

@@ -16,7 +16,7 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-/// Keeps the process's thread for a device, and with it the context, until it is closed.
+/// Keeps the process's thread for a device, and its context, until closed.
 class HeldGpu {
  public:
   explicit HeldGpu(const std::string& device) {

@@ -40,7 +40,7 @@ Simplify simplify_from(const std::string& name) {
   throw std::invalid_argument("simplify must be NONE, THESIS or TOLERANCE, not '" + name + "'");
 }
 
-/// foliage: a bool, "AUTO" (keep it), "NONE" (leave it out), or the names that are foliage.
+/// foliage: a bool, "AUTO" (keep it), "NONE" (leave it out), or the name prefixes of foliage.
 void set_foliage(const py::object& foliage, ReadTreeOptions& options) {
   if (py::isinstance<py::bool_>(foliage)) {
     options.foliage = foliage.cast<bool>();
@@ -149,7 +149,7 @@ py::ssize_t count_of(const auto& values) {
   return static_cast<py::ssize_t>(values.size());
 }
 
-/// A read-only (N,) or (N, Columns) view of a member vector, kept alive by the object that has it.
+/// A read-only (N,) or (N, Columns) view of a member vector, kept alive by its object.
 template <typename Class, typename Scalar, int Columns, typename Element>
 auto array_view(std::vector<Element> Class::*member) {
   return [member](const py::object& self) {
@@ -189,7 +189,7 @@ void bind_skeleton(py::module_& module) {
       .def_property_readonly(
           "path",
           [](const MaterialTexture& texture) {
-            // A file's name may be no UTF-8.
+            // A file name may not be valid UTF-8.
             return py::module_::import("os").attr("fsdecode")(py::bytes(texture.path));
           },
           "Absolute path of an existing file, or empty.")

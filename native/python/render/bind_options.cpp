@@ -12,7 +12,7 @@ namespace {
 
 using namespace snowbough::render;
 
-/// Binds a struct of options whose fields keywords set, in the constructor or one by one.
+/// Binds a struct of options, whose fields are set by keywords in the constructor or as attributes.
 template <typename Options>
 class OptionsClass {
  public:
@@ -48,7 +48,7 @@ class OptionsClass {
   py::class_<Options> class_;
 };
 
-/// A 4 x 4 matrix, rows first as numpy writes them, or None.
+/// A 4 x 4 matrix, row-major as in numpy, or None.
 template <typename Options>
 void matrix_field(OptionsClass<Options>& to, const char* name,
                   std::optional<glm::mat4> Options::*member, const char* doc) {

@@ -11,7 +11,7 @@ namespace {
 
 using namespace snowbough::render;
 
-/// Empty for None.
+/// Returns an empty vector for None.
 std::vector<std::array<glm::vec3, 3>> corner_normals(const py::object& normals) {
   if (normals.is_none()) return {};
   const auto array = py::cast<InputArray<float>>(normals);

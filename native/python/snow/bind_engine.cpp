@@ -11,7 +11,7 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-/// Keeps an engine, and with it the driver that it has loaded, until it is closed.
+/// Keeps an engine, and the driver that it has loaded, until closed.
 class HeldEngine {
  public:
   HeldEngine(const std::string& engine, const std::string& mapping, const std::string& device) {

@@ -58,7 +58,7 @@ py::dict output_map(const InputArray<int32_t>& triangles, const InputArray<float
     ReleasedGil unlocked;
     const snow::TexelTable table = snow::build_texel_table(topology);
     const snow::SeamTable seams = snow::build_seam_table(topology, table, points);
-    // Only the surface's own texels count.
+    // Clears texels outside the surface.
     std::vector<float> owned(stored.size(), 0.0f);
     for (const int32_t texel : table.texel) owned[texel] = stored[texel];
     output = snow::CpuFilter(table, seams, {blur_radius})

@@ -74,7 +74,7 @@ void step(SnowSimulation& simulation, const py::dict& positions, double depth,
   simulation.step(map, depth, {direction[0], direction[1], direction[2]}, dt);
 }
 
-/// Takes over the named settings that are given; the others stay.
+/// Applies the given settings; the others stay.
 void change_settings(SnowSimulation& simulation, std::optional<double> noise_density,
                      std::optional<double> flutter, std::optional<double> max_depth,
                      std::optional<double> slide_half_life, std::optional<double> repose,
@@ -91,7 +91,7 @@ void change_settings(SnowSimulation& simulation, std::optional<double> noise_den
   simulation.change_settings(settings);
 }
 
-/// A map of a receiver by its name: height and texel_area.
+/// Returns a receiver's map: height or texel_area.
 template <std::vector<float> (SnowSimulation::*read)(const std::string&)>
 py::array_t<float> map_of(SnowSimulation& simulation, const std::string& name) {
   int32_t edge = 0;
@@ -107,7 +107,7 @@ snow::OutputSnapshot snapshot(SnowSimulation& simulation, const std::string& nam
   return simulation.snapshot(name, normal);
 }
 
-/// A map that numpy looks at, and who takes its memory then.
+/// A map in use by numpy, whose memory returns to the pool afterwards.
 struct PooledArray {
   PooledArray(std::vector<float>&& map, std::shared_ptr<snow::MapMemory> taker)
       : heights(std::move(map)), memory(std::move(taker)) {}
@@ -122,7 +122,7 @@ struct PooledArray {
 };
 
 py::dict snapshot_output(snow::OutputSnapshot& snapshot) {
-  // Moved while the GIL is held, so that of two threads that call this one gets the map.
+  // Moved while the GIL is held, so that only one of two concurrent callers gets the map.
   snow::OutputSnapshot taken = std::move(snapshot);
   snow::MapOutput result = without_gil([&] { return taken.output(); });
   const int32_t resolution = taken.resolution();

@@ -21,7 +21,7 @@ std::vector<float> map_of(const InputArray<float>& height, const char* name) {
   return {height.data(), height.data() + height.size()};
 }
 
-/// The receiver, whose triangles name rows of positions.
+/// Converts a receiver, whose triangles are rows of positions.
 snow::SurfaceSource surface_source(snow::MapTopology topology, const InputArray<float>& positions,
                                    const std::optional<InputArray<int32_t>>& shading) {
   snow::SurfaceSource source{
@@ -46,7 +46,7 @@ void require_positive(double value, const char* name) {
   }
 }
 
-/// A surface that knows which maps and positions fit it.
+/// A surface with the sizes of its maps and positions.
 struct BoundSurface {
   snow::SnowSurface surface;
   int32_t resolution;

@@ -14,15 +14,15 @@ namespace snowbough::snow {
 namespace {
 
 constexpr ptrdiff_t kMargin = 32;
-/// Cells of a row that are passed over together where they are bare.
+/// Bare cells of a row are skipped in blocks of this size.
 constexpr int32_t kBlock = 16;
-/// Levels of at most this size are not worth a second thread.
+/// Levels up to this size run on one thread.
 constexpr int32_t kSmallLevel = 512;
 
-/// Half the variance that it adds to take a block's cells for one, in cells^2.
+/// Half the variance in cells^2 that merging a block's cells adds.
 constexpr float kBlockSpread = 0.25f;
 
-/// What of half a link's variance over distance^2 the levels below `level` see to.
+/// Half a link's variance over distance^2 that levels finer than `level` provide.
 float done_below(size_t level) {
   return (kStages * kStageShare + kBlockSpread) / 3.0f *
          (1.0f - std::pow(0.25f, static_cast<float>(level)));
@@ -51,8 +51,8 @@ Smoother::Smoother(const SmoothingGrid& grid, const SmoothingSettings& settings,
   }
 }
 
-/// Arrays of maps that are done with, for the next ones of their size: to fill new memory for the
-/// first time costs more than a pass over a map. For any thread.
+/// Pool of the arrays of finished maps, for maps of the same size: touching new memory for the
+/// first time costs more than a pass over a map. Thread-safe.
 class Smoother::Workspace {
  public:
   static Workspace& shared() {
@@ -60,7 +60,7 @@ class Smoother::Workspace {
     return workspace;
   }
 
-  /// Levels for a map of `size` texels a side; none where none are there.
+  /// Levels for a map of `size` texels per side; empty if the pool has none.
   std::vector<Level> take(int32_t size) {
     const std::scoped_lock lock(mutex_);
     const auto found = std::find_if(kept_.begin(), kept_.end(),
@@ -82,13 +82,13 @@ class Smoother::Workspace {
   }
 
  private:
-  /// As many as are made at a time.
+  /// Number of maps processed at the same time.
   static constexpr size_t kMostKept = 2;
   std::mutex mutex_;
   std::vector<std::pair<int32_t, std::vector<Level>>> kept_;
 };
 
-/// Makes a level's arrays unless they are there, all 0.
+/// Allocates a level's arrays, zeroed, unless they exist.
 void Smoother::make_level(size_t number) {
   const auto fit = [&](Level& level) {
     level.loose.resize(static_cast<size_t>(band_count(grid_.levels[number])));
@@ -139,8 +139,8 @@ void Smoother::for_each_run(size_t number,
   });
 }
 
-/// Empties what was under the runs of the map before and is under none of this one: what is under
-/// these is written anew.
+/// Clears cells in runs of the previous map that are in no run of this one; the runs of this map
+/// are overwritten.
 void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) {
   Level& level = levels_[number];
   const EdgeArrays edges = number == 0 ? edge_arrays(level) : EdgeArrays{};
@@ -167,7 +167,7 @@ void Smoother::clear_beyond_runs(size_t number, const std::vector<Run>& before) 
   }
 }
 
-/// `is_filled(cell, count)`: whether some of the cells hold snow.
+/// `is_filled(cell, count)`: whether any of the cells holds snow.
 template <typename IsFilled, typename Runs>
 static void find_level_runs(int32_t size, const IsFilled& is_filled, Runs& runs,
                             std::vector<int32_t>& run_row) {
@@ -222,7 +222,7 @@ void Smoother::restrict_to(size_t number) {
   const float* const height = fine.height.data() + fine.margin;
   const float* const inverse = fine.inverse_weight.data() + fine.margin;
 
-  // Which blocks of cells hold anything: those above the runs, and those that strays join.
+  // Filled blocks of cells: those above the runs, and those that strays join.
   const int32_t blocks = (grid.size + kBlock - 1) / kBlock;
   std::vector<uint8_t> filled(static_cast<size_t>(blocks) * grid.size, 0);
   const auto mark = [&](int32_t cell) {
@@ -277,8 +277,7 @@ void Smoother::restrict_to(size_t number) {
   }
 }
 
-/// Hands the change of each block's mean on to its cells, in proportion, so that none falls below
-/// 0.
+/// Applies the change of each block's mean to its cells, in proportion, so that none falls below 0.
 void Smoother::prolong_from(size_t number) {
   Level& fine = levels_[number - 1];
   const SmoothingLevel& fine_grid = grid_.levels[number - 1];

@@ -1,5 +1,5 @@
-// Smoother's banks: where snow ends in a slope on ground that goes on, it is spread the less the
-// nearer the foot of the slope is.
+// Smoother's slope feet: where snow ends in a steep slope on continuing ground, it is smoothed less
+// the closer it is to the foot.
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -11,7 +11,7 @@
 namespace snowbough::snow {
 namespace {
 
-/// Eighths of a cell from one cell to the next, and to the next but one round a corner.
+/// Distance in eighths of a cell to an adjacent cell, and to a diagonal one.
 constexpr int32_t kStep = kProximitySteps;
 constexpr int32_t kDiagonal = 11;
 constexpr uint8_t kRidgeBit = 128;
@@ -19,23 +19,23 @@ constexpr uint8_t kProximityBits = 127;
 static_assert(kAtFoot <= kProximityBits);
 
 /// The eight cells around one on the grid: right, above and below it, left, above and below it,
-/// above, below. Eight bytes in a word are handled side by side: none exceeds 127, so that the
-/// eighth bit of each is free for what a comparison says.
+/// above, below. They are processed as eight bytes of a word: none exceeds 127, so the top bit of
+/// each is free for the result of a comparison.
 constexpr int32_t kAround = 8;
 constexpr uint64_t kEachByte = 0x0101010101010101;
 constexpr uint64_t kEachTop = kEachByte << 7;
 constexpr uint64_t kSteps = 0x08080b0b080b0b08;
-/// The same where no diagonal step is left.
+/// Bytes of the diagonal cells.
 constexpr uint64_t kDiagonals = 0x0000ffff00ffff00;
 
-/// The top bits of those that are not round a corner.
+/// Top bits of the cells that are not diagonal.
 constexpr uint64_t kStraight = kEachTop & ~kDiagonals;
 
 constexpr std::array<int32_t, kAround> offsets_around(int32_t size) {
   return {1, 1 + size, 1 - size, -1, size - 1, -1 - size, size, -size};
 }
 
-/// The top bit of a byte of `a` that is at least that of `b`.
+/// Sets the top bit of each byte of `a` that is at least that of `b`.
 constexpr uint64_t at_least(uint64_t a, uint64_t b) {
   return ((a | kEachTop) - b) & kEachTop;
 }
@@ -48,14 +48,14 @@ uint64_t word_around(const uint8_t* proximity, const std::array<int32_t, kAround
   return word;
 }
 
-/// Calls visit(k) for the bytes whose top bit is set.
+/// Calls visit(k) for the bytes with the top bit set.
 template <typename Visit>
 void for_each_byte(uint64_t tops, const Visit& visit) {
   for (; tops != 0; tops &= tops - 1) visit(static_cast<size_t>(std::countr_zero(tops) / 8));
 }
 
-/// Which of the cells around one snow of its level reaches: the top bits of their bytes. Round a
-/// corner it goes by the cell beside it.
+/// The cells around one that are linked by snow, as top bits of their bytes. A diagonal link goes
+/// through the cell beside it.
 uint64_t links_around(const SmoothingLevel& grid, int32_t i) {
   const uint16_t* const right = grid.to_right() + i;
   const uint16_t* const above = grid.upwards() + i;
@@ -71,13 +71,13 @@ uint64_t links_around(const SmoothingLevel& grid, int32_t i) {
 
 }  // namespace
 
-/// Finds the cells of level 0 in which a bank ends, and those near them.
+/// Finds the cells of level 0 at the foot of a slope, and those near them.
 void Smoother::find_feet() {
   Level& level = levels_[0];
   const SmoothingLevel& grid = grid_.levels[0];
   const float* const height = level.at(level.height);
   const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
-  // Cells that snow rises per cell, towards the one side where it ends on the other.
+  // Rise of the snow per cell towards one side, if it ends on the other.
   const auto rise = [&](int32_t i, ptrdiff_t step, const uint16_t* links) {
     float most = 0.0f;
     for (const ptrdiff_t inwards : {step, -step}) {
@@ -109,17 +109,17 @@ void Smoother::find_feet() {
   spread_feet(0);
 }
 
-/// Calls visit(other) for the cells to which a cell's links across seams lead.
+/// Calls visit(other) for the cells linked across seams.
 template <typename Visit>
 void Smoother::for_each_across(size_t number, int32_t i, const Visit& visit) const {
   const SmoothingLevel& grid = grid_.levels[number];
   if (!grid.is_linked(i)) return;
-  // On level 0 such links take the place of those on the grid.
+  // On level 0 links across seams replace those on the grid.
   if (number == 0 && (~links_around(grid, i) & kStraight) == 0) return;
   grid.for_each_link(i, visit);
 }
 
-/// Goes on from the feet of a level to all cells that are near enough, and forgets ridges again.
+/// Propagates the proximity from a level's feet, and removes ridges.
 void Smoother::spread_feet(size_t number) {
   Level& level = levels_[number];
   if (level.feet.cells.empty()) return;
@@ -129,15 +129,14 @@ void Smoother::spread_feet(size_t number) {
   forget_ridges(number, approach_feet(number));
 }
 
-/// Puts a cell into its list.
 void Smoother::note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity) {
   feet.at_distance[static_cast<size_t>(kAtFoot - proximity)].push_back(cell);
 }
 
-/// Returns the cells that are farther from their feet than all beside them.
+/// Returns the cells that are farther from their feet than all their neighbours.
 ///
-/// E. W. Dijkstra, A Note on Two Problems in Connexion with Graphs, 1959, with a list a distance:
-/// R. B. Dial, Algorithm 360, 1969.
+/// E. W. Dijkstra, A Note on Two Problems in Connexion with Graphs, 1959, with one list per
+/// distance: R. B. Dial, Algorithm 360, 1969.
 std::vector<int32_t> Smoother::approach_feet(size_t number) {
   Level& level = levels_[number];
   const float* const height = level.at(level.height);
@@ -146,7 +145,7 @@ std::vector<int32_t> Smoother::approach_feet(size_t number) {
   uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   std::vector<int32_t> crests;
   for (int32_t from = kAtFoot; from > 0; --from) {
-    // No step leads on from the last few, and none round a corner from some before.
+    // The last distances reach no further cell, and some before them no diagonal one.
     const uint64_t within = from > kDiagonal ? kEachTop : from > kStep ? kStraight : 0;
     const uint64_t steps = kSteps & within / (kProximityBits + 1) * kProximityBits;
     const uint64_t to = static_cast<uint64_t>(from) * kEachByte - steps;
@@ -186,8 +185,8 @@ std::vector<int32_t> Smoother::approach_feet(size_t number) {
   return crests;
 }
 
-/// A ridge is all bank: its crest is the farthest from its feet and still steeply above them. It is
-/// rounded as ever, or posts and twigs would wear tents.
+/// On a ridge all snow is near a foot: its crest is farthest from the feet and still steeply above
+/// them. Ridges are smoothed normally, otherwise posts and twigs would carry tent-like caps.
 void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) {
   Level& level = levels_[number];
   const float* const height = level.at(level.height);
@@ -195,8 +194,7 @@ void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) 
   const ClosenessView closeness{grid.to_right(), grid.upwards(), grid.size};
   const std::array<int32_t, kAround> offsets = offsets_around(grid.size);
   uint8_t* const proximity = level.feet.proximity.data() + level.margin;
-  // Of the cells beside one that are farther from the foot, the farthest says whether it is on a
-  // ridge.
+  // The neighbour farthest from the foot decides whether a cell is on a ridge.
   const auto is_on_ridge = [&](int32_t i, int32_t own) {
     int32_t farthest = own;
     bool is_ridge = false;
@@ -215,7 +213,7 @@ void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) 
   const auto note_ridge = [&](int32_t i, int32_t own) {
     proximity[i] |= kRidgeBit;
     ridge.push_back(i);
-    // Whoever may look at it, for links round corners need not lead back.
+    // Asks in both directions, since diagonal links may be one-way.
     const auto ask = [&](int32_t j) {
       const int32_t there = proximity[j] & kProximityBits;
       if (there > own) note_proximity(level.feet, j, there);
@@ -240,8 +238,8 @@ void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) 
   std::erase_if(level.feet.cells, [&](int32_t cell) { return proximity[cell] == 0; });
 }
 
-/// Fills a level's bank from the one below: a block is half as many cells away as the nearest of
-/// its cells.
+/// Fills a level's proximity from the finer level: a block is half as many cells away as its
+/// nearest cell.
 void Smoother::restrict_feet(size_t number) {
   const Level& fine = levels_[number - 1];
   Level& level = levels_[number];
@@ -259,7 +257,7 @@ void Smoother::restrict_feet(size_t number) {
   spread_feet(number);
 }
 
-/// Takes from the conductances of a run what banks do not let through.
+/// Limits the conductances of a run near feet.
 void Smoother::limit_run(size_t number, Run run, const ConductanceTerms& terms) {
   Level& level = levels_[number];
   if (level.feet.cells.empty()) return;
@@ -277,7 +275,7 @@ void Smoother::limit_run(size_t number, Run run, const ConductanceTerms& terms) 
   }
 }
 
-/// What prolong_from() is to leave of the differences within a block.
+/// Damping factor of the differences within a block, for prolong_from().
 float Smoother::damping_of_block(size_t number, int32_t block) const {
   const Level& level = levels_[number];
   const SmoothingLevel& grid = grid_.levels[number];
@@ -287,7 +285,7 @@ float Smoother::damping_of_block(size_t number, int32_t block) const {
                  done_below_[number]);
 }
 
-/// Leaves no bank for the next map.
+/// Clears the proximity for the next map.
 void Smoother::clear_feet() {
   for (Level& level : levels_) {
     for (const int32_t cell : level.feet.cells) {

@@ -21,7 +21,7 @@ SNOWBOUGH_WIDE void load_run(const float* __restrict map, const float* __restric
 
 namespace {
 
-/// What EdgeArrays note of a link between these heights.
+/// State of a link between these heights for EdgeArrays.
 inline uint8_t noted_link(uint16_t link, float own, float beside) {
   const bool linked = link != 0;
   const float other = linked ? beside : 0.0f;
@@ -49,7 +49,7 @@ SNOWBOUGH_WIDE bool open_links_run(const float* __restrict height, const Closene
   uint8_t* __restrict right = edges.right;
   uint8_t* __restrict above = edges.above;
   const uint16_t* __restrict to_right = closeness.right;
-  // The cell before the run is bare, its link may lead into the run.
+  // The cell before the run is bare; its link may lead into the run.
   for (int32_t i = begin - 1; i < end; ++i) {
     right[i] = noted_link(to_right[i], height[i], height[i + 1]);
   }
@@ -87,7 +87,7 @@ SNOWBOUGH_WIDE float conduct_run(const float* __restrict height, const float* __
   const uint16_t* __restrict to_right = closeness.right;
   const uint16_t* __restrict upwards = closeness.above;
   const ptrdiff_t size = closeness.size;
-  // Numbers from 0 up are ordered as their bits are, which vectors compare faster.
+  // Non-negative floats sort like their bits, which vectorise better.
   int32_t largest = 0;
   for (int32_t i = begin; i < end; ++i) {
     const LinkConductance along = conductance(height[i], height[i + 1], inverse[i], inverse[i + 1],
@@ -121,7 +121,7 @@ SNOWBOUGH_WIDE void limit_feet_run(const uint8_t* __restrict proximity,
                                          from_half(to_right[i]), terms);
     const float across = foot_conductance(proximity[i], proximity[i + size], inverse[i],
                                           inverse[i + size], from_half(upwards[i]), terms);
-    // Where both cells are bare `along` is no number.
+    // `along` is NaN where both cells are bare.
     right[i] = along < right[i] ? along : right[i];
     above[i] = across < above[i] ? across : above[i];
   }
@@ -148,7 +148,7 @@ SNOWBOUGH_WIDE void restrict_run(const float* __restrict low, const float* __res
     const float c = high[2 * i] * static_cast<float>(high_joins[2 * i]);
     const float d = high[2 * i + 1] * static_cast<float>(high_joins[2 * i + 1]);
     const float most = deepest(deepest(a, b), deepest(c, d));
-    // Bare cells have no weight, and no height to be open to.
+    // Bare cells have no weight and no open links.
     const auto weight = [most](float height, float inverse_weight) {
       return is_open(height, most) ? 1.0f / inverse_weight : 0.0f;
     };

@@ -1,4 +1,4 @@
-// Smoother's links: which snow crosses, how readily, and the stages in which it does.
+// Smoother's links: which ones snow may cross, their conductance, and the diffusion stages.
 #include <algorithm>
 #include <utility>
 

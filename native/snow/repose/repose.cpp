@@ -11,19 +11,17 @@
 namespace snowbough::snow {
 namespace {
 
-/// Rounds that a block does at a time: with more, a heap that reaches over many comes to rest
-/// later.
+/// Rounds of a block at a time: with more, a heap over many blocks takes longer to rest.
 constexpr int kRounds = 8;
-/// A step goes on for at most so many rounds, and for so much work, in rounds of one block: for
-/// every block of the map, and for any map.
+/// Work limits of a step, in rounds of one block: per block of the map, and per map.
 constexpr int kMostRounds = 800;
 constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 24000.0;
-/// Seconds of a step that is granted so much, and how much longer the longest may go on.
+/// Duration in seconds of a step with these limits, and the factor for the longest steps.
 constexpr float kUsualStep = 0.25f;
 constexpr float kMostPatience = 8.0f;
 
-/// Rows of a tile in which snow has moved or sticks on walls, a bit each.
+/// Rows of a tile in which snow has moved or sticks to walls, one bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
   uint32_t rows = tile.moved_rows.load(std::memory_order_relaxed);
   for (int32_t row = 0; tile.any_wall && row < kReposeBlock; ++row) {
@@ -46,7 +44,7 @@ void Repose::mark_near(int32_t block, Marks& marks) const {
   }
 }
 
-/// Marks those of the blocks around one that have a bit in `around`: see TileWindow::seen_by.
+/// Marks the blocks around one whose bit is set in `around`: see TileWindow::seen_by.
 void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
   const int32_t side = links_.blocks_a_side;
   for (; around != 0; around &= around - 1) {
@@ -58,7 +56,7 @@ void Repose::mark_around(int32_t block, uint32_t around, Marks& marks) const {
   }
 }
 
-/// Those blocks and the blocks near them, ascending.
+/// These blocks and their neighbours, ascending.
 Repose::Blocks Repose::near(const Blocks& blocks) const {
   Marks marks(links_.block_count(), 0);
   for (const int32_t block : blocks) mark_near(block, marks);
@@ -90,14 +88,14 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
   return fallen * static_cast<double>(surface_.unit());
 }
 
-/// Brings a tile's links up to date. Those of tiles to which nothing comes are not asked for.
+/// Updates a tile's links, if needed.
 void Repose::link_tile(int32_t block) {
   if (tiles_[static_cast<size_t>(block)]->has_links) return;
   set_up_tile_links(tiles_, block, links_.blocks_a_side, limits_);
 }
 
-/// Those of the chosen blocks that chosen(block) says and that are in every second row and column,
-/// from the colour's on: no two of them touch.
+/// The chosen blocks with chosen(block) in every second row and column, starting at the colour's
+/// offset: no two of them touch.
 template <typename Chosen>
 Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) const {
   const int32_t side = links_.blocks_a_side;
@@ -109,7 +107,7 @@ Repose::Blocks Repose::blocks_of_colour(int32_t colour, const Chosen& chosen) co
   return blocks;
 }
 
-/// What lies higher over rims and walls than the slope allows falls at once.
+/// Removes snow above rims and walls that is steeper than allowed.
 void Repose::empty_over_outlets() {
   Marks active(links_.block_count(), 0);
   for (const int32_t block : chosen_) active[static_cast<size_t>(block)] = 1;
@@ -139,7 +137,7 @@ void Repose::empty_over_outlets() {
       has_changed_ || std::any_of(cuts.begin(), cuts.end(), [](uint8_t c) { return c != 0; });
 }
 
-/// Lets blocks that do not touch each other do their rounds; returns how many were done.
+/// Runs the rounds of blocks that do not touch each other; returns their number.
 double Repose::run_colour(const Blocks& blocks, int first_round) {
   std::vector<TileRounds> done(blocks.size());
   for_each(blocks.size(), [&](size_t i) {
@@ -188,7 +186,7 @@ void Repose::run_rounds(float patience) {
   }
 }
 
-/// Writes what has moved. What sticks on walls falls; `walls_keep`: the part that stays.
+/// Writes moved snow. Snow that sticks to walls falls, except the fraction `walls_keep`.
 Repose::Written Repose::write_block(int32_t block, float walls_keep,
                                     std::vector<float>& height) const {
   const ReposeTile& tile = *tiles_[static_cast<size_t>(block)];

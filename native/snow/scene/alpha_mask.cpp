@@ -9,7 +9,7 @@ namespace snowbough::snow {
 namespace {
 
 constexpr int32_t kLargestEdge = 8192;
-/// The smallest alpha, of 255, at which a texel is there.
+/// Minimum alpha, of 255, of a texel that receives snow.
 constexpr uint8_t kThreshold = 128;
 
 }  // namespace

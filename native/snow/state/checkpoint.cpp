@@ -15,7 +15,7 @@ namespace {
 constexpr std::string_view kMagic{"SNOWBOUGH-STATE\n", 16};
 constexpr uint32_t kVersion = 3;
 constexpr int32_t kLargestResolution = 8192;
-/// The magic, the version, the length of what follows and its check sum.
+/// Magic, version, length of the body, and its check sum.
 constexpr size_t kHeaderBytes = 16 + 4 + 8 + 4;
 
 uint32_t check_sum(std::string_view bytes) {
@@ -51,7 +51,7 @@ class Writer {
   std::string bytes_;
 };
 
-/// Takes apart what a Writer wrote; what does not fit is damage.
+/// Parses the output of a Writer; throws for inconsistent data.
 class Reader {
  public:
   explicit Reader(std::string_view bytes) : rest_(bytes) {}
@@ -83,12 +83,12 @@ class Reader {
   std::string_view rest_;
 };
 
-/// Whether nothing at all is written of a texel: 0, and not the negative one.
+/// Whether a texel is not stored: 0, but not -0.
 bool is_bare(float height) {
   return std::bit_cast<uint32_t>(height) == 0;
 }
 
-/// A bit a texel, 1 where it is not bare, the first in the highest bit.
+/// One bit per texel, 1 if it is not bare, the first in the highest bit.
 std::string mask_of(const std::vector<float>& height) {
   std::string mask((height.size() + 7) / 8, '\0');
   for (size_t i = 0; i < height.size(); ++i) {
@@ -137,7 +137,7 @@ void write_object(Writer& body, const ObjectState& object) {
   }
 }
 
-/// A map as it stands in the file.
+/// A map as stored in the file.
 struct PackedObject {
   ObjectState object;  // without its heights
   std::string_view mask;

@@ -19,26 +19,26 @@ using cpu::FragmentRuns;
 using cpu::kMostInRun;
 using Run = FragmentRuns::Run;
 
-/// Numbers of a run's fragments.
+/// Values of a run's fragments.
 using RunFloats = std::array<float, kMostInRun>;
 
-/// Sides of a texel, as bits, that face the fall.
+/// Sides of a texel that face the fall, as bits.
 constexpr uint8_t kFront = 1;
 constexpr uint8_t kBack = 2;
 constexpr uint8_t kBoth = kFront | kBack;
 
-/// What the texels of a group gain.
+/// Gain of a group's texels.
 struct GroupGain {
   std::array<uint, kTexelGroup> gain;
-  /// Where any of them faces the fall with its back.
+  /// Per texel, only set if any faces the fall with its back.
   std::array<uint8_t, kTexelGroup> sides;
-  /// Of all texels.
+  /// Union over all texels.
   uint8_t some = 0;
 
   bool is_mixed(size_t texel) const { return some == kBoth && sides[texel] == kBoth; }
 };
 
-/// Gathers what falls on a group of texels in a tile.
+/// Gathers the deposit of a group of texels in a tile.
 class GroupGather {
  public:
   GroupGather(const Gain& gain, const FragmentRuns& all, const Tile& tile, int32_t map_offset)
@@ -99,13 +99,13 @@ class GroupGather {
     }
   }
 
-  /// How far samples may lie from their fragment's centroid, in weights.
+  /// Maximum distance of samples from their fragment's centroid, in weights.
   void find_reach() {
     const vec2 extent_u = gain_.extent_of(own_, own_.along_u);
     const vec2 extent_v = gain_.extent_of(own_, own_.along_v);
     const float longest =
         max(max(abs(extent_u.x), abs(extent_u.y)), max(abs(extent_v.x), abs(extent_v.y)));
-    // A little less, so that no smaller fragment rounds up to two.
+    // Slightly less, so that no smaller fragment rounds up to two.
     has_one_cell_ = longest <= 0.999f * Gain::kCellPixels;
     reach_ = has_one_cell_ ? vec2(0.0f) : 0.5f * (abs(own_.along_u) + abs(own_.along_v));
   }
@@ -118,7 +118,7 @@ class GroupGather {
         run.least_b,   run.most_b,      run.least_c,
         run.most_c,    run.least_sum,   run.most_sum};
     if (!has_one_cell_) {
-      // Points beside the triangle are moved onto its rim: see point_on.
+      // Points outside the triangle are clamped to its rim: see point_on.
       const float sum = reach_.x + reach_.y;
       const float least = 1.0f / max(run.most_sum + sum, 1.0f);
       plane.least_b = max(run.least_b - reach_.x, 0.0f) * least;
@@ -133,7 +133,7 @@ class GroupGather {
 
   const SeenPixel* seen() const { return reinterpret_cast<const SeenPixel*>(gain_.occlusion); }
 
-  /// What each of the fragments would gain under open sky.
+  /// Computes the fragments' gains under open sky.
   void find_most(const Run& run, uint32_t count, vec4 surface) {
     const float* __restrict part = all_.part.data() + run.begin;
     float* __restrict most = most_.data();
@@ -165,7 +165,7 @@ class GroupGather {
     sums_.gain[texel] += gained << gain_.gain_shift(sums_.is_mixed(texel), own_.side != 0);
   }
 
-  /// Adds what each of the run's fragments gains.
+  /// Adds the gains of the run's fragments.
   void add_gained(const Run& run, uint32_t count) {
     const uint16_t* const texel = all_.texel.data() + run.begin;
     if (sums_.some == kBoth) {
@@ -205,11 +205,11 @@ class GroupGather {
     }
   }
 
-  /// The same where each fragment is looked at once: many side by side.
+  /// The same for fragments with one sample each, vectorised.
   void add_seen_points(const Run& run, uint32_t count) {
     const uint32_t end = cpu::whole_lanes(count);
     find_windows(run, end);
-    // Behind the run's end lie other triangles' fragments, maybe in other tiles.
+    // Lanes behind the run's end belong to other triangles, maybe in other tiles.
     std::fill(pixel_.begin() + count, pixel_.begin() + end, pixel_[0]);
     find_clearance(end);
     const float depth_bias = own_.depth_bias;
@@ -226,7 +226,7 @@ class GroupGather {
     add_gained(run, count);
   }
 
-  /// Where the fragments' centroids lie among the pixels; all of them in the tile.
+  /// Finds the pixels around the fragments' centroids; all of them are in the tile.
   void find_windows(const Run& run, uint32_t end) {
     const Gain::GainTriangle own = own_;
     const float* __restrict weight_b = all_.weight_b.data() + run.begin;
@@ -253,7 +253,7 @@ class GroupGather {
     }
   }
 
-  /// Finds what the run's fragments `others_` gain, which do not see all of the sky.
+  /// Computes the gains of the fragments in `others_`, which do not see all of the sky.
   void find_partly_seen(const Run& run, uint32_t count) {
     const uint32_t end = cpu::whole_lanes(count);
     std::fill(others_.begin() + count, others_.begin() + end, others_[0]);
@@ -272,7 +272,7 @@ class GroupGather {
     }
   }
 
-  /// Where the others lie, and what their windows reach over.
+  /// Finds the pixels and windows of those fragments.
   void find_points(uint32_t end) {
     const Gain::GainTriangle own = own_;
     const float* __restrict weight_b = other_b_.data();
@@ -298,7 +298,7 @@ class GroupGather {
     }
   }
 
-  /// Adds to what they see what one pixel of their windows shows.
+  /// Adds one pixel of their windows to their visibility.
   void look_at_pixel(uint32_t triangle, int x, int y, uint32_t end) {
     const Gain::GainTriangle own = own_;
     float* __restrict seen = seen_.data();
@@ -320,7 +320,7 @@ class GroupGather {
   const Tile& tile_;
   int32_t map_offset_;
   GroupGain sums_;
-  /// The triangle at hand, and whether all of its fragments are looked at once each.
+  /// The current triangle, and whether all of its fragments have one sample.
   uint triangle_ = kNowhere;
   Gain::GainTriangle own_{};
   bool has_one_cell_ = true;
@@ -331,12 +331,11 @@ class GroupGather {
   RunFloats clearance_;
   std::array<uint, kMostInRun> gained_;
   RunFloats seen_;
-  /// Fragments of the run that may see a part of the sky only.
+  /// Fragments of the run that may see only a part of the sky.
   std::array<uint32_t, kMostInRun + 1> others_;
   RunFloats other_b_;
   RunFloats other_c_;
   RunFloats other_share_;
-  /// See find_points.
   struct Points {
     RunFloats x, y, depth, plane_depth, reach_x, reach_y;
     std::array<int, kMostInRun> pixel_x, pixel_y;

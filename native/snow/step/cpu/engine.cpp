@@ -122,8 +122,8 @@ class CpuEngine final : public Engine {
     pending_tile_.reset();
   }
 
-  /// The tile whose deposit is still to be gathered: that of a step's last one, which is mostly the
-  /// only one, is together with its stability, group by group.
+  /// The tile whose deposit is not gathered yet: the step's last tile, usually the only one, is
+  /// gathered together with stability, group by group.
   struct PendingTile {
     Tile tile;
     bool is_first;

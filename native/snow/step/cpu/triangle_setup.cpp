@@ -31,7 +31,7 @@ SNOWBOUGH_KERNEL void find_points(Smooth smooth, size_t begin, size_t end, glm::
 namespace cpu {
 namespace {
 
-/// Triangles that a thread takes at a time.
+/// Triangles per thread at a time.
 constexpr size_t kRun = 1024;
 
 /// Calls `work` with runs of `count` items, on all cores.
