@@ -28,13 +28,13 @@
 namespace snowbough::tree {
 namespace {
 
-/// Level names are believed while no more than this share of the branches finds no parent by them.
+/// Level names are used while no more than this fraction of the branches finds no parent by them.
 constexpr double kMostUnattached = 0.2;
-/// Where more of the wood than this share is none, and so few limbs remain, it is no tree. A tree
-/// on its ground has more.
+/// If more of the wood than this is left out, and few limbs remain, it is not a tree. A tree with
+/// ground has a higher fraction.
 constexpr double kMostLeftOut = 0.75;
 constexpr size_t kFewLimbs = 4;
-/// Sizes of a tree from the file's origin beyond which it gets an origin of its own.
+/// Distance from the file's origin, in tree sizes, beyond which the tree gets its own origin.
 constexpr double kFar = 100.0;
 
 void report_scene(const ObjScene& scene, ImportReport& report) {
@@ -73,7 +73,7 @@ float extent_of(const std::vector<Branch>& branches) {
   return std::max({extent.x, extent.y, extent.z});
 }
 
-/// Connects by level names, and again by thickness if the names turn out to tell no levels.
+/// Connects by level names, and again by thickness if the names prove to give no levels.
 void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>& warnings,
              const base::Progress& progress) {
   const float size = extent_of(traced.branches);
@@ -97,7 +97,7 @@ void connect(TracedBranches& traced, bool levels_given, std::vector<std::string>
       "overrule)");
 }
 
-/// Merged forms have no names of their own: trunk, branch1_1, branch1_2, branch2_1 ...
+/// Merged forms have no names: trunk, branch1_1, branch1_2, branch2_1 ...
 void name_by_level(std::vector<Branch>& branches) {
   std::map<int32_t, int32_t> count;
   for (Branch& branch : branches) {
@@ -110,8 +110,8 @@ void name_by_level(std::vector<Branch>& branches) {
   }
 }
 
-/// A root whose ends look alike stands on its lower end.
-void turn_upside_up(TracedBranches& traced) {
+/// A root with similar ends has its base at the lower one.
+void orient_roots(TracedBranches& traced) {
   for (size_t b = 0; b < traced.branches.size(); ++b) {
     Branch& branch = traced.branches[b];
     if (branch.parent < 0 && traced.reversible[b] &&
@@ -124,7 +124,7 @@ void turn_upside_up(TracedBranches& traced) {
   }
 }
 
-/// Fills in what the libraries say of the materials that wood and leaves use.
+/// Fills in the library data of the materials of wood and leaves.
 void describe_materials(const ObjScene& scene, const std::string& path, bool outside_files,
                         Skeleton& skeleton) {
   if (scene.materials.empty() && scene.material_libraries.empty()) return;
@@ -143,7 +143,7 @@ void describe_materials(const ObjScene& scene, const std::string& path, bool out
   }
 }
 
-/// The file's parts and the names they go by.
+/// The file's parts and their labels.
 struct NamedParts {
   Parts parts;
   PartLabels labels;
@@ -159,8 +159,7 @@ NamedParts find_parts(const ObjScene& scene, const std::string& foliage_names,
   return {std::move(parts), std::move(labels)};
 }
 
-/// @throws std::invalid_argument where there are none, or hardly any and no name says that they
-/// are.
+/// @throws std::invalid_argument if there are none, or hardly any without names that confirm them.
 void check_branches(const TracedBranches& traced, int32_t foliage_count, const LeftOut& left_out,
                     const std::string& path) {
   if (!traced.branches.empty()) {
@@ -182,7 +181,7 @@ void check_branches(const TracedBranches& traced, int32_t foliage_count, const L
       "; export the tree with its trunk and branches");
 }
 
-/// @throws std::invalid_argument where what was found by shape alone is no tree.
+/// @throws std::invalid_argument if branches found by shape alone are not a tree.
 void check_tree(const TracedBranches& traced, const std::string& path) {
   const std::string why = traced.named ? "" : why_no_tree(traced.branches);
   if (why.empty()) return;
@@ -191,7 +190,7 @@ void check_tree(const TracedBranches& traced, const std::string& path) {
                               "branch and so on");
 }
 
-/// The middle of what faces use, where that is so far from the file's origin that single precision
+/// The centre of the used vertices, if it is so far from the file's origin that single precision
 /// would lose parts of the tree; else zero.
 glm::dvec3 place_far_away(const ObjScene& scene) {
   glm::dvec3 low(std::numeric_limits<double>::max()), high(-low);
@@ -205,7 +204,7 @@ glm::dvec3 place_far_away(const ObjScene& scene) {
   return is_far ? middle : glm::dvec3(0.0);
 }
 
-/// Reads the file, around the place of its tree where that is far away.
+/// Reads the file, relative to the tree's centre if that is far away.
 ObjScene read_scene(const std::string& path, ObjReadOptions options, Skeleton& skeleton) {
   ObjScene scene = read_obj_file(path, options);
   skeleton.origin = place_far_away(scene);
@@ -254,7 +253,7 @@ TracedBranches read_parts(const std::string& path, const ReadTreeOptions& option
   return traced;
 }
 
-/// Turns wood and leaves so that Z is up.
+/// Rotates wood and leaves so that Z is up.
 void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   const bool y_up =
       up_axis == UpAxis::kY || (up_axis == UpAxis::kAuto && grows_along_y(traced.branches));
@@ -266,7 +265,7 @@ void turn_z_up(UpAxis up_axis, TracedBranches& traced, Skeleton& skeleton) {
   skeleton.origin = {skeleton.origin.x, -skeleton.origin.z, skeleton.origin.y};
 }
 
-/// Makes the tree as large as the options say.
+/// Scales the tree to the options' size.
 void scale_tree(const ReadTreeOptions& options, Skeleton& skeleton) {
   double factor = options.unit;
   if (options.height > 0.0) {
@@ -309,7 +308,7 @@ Skeleton read_tree(const std::string& path, const ReadTreeOptions& options) {
   base::report_progress(options.progress, 0.85f);
   check_tree(traced, path);
   turn_z_up(options.up_axis, traced, skeleton);
-  turn_upside_up(traced);
+  orient_roots(traced);
   if (is_merged(skeleton.report.form)) name_by_level(traced.branches);
 
   skeleton.branches = std::move(traced.branches);

@@ -145,8 +145,8 @@ class Smoother {
   void for_each_across(size_t number, int32_t cell, const Visit& visit) const;
   void spread_feet(size_t number);
   static void note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity);
-  std::vector<int32_t> approach_feet(size_t number);
-  void forget_ridges(size_t number, const std::vector<int32_t>& crests);
+  std::vector<int32_t> propagate_proximity(size_t number);
+  void remove_ridges(size_t number, const std::vector<int32_t>& crests);
   void restrict_feet(size_t number);
   void limit_run(size_t number, Run run, const ConductanceTerms& terms);
   float damping_of_block(size_t number, int32_t block) const;

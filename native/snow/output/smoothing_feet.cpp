@@ -126,7 +126,7 @@ void Smoother::spread_feet(size_t number) {
   for (std::vector<int32_t>& cells : level.feet.at_distance) cells.clear();
   uint8_t* const proximity = level.feet.proximity.data() + level.margin;
   for (const int32_t cell : level.feet.cells) note_proximity(level.feet, cell, proximity[cell]);
-  forget_ridges(number, approach_feet(number));
+  remove_ridges(number, propagate_proximity(number));
 }
 
 void Smoother::note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity) {
@@ -137,7 +137,7 @@ void Smoother::note_proximity(SlopeFeet& feet, int32_t cell, int32_t proximity) 
 ///
 /// E. W. Dijkstra, A Note on Two Problems in Connexion with Graphs, 1959, with one list per
 /// distance: R. B. Dial, Algorithm 360, 1969.
-std::vector<int32_t> Smoother::approach_feet(size_t number) {
+std::vector<int32_t> Smoother::propagate_proximity(size_t number) {
   Level& level = levels_[number];
   const float* const height = level.at(level.height);
   const SmoothingLevel& grid = grid_.levels[number];
@@ -187,7 +187,7 @@ std::vector<int32_t> Smoother::approach_feet(size_t number) {
 
 /// On a ridge all snow is near a foot: its crest is farthest from the feet and still steeply above
 /// them. Ridges are smoothed normally, otherwise posts and twigs would carry tent-like caps.
-void Smoother::forget_ridges(size_t number, const std::vector<int32_t>& crests) {
+void Smoother::remove_ridges(size_t number, const std::vector<int32_t>& crests) {
   Level& level = levels_[number];
   const float* const height = level.at(level.height);
   const SmoothingLevel& grid = grid_.levels[number];

@@ -156,7 +156,7 @@ double Repose::run_colour(const Blocks& blocks, int first_round) {
   return rounds;
 }
 
-void Repose::run_rounds(float patience) {
+void Repose::run_rounds(float work_factor) {
   for (Flow& link : across_) {
     link.flow = 0.0f;
     link.is_listed = false;
@@ -164,9 +164,9 @@ void Repose::run_rounds(float patience) {
   listed_.clear();
   for (const int32_t block : chosen_) note_active(block);
   seams_are_pending_ = true;
-  double work = static_cast<double>(patience) *
+  double work = static_cast<double>(work_factor) *
                 (kRoundsAMap + kRoundsABlock * static_cast<double>(links_.block_count()));
-  const int most = static_cast<int>(static_cast<float>(kMostRounds) * patience);
+  const int most = static_cast<int>(static_cast<float>(kMostRounds) * work_factor);
   int round = 0;
   int round_across = 0;
   for (bool goes_on = true; goes_on && round < most && work > 0.0; round += kRounds) {

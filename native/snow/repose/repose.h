@@ -139,7 +139,7 @@ class Repose {
   Blocks blocks_of_colour(int32_t colour, const Chosen& chosen) const;
   void link_tile(int32_t block);
   void empty_over_outlets();
-  void run_rounds(float patience);
+  void run_rounds(float work_factor);
   double run_colour(const Blocks& blocks, int first_round);
   Written write_block(int32_t block, float walls_keep, std::vector<float>& height) const;
 

@@ -129,9 +129,9 @@ inline std::pair<bool, bool> lower_over_sides(const float* __restrict a, const f
 
 /// Whether any passed bound may lower those of a row of quads' corners, in the rows `low` and
 /// `high`.
-inline bool is_worth_a_look(const float* __restrict diagonal, const float* __restrict passed,
-                            const float* __restrict bound, const float* __restrict z, size_t low,
-                            size_t high) {
+inline bool may_lower_bounds(const float* __restrict diagonal, const float* __restrict passed,
+                             const float* __restrict bound, const float* __restrict z, size_t low,
+                             size_t high) {
   int32_t any = 0;
   for (size_t i = 0; i < static_cast<size_t>(kReposeBlock); ++i) {
     const bool is_high = (bound[low + i] > z[low + i]) | (bound[low + i + 1] > z[low + i + 1]) |
@@ -280,8 +280,8 @@ class BoundSweep {
     quads_ &= ~bit(row);
     const bool passes = pass(row);
     if (!pass(row + 1) && !passes) return;
-    if (!is_worth_a_look(limit(2, row), passed_.data(), bound_.data(), z_.data(),
-                         TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
+    if (!may_lower_bounds(limit(2, row), passed_.data(), bound_.data(), z_.data(),
+                          TileWindow::at(0, row), TileWindow::at(0, row + 1))) {
       return;
     }
     measure(row);

@@ -9,11 +9,11 @@ namespace snowbough::tree {
 namespace {
 
 constexpr int kRounds = 6;
-/// Junctions that did not improve for this many rounds will not.
-constexpr int kPatience = 2;
+/// Number of rounds without improvement after which the search stops.
+constexpr int kRoundsWithoutGain = 2;
 
-/// Raises the relief of the branches that cross: of two, the one further from the trunk; in later
-/// rounds both, unless it is the limb that the junction is on.
+/// Adds a narrowing step to branches that intersect: of two, the one farther from the trunk; in
+/// later rounds both, except the junction's own limb.
 void narrow_crossing(const Surface& surface, const JunctionCrossings& crossings, int round,
                      std::vector<uint8_t>& narrowing_steps, std::vector<uint8_t>& changed) {
   for (size_t j = 0; j < crossings.size(); ++j) {
@@ -33,7 +33,7 @@ void narrow_crossing(const Surface& surface, const JunctionCrossings& crossings,
   }
 }
 
-/// Branches whose faces lie elsewhere once `changed` have been relieved: they and their parents.
+/// Branches whose faces move when `changed` are narrowed: they and their parents.
 std::vector<uint8_t> moved_limbs(const Skeleton& skeleton, const std::vector<uint8_t>& changed) {
   std::vector<uint8_t> moved(changed);
   for (size_t b = 0; b < changed.size(); ++b) {
@@ -44,7 +44,7 @@ std::vector<uint8_t> moved_limbs(const Skeleton& skeleton, const std::vector<uin
   return moved;
 }
 
-/// Junctions at either end of a branch that moved, and their neighbours on the same limb.
+/// Junctions at either end of a moved branch, and their neighbours on the same limb.
 std::vector<uint8_t> affected(const Surface& surface, const std::vector<uint8_t>& moved) {
   std::vector<uint8_t> only;
   only.reserve(surface.junctions.size());
@@ -54,7 +54,7 @@ std::vector<uint8_t> affected(const Surface& surface, const std::vector<uint8_t>
   return only;
 }
 
-/// Adds the parents of what is in `only`, their parents and so on.
+/// Adds all ancestors of the branches in `only`.
 void add_ancestors(const Skeleton& skeleton, std::vector<uint8_t>& only) {
   for (size_t b = only.size(); b-- > 0;) {
     if (only[b] != 0 && skeleton.branches[b].parent >= 0) {
@@ -63,11 +63,10 @@ void add_ancestors(const Skeleton& skeleton, std::vector<uint8_t>& only) {
   }
 }
 
-/// The part of the surface that has all faces near the junctions affected.
+/// The part of the surface with all faces near the affected junctions.
 Surface surface_around(const SurfaceBuilder& builder, const Skeleton& skeleton,
                        const std::vector<uint8_t>& moved) {
-  // Their children, the children of those, and those beside them on their parents: seldom does a
-  // junction's neighbourhood reach further.
+  // Their children, grandchildren and siblings: a junction's neighbourhood rarely reaches further.
   std::vector<uint8_t> only(moved);
   for (size_t b = 0; b < moved.size(); ++b) {
     if (moved[b] != 0 && skeleton.branches[b].parent >= 0) {
@@ -123,7 +122,8 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
 
   Surface around;
   int idle = 0;
-  for (int round = 0; round < kRounds && idle < kPatience && !best.crossing.empty(); ++round) {
+  for (int round = 0; round < kRounds && idle < kRoundsWithoutGain && !best.crossing.empty();
+       ++round) {
     const float share = 0.7f + 0.2f * static_cast<float>(round) / kRounds;
     base::report_progress(execution.progress, share);
     std::vector<uint8_t> changed(narrowing_steps.size(), 0);
@@ -131,8 +131,8 @@ UncrossedSurface build_uncrossed_surface(const Skeleton& skeleton,
     const std::vector<uint8_t> moved = moved_limbs(skeleton, changed);
     builder.build(narrowing_steps);
     around = surface_around(builder, skeleton, moved);
-    // On a limb without room for all that leave it, knuckles shift along the whole of it when one
-    // is relieved: nothing is known again then, and no longer looked for.
+    // On a limb without enough room, narrowing one child shifts knuckles along all of it: the memo
+    // is useless then and not consulted.
     CrossingMemo* const known = round == 0 || memo.hits() > 0 ? &memo : nullptr;
     crossings =
         find_crossings(around, affected(around, moved), execution.part(share, share), known);

@@ -12,7 +12,7 @@
 namespace snowbough::tree {
 
 /// Projects a point near a smooth surface onto the surface.
-using OntoSurface = std::function<glm::dvec3(int32_t vertex, const glm::dvec3& p)>;
+using SurfaceProjection = std::function<glm::dvec3(int32_t vertex, const glm::dvec3& p)>;
 
 /// Unfolds pleats and intersecting faces: the mesh lies on a smooth surface that does not fold, so
 /// vertices around a fault move between their neighbours and are projected back, over more and more
@@ -26,7 +26,7 @@ using OntoSurface = std::function<glm::dvec3(int32_t vertex, const glm::dvec3& p
 /// @throws Cancelled when execution's progress says stop.
 /// @return per fork, 1 if faces still intersect or have moved since the last check.
 std::vector<uint8_t> untangle(const ForkFaces& forks, std::span<const double> pull,
-                              const OntoSurface& onto, const base::Execution& execution,
+                              const SurfaceProjection& onto, const base::Execution& execution,
                               std::vector<glm::dvec3>& points);
 
 }  // namespace snowbough::tree

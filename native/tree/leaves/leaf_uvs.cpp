@@ -16,11 +16,11 @@ namespace {
 
 constexpr int kMinResolution = 16;
 constexpr int kMaxResolution = 16384;
-/// Share of the time until all leaves lie flat.
+/// Progress at which all leaves are flat.
 constexpr float kFlatDone = 0.8f;
-/// The search for the scale ends when it is known to this share of itself.
+/// Relative tolerance of the search for the scale.
 constexpr double kScaleTolerance = 1e-3;
-/// ... or, where charts are at their smallest whatever the scale, after so many steps.
+/// Maximum number of search steps, for charts that keep their minimum size at any scale.
 constexpr int kSearchSteps = 40;
 
 void check(const Foliage& foliage, int resolution) {
@@ -46,9 +46,9 @@ void check(const Foliage& foliage, int resolution) {
   }
 }
 
-/// Charts in the order in which they are laid out: the tallest first.
+/// Charts in layout order: the tallest first.
 std::vector<LeafChart> sorted_charts(const std::vector<LeafChart>& charts) {
-  // The heights beside the numbers: sorting reads nothing else.
+  // Heights together with indices, so that sorting reads nothing else.
   std::vector<std::pair<double, size_t>> order(charts.size());
   for (size_t i = 0; i < charts.size(); ++i) {
     order[i] = {-charts[i].size.y, i};
@@ -71,7 +71,7 @@ int whole_texels(double extent) {
   return texels < extent ? texels + 1 : texels;
 }
 
-/// Lays charts on shelves, from the bottom of the map up.
+/// Places charts on shelves, from the bottom of the map up.
 class Shelves {
  public:
   /// @param charts  the tallest first; not empty.
@@ -81,10 +81,10 @@ class Shelves {
     }
   }
 
-  /// Side in metres of the square that every chart fits into.
+  /// Side in metres of a square that contains any chart.
   double largest() const { return std::max(widest_, charts_.front().size.y); }
 
-  /// True if all fit; then `places` has their lower left texels.
+  /// True if all fit; `places` then receives their lower left texels.
   bool fill(double scale, int resolution, std::vector<glm::ivec2>& places) const {
     if (scale * largest() > resolution) {
       return false;
@@ -120,8 +120,8 @@ class Shelves {
   double widest_ = 0.0;
 };
 
-/// Nearly the largest scale at which the charts fit; negative if they do not even at their
-/// smallest.
+/// Nearly the largest scale at which the charts fit; negative if they do not fit at their minimum
+/// size.
 double search_scale(const Shelves& shelves, int resolution, std::vector<glm::ivec2>& places) {
   double low = 0.0;
   double high = resolution / shelves.largest();

@@ -31,7 +31,7 @@ void add_influence(const BoneInfluence& influence, InfluenceSum& sum) {
   }
 }
 
-/// Calls visit(vertex, influence) for every place by which a vertex is held.
+/// Calls visit(vertex, influence) for every place that influences a vertex.
 template <typename Visit>
 void for_each_influence(const Surface& surface, const std::vector<LimbPath>& paths,
                         const Armature& armature, const Visit& visit) {
@@ -90,7 +90,7 @@ void InfluenceSum::finish(int most, std::array<int32_t, 4>& indices,
 
 VertexWeights make_weights(const Surface& surface, const std::vector<LimbPath>& paths,
                            const Armature& armature, int max_influences) {
-  // Every place by which a vertex is held, vertex by vertex: most have one.
+  // All influences, vertex by vertex: most have one.
   std::vector<int32_t> first_influence(surface.vertices.size() + 1, 0);
   for_each_influence(surface, paths, armature,
                      [&](int32_t vertex, const BoneInfluence&) { ++first_influence[vertex + 1]; });

@@ -10,11 +10,11 @@
 namespace snowbough::tree {
 namespace {
 
-/// Limbs that a thread builds, or puts in their place, before it takes the next ones.
+/// Limbs per thread at a time, for building and joining.
 constexpr size_t kBuildBlock = 16;
 constexpr size_t kPlaceBlock = 64;
 
-/// Whether limbs that leave from one stand as they do from the other.
+/// Whether children of both limbs start in the same way.
 bool same_rings(const LimbSurface& a, const LimbSurface& b) {
   return std::equal(
       a.rings.begin(), a.rings.end(), b.rings.begin(), b.rings.end(),
@@ -25,10 +25,10 @@ void append(const std::vector<int32_t>& more, std::vector<int32_t>& all) {
   all.insert(all.end(), more.begin(), more.end());
 }
 
-/// Where a limb's share begins in the surface.
+/// Offsets of a limb's part in the surface.
 struct Place {
   size_t vertex = 0, quad = 0, junction = 0;
-  /// Vertices that the limb starts from.
+  /// Vertices of the limb's start.
   std::array<int32_t, 4> start{};
 
   int32_t number(int32_t local) const {
@@ -93,7 +93,7 @@ void SurfaceBuilder::build(const std::vector<uint8_t>& narrowing_steps) {
   narrowing_steps_ = narrowing_steps;
 }
 
-/// Builds a limb whose parent stands, and marks the children that this moves.
+/// Builds a limb whose parent is finished, and marks the children that change.
 void SurfaceBuilder::rebuild_limb(int32_t branch, const std::vector<uint8_t>& narrowing_steps,
                                   std::vector<uint8_t>& dirty) {
   const int32_t parent = plan_.skeleton.branches[branch].parent;

@@ -14,9 +14,9 @@ namespace {
 
 constexpr int kMinResolution = 16;
 constexpr int kMaxResolution = 16384;
-/// Share of the time until the charts lie where they belong.
+/// Progress at which the charts are placed.
 constexpr float kLayoutDone = 0.9f;
-/// Charts that a thread writes at a time.
+/// Charts per thread at a time.
 constexpr size_t kChartBlock = 64;
 
 }  // namespace
@@ -57,7 +57,7 @@ void layout_snow_uvs(TreeMesh& mesh, const Skeleton& skeleton, int snow_resoluti
         "that resolution.");
   }
   base::report_progress(execution.progress, kLayoutDone);
-  // Every chart has quads of its own.
+  // Charts have disjoint quads.
   base::parallel_for(layout->shapes.charts.size(), kChartBlock, {execution.threads, {}},
                      [&](size_t begin, size_t end) {
                        for (size_t i = begin; i < end; ++i) {

@@ -87,12 +87,13 @@ class GroupGather {
                                  static_cast<int>(triangle_) + map_offset_);
       find_reach();
     }
-    const cpu::RunVisibility sight = look(run);
-    if (sight == cpu::RunVisibility::kHidden || sight == cpu::RunVisibility::kElsewhere) return;
+    const cpu::RunVisibility visibility = visibility_of_run(run);
+    if (visibility == cpu::RunVisibility::kHidden || visibility == cpu::RunVisibility::kElsewhere)
+      return;
     find_most(run, count, surface);
-    if (sight == cpu::RunVisibility::kOpen) {
+    if (visibility == cpu::RunVisibility::kOpen) {
       has_one_cell_ ? add_open(run, count) : add_open_cells(run, count);
-    } else if (sight == cpu::RunVisibility::kMixed && has_one_cell_) {
+    } else if (visibility == cpu::RunVisibility::kMixed && has_one_cell_) {
       add_seen_points(run, count);
     } else {
       add_seen(run, count);
@@ -110,7 +111,7 @@ class GroupGather {
     reach_ = has_one_cell_ ? vec2(0.0f) : 0.5f * (abs(own_.along_u) + abs(own_.along_v));
   }
 
-  cpu::RunVisibility look(const Run& run) const {
+  cpu::RunVisibility visibility_of_run(const Run& run) const {
     if (noise_density(gain_.projection) < 1.0f) return cpu::RunVisibility::kUnknown;
     cpu::RunPlane plane{
         own_.corner,   own_.edge_b,     own_.edge_c,
