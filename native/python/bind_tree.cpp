@@ -158,7 +158,6 @@ void bind_mesh_functions(py::module_& module) {
       py::arg("lod") = 0, py::arg("close_root") = true, py::arg("close_tips") = true,
       py::arg("snow_resolution") = 1024, py::arg("max_influences") = 4, py::arg("threads") = 0,
       py::arg("progress") = py::none(), py::arg("detail") = py::none(),
-      "Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.\n\n"
       R"(Rebuilds a tree as one continuous, rigged, weighted and unwrapped quad mesh.
 
 width: ORIGINAL or INVERSE; species: BROADLEAF or EVERGREEN; lod: 0 (four-sided) to 4; detail:

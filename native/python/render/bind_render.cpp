@@ -121,21 +121,19 @@ manager: leaving it closes the renderer.
 
 Method: D. T. Reynolds, PhD thesis, University of East Anglia, 2014, sections 3.4 and 4.2.2.)");
   renderer
-      .def(
-          py::init([](const std::string& device, bool waits) {
-            const ReleasedGil release;
-            base::start_thread_pool();
-            return HeldWithoutGil<Renderer>(new Renderer(device, waits));
-          }),
-          "device"_a = "", "waits"_a = true,
-          R"(waits=False: returns before the context exists, and calls that change the scene return
+      .def(py::init([](const std::string& device, bool waits) {
+             const ReleasedGil release;
+             base::start_thread_pool();
+             return HeldWithoutGil<Renderer>(new Renderer(device, waits));
+           }),
+           "device"_a = "", "waits"_a = true,
+           R"(waits=False: returns before the context exists, and calls that change the scene return
 before the change is done; take_frame raises their errors.)")
-      .def(
-          "add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
-          "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "normals"_a = py::none(), "uv"_a = py::none(),
-          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{},
-          "images"_a = std::vector<py::object>{},
-          R"(Adds a mesh that is drawn without tessellation, from both sides: vertices (N, 3),
+      .def("add_mesh", &add_mesh, "name"_a, "vertices"_a, "triangles"_a,
+           "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "normals"_a = py::none(), "uv"_a = py::none(),
+           "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{},
+           "images"_a = std::vector<py::object>{},
+           R"(Adds a mesh that is drawn without tessellation, from both sides: vertices (N, 3),
 triangles (T, 3); linear colour. Per corner: normals (T, 3, 3) instead of smooth ones, uv (T, 3, 2)
 in its images. materials (T,), colors and images as in set_leaves; without colors it has one
 material of `color`.)")
@@ -143,38 +141,32 @@ material of `color`.)")
            "Sets a mesh's places: (P, 4, 4), one matrix per place from its own space to the world.")
       .def("remove", &Renderer::remove, "name"_a, py::call_guard<ReleasedGil>(),
            "Removes a tree or a mesh.")
-      .def(
-          "render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
-          R"(A picture, (height, width, 4) uint8: sRGB, alpha 255 where something was drawn, row 0
+      .def("render", &render_picture, "camera"_a, "settings"_a = RenderSettings{},
+           R"(A picture, (height, width, 4) uint8: sRGB, alpha 255 where something was drawn, row 0
 at the bottom.)")
-      .def(
-          "render_light", &render_light, "camera"_a, "settings"_a = RenderSettings{},
-          "samples"_a = 1,
-          R"(Linear light, (height, width, 4) float32, row 0 at the bottom: the mean of pictures
+      .def("render_light", &render_light, "camera"_a, "settings"_a = RenderSettings{},
+           "samples"_a = 1,
+           R"(Linear light, (height, width, 4) float32, row 0 at the bottom: the mean of pictures
 that are shifted within a pixel's filter. Alpha is the covered fraction; the rest shows the
 background's light.)")
-      .def(
-          "request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
-          py::call_guard<ReleasedGil>(),
-          R"(Requests a picture and returns its ticket at once; an earlier request that has not
+      .def("request_frame", &Renderer::request_frame, "camera"_a, "settings"_a = RenderSettings{},
+           py::call_guard<ReleasedGil>(),
+           R"(Requests a picture and returns its ticket at once; an earlier request that has not
 started is dropped.)")
-      .def(
-          "take_frame", &take_frame,
-          R"(The newest picture since the last call, (ticket, (height, width) float32), or None.
+      .def("take_frame", &take_frame,
+           R"(The newest picture since the last call, (ticket, (height, width) float32), or None.
 Does not wait, but must be called regularly for pictures to arrive. A pixel's bits are 0x3F000000 +
 red, green and blue of a byte each: 255 * (c / (1 + c))^(1 / 2.2) of linear light c.)")
       .def_property_readonly("is_busy", &Renderer::is_busy,
                              "Whether a requested picture has not arrived yet.")
       .def_property_readonly("is_ready", &Renderer::is_ready,
                              "Whether `driver` returns without waiting.")
-      .def(
-          "statistics", &statistics,
-          R"(Statistics of the last picture: patches 'dropped', 'plain' and 'tessellated',
+      .def("statistics", &statistics,
+           R"(Statistics of the last picture: patches 'dropped', 'plain' and 'tessellated',
 'triangles' drawn (without the shadow map), 'wall_seconds' including read-back, 'gpu_seconds', and
 'passes': by name 'gpu_seconds', 'wall_seconds' and 'primitives'.)")
-      .def(
-          "triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
-          R"(World positions (T, 3, 3) of the triangles that the camera would draw of a tree's bark
+      .def("triangles", &triangles, "name"_a, "camera"_a, "settings"_a = RenderSettings{},
+           R"(World positions (T, 3, 3) of the triangles that the camera would draw of a tree's bark
 or of a mesh with snow.)")
       .def_property_readonly(
           "driver",

@@ -104,34 +104,29 @@ py::dict snow_levels(const Renderer& renderer, const std::string& mesh) {
 
 void bind_render_snow(RendererClass& to) {
   using namespace py::literals;
-  to.def(
-        "set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
-        R"(Sets the snow on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv
+  to.def("set_mesh_snow", &set_mesh_snow, "mesh"_a, "heights"_a = py::none(), "uv"_a = py::none(),
+         R"(Sets the snow on a mesh: heights (H, W) in metres, row 0 at v = 0, and coordinates uv
 (T, 3, 2) of its corners. None: no snow.)")
-      .def(
-          "add_snow_mesh", &add_snow_mesh, "name"_a, "positions"_a, "triangles"_a, "uv"_a,
-          "normals"_a = py::none(), "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "resolution"_a = 1024,
-          "draws_base"_a = true,
-          R"(Adds a mesh that carries snow, bare until set_snow: positions (N, 3), triangles (T,
+      .def("add_snow_mesh", &add_snow_mesh, "name"_a, "positions"_a, "triangles"_a, "uv"_a,
+           "normals"_a = py::none(), "color"_a = Vec3{0.5f, 0.5f, 0.5f}, "resolution"_a = 1024,
+           "draws_base"_a = true,
+           R"(Adds a mesh that carries snow, bare until set_snow: positions (N, 3), triangles (T,
 3), uv (T, 3, 2) in [0, 1], shading normals (T, 3, 3) along which snow grows (None: smooth
 everywhere), linear colour of the bare surface. resolution: edge of its map in texels, which
 decides how finely the mesh is cut; maps of other sizes are accepted, too. Faces are connected by
 shared vertices. draws_base=False: draws only snow, over a mesh of add_mesh.)")
       .def("set_snow_pose", &set_snow_pose, "name"_a, "positions"_a, "normals"_a = py::none(),
            "Moves a mesh with snow: positions (N, 3) and shading normals (T, 3, 3) or None.")
-      .def(
-          "set_snow", &set_snow, "name"_a, "height"_a,
-          R"(Sets the snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in
+      .def("set_snow", &set_snow, "name"_a, "height"_a,
+           R"(Sets the snow on such a mesh, or on a tree (a map of its uv_snow): heights (H, W) in
 metres along the shading normals, row 0 = v 0, negative on the back, as from SnowSimulation.output.)")
-      .def(
-          "take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
-          R"(Copies the current snow of an object of a SnowSimulation (by default of the same name)
+      .def("take_snow", &take_snow, "name"_a, "simulation"_a, "object"_a = "",
+           R"(Copies the current snow of an object of a SnowSimulation (by default of the same name)
 to a mesh or a tree. If the simulation's engine is GL on the same device, the map stays on the GPU,
 smoothed by the thesis's Gaussian and with its stored thickness (`output` is lower where a surface
 is convex, as on twigs), and the result is True; otherwise `output` is used.)")
-      .def(
-          "snow_levels", &snow_levels, "name"_a,
-          R"(As levels, for a mesh with snow and its patches (its triangles, cut where they cover
+      .def("snow_levels", &snow_levels, "name"_a,
+           R"(As levels, for a mesh with snow and its patches (its triangles, cut where they cover
 many texels): 'class' (P,) and 'edge' (P, 3).)");
 }
 

@@ -87,30 +87,26 @@ void bind_render_trees(py::module_& module, RendererClass& to) {
       "mesh"_a,
       R"(The input of Renderer.add_tree from a TreeMesh of lod=0, as arrays by name, for storing in
 a file.)");
-  to.def(
-        "add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
-        "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
-        R"(Adds a TreeMesh of lod=0, or its tree_arrays, in its rest pose. bark_depth: amplitude of
+  to.def("add_tree", &add_tree, "name"_a, "mesh"_a, "bark_depth"_a = TreeLook{}.bark_depth,
+         "bark_dark"_a = Vec3{0.045f, 0.03f, 0.02f}, "bark_light"_a = Vec3{0.24f, 0.18f, 0.13f},
+         R"(Adds a TreeMesh of lod=0, or its tree_arrays, in its rest pose. bark_depth: amplitude of
 the bark's displacement as a fraction of the limb's radius, 0 to 1; colours are linear.)")
-      .def(
-          "set_bark", &set_bark, "tree"_a, "uv"_a, "materials"_a, "colors"_a,
-          "images"_a = std::vector<py::object>{},
-          R"(Gives a tree's bark images instead of its two colours: coordinates uv (Q, 4, 2) of the
+      .def("set_bark", &set_bark, "tree"_a, "uv"_a, "materials"_a, "colors"_a,
+           "images"_a = std::vector<py::object>{},
+           R"(Gives a tree's bark images instead of its two colours: coordinates uv (Q, 4, 2) of the
 corners of the base's quads, materials (Q,), colors and images as in set_leaves. The bark's
 displacement stays.)")
       .def("set_pose", &set_pose, "tree"_a, "matrices"_a,
            "Poses a tree: (B, 4, 4), one matrix per bone from its rest pose to the pose.")
-      .def(
-          "set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
-          "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
-          "images"_a = std::vector<py::object>{},
-          R"(Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) of
+      .def("set_leaves", &set_leaves, "tree"_a, "triangles"_a, "bones"_a, "uv"_a = py::none(),
+           "materials"_a = py::none(), "colors"_a = std::vector<Vec3>{{0.1f, 0.25f, 0.05f}},
+           "images"_a = std::vector<py::object>{},
+           R"(Gives a tree leaves: triangles (T, 3, 3) in metres in the rest pose, the bone (T,) of
 each, texture coordinates uv (T, 3, 2), materials (T,) as indices into colors (linear) and images
 ((H, W, 4) uint8, sRGB and alpha, row 0 at the bottom, or None). An alpha below one half makes a
 hole.)")
-      .def(
-          "levels", &levels, "tree"_a,
-          R"(Levels of the last picture, per quad of the tree's mesh: 'class' (F,), 0 dropped, 1
+      .def("levels", &levels, "tree"_a,
+           R"(Levels of the last picture, per quad of the tree's mesh: 'class' (F,), 0 dropped, 1
 plain, 2 tessellated, and 'edge' (F, 4), the level of the edge from each corner to the next.)");
 }
 

@@ -205,14 +205,12 @@ void bind_snow(py::module_& module) {
   using namespace py::literals;
   py::class_<snow::OutputSnapshot>(module, "OutputSnapshot",
                                    "A receiver's map at one moment; see SnowSimulation.snapshot.")
-      .def(
-          "output", &snapshot_output,
-          R"(The dict that SnowSimulation.output gave at that moment. Raises RuntimeError on a
+      .def("output", &snapshot_output,
+           R"(The dict that SnowSimulation.output gave at that moment. Raises RuntimeError on a
 second call.)");
 
   py::class_<SnowSimulation, Holder>(
       module, "SnowSimulation",
-      "Snow that accumulates on moving objects, each with a map in UV space.\n\n"
       R"(Simulates snow that accumulates on moving objects, each with a map in UV space.
 
 pixel_size: edge of an occlusion pixel in metres. noise_density: fraction of pixels that receive
@@ -244,12 +242,11 @@ A context manager: leaving it closes the simulation.)")
           },
           R"(The engine, after waiting for it: a dict of 'name' (GL or CPU), 'driver' (everything
 that can change the last bits of a result) and 'reason' (why it was chosen).)")
-      .def(
-          "add_object", &give_object<&SnowSimulation::add_object>, "name"_a, "triangles"_a, "uv"_a,
-          "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
-          "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
-          "sides"_a = "AUTO",
-          R"(Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets
+      .def("add_object", &give_object<&SnowSimulation::add_object>, "name"_a, "triangles"_a, "uv"_a,
+           "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true, "rest"_a = py::none(),
+           "blur_radius"_a = py::none(), "alpha"_a = py::none(), "shading"_a = py::none(),
+           "sides"_a = "AUTO",
+           R"(Adds a mesh: triangles (T, 3) vertex indices, uv (T, 3, 2) in [0, 1]. A receiver gets
 a map of resolution x resolution texels, and always occludes, too. rest (N, 3): the pose in which
 output measures distances, in metres; by default the pose of its first step. blur_radius: standard
 deviation in metres for this object, by default the simulation's.
@@ -265,69 +262,57 @@ total snow equals what falls on the triangles.
 sides: the sides that take snow. FRONT, where triangles run anticlockwise; BOTH: the side that
 faces the sky, with negative heights on the back; AUTO: BOTH for parts of the mesh without an
 inside (cards, leaves, flags, bowls, by the rest pose), FRONT for the others.)")
-      .def(
-          "replace_object", &give_object<&SnowSimulation::replace_object>, "name"_a, "triangles"_a,
-          "uv"_a, "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true,
-          "rest"_a = py::none(), "blur_radius"_a = py::none(), "alpha"_a = py::none(),
-          "shading"_a = py::none(), "sides"_a = "AUTO",
-          R"(Replaces an object's mesh from the next step on, which must give its positions. A
+      .def("replace_object", &give_object<&SnowSimulation::replace_object>, "name"_a, "triangles"_a,
+           "uv"_a, "resolution"_a = 1024, "receive"_a = true, "occlude"_a = true,
+           "rest"_a = py::none(), "blur_radius"_a = py::none(), "alpha"_a = py::none(),
+           "shading"_a = py::none(), "sides"_a = "AUTO",
+           R"(Replaces an object's mesh from the next step on, which must give its positions. A
 receiver keeps its map wherever the new mesh has a surface in UV space; other snow is removed and
 counts as stretched_volume. Resolution and receive stay. Arguments as in add_object.)")
-      .def(
-          "step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
-          "dt"_a = 1.0 / 24.0,
-          R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
+      .def("step", &step, "positions"_a, "depth"_a, "direction"_a = std::array<double, 3>{0, 0, -1},
+           "dt"_a = 1.0 / 24.0,
+           R"(Simulates one step of snowfall: depth in metres on open level ground, along direction,
 within dt seconds (0: nothing slides or moves). positions: {name: (N, 3) metres} of the objects
 that moved; each object must be given in its first step.)")
-      .def(
-          "change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
-          "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
-          "repose"_a = py::none(), "cohesion"_a = py::none(), "seed"_a = py::none(),
-          R"(Applies other settings from the next step on, in the constructor's units; the snow and
+      .def("change_settings", &change_settings, py::kw_only(), "noise_density"_a = py::none(),
+           "flutter"_a = py::none(), "max_depth"_a = py::none(), "slide_half_life"_a = py::none(),
+           "repose"_a = py::none(), "cohesion"_a = py::none(), "seed"_a = py::none(),
+           R"(Applies other settings from the next step on, in the constructor's units; the snow and
 all settings that are not given stay. Raises ValueError for values out of range.)")
-      .def(
-          "set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
-          py::call_guard<ReleasedGil>(),
-          R"(Sets the standard deviation in metres of the blur of one receiver's output; the stored
+      .def("set_blur_radius", &SnowSimulation::set_blur_radius, "name"_a, "blur_radius"_a,
+           py::call_guard<ReleasedGil>(),
+           R"(Sets the standard deviation in metres of the blur of one receiver's output; the stored
 map stays.)")
-      .def(
-          "height", &map_of<&SnowSimulation::height>, "name"_a,
-          R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
+      .def("height", &map_of<&SnowSimulation::height>, "name"_a,
+           R"(Stored thickness along the normal in metres, (H, W) float32, row 0 = v 0; negative for
 snow on the back.)")
-      .def(
-          "output", &output, "name"_a, "normal"_a = true,
-          R"({'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both
+      .def("output", &output, "name"_a, "normal"_a = true,
+           R"({'height': (H, W) smoothed by blur_radius, 'normal': (H, W, 3) in tangent space}, both
 extended beyond the charts and level at seams. normal=False omits the normals.)")
-      .def(
-          "snapshot", &snapshot, "name"_a, "normal"_a = true,
-          R"(The input of output at this moment, as an object whose output() computes it: once, on
+      .def("snapshot", &snapshot, "name"_a, "normal"_a = true,
+           R"(The input of output at this moment, as an object whose output() computes it: once, on
 any thread, also while the simulation continues or after it is closed.)")
-      .def(
-          "prepare_output", &SnowSimulation::prepare_output, "name"_a,
-          py::call_guard<ReleasedGil>(),
-          R"(Starts building the tables that output of a receiver needs, beside the next steps, and
+      .def("prepare_output", &SnowSimulation::prepare_output, "name"_a,
+           py::call_guard<ReleasedGil>(),
+           R"(Starts building the tables that output of a receiver needs, beside the next steps, and
 returns at once; changes no result. Raises ValueError before its rest pose is known.)")
       .def("save", &SnowSimulation::save, "path"_a, py::call_guard<ReleasedGil>(),
            "Writes a checkpoint atomically.")
-      .def(
-          "restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
-          py::call_guard<ReleasedGil>(),
-          R"(Restores a checkpoint of a simulation with the same settings and objects, and
+      .def("restore", &SnowSimulation::restore, "path"_a, "any_driver"_a = false,
+           py::call_guard<ReleasedGil>(),
+           R"(Restores a checkpoint of a simulation with the same settings and objects, and
 continues bit for bit. Raises RuntimeError for a file that is no checkpoint or is damaged,
 ValueError naming the difference.)")
-      .def(
-          "texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
-          R"(Area in m2 that each texel covers in the current pose, (H, W) float32, 0 outside the
+      .def("texel_area", &map_of<&SnowSimulation::texel_area>, "name"_a,
+           R"(Area in m2 that each texel covers in the current pose, (H, W) float32, 0 outside the
 surface.)")
       .def("measure_passes", &SnowSimulation::measure_passes, "on"_a, py::call_guard<ReleasedGil>(),
            "Starts or stops measuring the passes of engine GL.")
-      .def(
-          "pass_costs", &pass_costs,
-          R"(Costs of the passes of engine GL since the last call, by name: 'calls', 'gpu_seconds'
+      .def("pass_costs", &pass_costs,
+           R"(Costs of the passes of engine GL since the last call, by name: 'calls', 'gpu_seconds'
 by the GPU's clock, 'wall_seconds' of submitting them. Empty unless measure_passes(True).)")
-      .def(
-          "statistics", &statistics,
-          R"(Balance of the last step, under 'total' of all steps, and under 'objects' per
+      .def("statistics", &statistics,
+           R"(Balance of the last step, under 'total' of all steps, and under 'objects' per
 receiver: volumes in m3, areas in m2.)")
       .def("memory_estimate", &memory_estimate,
            "Memory that the simulation needs, in bytes by kind, and as a line of text.")

@@ -142,7 +142,6 @@ void bind_surface(py::module_& module) {
   module.def(
       "wanted_surface_points", &wanted_points, py::arg("triangles"), py::arg("positions"),
       py::arg("depth"), py::arg("shading") = py::none(),
-      "About how many points a SnowSurface of a receiver would like to have at the default "
       R"(Approximate number of points that a SnowSurface of a receiver needs at the default detail
 under `depth` metres of snow, from triangles (T, 3), positions (V, 3) and shading (T, 3) or None:
 receivers share a scene's points in proportion to it.)");
