@@ -19,7 +19,7 @@ constexpr double kRoundsABlock = 40.0;
 constexpr double kRoundsAMap = 24000.0;
 /// Duration in seconds of a step with these limits, and the factor for the longest steps.
 constexpr float kUsualStep = 0.25f;
-constexpr float kMostPatience = 8.0f;
+constexpr float kMostWorkFactor = 8.0f;
 
 /// Rows of a tile in which snow has moved or sticks to walls, one bit each.
 SNOWBOUGH_WIDE uint32_t rows_to_write(const ReposeTile& tile) {
@@ -72,7 +72,7 @@ double Repose::run(std::vector<float>& height, float dt, bool on_all_cores) {
   on_all_cores_ = on_all_cores;
   set_up(height);
   empty_over_outlets();
-  run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostPatience));
+  run_rounds(std::clamp(dt / kUsualStep, 1.0f, kMostWorkFactor));
   const float walls_keep = std::exp2(-dt / shared::kWallHalfLife);
   std::vector<Written> written(chosen_.size());
   for_each(chosen_.size(),

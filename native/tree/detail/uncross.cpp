@@ -9,9 +9,9 @@
 namespace snowbough::tree {
 namespace {
 
-/// Factor by which displacements at intersections are reduced per round, the fraction below which
-/// they are undone, and the maximum number of rounds; and the maximum difference of this fraction
-/// between neighbours.
+/// Displacements at intersections are multiplied by kBack per round, and undone below kLeastShare of
+/// the first one, in at most kBackRounds; the remaining shares of neighbours differ by at most
+/// kShareStep.
 constexpr double kBack = 0.6;
 constexpr double kLeastShare = 0.15;
 constexpr int kBackRounds = 8;

@@ -19,9 +19,9 @@ constexpr double kForkReachOnChild = 2.2;
 constexpr double kForkReachOnParent = 1.3;
 constexpr double kForkReachAslant = 1.5;
 constexpr double kFlattest = 3.0;
-/// A four-sided limb turns from its hole's corners to its own within this many radii, or within
-/// this fraction of its first row. From face to face it turns by half of that with one or two
-/// pieces, and by a third with three, which it takes from this many turns of a row on.
+/// A four-sided limb turns from its hole's corners to its own within kTurnedShare of its first row.
+/// From face to face it turns by half of that with one or two pieces, and by a third with three,
+/// which it takes from kTwisted turns of a row on.
 constexpr double kTurnedShare = 0.15;
 constexpr double kTwisted = 3.5;
 /// A piece farther from the edge with fewer quads is preferred for a change of sides if it is
