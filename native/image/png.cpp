@@ -6,8 +6,6 @@
 #include <string_view>
 #include <vector>
 
-#include "image/atomic_file.h"
-
 namespace snowbough::image {
 namespace {
 
@@ -64,8 +62,7 @@ std::string deflate_all(const std::string& data) {
 }
 
 template <typename Sample>
-void write_png(const std::string& path, int32_t width, int32_t height, int32_t channels,
-               const Sample* samples) {
+std::string encode(int32_t width, int32_t height, int32_t channels, const Sample* samples) {
   if (width < 1 || height < 1 || channels < 1 || channels > 4) {
     throw std::invalid_argument("a PNG image needs a width, a height and 1 to 4 channels");
   }
@@ -86,19 +83,17 @@ void write_png(const std::string& path, int32_t width, int32_t height, int32_t c
     append_chunk(file, "IDAT", std::string_view(packed).substr(begin, kChunk));
   }
   append_chunk(file, "IEND", {});
-  atomic_write(path, file);
+  return file;
 }
 
 }  // namespace
 
-void write_png8(const std::string& path, int32_t width, int32_t height, int32_t channels,
-                const uint8_t* samples) {
-  write_png(path, width, height, channels, samples);
+std::string encode_png(int32_t width, int32_t height, int32_t channels, const uint8_t* samples) {
+  return encode(width, height, channels, samples);
 }
 
-void write_png16(const std::string& path, int32_t width, int32_t height, int32_t channels,
-                 const uint16_t* samples) {
-  write_png(path, width, height, channels, samples);
+std::string encode_png(int32_t width, int32_t height, int32_t channels, const uint16_t* samples) {
+  return encode(width, height, channels, samples);
 }
 
 }  // namespace snowbough::image

@@ -1,6 +1,7 @@
 #include <pybind11/stl.h>
 
 #include "bindings.h"
+#include "image/atomic_file.h"
 #include "image/exr.h"
 #include "image/png.h"
 #include "numpy_arrays.h"
@@ -84,21 +85,23 @@ py::tuple read_exr(const std::string& path) {
   return py::make_tuple(to_numpy<float>(std::move(image.pixels), std::move(shape)), header);
 }
 
-void write_png(const std::string& path, const py::array& pixels) {
+template <typename Sample>
+std::string encode_samples(const py::array& pixels) {
   const PixelShape shape = pixel_shape(pixels);
-  if (py::isinstance<py::array_t<uint8_t>>(pixels)) {
-    const auto samples = InputArray<uint8_t>::ensure(pixels);
-    const uint8_t* data = samples.data();
-    ReleasedGil unlocked;
-    image::write_png8(path, shape.width, shape.height, shape.channels, data);
-  } else if (py::isinstance<py::array_t<uint16_t>>(pixels)) {
-    const auto samples = InputArray<uint16_t>::ensure(pixels);
-    const uint16_t* data = samples.data();
-    ReleasedGil unlocked;
-    image::write_png16(path, shape.width, shape.height, shape.channels, data);
-  } else {
-    throw std::invalid_argument("a PNG image needs an array of uint8 or uint16");
-  }
+  const auto samples = InputArray<Sample>::ensure(pixels);
+  const Sample* data = samples.data();
+  ReleasedGil unlocked;
+  return image::encode_png(shape.width, shape.height, shape.channels, data);
+}
+
+std::string encoded_png(const py::array& pixels) {
+  if (py::isinstance<py::array_t<uint8_t>>(pixels)) return encode_samples<uint8_t>(pixels);
+  if (py::isinstance<py::array_t<uint16_t>>(pixels)) return encode_samples<uint16_t>(pixels);
+  throw std::invalid_argument("a PNG image needs an array of uint8 or uint16");
+}
+
+void write_png(const std::string& path, const py::array& pixels) {
+  image::atomic_write(path, encoded_png(pixels));
 }
 
 }  // namespace
@@ -115,6 +118,10 @@ wrong shapes, RuntimeError with path and reason if the file cannot be written.)"
       "read_exr", &read_exr, py::arg("path"),
       R"(Returns (pixels, header): float32 (H, W) or (H, W, channels), row 0 = v 0, and a dict with
 channels, half, attributes (the header's text attributes).)");
+  module.def(
+      "encode_png", [](const py::array& pixels) { return py::bytes(encoded_png(pixels)); },
+      py::arg("pixels"),
+      "The bytes of a PNG file with (H, W) or (H, W, 1 to 4) uint8 or uint16 samples.");
   module.def("write_png", &write_png, py::arg("path"), py::arg("pixels"),
              "Writes (H, W) or (H, W, 1 to 4) uint8 or uint16 samples, row 0 at the bottom.");
 }

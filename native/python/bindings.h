@@ -50,7 +50,7 @@ void bind_snow_state(pybind11::module_& module);
 void bind_surface(pybind11::module_& module);
 /// Renderer, Camera, RenderSettings.
 void bind_render(pybind11::module_& module);
-/// read_exr, write_exr, write_png.
+/// read_exr, write_exr, encode_png, write_png.
 void bind_image(pybind11::module_& module);
 /// texel_table, output_map.
 void bind_maps(pybind11::module_& module);

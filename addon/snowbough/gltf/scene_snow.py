@@ -7,12 +7,12 @@ import bpy
 import numpy as np
 
 from .. import native
-from ..cache.files import frame_file, write_bytes
+from ..cache.files import frame_file
 from ..cache.folder import baked_frames
 from ..names import SNOW_UV
 from ..result.baked_images import baked_uv_map
 from ..scene import receivers
-from . import png, snow_maps
+from . import snow_maps
 
 # TEXCOORD_<n> that the maps lie on.
 TEXCOORD = 1
@@ -57,7 +57,7 @@ def _write_heights(module, heights, stem, options, attributes):
         return path, {"scale": 1.0, "offset": 0.0}
     samples, scale, offset = snow_maps.quantised(heights)
     path = stem.with_name(f"{stem.name}_snow_height.png")
-    write_bytes(path, png.encode(samples))
+    module.write_png(str(path), samples)
     return path, {"scale": scale, "offset": offset}
 
 
@@ -84,7 +84,7 @@ def _write_maps(scene, obj, folder, stem, options, warnings):
     if all((folder / frame_file("normal", frame)).is_file() for frame in frames):
         normals, _ = _read(module, folder, "normal", frames, tile, snow_maps.FLAT)
         path = stem.with_name(f"{stem.name}_snow_normal.png")
-        write_bytes(path, png.encode(snow_maps.eight_bits(normals)))
+        module.write_png(str(path), snow_maps.eight_bits(normals))
         said["normal"] = {"uri": path.name, "space": "tangent, OpenGL (+Y up), of texCoord"}
         paths.append(path)
     else:

@@ -14,7 +14,7 @@ namespace py = pybind11;
 namespace snowbough::python {
 namespace {
 
-std::vector<float> map_of(const InputArray<float>& height, const char* name) {
+std::vector<float> square_map(const InputArray<float>& height, const char* name) {
   if (height.ndim() != 2 || height.shape(0) != height.shape(1)) {
     throw std::invalid_argument(std::string(name) + " must have shape (resolution, resolution)");
   }
@@ -61,14 +61,14 @@ std::unique_ptr<BoundSurface> make_surface(const InputArray<int32_t>& triangles,
                                            const std::optional<InputArray<int32_t>>& shading,
                                            float scale, int32_t most_points, uint32_t seed,
                                            const std::array<float, 2>& wind) {
-  const std::vector<float> heights = map_of(last, "last");
+  const std::vector<float> heights = square_map(last, "last");
   require_finite(uv, "uv");
   require_positive(depth, "depth");
   require_positive(scale, "scale");
   require_positive(most_points, "most_points");
   const snow::SurfaceSource source = surface_source(
       map_topology(triangles, uv, static_cast<int32_t>(last.shape(0))), positions, shading);
-  const std::vector<float> most = map_of(highest, "highest");
+  const std::vector<float> most = square_map(highest, "highest");
   const snow::SurfacePlan plan{{depth, scale, most_points}, seed, {wind[0], wind[1]}};
   return without_gil([&] {
     return std::make_unique<BoundSurface>(
@@ -102,7 +102,7 @@ py::array_t<float> points(const BoundSurface& self, const InputArray<float>& hei
                           float open_depth, const std::optional<InputArray<float>>& positions,
                           const std::array<float, 3>& up,
                           const std::optional<InputArray<float>>& to_result) {
-  const std::vector<float> heights = map_of(height, "height");
+  const std::vector<float> heights = square_map(height, "height");
   if (height.shape(0) != self.resolution) {
     const std::string size = std::to_string(self.resolution);
     throw std::invalid_argument("height must have shape (" + size + ", " + size + ")");
