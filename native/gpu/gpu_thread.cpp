@@ -101,11 +101,7 @@ void GpuThread::loop(const std::string& device, std::promise<GpuInfo> started) {
   while (true) {
     std::unique_lock lock(mutex_);
     wake_.wait(lock, [this] { return stopping_ || !queue_.empty(); });
-    if (queue_.empty()) {
-      lock.unlock();
-      resources_.clear();
-      return;
-    }
+    if (queue_.empty()) return;
     const std::function<void()> task = std::move(queue_.front());
     queue_.pop_front();
     lock.unlock();

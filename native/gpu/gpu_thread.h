@@ -5,13 +5,11 @@
 #include <exception>
 #include <functional>
 #include <future>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <string>
 #include <thread>
 #include <type_traits>
-#include <typeindex>
 
 #include "base/process.h"
 #include "gpu/egl_context.h"
@@ -72,17 +70,6 @@ class GpuThread {
   /// Whether creating the context has finished or failed: `info` does not wait then.
   bool is_ready() const;
 
-  /// The context's single object of type T (programs, say), created on first use and destroyed with
-  /// the context. Only on the thread itself.
-  template <typename T>
-  T& resource() {
-    std::shared_ptr<void>& slot = resources_[std::type_index(typeid(T))];
-    if (slot == nullptr) {
-      slot = std::make_shared<T>();
-    }
-    return *static_cast<T*>(slot.get());
-  }
-
   /// Whether the process has the thread. A forked one does not: objects on the thread are leaked
   /// there.
   bool is_in_this_process() const { return made_in_.is_here(); }
@@ -106,7 +93,6 @@ class GpuThread {
   std::deque<std::function<void()>> queue_;
   bool stopping_ = false;
   std::shared_future<GpuInfo> info_;
-  std::map<std::type_index, std::shared_ptr<void>> resources_;
   std::thread thread_;
 };
 

@@ -168,7 +168,7 @@ SNOWBOUGH_WIDE void prolong_run(float* __restrict low, float* __restrict high,
                                 const float* __restrict now, const DampingTerms& of,
                                 int32_t count) {
   const DampingTerms terms = of;
-  const uint8_t* __restrict proximity = of.near;
+  const uint8_t* __restrict proximity = of.proximity;
   const uint8_t* __restrict low_joins = rows.joins[0];
   const uint8_t* __restrict high_joins = rows.joins[1];
   for (int32_t i = 0; i < count; ++i) {
