@@ -239,8 +239,8 @@ def exr(width, height, attributes=b""):
     ("content", "reason"),
     [
         (exr(8192, 8192) + bytes(50_000), "cannot hold its 8192 x 8192 pixels"),
-        (exr(8193, 1) + bytes(50_000), "at most 8192"),
-        (exr(34_000, 34_000) + bytes(50_000), "at most 8192"),
+        (exr(8193, 1) + bytes(50_000), "maximum is 8192"),
+        (exr(34_000, 34_000) + bytes(50_000), "maximum is 8192"),
         (exr(4, 4, b"owner\0string\0" + struct.pack("<i", 2**31 - 1)), "truncated"),
     ],
     ids=["short", "wide", "huge", "attribute"],
