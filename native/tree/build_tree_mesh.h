@@ -4,12 +4,12 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "tree/tubes/detail.h"
 #include "tree/mesh/bones_reduce.h"
 #include "tree/mesh/mesh_check.h"
 #include "tree/skeleton/skeleton.h"
 #include "tree/skeleton/tree_mesh.h"
 #include "tree/skeleton/width.h"
+#include "tree/tubes/detail.h"
 
 namespace snowbough::tree {
 

@@ -9,8 +9,8 @@
 namespace snowbough::tree {
 namespace {
 
-/// Displacements at intersections are multiplied by kBack per round, and undone below kLeastShare of
-/// the first one, in at most kBackRounds; the remaining shares of neighbours differ by at most
+/// Displacements at intersections are multiplied by kBack per round, and undone below kLeastShare
+/// of the first one, in at most kBackRounds; the remaining shares of neighbours differ by at most
 /// kShareStep.
 constexpr double kBack = 0.6;
 constexpr double kLeastShare = 0.15;

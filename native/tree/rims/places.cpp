@@ -16,8 +16,8 @@ namespace {
 
 /// Around a hole, vertices are drawn to the limb's own edges by kDrawn, as long as no piece becomes
 /// narrower than kNarrowest of an even one. Otherwise the middle of a row's sides would lie inside
-/// them, and where a hole nearly fills its row they would make a step. Only if more than kWideMargin
-/// of the row's side lies beside the hole: the fillet covers the closer vertices.
+/// them, and where a hole nearly fills its row they would make a step. Only if more than
+/// kWideMargin of the row's side lies beside the hole: the fillet covers the closer vertices.
 constexpr double kDrawn = 0.9;
 constexpr double kNarrowest = 0.4;
 constexpr double kWideMargin = 0.375;

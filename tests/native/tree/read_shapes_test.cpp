@@ -197,8 +197,9 @@ TEST_F(ReadTree, WoodThatIsLeftOutIsReportedWithItsShareOfTheArea) {
   TreeText text;
   text.tree(false, numbered);
   text.line("g bark_sheet\nv 0 0 2\nv 1 0 2\nv 1 1 2\nv 0 1 2\nf -4 -3 -2 -1");
-  EXPECT_THAT(read(text.text()).report.skipped_parts,
-              ElementsAre(Pair("bark_sheet", "a single plane, not a limb: 4.2 % of the wood's area")));
+  EXPECT_THAT(
+      read(text.text()).report.skipped_parts,
+      ElementsAre(Pair("bark_sheet", "a single plane, not a limb: 4.2 % of the wood's area")));
 }
 
 TEST_F(ReadTree, LevelsFollowWhoStandsOnWhomNotSize) {
